@@ -1,0 +1,77 @@
+"""A diagnostic is a value; rendering it is somebody else's work."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import StrEnum
+
+from tachk.diagnostics.span import Span
+
+
+class Severity(StrEnum):
+    ERROR = "error"
+    WARNING = "warning"
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """A secondary place with its own short text, such as "first declared here"."""
+
+    span: Span
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One finding about one place of the input.
+
+    Attributes:
+        code: stable identifier, ``E0214`` or ``W0103``; a key of `tachk.diagnostics.codes.CODES`.
+        message: one sentence, lower case, without a full stop; must make sense on its own.
+        span: the primary place.
+        help: how to mend it, or None where nothing useful can be said.
+        labels: secondary places.
+    """
+
+    code: str
+    message: str
+    span: Span
+    help: str | None = None
+    labels: tuple[Label, ...] = ()
+
+    @property
+    def severity(self) -> Severity:
+        return Severity.WARNING if self.code.startswith("W") else Severity.ERROR
+
+
+class TachkError(Exception):
+    """Base of every error tachk raises on purpose."""
+
+
+class InputError(TachkError):
+    """The user's text, query or option is wrong. Carries every diagnostic that was found."""
+
+    def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
+        self.diagnostics = tuple(diagnostics)
+        super().__init__("; ".join(f"{d.span}: {d.code}: {d.message}" for d in self.diagnostics))
+
+
+class UnsupportedError(TachkError):
+    """The model is legal but uses a feature that the requested analysis cannot decide."""
+
+    def __init__(self, diagnostic: Diagnostic) -> None:
+        self.diagnostic = diagnostic
+        super().__init__(f"{diagnostic.span}: {diagnostic.code}: {diagnostic.message}")
+
+
+class UsageError(TachkError):
+    """A wrong option, path or constant that has no place in a source text."""
+
+    def __init__(self, message: str, help: str | None = None) -> None:
+        self.help = help
+        super().__init__(message)
+
+
+class InternalError(TachkError):
+    """A defect of tachk itself."""

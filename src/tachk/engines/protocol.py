@@ -1,0 +1,134 @@
+"""What every exploration engine takes and gives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+
+from tachk.diagnostics.span import Span
+from tachk.semantics.bytecode import RuntimeErrorKind
+from tachk.semantics.trace import Transition
+
+
+class SearchOrder(StrEnum):
+    BFS = "bfs"
+    DFS = "dfs"
+    RANDOM_DFS = "rdfs"
+
+
+class Extrapolation(StrEnum):
+    LU = "lu"
+    """Extra+LU of Behrmann, Bouyer, Larsen, Pelánek 2006 (LU+); falls back to MAX where LU would be unsound."""
+    MAX = "max"
+    """The same operator with L = U = the larger of both: preserves enabledness (deadlock, priorities)."""
+    NONE = "none"
+
+
+class BoundScope(StrEnum):
+    LOCAL = "local"
+    """Clock bounds for each location."""
+    GLOBAL = "global"
+    """One bound for each clock in the whole model."""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How to search. No option may change a verdict.
+
+    Attributes:
+        order: which state is explored next; BFS gives shortest traces.
+        seed: for RANDOM_DFS.
+        extrapolation: the zone abstraction.
+        bounds: where the clock bounds of the abstraction come from.
+        subsumption: drop a state whose zone lies inside a stored zone, not only equal ones.
+        narrow: use 16-bit bounds where every constant fits.
+        vector: use the widest vector instructions of this machine; off: portable code.
+    """
+
+    order: SearchOrder = SearchOrder.BFS
+    seed: int = 1
+    extrapolation: Extrapolation = Extrapolation.LU
+    bounds: BoundScope = BoundScope.LOCAL
+    subsumption: bool = True
+    narrow: bool = True
+    vector: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """When to give up; None means no limit.
+
+    Attributes:
+        states: stored states.
+        seconds: wall-clock seconds.
+        memory_bytes: bytes the engine's data structures may take.
+        depth: transitions from the initial state.
+    """
+
+    states: int | None = None
+    seconds: float | None = None
+    memory_bytes: int | None = None
+    depth: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """Attributes:
+    states_explored: states whose successors were computed.
+    states_stored: states in the passed list at the end.
+    transitions: successors computed.
+    seconds: wall-clock time of the search.
+    peak_bytes: largest size of the engine's data structures.
+    """
+
+    states_explored: int = 0
+    states_stored: int = 0
+    transitions: int = 0
+    seconds: float = 0.0
+    peak_bytes: int = 0
+
+
+class Status(StrEnum):
+    REACHED = "reached"
+    UNREACHABLE = "unreachable"
+    UNDECIDED = "undecided"
+
+
+@dataclass(frozen=True, slots=True)
+class GoalOutcome:
+    """``path``: the transitions from the initial state to a state of the goal, where it was REACHED."""
+
+    status: Status
+    path: tuple[Transition, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RunTimeFault:
+    """The model went wrong: ``path`` leads to the state, ``transition`` (None: an invariant, an initial state or a
+    predicate) is what was being evaluated at ``span``."""
+
+    kind: RuntimeErrorKind
+    span: Span
+    path: tuple[Transition, ...]
+    transition: Transition | None
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """Attributes:
+    goals: one for each goal, in order.
+    reason: why some goal is UNDECIDED: ``"state limit"``, ``"time limit"``, ``"memory limit"``, ``"depth limit"``,
+        ``"interrupted"``, ``"run-time error"``; empty otherwise.
+    exact: False if the set of states was over-approximated (stopwatches): then REACHED needs a replayed trace.
+    """
+
+    goals: tuple[GoalOutcome, ...]
+    statistics: Statistics
+    reason: str = ""
+    fault: RunTimeFault | None = None
+    exact: bool = True
+
+
+Progress = Callable[[Statistics], None]
+"""Called now and then during long searches."""

@@ -1,0 +1,118 @@
+"""A network of timed automata: processes side by side, sharing variables, clocks and channels.
+
+A network is fully instantiated: one `Process` for each instance of a template, in the order of the system line.
+Its semantics is stated in docs/semantics.md.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from tachk.diagnostics.span import NOWHERE, Span
+from tachk.model.expressions import Expression, Variable
+
+DEFAULT_PRIORITY = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Location:
+    """Attributes:
+    invariant: boolean expression or None; a conjunction of clock constraints, integer conditions and disjunctions in
+        which at most one side has clocks.
+    rates: pairs (clock, rate): while control is here the clock runs with that rate, an integer expression that is
+        0 (stopped) or 1.
+    """
+
+    name: str
+    invariant: Expression | None = None
+    rates: tuple[tuple[Expression, Expression], ...] = ()
+    urgent: bool = False
+    committed: bool = False
+    doc: str = ""
+    span: Span = NOWHERE
+
+
+class Direction(StrEnum):
+    SEND = "!"
+    RECEIVE = "?"
+
+
+@dataclass(frozen=True, slots=True)
+class Synchronisation:
+    """``channel!`` or ``channel?``; the channel expression has a `ChannelType`."""
+
+    channel: Expression
+    direction: Direction
+    span: Span = NOWHERE
+
+
+@dataclass(frozen=True, slots=True)
+class Edge:
+    """Attributes:
+    source, target: location numbers in the process.
+    selects: bound variables; the edge stands for one edge for each combination of their values.
+    guard: boolean expression or None (true).
+    updates: executed left to right.
+    spans: the places of the pieces of text this edge comes from (an edge through a branchpoint has two).
+    """
+
+    source: int
+    target: int
+    selects: tuple[Variable, ...] = ()
+    guard: Expression | None = None
+    synchronisation: Synchronisation | None = None
+    updates: tuple[Expression, ...] = ()
+    doc: str = ""
+    spans: tuple[Span, ...] = (NOWHERE,)
+
+
+@dataclass(frozen=True, slots=True)
+class Process:
+    """An instance of a template.
+
+    Attributes:
+        name: ``P``, or ``T(1)`` for an instance made by a free parameter.
+        template: the name of the template.
+        variables: the local variables, clocks and channels, in declaration order.
+        priority: process priority; higher goes first.
+    """
+
+    name: str
+    template: str
+    locations: tuple[Location, ...]
+    edges: tuple[Edge, ...]
+    initial: int = 0
+    variables: tuple[Variable, ...] = ()
+    priority: int = DEFAULT_PRIORITY
+    span: Span = NOWHERE
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """A named observable of the state."""
+
+    name: str
+    expression: Expression
+    span: Span = NOWHERE
+
+
+@dataclass(frozen=True, slots=True)
+class Network:
+    """Attributes:
+    variables: the global variables, clocks and channels, in declaration order.
+    default_priority: the priority of internal edges and of channels without one of their own.
+    constants: the global integer constants with their values, for reports.
+    time_unit: what one time unit means, for output only: ``"1 ms"``.
+    """
+
+    processes: tuple[Process, ...]
+    variables: tuple[Variable, ...] = ()
+    default_priority: int = DEFAULT_PRIORITY
+    constants: tuple[tuple[str, int], ...] = ()
+    signals: tuple[Signal, ...] = ()
+    time_unit: str = ""
+
+    def all_variables(self) -> tuple[Variable, ...]:
+        """Global variables first, then those of each process in order: the order of cells everywhere in tachk."""
+        return self.variables + tuple(v for p in self.processes for v in p.variables)

@@ -1,0 +1,127 @@
+"""The types of the modelling language.
+
+A value of any type is a sequence of *cells* (its scalar leaves, in declaration order), so an array of records and a
+bounded integer differ only in how many cells they have. Clocks and channels are cells too: their content is the fixed
+number of that clock or channel, which makes indexing, passing by reference and structs with clocks one mechanism.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+DEFAULT_INT_LOW, DEFAULT_INT_HIGH = -32768, 32767
+CONSTANT_LOW, CONSTANT_HIGH = -(2**31), 2**31 - 1
+
+
+@dataclass(frozen=True, slots=True)
+class IntType:
+    """An integer in ``[low, high]``. Plain ``int`` is ``[-32768, 32767]``; constants may use the full 32 bits."""
+
+    low: int = DEFAULT_INT_LOW
+    high: int = DEFAULT_INT_HIGH
+
+
+@dataclass(frozen=True, slots=True)
+class BoolType:
+    """0 or 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class ScalarType:
+    """One of ``size`` interchangeable values; two scalar types are the same type only if their names are equal."""
+
+    name: str
+    size: int
+
+
+@dataclass(frozen=True, slots=True)
+class ClockType:
+    pass
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelType:
+    broadcast: bool = False
+    urgent: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class VoidType:
+    pass
+
+
+@dataclass(frozen=True, slots=True)
+class ArrayType:
+    """``size`` elements, indexed by ``index``: ``int a[4]`` by ``[0, 3]``, ``int a[id_t]`` by the values of ``id_t``."""
+
+    element: Type
+    index: IntType | ScalarType
+
+    @property
+    def low(self) -> int:
+        return self.index.low if isinstance(self.index, IntType) else 0
+
+    @property
+    def size(self) -> int:
+        return self.index.high - self.index.low + 1 if isinstance(self.index, IntType) else self.index.size
+
+
+@dataclass(frozen=True, slots=True)
+class RecordType:
+    """A struct; ``name`` is for messages only, equality of fields decides assignability."""
+
+    name: str
+    fields: tuple[tuple[str, Type], ...]
+
+    def offset(self, field: str) -> int:
+        """The number of cells in front of a field. Raises KeyError for an unknown field."""
+        before = 0
+        for name, type_ in self.fields:
+            if name == field:
+                return before
+            before += cell_count(type_)
+        raise KeyError(field)
+
+
+ScalarLike = IntType | BoolType | ScalarType
+Type = IntType | BoolType | ScalarType | ClockType | ChannelType | VoidType | ArrayType | RecordType
+
+
+def cell_count(type_: Type) -> int:
+    """How many cells a value of the type has."""
+    match type_:
+        case ArrayType():
+            return type_.size * cell_count(type_.element)
+        case RecordType():
+            return sum(cell_count(t) for _, t in type_.fields)
+        case VoidType():
+            return 0
+        case _:
+            return 1
+
+
+def leaves(type_: Type, path: str = "") -> Iterator[tuple[str, Type]]:
+    """The cells of a type in order, each with its access path (``[2].x``) and its leaf type."""
+    match type_:
+        case ArrayType():
+            for i in range(type_.size):
+                yield from leaves(type_.element, f"{path}[{type_.low + i}]")
+        case RecordType():
+            for name, field_type in type_.fields:
+                yield from leaves(field_type, f"{path}.{name}")
+        case VoidType():
+            return
+        case _:
+            yield path, type_
+
+
+def bounds(type_: ScalarLike) -> tuple[int, int]:
+    """The smallest and the largest value of an integer-like type."""
+    match type_:
+        case IntType(low, high):
+            return low, high
+        case BoolType():
+            return 0, 1
+        case ScalarType(_, size):
+            return 0, size - 1

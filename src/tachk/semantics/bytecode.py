@@ -1,0 +1,100 @@
+"""The instructions of the core's stack machine. `src/core/include/tachk/opcode.hpp` mirrors the numbers.
+
+A word is a signed 32-bit integer; an instruction is an opcode followed by its operands. Values on the stack are 64-bit;
+the result of every arithmetic instruction must fit 32 bits, otherwise the run-time error OVERFLOW is raised.
+"a b -- c" reads: pops b, pops a, pushes c.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class Opcode(IntEnum):
+    END = 0
+    """End of a piece of code; its value, if it has one, is on top of the stack."""
+    CONST = 1
+    """CONST v: -- v"""
+    LOAD = 2
+    """LOAD slot: -- value"""
+    LOAD_INDIRECT = 3
+    """slot -- value"""
+    STORE = 4
+    """STORE slot: value -- ; checks the slot's range (error RANGE)"""
+    STORE_INDIRECT = 5
+    """slot value -- ; checks the slot's range"""
+    INDEX = 6
+    """INDEX low size stride: slot i -- slot + (i - low) * stride; error INDEX if i is outside [low, low + size)"""
+    COPY = 7
+    """COPY n: destination source -- ; copies n slots with range checks, safe for overlap"""
+    EQUAL_CELLS = 8
+    """EQUAL_CELLS n: slot slot -- 0|1"""
+    RESET = 9
+    """clock value -- ; sets a clock; error NEGATIVE_CLOCK if value < 0"""
+    DUPLICATE = 10
+    """a -- a a"""
+    POP = 11
+    """a --"""
+    SWAP = 12
+    """a b -- b a"""
+    OVER = 13
+    """a b -- a b a"""
+    ADD = 20
+    SUBTRACT = 21
+    MULTIPLY = 22
+    DIVIDE = 23
+    """error DIVISION if the divisor is 0"""
+    MODULO = 24
+    POWER = 25
+    """error NEGATIVE_EXPONENT if the exponent is negative"""
+    BIT_AND = 26
+    BIT_OR = 27
+    BIT_XOR = 28
+    SHIFT_LEFT = 29
+    """error SHIFT if the distance is negative or above 31"""
+    SHIFT_RIGHT = 30
+    MINIMUM = 31
+    MAXIMUM = 32
+    NEGATE = 33
+    NOT = 34
+    """a -- 0|1"""
+    BOOLEAN = 35
+    """a -- (a != 0)"""
+    EQUAL = 40
+    NOT_EQUAL = 41
+    LESS = 42
+    LESS_EQUAL = 43
+    GREATER = 44
+    GREATER_EQUAL = 45
+    JUMP = 50
+    """JUMP position"""
+    JUMP_IF_ZERO = 51
+    """JUMP_IF_ZERO position: a --"""
+    JUMP_IF_NONZERO = 52
+    """JUMP_IF_NONZERO position: a --"""
+    CALL = 53
+    """CALL position: remembers where to go on"""
+    RETURN = 54
+    ASSERT = 55
+    """a -- ; error ASSERT if a is 0"""
+    CHECK_RANGE = 56
+    """CHECK_RANGE low high: a -- a; error RANGE"""
+
+
+class RuntimeErrorKind(IntEnum):
+    """What can go wrong while a model runs. The core reports one with the code position where it happened."""
+
+    NONE = 0
+    RANGE = 1
+    """a value outside the declared range of a variable, parameter or result"""
+    INDEX = 2
+    DIVISION = 3
+    NEGATIVE_CLOCK = 4
+    OVERFLOW = 5
+    SHIFT = 6
+    NEGATIVE_EXPONENT = 7
+    ASSERT = 8
+    LOOP = 9
+    """more than 2**24 instructions in one piece of code"""
+    BOUND = 10
+    """a clock is compared with a value beyond the constants the program was compiled for"""

@@ -1,0 +1,69 @@
+"""Runs of a network as values: which edges fire, and, for timed traces, when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class Participant:
+    """Attributes:
+    process: process number.
+    edge: number of the edge in the process.
+    selects: the values of the edge's select variables.
+    """
+
+    process: int
+    edge: int
+    selects: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Transition:
+    """One internal edge, a sender and a receiver, or a broadcast sender and its receivers in process order."""
+
+    participants: tuple[Participant, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class DiscreteState:
+    """Attributes:
+    locations: one location number for each process.
+    values: one value for each cell of `Network.all_variables` in order; cells of clocks (numbered from 1) and channels
+        (numbered from 0) hold their numbers.
+    """
+
+    locations: tuple[int, ...]
+    values: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TimedState:
+    """Attributes:
+    clocks: the value of every clock; entry i belongs to clock number i + 1.
+    time: time since the start of the run.
+    """
+
+    discrete: DiscreteState
+    clocks: tuple[Fraction, ...]
+    time: Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class TimedStep:
+    """First ``delay`` passes, then the transition fires (None: the trace ends after the delay); ``state`` is after."""
+
+    delay: Fraction
+    transition: Transition | None
+    state: TimedState
+
+
+@dataclass(frozen=True, slots=True)
+class TimedTrace:
+    initial: TimedState
+    steps: tuple[TimedStep, ...]
+
+    @property
+    def states(self) -> tuple[TimedState, ...]:
+        return (self.initial, *(step.state for step in self.steps))
