@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from tachk.diagnostics.span import Span
-from tachk.semantics.bytecode import RuntimeErrorKind
+from tachk.model.fault import RuntimeErrorKind
 from tachk.semantics.trace import Transition
 
 

@@ -79,22 +79,3 @@ class Opcode(IntEnum):
     """a -- ; error ASSERT if a is 0"""
     CHECK_RANGE = 56
     """CHECK_RANGE low high: a -- a; error RANGE"""
-
-
-class RuntimeErrorKind(IntEnum):
-    """What can go wrong while a model runs. The core reports one with the code position where it happened."""
-
-    NONE = 0
-    RANGE = 1
-    """a value outside the declared range of a variable, parameter or result"""
-    INDEX = 2
-    DIVISION = 3
-    NEGATIVE_CLOCK = 4
-    OVERFLOW = 5
-    SHIFT = 6
-    NEGATIVE_EXPONENT = 7
-    ASSERT = 8
-    LOOP = 9
-    """more than 2**24 instructions in one piece of code"""
-    BOUND = 10
-    """a clock is compared with a value beyond the constants the program was compiled for"""

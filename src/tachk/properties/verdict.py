@@ -1,0 +1,45 @@
+"""The answer to one query, with its evidence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from tachk.engines.protocol import RunTimeFault, Statistics
+from tachk.model.query import Expectation, Query
+from tachk.semantics.trace import TimedTrace
+
+
+class Answer(StrEnum):
+    HOLDS = "holds"
+    FAILS = "fails"
+    UNKNOWN = "unknown"
+
+    def __bool__(self) -> bool:
+        raise TypeError("an answer has three values; compare it with Answer.HOLDS, FAILS or UNKNOWN")
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """Attributes:
+    exact: the answer is proved; False only together with UNKNOWN, where an over-approximation was not conclusive.
+    reason: why the answer is UNKNOWN, else empty.
+    trace: a replayed run that shows E<> true or A[] false; None where no run can.
+    fault: the run-time error of the model that ended the search, if one did.
+    """
+
+    query: Query
+    answer: Answer
+    exact: bool
+    reason: str
+    statistics: Statistics
+    trace: TimedTrace | None = None
+    fault: RunTimeFault | None = None
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the answer is the expected one (without ``expect``: whether it is HOLDS); None for UNKNOWN."""
+        if self.answer is Answer.UNKNOWN:
+            return None
+        expected = self.query.expectation or Expectation.HOLDS
+        return self.answer.value == expected.value

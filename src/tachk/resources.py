@@ -1,0 +1,23 @@
+"""The one place that finds the data files: grammar/, templates/, models/, queries/.
+
+In a checkout they lie beside ``src/``; in an installed wheel in ``tachk/_data``.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+
+@cache
+def data_root() -> Path:
+    """The folder that holds grammar/ and its siblings."""
+    checkout = Path(__file__).resolve().parents[2]
+    if (checkout / "pyproject.toml").is_file() and (checkout / "grammar").is_dir():
+        return checkout
+    return Path(__file__).resolve().parent / "_data"
+
+
+def grammar_text(name: str) -> str:
+    """The text of ``grammar/NAME.lark``."""
+    return (data_root() / "grammar" / f"{name}.lark").read_text(encoding="utf-8")
