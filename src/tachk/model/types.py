@@ -53,7 +53,7 @@ class VoidType:
 
 @dataclass(frozen=True, slots=True)
 class ArrayType:
-    """``size`` elements, indexed by ``index``: ``int a[4]`` by ``[0, 3]``, ``int a[id_t]`` by the values of ``id_t``."""
+    """``size`` elements indexed by ``index``: ``int a[4]`` by ``[0, 3]``, ``int a[id_t]`` by the values of ``id_t``."""
 
     element: Type
     index: IntType | ScalarType

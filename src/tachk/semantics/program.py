@@ -71,7 +71,7 @@ class Condition:
 
 @dataclass(frozen=True, slots=True)
 class Update:
-    """Either only ``stores`` (slot, value) and ``resets`` (clock, value), or, where that cannot say it, only ``code``."""
+    """Either only ``stores`` (slot, value) and ``resets`` (clock, value), or, where that cannot say it, ``code``."""
 
     stores: tuple[tuple[int, int], ...] = ()
     resets: tuple[tuple[int, int], ...] = ()

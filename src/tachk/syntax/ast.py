@@ -1,7 +1,7 @@
 """The syntax tree: what the text says, nothing resolved, every node with its place.
 
-The tree is the common ground of the text parser, the UPPAAL XML reader, the formatter and elaboration. Comments are kept
-beside it (`Document.comments`) and put back by the formatter.
+The tree is the common ground of the text parser, the UPPAAL XML reader, the formatter and elaboration. Comments are
+kept beside it (`Document.comments`) and put back by the formatter.
 """
 
 from __future__ import annotations
