@@ -1,0 +1,465 @@
+"""The reference evaluator: what expressions and statements mean, written to be obvious rather than fast.
+
+Everything is evaluated left to right. In an assignment the place is computed first, for a compound assignment the old
+value is read next, then the value is computed, then it is stored with a range check of the cell that is written.
+A function parameter passed by value is checked like an assignment, a result against the declared result type.
+"""
+
+from __future__ import annotations
+
+import operator as op
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import assert_never
+
+from tachk.diagnostics.span import NOWHERE, Span
+from tachk.model.expressions import (
+    Aggregate,
+    Assert,
+    Assign,
+    Binary,
+    BinaryOperator,
+    Block,
+    Call,
+    Comma,
+    Conditional,
+    Constant,
+    Deadlock,
+    Declare,
+    Evaluate,
+    Expression,
+    Field,
+    Function,
+    If,
+    Increment,
+    Index,
+    Iterate,
+    LocationTest,
+    Quantifier,
+    QuantifierKind,
+    Reference,
+    Return,
+    Statement,
+    Unary,
+    UnaryOperator,
+    Variable,
+    While,
+)
+from tachk.model.fault import EvaluationFault, RuntimeErrorKind
+from tachk.model.layout import CellLayout, cell_bounds, default_cells
+from tachk.model.types import (
+    ArrayType,
+    BoolType,
+    ClockType,
+    IntType,
+    RecordType,
+    ScalarType,
+    Type,
+    VoidType,
+    bounds,
+    cell_count,
+    leaves,
+)
+
+STEP_LIMIT = 2**24
+"""Expressions and statements evaluated in one piece of code before the fault LOOP."""
+
+
+@dataclass(slots=True)
+class Cells:
+    """A piece of storage: values with their ranges."""
+
+    values: list[int]
+    ranges: Sequence[tuple[int, int]]
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A position in a piece of storage."""
+
+    cells: Cells
+    offset: int
+
+    def read(self, count: int = 1) -> tuple[int, ...]:
+        return tuple(self.cells.values[self.offset : self.offset + count])
+
+    def write(self, values: Sequence[int], span: Span) -> None:
+        """Stores values; raises the fault RANGE, and then stores nothing, if one is outside its cell's range."""
+        for value, (low, high) in zip(values, self.cells.ranges[self.offset :], strict=False):
+            if not low <= value <= high:
+                raise EvaluationFault(RuntimeErrorKind.RANGE, span)
+        self.cells.values[self.offset : self.offset + len(values)] = values
+
+
+@dataclass(slots=True)
+class Environment:
+    """Where an expression is evaluated.
+
+    Attributes:
+        layout: the numbering of cells.
+        values: the content of every cell; updates change this list in place.
+        locations: the current location of every process; needed by location tests only.
+        clocks: the value of every clock, entry i for clock number i + 1; needed by clock comparisons only. Updates
+            do not change it.
+        resets: what updates assigned to clocks: clock number to new value.
+        deadlock: the answer to ``deadlock``; needed by that expression only.
+        frame: the places of function parameters, local variables of functions and bound variables.
+        steps: evaluated so far in the current piece of code.
+    """
+
+    layout: CellLayout
+    values: list[int]
+    locations: Sequence[int] = ()
+    clocks: Sequence[Fraction] | None = None
+    resets: dict[int, int] = field(default_factory=dict)
+    deadlock: Callable[[], bool] | None = None
+    frame: dict[Variable, Place] = field(default_factory=dict)
+    steps: int = 0
+    _state: Cells = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        self._state = Cells(self.values, self.layout.ranges)
+
+    def bind(self, variable: Variable, value: int) -> None:
+        """Gives a select or quantifier variable its value."""
+        assert isinstance(variable.type, IntType | BoolType | ScalarType)
+        self.frame[variable] = Place(Cells([value], (bounds(variable.type),)), 0)
+
+    def place(self, variable: Variable) -> Place:
+        """The place of a variable; raises KeyError for one that is not in the environment."""
+        in_frame = self.frame.get(variable)
+        return in_frame if in_frame is not None else Place(self._state, self.layout.first[variable])
+
+
+def evaluate(expression: Expression, environment: Environment) -> int:
+    """The value of an expression of integer, boolean or scalar type, with its side effects. Raises EvaluationFault."""
+    environment.steps = 0
+    return _scalar(expression, environment)
+
+
+def evaluate_cells(expression: Expression, environment: Environment) -> tuple[int, ...]:
+    """The cells of the value of an expression of any type. Raises EvaluationFault."""
+    environment.steps = 0
+    return _cells(expression, environment)
+
+
+def evaluate_number(expression: Expression, environment: Environment) -> int | Fraction:
+    """The value of an integer expression, of a clock or of a difference of clocks. Raises EvaluationFault."""
+    environment.steps = 0
+    return _number(expression, environment)
+
+
+def holds(condition: Expression | None, environment: Environment) -> bool:
+    """Whether a condition is true; None is. Raises EvaluationFault."""
+    return condition is None or evaluate(condition, environment) != 0
+
+
+def execute(updates: Iterable[Expression], environment: Environment) -> None:
+    """Executes the updates of one edge, left to right, on the environment. Raises EvaluationFault."""
+    environment.steps = 0
+    for update in updates:
+        _cells(update, environment)
+
+
+def clock_number(expression: Expression, environment: Environment) -> int:
+    """The number of the clock that an expression of clock type denotes. Raises EvaluationFault."""
+    environment.steps = 0
+    return _place(expression, environment).read()[0]
+
+
+def channel_number(expression: Expression, environment: Environment) -> int:
+    """The number of the channel that an expression of channel type denotes. Raises EvaluationFault."""
+    environment.steps = 0
+    return _place(expression, environment).read()[0]
+
+
+# ---- expressions ------------------------------------------------------------------------------------------------
+
+
+def _count_step(span: Span, environment: Environment) -> None:
+    environment.steps += 1
+    if environment.steps > STEP_LIMIT:
+        raise EvaluationFault(RuntimeErrorKind.LOOP, span)
+
+
+def _cells(expression: Expression, environment: Environment) -> tuple[int, ...]:
+    if isinstance(expression.type, VoidType):
+        assert isinstance(expression, Call)
+        return _call(expression, environment)
+    if isinstance(expression.type, IntType | BoolType | ScalarType):
+        return (_scalar(expression, environment),)
+    match expression:
+        case Aggregate(items):
+            return tuple(cell for item in items for cell in _cells(item, environment))
+        case Assign():
+            return _assign(expression, environment)
+        case Call():
+            return _call(expression, environment)
+        case Comma(items):
+            for item in items[:-1]:
+                _cells(item, environment)
+            return _cells(items[-1], environment)
+        case _:
+            return _place(expression, environment).read(cell_count(expression.type))
+
+
+def _scalar(expression: Expression, environment: Environment) -> int:
+    _count_step(expression.span, environment)
+    match expression:
+        case Constant(value):
+            return value
+        case Reference() | Index() | Field():
+            return _place(expression, environment).read()[0]
+        case Unary(operator, operand, _, span):
+            value = _scalar(operand, environment)
+            return int(value == 0) if operator is UnaryOperator.NOT else _fit(-value, span)
+        case Binary():
+            return _binary(expression, environment)
+        case Conditional(condition, then, otherwise):
+            return _scalar(then if _scalar(condition, environment) else otherwise, environment)
+        case Quantifier():
+            return _quantifier(expression, environment)
+        case Assign():
+            return _assign(expression, environment)[0]
+        case Increment(target, delta, prefix, _, span):
+            place = _place(target, environment)
+            old = place.read()[0]
+            new = _fit(old + delta, span)
+            place.write((new,), span)
+            return new if prefix else old
+        case Call():
+            return _call(expression, environment)[0]
+        case Comma(items):
+            for item in items[:-1]:
+                _cells(item, environment)
+            return _scalar(items[-1], environment)
+        case LocationTest(process, location):
+            return int(environment.locations[process] == location)
+        case Deadlock():
+            if environment.deadlock is None:
+                raise ValueError("this environment cannot answer 'deadlock'")
+            return int(environment.deadlock())
+        case Aggregate():
+            raise TypeError("an aggregate is not a scalar value")
+        case _ as never:
+            assert_never(never)
+
+
+def _number(expression: Expression, environment: Environment) -> int | Fraction:
+    if isinstance(expression.type, ClockType):
+        if isinstance(expression, Binary):
+            assert expression.operator is BinaryOperator.SUBTRACT
+            return _number(expression.left, environment) - _number(expression.right, environment)
+        if environment.clocks is None:
+            raise ValueError("this environment has no clock values")
+        return environment.clocks[_place(expression, environment).read()[0] - 1]
+    return _scalar(expression, environment)
+
+
+def _place(expression: Expression, environment: Environment) -> Place:
+    match expression:
+        case Reference(variable):
+            return environment.place(variable)
+        case Index(base, index, _, span):
+            assert isinstance(base.type, ArrayType)
+            start = _place(base, environment)
+            number = _scalar(index, environment) - base.type.low
+            if not 0 <= number < base.type.size:
+                raise EvaluationFault(RuntimeErrorKind.INDEX, span)
+            return Place(start.cells, start.offset + number * cell_count(base.type.element))
+        case Field(base, name):
+            assert isinstance(base.type, RecordType)
+            start = _place(base, environment)
+            return Place(start.cells, start.offset + base.type.offset(name))
+        case Conditional(condition, then, otherwise):
+            return _place(then if _scalar(condition, environment) else otherwise, environment)
+        case _:
+            values = _cells(expression, environment)
+            return Place(Cells(list(values), _ranges(expression.type)), 0)
+
+
+def _ranges(type_: Type) -> tuple[tuple[int, int], ...]:
+    return tuple(cell_bounds(leaf) for _, leaf in leaves(type_))
+
+
+def _assign(expression: Assign, environment: Environment) -> tuple[int, ...]:
+    target, value, span = expression.target, expression.value, expression.span
+    place = _place(target, environment)
+    if isinstance(target.type, ClockType):
+        number = _scalar(value, environment)
+        if number < 0:
+            raise EvaluationFault(RuntimeErrorKind.NEGATIVE_CLOCK, span)
+        environment.resets[place.read()[0]] = number
+        return (number,)
+    if expression.operator is None:
+        cells = _cells(value, environment)
+    else:
+        old = place.read()[0]
+        cells = (_arithmetic(expression.operator, old, _scalar(value, environment), span),)
+    place.write(cells, span)
+    return cells
+
+
+def _call(expression: Call, environment: Environment) -> tuple[int, ...]:
+    function: Function = expression.function
+    places = []
+    for parameter, argument in zip(function.parameters, expression.arguments, strict=True):
+        if parameter.reference:
+            places.append(_place(argument, environment))
+        else:
+            place = Place(Cells(list(default_cells(parameter.type)), _ranges(parameter.type)), 0)
+            place.write(_cells(argument, environment), argument.span)
+            places.append(place)
+    environment.frame.update(zip(function.parameters, places, strict=True))
+    return _run(function.body, function.result, environment) or ()
+
+
+def _quantifier(expression: Quantifier, environment: Environment) -> int:
+    assert isinstance(expression.variable.type, IntType | BoolType | ScalarType)
+    low, high = bounds(expression.variable.type)
+    total = 0
+    for value in range(low, high + 1):
+        environment.bind(expression.variable, value)
+        result = _scalar(expression.body, environment)
+        match expression.kind:
+            case QuantifierKind.FORALL:
+                if not result:
+                    return 0
+            case QuantifierKind.EXISTS:
+                if result:
+                    return 1
+            case QuantifierKind.SUM:
+                total = _fit(total + result, expression.span)
+    return {QuantifierKind.FORALL: 1, QuantifierKind.EXISTS: 0, QuantifierKind.SUM: total}[expression.kind]
+
+
+_COMPARISONS: dict[BinaryOperator, Callable[[int | Fraction, int | Fraction], bool]] = {
+    BinaryOperator.EQUAL: op.eq,
+    BinaryOperator.NOT_EQUAL: op.ne,
+    BinaryOperator.LESS: op.lt,
+    BinaryOperator.LESS_EQUAL: op.le,
+    BinaryOperator.GREATER: op.gt,
+    BinaryOperator.GREATER_EQUAL: op.ge,
+}
+
+
+def _binary(expression: Binary, environment: Environment) -> int:
+    left, right = expression.left, expression.right
+    match expression.operator:
+        case BinaryOperator.AND:
+            return int(_scalar(left, environment) != 0 and _scalar(right, environment) != 0)
+        case BinaryOperator.OR:
+            return int(_scalar(left, environment) != 0 or _scalar(right, environment) != 0)
+        case BinaryOperator.IMPLY:
+            return int(_scalar(left, environment) == 0 or _scalar(right, environment) != 0)
+        case comparison if comparison in _COMPARISONS:
+            if isinstance(left.type, ArrayType | RecordType):
+                same = _cells(left, environment) == _cells(right, environment)
+                return int(same is (comparison is BinaryOperator.EQUAL))
+            return int(_COMPARISONS[comparison](_number(left, environment), _number(right, environment)))
+        case arithmetic:
+            first = _scalar(left, environment)
+            return _arithmetic(arithmetic, first, _scalar(right, environment), expression.span)
+
+
+def _fit(value: int, span: Span) -> int:
+    if not -(2**31) <= value < 2**31:
+        raise EvaluationFault(RuntimeErrorKind.OVERFLOW, span)
+    return value
+
+
+def _arithmetic(operator: BinaryOperator, left: int, right: int, span: Span = NOWHERE) -> int:
+    match operator:
+        case BinaryOperator.ADD:
+            return _fit(left + right, span)
+        case BinaryOperator.SUBTRACT:
+            return _fit(left - right, span)
+        case BinaryOperator.MULTIPLY:
+            return _fit(left * right, span)
+        case BinaryOperator.DIVIDE | BinaryOperator.MODULO:
+            if right == 0:
+                raise EvaluationFault(RuntimeErrorKind.DIVISION, span)
+            quotient = abs(left) // abs(right)
+            if (left < 0) != (right < 0):
+                quotient = -quotient
+            return _fit(quotient if operator is BinaryOperator.DIVIDE else left - quotient * right, span)
+        case BinaryOperator.POWER:
+            if right < 0:
+                raise EvaluationFault(RuntimeErrorKind.NEGATIVE_EXPONENT, span)
+            if abs(left) > 1 and right > 31:
+                raise EvaluationFault(RuntimeErrorKind.OVERFLOW, span)
+            return _fit(int(left**right), span)
+        case BinaryOperator.BIT_AND:
+            return left & right
+        case BinaryOperator.BIT_OR:
+            return left | right
+        case BinaryOperator.BIT_XOR:
+            return left ^ right
+        case BinaryOperator.XOR:
+            return int((left != 0) != (right != 0))
+        case BinaryOperator.SHIFT_LEFT | BinaryOperator.SHIFT_RIGHT:
+            if not 0 <= right <= 31:
+                raise EvaluationFault(RuntimeErrorKind.SHIFT, span)
+            return _fit(left << right if operator is BinaryOperator.SHIFT_LEFT else left >> right, span)
+        case BinaryOperator.MINIMUM:
+            return min(left, right)
+        case BinaryOperator.MAXIMUM:
+            return max(left, right)
+        case _:
+            raise ValueError(f"{operator} is not an arithmetic operator")
+
+
+# ---- statements ---------------------------------------------------------------------------------------------------
+
+
+def _run(statement: Statement, result: Type, environment: Environment) -> tuple[int, ...] | None:
+    """Executes a statement; the cells of the result if it returned, else None."""
+    match statement:
+        case Evaluate(expression):
+            _cells(expression, environment)
+        case Declare(variable, initial):
+            cells = default_cells(variable.type)
+            place = Place(Cells(list(cells), _ranges(variable.type)), 0)
+            if initial is not None:
+                place.write(_cells(initial, environment), initial.span)
+            environment.frame[variable] = place
+        case Block(statements):
+            for inner in statements:
+                returned = _run(inner, result, environment)
+                if returned is not None:
+                    return returned
+        case If(condition, then, otherwise):
+            chosen = then if _scalar(condition, environment) else otherwise
+            return None if chosen is None else _run(chosen, result, environment)
+        case While(condition, body, test_first):
+            if test_first and not _scalar(condition, environment):
+                return None
+            while True:
+                _count_step(condition.span, environment)
+                returned = _run(body, result, environment)
+                if returned is not None:
+                    return returned
+                if not _scalar(condition, environment):
+                    return None
+        case Iterate(variable, body):
+            assert isinstance(variable.type, IntType | BoolType | ScalarType)
+            low, high = bounds(variable.type)
+            for value in range(low, high + 1):
+                _count_step(variable.span, environment)
+                environment.bind(variable, value)
+                returned = _run(body, result, environment)
+                if returned is not None:
+                    return returned
+        case Return(value):
+            if value is None:
+                return ()
+            cells = _cells(value, environment)
+            Place(Cells(list(cells), _ranges(result)), 0).write(cells, value.span)
+            return cells
+        case Assert(condition):
+            if not _scalar(condition, environment):
+                raise EvaluationFault(RuntimeErrorKind.ASSERT, condition.span)
+        case _ as never:
+            assert_never(never)
+    return None

@@ -1,0 +1,99 @@
+"""Where the variables of a network lie in a state: the numbering of cells, clocks and channels.
+
+Cells are numbered in the order of `Network.all_variables`, clocks from 1 and channels from 0 in the same order. The
+cell of a clock or channel holds its number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from tachk.model.expressions import Variable
+from tachk.model.network import Network
+from tachk.model.types import BoolType, ChannelType, ClockType, IntType, ScalarType, Type, bounds, leaves
+
+
+@dataclass(frozen=True, slots=True)
+class CellLayout:
+    """Attributes:
+    first: the number of a variable's first cell.
+    names: one for each cell: ``x``, ``P.a[2].b``.
+    types: the leaf type of each cell.
+    ranges: smallest and largest value of each cell; a clock or channel is pinned to its number.
+    initial: the content of each cell in the initial state.
+    meta: whether the cell belongs to a meta variable.
+    clock_cells: the cell of each clock; entry i belongs to clock number i + 1.
+    channel_cells: the cell of each channel; entry i belongs to channel number i.
+    """
+
+    first: Mapping[Variable, int]
+    names: tuple[str, ...]
+    types: tuple[Type, ...]
+    ranges: tuple[tuple[int, int], ...]
+    initial: tuple[int, ...]
+    meta: tuple[bool, ...]
+    clock_cells: tuple[int, ...]
+    channel_cells: tuple[int, ...]
+
+
+def cell_layout(network: Network) -> CellLayout:
+    """The layout of a network's state."""
+    first: dict[Variable, int] = {}
+    names: list[str] = []
+    types: list[Type] = []
+    ranges: list[tuple[int, int]] = []
+    initial: list[int] = []
+    meta: list[bool] = []
+    clocks: list[int] = []
+    channels: list[int] = []
+    for variable in network.all_variables():
+        first[variable] = len(names)
+        given = variable.initial
+        for position, (path, leaf) in enumerate(leaves(variable.type)):
+            cell = len(names)
+            match leaf:
+                case ClockType():
+                    clocks.append(cell)
+                    value = len(clocks)
+                    ranges.append((value, value))
+                case ChannelType():
+                    value = len(channels)
+                    channels.append(cell)
+                    ranges.append((value, value))
+                case _:
+                    value = given[position] if given else default_value(leaf)
+                    ranges.append(cell_bounds(leaf))
+            names.append(variable.name + path)
+            types.append(leaf)
+            initial.append(value)
+            meta.append(variable.meta)
+    return CellLayout(
+        first,
+        tuple(names),
+        tuple(types),
+        tuple(ranges),
+        tuple(initial),
+        tuple(meta),
+        tuple(clocks),
+        tuple(channels),
+    )
+
+
+def cell_bounds(leaf: Type) -> tuple[int, int]:
+    """The legal range of a cell; raises TypeError for types that have none."""
+    if isinstance(leaf, IntType | BoolType | ScalarType):
+        return bounds(leaf)
+    raise TypeError(f"{leaf} has no range")
+
+
+def default_value(leaf: Type) -> int:
+    """What an uninitialised cell holds: 0, or the lower bound where 0 is outside the range."""
+    if isinstance(leaf, IntType) and not leaf.low <= 0 <= leaf.high:
+        return leaf.low
+    return 0
+
+
+def default_cells(type_: Type) -> tuple[int, ...]:
+    """The content of an uninitialised variable; clocks and channels get 0 as a placeholder."""
+    return tuple(default_value(leaf) for _, leaf in leaves(type_))
