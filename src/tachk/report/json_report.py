@@ -1,0 +1,104 @@
+"""The machine form of a run: plain dictionaries that follow docs/schema/verify.schema.json."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from tachk.diagnostics.span import NOWHERE, Span
+from tachk.engines.protocol import RunTimeFault
+from tachk.model.network import Direction, Network
+from tachk.properties.verdict import Verdict
+from tachk.report.record import RunRecord
+from tachk.report.trace_view import Event, Snapshot, TraceView, ViewStep, view_event, view_path, view_trace
+
+Json = Mapping[str, "Json"] | Sequence["Json"] | str | int | float | bool | None
+
+
+def run_to_json(record: RunRecord) -> dict[str, Json]:
+    """The run as a dictionary for `json.dumps`."""
+    return {
+        "model": record.model,
+        "constants": dict(record.network.constants),
+        "time_unit": record.network.time_unit,
+        "results": [verdict_to_json(record.network, verdict) for verdict in record.verdicts],
+        "not_checked": [{"name": n.name, "query": n.text, "reason": n.reason} for n in record.not_checked],
+    }
+
+
+def verdict_to_json(network: Network, verdict: Verdict) -> dict[str, Json]:
+    """One answer; ``trace`` is a list of states, each with the step that leads to it."""
+    query = verdict.query
+    statistics = verdict.statistics
+    return {
+        "name": query.name,
+        "title": query.title,
+        "query": query.text,
+        "answer": verdict.answer.value,
+        "expected": None if query.expectation is None else query.expectation.value,
+        "met": verdict.met,
+        "exact": verdict.exact,
+        "reason": verdict.reason,
+        "stats": {
+            "states_explored": statistics.states_explored,
+            "states_stored": statistics.states_stored,
+            "transitions": statistics.transitions,
+            "seconds": statistics.seconds,
+            "peak_bytes": statistics.peak_bytes,
+        },
+        "trace": None if verdict.trace is None else trace_to_json(view_trace(network, verdict.trace)),
+        "fault": None if verdict.fault is None else _fault(network, verdict.fault),
+    }
+
+
+def trace_to_json(trace: TraceView) -> list[dict[str, Json]]:
+    """A list of states, the initial one first; exact times are strings such as ``"5/2"``."""
+    return [_state(trace.initial, None), *(_state(step.state, step) for step in trace.steps)]
+
+
+def _state(state: Snapshot, step: ViewStep | None) -> dict[str, Json]:
+    event = None if step is None else step.event
+    return {
+        "delay": None if step is None or step.delay is None else str(step.delay),
+        "transition": None if event is None else _transition(event),
+        "time": None if state.time is None else str(state.time),
+        "locations": dict(state.locations),
+        "variables": dict(state.variables),
+        "clocks": None if state.clocks is None else {name: str(value) for name, value in state.clocks},
+    }
+
+
+def _transition(event: Event) -> dict[str, Json]:
+    return {
+        "channel": event.channel or None,
+        "participants": [
+            {
+                "process": move.process,
+                "role": _ROLES[move.direction],
+                "source": move.source,
+                "target": move.target,
+                "select": dict(move.selects),
+                "doc": move.doc,
+                "positions": _positions(move.spans),
+            }
+            for move in event.moves
+        ],
+    }
+
+
+_ROLES = {None: "internal", Direction.SEND: "sends", Direction.RECEIVE: "receives"}
+
+
+def _positions(spans: Iterable[Span]) -> list[str]:
+    return [str(span) for span in spans if span.source is not NOWHERE.source]
+
+
+def _fault(network: Network, fault: RunTimeFault) -> dict[str, Json]:
+    return {
+        "kind": fault.kind.name.lower(),
+        "position": str(fault.span),
+        "text": fault.span.text,
+        "path": trace_to_json(view_path(network, fault.path)),
+        "transition": None
+        if fault.transition is None
+        else _transition(view_event(network, fault.path, fault.transition)),
+    }

@@ -1,0 +1,81 @@
+"""JUnit XML, the form in which build servers take test results."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from io import StringIO
+from xml.etree import ElementTree
+
+from rich.console import Console
+
+from tachk.properties.verdict import Answer, Verdict
+from tachk.report.record import RunRecord
+from tachk.report.text_report import print_fault, print_trace
+from tachk.report.trace_view import view_trace
+
+_NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def runs_to_junit(records: Sequence[RunRecord]) -> str:
+    """One suite for each model, one case for each query.
+
+    An answer that is not the expected one is a failure, an unknown answer an error, a formula that tachk does not
+    check is skipped.
+    """
+    suites = ElementTree.Element("testsuites")
+    for record in records:
+        _suite(suites, record)
+    ElementTree.indent(suites)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(suites, encoding="unicode") + "\n"
+
+
+def _suite(parent: ElementTree.Element, record: RunRecord) -> None:
+    met = [verdict.met for verdict in record.verdicts]
+    suite = ElementTree.SubElement(
+        parent,
+        "testsuite",
+        name=_clean(record.model),
+        tests=str(len(record.verdicts) + len(record.not_checked)),
+        failures=str(met.count(False)),
+        errors=str(met.count(None)),
+        skipped=str(len(record.not_checked)),
+        time=f"{sum(v.statistics.seconds for v in record.verdicts):.3f}",
+    )
+    for verdict in record.verdicts:
+        case = _case(suite, record, verdict.query.name, f"{verdict.statistics.seconds:.3f}")
+        wanted = verdict.query.expectation.value if verdict.query.expectation else "holds"
+        if verdict.answer is Answer.UNKNOWN:
+            _result(case, "error", f"unknown: {verdict.reason}", _details(record, verdict))
+        elif verdict.met is False:
+            _result(case, "failure", f"{verdict.answer.value}, expected {wanted}", _details(record, verdict))
+    for query in record.not_checked:
+        case = _case(suite, record, query.name, "0.000")
+        _result(case, "skipped", query.reason, "")
+
+
+def _case(suite: ElementTree.Element, record: RunRecord, name: str, time: str) -> ElementTree.Element:
+    return ElementTree.SubElement(suite, "testcase", classname=_clean(record.model), name=_clean(name), time=time)
+
+
+def _result(case: ElementTree.Element, kind: str, message: str, details: str) -> None:
+    element = ElementTree.SubElement(case, kind, message=_clean(message))
+    if kind != "skipped":
+        element.set("type", kind)
+    element.text = _clean(details) or None
+
+
+def _details(record: RunRecord, verdict: Verdict) -> str:
+    console = Console(file=StringIO(), width=120, no_color=True)
+    console.print(verdict.query.text, markup=False, highlight=False, soft_wrap=True)
+    if verdict.fault is not None:
+        print_fault(record.network, verdict.fault, console)
+    if verdict.trace is not None:
+        print_trace(view_trace(record.network, verdict.trace), console, record.network.time_unit)
+    assert isinstance(console.file, StringIO)
+    return console.file.getvalue()
+
+
+def _clean(text: str) -> str:
+    """The text without the characters that XML 1.0 cannot hold."""
+    return _NOT_IN_XML.sub("�", text)

@@ -1,0 +1,42 @@
+"""What one verification run was and what came of it: the input of every report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from tachk.engines.protocol import Limits, Options
+from tachk.model.network import Network
+from tachk.properties.verdict import Answer, Verdict
+
+
+@dataclass(frozen=True, slots=True)
+class NotChecked:
+    """A formula of the model or the query file that tachk does not check, and why."""
+
+    name: str
+    text: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class RunRecord:
+    """Attributes:
+    model: the path of the model as the user gave it.
+    verdicts: one for each query, in order.
+    not_checked: the statistical, game and scenario queries met; they have no influence on success.
+    """
+
+    model: str
+    network: Network
+    verdicts: tuple[Verdict, ...]
+    not_checked: tuple[NotChecked, ...] = ()
+    options: Options = field(default_factory=Options)
+    limits: Limits = field(default_factory=Limits)
+
+    @property
+    def met(self) -> bool | None:
+        """Whether every expectation is met: False if one is not, else None if an answer is unknown, else True."""
+        met = [verdict.met for verdict in self.verdicts]
+        if False in met:
+            return False
+        return None if any(v.answer is Answer.UNKNOWN for v in self.verdicts) else True

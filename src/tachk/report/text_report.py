@@ -1,0 +1,218 @@
+"""What a person reads: the table of answers, then the runs that explain them, step by step."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from tachk.diagnostics.span import Span
+from tachk.engines.protocol import RunTimeFault
+from tachk.model.fault import RuntimeErrorKind
+from tachk.model.network import Direction, Network
+from tachk.model.query import QueryKind
+from tachk.properties.verdict import Answer, Verdict
+from tachk.report.quantity import bytes_, count, duration, seconds
+from tachk.report.record import RunRecord
+from tachk.report.trace_view import Event, Move, Snapshot, TraceView, view_event, view_path, view_trace
+
+_STYLES = {Answer.HOLDS: "green", Answer.FAILS: "red", Answer.UNKNOWN: "yellow"}
+
+FAULT_MEANING = {
+    RuntimeErrorKind.NONE: "no error",
+    RuntimeErrorKind.RANGE: "a value is outside the declared range",
+    RuntimeErrorKind.INDEX: "an array index is out of range",
+    RuntimeErrorKind.DIVISION: "division by zero",
+    RuntimeErrorKind.NEGATIVE_CLOCK: "a clock is set to a negative value",
+    RuntimeErrorKind.OVERFLOW: "a result does not fit into 32 bits",
+    RuntimeErrorKind.SHIFT: "a shift distance is negative or above 31",
+    RuntimeErrorKind.NEGATIVE_EXPONENT: "a negative exponent",
+    RuntimeErrorKind.ASSERT: "an assertion is false",
+    RuntimeErrorKind.LOOP: "a function runs for more than 2^24 instructions",
+    RuntimeErrorKind.BOUND: "a clock is compared with a value beyond the constants known before the run",
+}
+
+
+def print_run(record: RunRecord, console: Console, every_trace: bool = False, clocks: bool = False) -> None:
+    """Prints the answers of one run.
+
+    Args:
+        every_trace: tell also the runs behind answers that are as expected.
+        clocks: print the value of every clock after each step.
+    """
+    console.print(_title(record))
+    if record.verdicts:
+        console.print()
+        console.print(_table(record))
+    for query in record.not_checked:
+        console.print(Text(f"  not checked: {query.text} ({query.reason})", style="dim"))
+    for verdict in record.verdicts:
+        if verdict.answer is Answer.UNKNOWN:
+            console.print(Text(f"\n{verdict.query.name} is unknown: {verdict.reason}", style="yellow"))
+        if verdict.fault is not None:
+            console.print()
+            print_fault(record.network, verdict.fault, console)
+        if verdict.trace is not None and (every_trace or verdict.met is not True):
+            console.print()
+            console.print(Text(_trace_title(record.network, verdict), style="bold"))
+            print_trace(view_trace(record.network, verdict.trace), console, record.network.time_unit, clocks)
+    console.print()
+    console.print(_summary(record))
+
+
+def print_trace(trace: TraceView, console: Console, time_unit: str = "", clocks: bool = False) -> None:
+    """Prints a run: what happens, when, and what it changes."""
+    times = [_when(trace.initial.time, None, time_unit)]
+    times += [_when(step.state.time, step.delay, time_unit) for step in trace.steps]
+    width = max(map(len, times))
+    lines = Text()
+    _append_step(lines, f"{0:5}  {times[0]:<{width}}  ", list(_start_lines(trace.initial, clocks)))
+    before = trace.initial
+    for number, (time, step) in enumerate(zip(times[1:], trace.steps, strict=True), start=1):
+        details = [Text("time passes")] if step.event is None else list(_event_lines(step.event))
+        details += _change_lines(before, step.state)
+        if clocks and step.state.clocks:
+            details.append(_clock_line(step.state.clocks))
+        _append_step(lines, f"{number:5}  {time:<{width}}  ", details)
+        before = step.state
+    console.print(lines, end="", soft_wrap=True)
+
+
+def print_fault(network: Network, fault: RunTimeFault, console: Console) -> None:
+    """Prints a run-time error of the model: the place, what was going on, and the run that leads there."""
+    console.print(Text.assemble(("run-time error", "bold red"), f": {FAULT_MEANING[fault.kind]}"))
+    console.print(Text(_excerpt(fault.span)), soft_wrap=True)
+    if fault.transition is not None:
+        console.print("while this was tried:")
+        for line in _event_lines(view_event(network, fault.path, fault.transition)):
+            console.print(Text.assemble("       ", line), soft_wrap=True)
+    console.print("after:")
+    print_trace(view_path(network, fault.path), console)
+
+
+def _title(record: RunRecord) -> Text:
+    title = Text(record.model, style="bold")
+    constants = ", ".join(f"{name} = {value}" for name, value in record.network.constants)
+    if constants:
+        title.append(f"   {constants}", style="not bold dim")
+    return title
+
+
+def _table(record: RunRecord) -> Table:
+    table = Table(box=None, pad_edge=True, padding=(0, 2, 0, 0))
+    table.add_column("  property", overflow="fold")
+    table.add_column("answer")
+    table.add_column("expected")
+    table.add_column("states", justify="right")
+    table.add_column("time", justify="right")
+    table.add_column("memory", justify="right")
+    for verdict in record.verdicts:
+        query, statistics = verdict.query, verdict.statistics
+        mark = {True: " ", False: "✗", None: "?"}[verdict.met]
+        expected = query.expectation.value if query.expectation else "-"
+        table.add_row(
+            Text.assemble((f"{mark} ", "red"), query.name, (f"  {query.title or query.text}", "dim")),
+            Text(verdict.answer.value, style=_STYLES[verdict.answer]),
+            Text(expected, style="" if verdict.met is not False else "bold red"),
+            count(statistics.states_stored),
+            seconds(statistics.seconds),
+            bytes_(statistics.peak_bytes),
+        )
+    return table
+
+
+def _summary(record: RunRecord) -> Text:
+    total = len(record.verdicts)
+    if total == 0:
+        return Text("nothing to check: the model has no property and no query was given", style="yellow")
+    wrong = sum(verdict.met is False for verdict in record.verdicts)
+    unknown = sum(verdict.met is None for verdict in record.verdicts)
+    if wrong == unknown == 0:
+        return Text(f"{total} of {total} as expected", style="green")
+    parts = [f"{total - wrong - unknown} of {total} as expected"]
+    if wrong:
+        parts.append(f"{wrong} not")
+    if unknown:
+        parts.append(f"{unknown} unknown")
+    return Text(", ".join(parts), style="red" if wrong else "yellow")
+
+
+def _trace_title(network: Network, verdict: Verdict) -> str:
+    assert verdict.trace is not None
+    steps = len(verdict.trace.steps)
+    end = duration(verdict.trace.states[-1].time, network.time_unit)
+    shows = "is satisfied" if verdict.query.kind is QueryKind.POSSIBLY else "is violated"
+    plural = "step" if steps == 1 else "steps"
+    return f"{verdict.query.name} {shows} by this run of {steps} {plural}, at time {end}:"
+
+
+def _when(time: Fraction | None, delay: Fraction | None, time_unit: str) -> str:
+    if time is None:
+        return ""
+    waited = f" (+{duration(delay, time_unit)})" if delay else ""
+    return duration(time, time_unit) + waited
+
+
+def _append_step(lines: Text, margin: str, details: list[Text]) -> None:
+    for detail in details:
+        lines.append(margin, style="cyan")
+        lines.append_text(detail)
+        lines.append("\n")
+        margin = " " * len(margin)
+
+
+def _start_lines(state: Snapshot, clocks: bool) -> Iterator[Text]:
+    yield Text("start in " + ", ".join(f"{process}.{location}" for process, location in state.locations))
+    variables = [f"{name} = {_value(value)}" for name, value in state.variables if value]
+    if variables:
+        rest = ", all other variables 0" if len(variables) < len(state.variables) else ""
+        yield Text("  " + ", ".join(variables) + rest)
+    if clocks and state.clocks:
+        yield _clock_line(state.clocks)
+
+
+def _event_lines(event: Event) -> Iterator[Text]:
+    for move in event.moves:
+        yield _move_line(event.channel, move)
+        for words in (move.doc, move.arrival):
+            if words:
+                yield Text(f"  {' '.join(words.split())}", style="italic")
+
+
+def _move_line(channel: str, move: Move) -> Text:
+    line = Text()
+    if move.direction is not None:
+        mark = "!" if move.direction is Direction.SEND else "?"
+        line.append(f"{channel}{mark}  ", style="bold")
+    line.append(f"{move.process}: {move.source} → {move.target}")
+    if move.selects:
+        line.append("  [" + ", ".join(f"{name} = {value}" for name, value in move.selects) + "]")
+    return line
+
+
+def _change_lines(before: Snapshot, after: Snapshot) -> list[Text]:
+    changes = [
+        f"{name}: {_value(old)} → {_value(new)}"
+        for (name, old), (_, new) in zip(before.variables, after.variables, strict=True)
+        if old != new
+    ]
+    return [Text("  " + ", ".join(changes))] if changes else []
+
+
+def _clock_line(clocks: tuple[tuple[str, Fraction], ...]) -> Text:
+    return Text("  " + ", ".join(f"{name} = {value}" for name, value in clocks), style="dim")
+
+
+def _value(value: int | bool) -> str:
+    return str(value).lower()
+
+
+def _excerpt(span: Span) -> str:
+    line, column = span.source.line_column(span.start)
+    text = span.source.line(line)
+    length = max(1, min(span.end - span.start, len(text) - column + 1))
+    margin = " " * len(str(line))
+    return f"{margin} --> {span}\n{margin} |\n{line} | {text}\n{margin} | {' ' * (column - 1)}{'^' * length}"
