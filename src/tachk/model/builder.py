@@ -40,6 +40,7 @@ from tachk.model.expressions import (
     Variable,
     VariableKind,
 )
+from tachk.model.layout import default_cells
 from tachk.model.network import (
     DEFAULT_PRIORITY,
     Direction,
@@ -58,11 +59,9 @@ from tachk.model.types import (
     RecordType,
     ScalarLike,
     Type,
-    bounds,
-    leaves,
 )
 
-_COMPARISONS = {
+_TRUTH_VALUED = {
     BinaryOperator.EQUAL,
     BinaryOperator.NOT_EQUAL,
     BinaryOperator.LESS,
@@ -175,7 +174,9 @@ def expression_of(operand: Operand) -> Expression:
 
 
 def _binary(operator: BinaryOperator, left: Expression, right: Expression) -> Expression:
-    return Binary(operator, left, right, BOOL if operator in _COMPARISONS else INT)
+    if operator is BinaryOperator.SUBTRACT and isinstance(left.type, ClockType) and isinstance(right.type, ClockType):
+        return Binary(operator, left, right, left.type)
+    return Binary(operator, left, right, BOOL if operator in _TRUTH_VALUED else INT)
 
 
 def conditional(condition: Operand, then: Operand, otherwise: Operand) -> Term:
@@ -186,11 +187,7 @@ def conditional(condition: Operand, then: Operand, otherwise: Operand) -> Term:
 
 def quantifier(kind: QuantifierKind, bound: Term, body: Operand) -> Term:
     """``forall``, ``exists`` or ``sum``; ``bound`` comes from `bound_variable`."""
-    return Term(
-        Quantifier(
-            kind, _variable_of(bound), expression_of(body), INT if kind is QuantifierKind.SUM else BOOL
-        )
-    )
+    return Term(Quantifier(kind, _variable_of(bound), expression_of(body), INT if kind is QuantifierKind.SUM else BOOL))
 
 
 def bound_variable(name: str, type_: ScalarLike) -> Term:
@@ -230,12 +227,10 @@ class _Declarations:
     kind: VariableKind
     variables: list[Variable] = field(default_factory=list)
 
-    def declare(
-        self, name: str, type_: Type, initial: Sequence[int] | int | None = None, meta: bool = False
-    ) -> Term:
+    def declare(self, name: str, type_: Type, initial: Sequence[int] | int | None = None, meta: bool = False) -> Term:
         """Declares a variable of any type; ``initial`` has one integer for each cell, or one for a scalar."""
         if initial is None:
-            cells = tuple(_default(leaf) for _, leaf in leaves(type_))
+            cells = default_cells(type_)
         else:
             cells = (initial,) if isinstance(initial, int) else tuple(initial)
         return self._add(Variable(self.prefix + name, type_, self.kind, cells, meta=meta))
@@ -263,14 +258,6 @@ class _Declarations:
     def _add(self, variable: Variable) -> Term:
         self.variables.append(variable)
         return Term(Reference(variable))
-
-
-def _default(leaf: Type) -> int:
-    if isinstance(leaf, ClockType | ChannelType):
-        return 0
-    assert isinstance(leaf, ScalarLike)
-    low, high = bounds(leaf)
-    return 0 if low <= 0 <= high else low
 
 
 @dataclass(slots=True)
@@ -368,6 +355,4 @@ class NetworkBuilder(_Declarations):
         return process
 
     def build(self) -> Network:
-        return Network(
-            tuple(p.build() for p in self.processes), tuple(self.variables), self.default_priority
-        )
+        return Network(tuple(p.build() for p in self.processes), tuple(self.variables), self.default_priority)

@@ -1,0 +1,158 @@
+"""The reference explorer: a breadth-first zone graph in plain Python, slow and obvious, interpreting the Network.
+
+Sound and complete for networks without stopwatches. Where no two clocks are compared, zones are widened by ExtraM with
+the largest constant of each clock in the whole model, which keeps every valuation region-equivalent to a reached one
+and so preserves priorities, urgency and deadlock (Bouyer 2004; Behrmann et al. 2006). Otherwise nothing is widened, and
+the search may need its limits.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+from tachk.engines.protocol import GoalOutcome, Limits, Outcome, RunTimeFault, Statistics, Status
+from tachk.model.expressions import Expression
+from tachk.model.fault import EvaluationFault
+from tachk.model.network import Network
+from tachk.semantics import dbm, symbolic
+from tachk.semantics.clock_constants import ClockConstants, clock_constants
+from tachk.semantics.dbm import Federation, Zone
+from tachk.semantics.discrete import Model, prepare
+from tachk.semantics.symbolic import Move, Situation
+from tachk.semantics.trace import DiscreteState, Transition
+
+
+@dataclass(eq=False, slots=True)
+class _Node:
+    situation: Situation
+    zone: Zone
+    depth: int
+    parent: _Node | None
+    transition: Transition | None
+    covered: bool = False
+
+    def path(self) -> tuple[Transition, ...]:
+        before = () if self.parent is None else self.parent.path()
+        return before if self.transition is None else (*before, self.transition)
+
+
+@dataclass(slots=True)
+class _Search:
+    model: Model
+    goals: Sequence[Expression]
+    limits: Limits
+    constants: ClockConstants
+    passed: dict[DiscreteState, list[_Node]] = field(default_factory=dict)
+    situations: dict[DiscreteState, Situation] = field(default_factory=dict)
+    waiting: deque[_Node] = field(default_factory=deque)
+    found: dict[int, tuple[Transition, ...]] = field(default_factory=dict)
+    explored: int = 0
+    stored: int = 0
+    transitions: int = 0
+    exact: bool = True
+
+
+def explore(network: Network, goals: Sequence[Expression], limits: Limits = Limits()) -> Outcome:  # noqa: B008
+    """Searches until every goal is reached or everything is explored.
+
+    Raises ValueError if the initial state violates an invariant. ``limits.memory_bytes`` is not looked at.
+    """
+    model = prepare(network)
+    search = _Search(model, goals, limits, clock_constants(network, goals))
+    started = time.monotonic()
+    fault: RunTimeFault | None = None
+    node: _Node | None = None
+    move: Move | None = None
+    reason = ""
+    try:
+        start, zones = symbolic.initial_situation(model)
+        if not zones:
+            raise ValueError("the initial state violates an invariant")
+        search.situations[start.discrete] = start
+        _add(search, start, zones, None, None)
+        while search.waiting and len(search.found) < len(goals):
+            node = search.waiting.popleft()
+            if node.covered:
+                continue
+            if limits.depth is not None and node.depth >= limits.depth:
+                reason = "depth limit"
+                continue
+            search.explored += 1
+            for move in node.situation.moves:
+                _follow(search, node, move)
+            move = None
+            if limits.states is not None and search.stored > limits.states:
+                reason = "state limit"
+                break
+            if limits.seconds is not None and time.monotonic() - started > limits.seconds:
+                reason = "time limit"
+                break
+    except EvaluationFault as error:
+        path = () if node is None else node.path()
+        fault = RunTimeFault(error.kind, error.span, path, None if move is None else move.transition)
+        reason = "run-time error"
+    if len(search.found) == len(goals) and fault is None:
+        reason = ""
+    open_status = Status.UNDECIDED if reason else Status.UNREACHABLE
+    return Outcome(
+        tuple(
+            GoalOutcome(Status.REACHED, search.found[g]) if g in search.found else GoalOutcome(open_status)
+            for g in range(len(goals))
+        ),
+        Statistics(search.explored, search.stored, search.transitions, time.monotonic() - started),
+        reason,
+        fault,
+        search.exact,
+    )
+
+
+def _follow(search: _Search, node: _Node, move: Move) -> None:
+    fired = symbolic.fire(node.situation, [node.zone], move)
+    if not fired:
+        return
+    if move.fault is not None:
+        raise move.fault
+    assert move.target is not None
+    there = search.situations.get(move.target)
+    if there is None:
+        there = symbolic.situation(search.model, move.target)
+        search.situations[move.target] = there
+    search.transitions += 1
+    _add(search, there, symbolic.elapse(there, fired), node, move.transition)
+
+
+def _add(
+    search: _Search, there: Situation, zones: Iterable[Zone], parent: _Node | None, transition: Transition | None
+) -> None:
+    search.exact = search.exact and not there.stopped
+    depth = 0 if parent is None else parent.depth + 1
+    for exact in zones:
+        zone = _widened(search, exact)
+        known = search.passed.setdefault(there.discrete, [])
+        if any(dbm.includes(other.zone, zone) for other in known):
+            continue
+        for other in known:
+            other.covered = dbm.includes(zone, other.zone)
+        kept = [other for other in known if not other.covered]
+        search.stored += 1 + len(kept) - len(known)
+        node = _Node(there, zone, depth, parent, transition)
+        search.passed[there.discrete] = [*kept, node]
+        search.waiting.append(node)
+        _look(search, node)
+
+
+def _look(search: _Search, node: _Node) -> None:
+    for number, goal in enumerate(search.goals):
+        if number not in search.found:
+            hits: Federation = symbolic.where(search.model, node.situation, goal)
+            if symbolic.intersections([node.zone], hits):
+                search.found[number] = node.path()
+
+
+def _widened(search: _Search, zone: Zone) -> Zone:
+    if search.constants.diagonals:
+        return zone
+    return dbm.extrapolate_max(zone, search.constants.maximum)

@@ -1,0 +1,121 @@
+"""What clocks are compared with anywhere in a network: one number for each clock, found by interval arithmetic."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from tachk.model.expressions import (
+    Binary,
+    BinaryOperator,
+    Conditional,
+    Constant,
+    Expression,
+    Field,
+    Index,
+    Reference,
+    Unary,
+    UnaryOperator,
+    Variable,
+)
+from tachk.model.layout import CellLayout, cell_layout
+from tachk.model.network import Network
+from tachk.model.traversal import walk
+from tachk.model.types import CONSTANT_HIGH, CONSTANT_LOW, BoolType, ClockType, IntType, ScalarType, bounds, cell_count
+
+Interval = tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class ClockConstants:
+    """Attributes:
+    maximum: for each clock (entry 0 is 0) no constant it is compared with, alone or in a difference, is larger in
+        absolute value.
+    diagonals: some comparison has two clocks.
+    """
+
+    maximum: tuple[int, ...]
+    diagonals: bool
+
+
+def clock_constants(network: Network, predicates: Sequence[Expression]) -> ClockConstants:
+    """Collects the constants of all guards and invariants and of the predicates."""
+    layout = cell_layout(network)
+    maximum = [0] * (len(layout.clock_cells) + 1)
+    diagonals = False
+    for condition in [*_conditions(network), *predicates]:
+        for comparison in _comparisons(condition):
+            clocks = [*_clocks(comparison.left), *_clocks(comparison.right)]
+            diagonals = diagonals or len(clocks) > 1
+            low, high = interval(comparison.right if not _clocks(comparison.right) else comparison.left)
+            for clock in clocks:
+                for number in _numbers(clock, layout):
+                    maximum[number] = max(maximum[number], abs(low), abs(high))
+    return ClockConstants(tuple(maximum), diagonals)
+
+
+def interval(expression: Expression) -> Interval:
+    """Bounds on the value of an integer expression; ``(0, 0)`` for one of clock type."""
+    match expression:
+        case Constant(value):
+            return value, value
+        case Unary(UnaryOperator.MINUS, operand):
+            low, high = interval(operand)
+            return -high, -low
+        case Binary(BinaryOperator.ADD, left, right):
+            (a, b), (c, d) = interval(left), interval(right)
+            return a + c, b + d
+        case Binary(BinaryOperator.SUBTRACT, left, right) if not isinstance(expression.type, ClockType):
+            (a, b), (c, d) = interval(left), interval(right)
+            return a - d, b - c
+        case Binary(BinaryOperator.MULTIPLY, left, right):
+            (a, b), (c, d) = interval(left), interval(right)
+            products = (a * c, a * d, b * c, b * d)
+            return min(products), max(products)
+        case Binary(BinaryOperator.MODULO, _, Constant(value)) if value != 0:
+            return 1 - abs(value), abs(value) - 1
+        case Binary(BinaryOperator.MINIMUM | BinaryOperator.MAXIMUM, left, right) | Conditional(_, left, right):
+            (a, b), (c, d) = interval(left), interval(right)
+            return min(a, c), max(b, d)
+        case Binary():
+            return (0, 0) if isinstance(expression.type, ClockType) else (CONSTANT_LOW, CONSTANT_HIGH)
+        case _ if isinstance(expression.type, IntType | BoolType | ScalarType):
+            return bounds(expression.type)
+        case _:
+            return 0, 0
+
+
+def _conditions(network: Network) -> Iterator[Expression]:
+    for process in network.processes:
+        yield from (location.invariant for location in process.locations if location.invariant is not None)
+        yield from (edge.guard for edge in process.edges if edge.guard is not None)
+
+
+def _comparisons(condition: Expression) -> Iterator[Binary]:
+    for expression in walk(condition):
+        if isinstance(expression, Binary) and (_clocks(expression.left) or _clocks(expression.right)):
+            yield expression
+
+
+def _clocks(side: Expression) -> list[Expression]:
+    if not isinstance(side.type, ClockType):
+        return []
+    return [side.left, side.right] if isinstance(side, Binary) else [side]
+
+
+def _numbers(clock: Expression, layout: CellLayout) -> Iterator[int]:
+    """The clocks that an expression of clock type can denote: those of its variable."""
+    variable = _variable(clock)
+    first = layout.first[variable]
+    cells = range(first, first + cell_count(variable.type))
+    return (number for number, cell in enumerate(layout.clock_cells, start=1) if cell in cells)
+
+
+def _variable(place: Expression) -> Variable:
+    match place:
+        case Reference(variable):
+            return variable
+        case Index(base) | Field(base):
+            return _variable(base)
+        case _:
+            raise ValueError(f"{place.span}: this does not name a clock")

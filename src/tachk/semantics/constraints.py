@@ -1,0 +1,168 @@
+"""The clock constraints of a condition in a given discrete state.
+
+Everything but the comparisons of clocks is evaluated; what is left is brought into disjunctive normal form.
+"""
+
+from __future__ import annotations
+
+from tachk.model.evaluate import Environment, clock_number, evaluate
+from tachk.model.expressions import (
+    Binary,
+    BinaryOperator,
+    Comma,
+    Conditional,
+    Expression,
+    Quantifier,
+    QuantifierKind,
+    Unary,
+    UnaryOperator,
+)
+from tachk.model.types import ClockType, ScalarLike, bounds
+from tachk.semantics.dbm import Constraint, complement, raw_bound
+
+Conjunction = tuple[Constraint, ...]
+Disjunction = list[Conjunction]
+"""Disjunctive normal form: the empty list is false, the empty conjunction true."""
+
+TRUE: Disjunction = [()]
+FALSE: Disjunction = []
+
+_NEGATED = {
+    BinaryOperator.EQUAL: BinaryOperator.NOT_EQUAL,
+    BinaryOperator.NOT_EQUAL: BinaryOperator.EQUAL,
+    BinaryOperator.LESS: BinaryOperator.GREATER_EQUAL,
+    BinaryOperator.GREATER_EQUAL: BinaryOperator.LESS,
+    BinaryOperator.GREATER: BinaryOperator.LESS_EQUAL,
+    BinaryOperator.LESS_EQUAL: BinaryOperator.GREATER,
+}
+
+
+def compares_clocks(expression: Expression) -> bool:
+    """Whether the value of a condition depends on clocks."""
+    match expression:
+        case Unary(_, operand):
+            return compares_clocks(operand)
+        case Binary(_, left, right):
+            return any(isinstance(side.type, ClockType) or compares_clocks(side) for side in (left, right))
+        case Conditional(condition, then, otherwise):
+            return any(compares_clocks(e) for e in (condition, then, otherwise))
+        case Quantifier(_, _, body):
+            return compares_clocks(body)
+        case Comma(items):
+            return any(compares_clocks(i) for i in items)
+        case _:
+            return False
+
+
+def disjunctive(condition: Expression | None, environment: Environment, negated: bool = False) -> Disjunction:
+    """The disjunctive normal form of a condition, or of its negation; None stands for true.
+
+    Raises EvaluationFault, and ValueError for a comparison that is not a difference constraint.
+    """
+    if condition is None:
+        return FALSE if negated else TRUE
+    if not compares_clocks(condition):
+        return TRUE if (evaluate(condition, environment) != 0) is not negated else FALSE
+    match condition:
+        case Unary(UnaryOperator.NOT, operand):
+            return disjunctive(operand, environment, not negated)
+        case Binary(BinaryOperator.AND, left, right):
+            return _connect(left, False, right, False, environment, negated)
+        case Binary(BinaryOperator.OR, left, right):
+            return _connect(left, True, right, True, environment, not negated)
+        case Binary(BinaryOperator.IMPLY, left, right):
+            return _connect(left, False, right, True, environment, not negated)
+        case Binary(operator, left, right) if isinstance(left.type, ClockType) or isinstance(right.type, ClockType):
+            return _comparison(_NEGATED[operator] if negated else operator, left, right, environment)
+        case Binary(BinaryOperator.XOR | BinaryOperator.EQUAL | BinaryOperator.NOT_EQUAL as operator, left, right):
+            same = (operator is BinaryOperator.EQUAL) is not negated
+            return _connect(left, False, right, not same, environment, False) + _connect(
+                left, True, right, same, environment, False
+            )
+        case Conditional(test, then, otherwise):
+            return _connect(test, False, then, negated, environment, False) + _connect(
+                test, True, otherwise, negated, environment, False
+            )
+        case Quantifier(kind, variable, body):
+            assert isinstance(variable.type, ScalarLike)
+            low, high = bounds(variable.type)
+            conjunctive = (kind is QuantifierKind.FORALL) is not negated
+            result = TRUE if conjunctive else FALSE
+            for value in range(low, high + 1):
+                environment.bind(variable, value)
+                instance = disjunctive(body, environment, negated)
+                result = conjunction(result, instance) if conjunctive else result + instance
+            return result
+        case Comma(items):
+            return disjunctive(items[-1], environment, negated)
+        case _:
+            raise ValueError(f"{condition.span}: a condition on clocks cannot have this form")
+
+
+def conjunction(left: Disjunction, right: Disjunction) -> Disjunction:
+    return [a + b for a in left for b in right]
+
+
+def _connect(
+    left: Expression,
+    left_negated: bool,
+    right: Expression,
+    right_negated: bool,
+    environment: Environment,
+    negated: bool,
+) -> Disjunction:
+    """``left and right``, each perhaps negated; negated as a whole it is ``not left or not right``.
+
+    The right side is not evaluated where the left side decides without looking at clocks.
+    """
+    if not negated:
+        first = disjunctive(left, environment, left_negated)
+        return FALSE if first == FALSE else conjunction(first, disjunctive(right, environment, right_negated))
+    first = disjunctive(left, environment, not left_negated)
+    return TRUE if () in first else first + disjunctive(right, environment, not right_negated)
+
+
+def _comparison(operator: BinaryOperator, left: Expression, right: Expression, environment: Environment) -> Disjunction:
+    plus_left, minus_left, constant_left = _linear(left, environment)
+    plus_right, minus_right, constant_right = _linear(right, environment)
+    positive = [c for c in (plus_left, minus_right) if c]
+    negative = [c for c in (minus_left, plus_right) if c]
+    for clock in list(positive):
+        if clock in negative:
+            positive.remove(clock)
+            negative.remove(clock)
+    if len(positive) > 1 or len(negative) > 1:
+        raise ValueError(f"{left.span}: a comparison with more than two clocks is not a difference constraint")
+    i, j = (positive or [0])[0], (negative or [0])[0]
+    bound = constant_right - constant_left
+    at_most, below = (i, j, raw_bound(bound, False)), (i, j, raw_bound(bound, True))
+    match operator:
+        case BinaryOperator.LESS:
+            found: Disjunction = [(below,)]
+        case BinaryOperator.LESS_EQUAL:
+            found = [(at_most,)]
+        case BinaryOperator.GREATER:
+            found = [(complement(at_most),)]
+        case BinaryOperator.GREATER_EQUAL:
+            found = [(complement(below),)]
+        case BinaryOperator.EQUAL:
+            found = [(at_most, complement(below))]
+        case BinaryOperator.NOT_EQUAL:
+            found = [(below,), (complement(at_most),)]
+        case _:
+            raise ValueError(f"{left.span}: {operator} does not compare clocks")
+    return _simplified(found) if i == j else found
+
+
+def _simplified(found: Disjunction) -> Disjunction:
+    """Without clocks in it, a comparison is true or false: here every entry compares 0 with its bound."""
+    return TRUE if any(all(raw >= 1 for _, _, raw in c) for c in found) else FALSE
+
+
+def _linear(expression: Expression, environment: Environment) -> tuple[int, int, int]:
+    """One side of a comparison as ``clock - clock + constant``; clock 0 where there is none."""
+    if not isinstance(expression.type, ClockType):
+        return 0, 0, evaluate(expression, environment)
+    if isinstance(expression, Binary):
+        return clock_number(expression.left, environment), clock_number(expression.right, environment), 0
+    return clock_number(expression, environment), 0, 0

@@ -1,0 +1,281 @@
+"""The symbolic semantics: all that a network can do from a set of clock valuations, exactly, as unions of zones.
+
+What depends on the discrete state only is worked out once, as a `Situation`: for each transition the set of clock
+valuations where it is possible, as a federation. Guards with disjunctions, processes that stay out of a broadcast
+because their guards are false, priorities, urgency and deadlock are all set operations on these federations.
+
+Exact without stopwatches; with them `elapse` and `alive` lean to the side that finds more states.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import reduce
+
+from tachk.model.evaluate import Environment
+from tachk.model.expressions import Expression
+from tachk.model.fault import EvaluationFault
+from tachk.semantics import dbm
+from tachk.semantics.constraints import TRUE, Disjunction, conjunction, disjunctive
+from tachk.semantics.dbm import Federation, Zone
+from tachk.semantics.discrete import (
+    Model,
+    Offer,
+    channel_of,
+    combinations,
+    environment,
+    execute_updates,
+    has_priorities,
+    initial_discrete,
+    is_urgent,
+    may_delay,
+    offers,
+    priority,
+    stopped_clocks,
+)
+from tachk.semantics.trace import DiscreteState, Participant, Transition
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """A transition from a discrete state.
+
+    Attributes:
+        domain: the clock valuations, among those that satisfy the invariants, where it is possible.
+        resets: pairs (clock, new value).
+        target: the discrete state after it; None if its updates or the invariants behind them go wrong.
+        fault: what goes wrong then; the domain is then where the guards hold.
+        blockers: the domains of the moves with a higher priority.
+    """
+
+    transition: Transition
+    domain: Federation
+    resets: tuple[tuple[int, int], ...]
+    target: DiscreteState | None
+    fault: EvaluationFault | None
+    blockers: Federation
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """Attributes:
+    invariant: the valuations that satisfy all invariants; None if there are none.
+    delays: time may pass: no current location is urgent or committed.
+    urgent: where a synchronisation over an urgent channel is possible.
+    alive: the valuations from which some transition is possible, now or after a delay.
+    """
+
+    discrete: DiscreteState
+    invariant: Zone | None
+    delays: bool
+    stopped: frozenset[int]
+    moves: tuple[Move, ...]
+    urgent: Federation
+    alive: Federation
+
+
+def situation(model: Model, discrete: DiscreteState) -> Situation:
+    """Works out what a discrete state allows. Raises EvaluationFault for guards and invariants that go wrong."""
+    invariant = invariant_zone(model, discrete)
+    delays = may_delay(model, discrete)
+    stopped = stopped_clocks(model, discrete)
+    if invariant is None:
+        return Situation(discrete, None, delays, stopped, (), [], [])
+    moves = [m for m in (_move(model, discrete, invariant, t, g) for t, g in _guarded(model, discrete)) if m.domain]
+    if has_priorities(model):
+        ranks = [priority(model, discrete, m.transition) for m in moves]
+        moves = [
+            Move(
+                m.transition,
+                m.domain,
+                m.resets,
+                m.target,
+                m.fault,
+                [zone for other, higher in zip(moves, ranks, strict=True) if higher > rank for zone in other.domain],
+            )
+            for m, rank in zip(moves, ranks, strict=True)
+        ]
+    somewhere = [zone for m in moves for zone in m.domain]
+    urgent = [zone for m in moves if is_urgent(model, discrete, m.transition) for zone in m.domain]
+    # Into the past of a zone with stopped clocks there is no exact zone; without it fewer states count as alive.
+    alive = [dbm.down(z) for z in somewhere] if delays and not stopped else somewhere
+    return Situation(discrete, invariant, delays, stopped, tuple(moves), urgent, alive)
+
+
+def _guarded(model: Model, discrete: DiscreteState) -> list[tuple[Transition, Disjunction]]:
+    """The transitions that the discrete state admits, each with the clock constraints of all its guards."""
+    guards: dict[Participant, Disjunction] = {}
+
+    def is_open(participant: Participant) -> bool:
+        edge = model.edge(participant)
+        guards[participant] = disjunctive(edge.guard, environment(model, discrete, participant))
+        return bool(guards[participant])
+
+    def may_abstain(receivers: Iterable[Offer]) -> bool:
+        return all(() not in guards[r.participant] for r in receivers)
+
+    offered = offers(model, discrete, is_open)
+    return [
+        (transition, _whole_guard(model, discrete, transition, offered, guards))
+        for transition in combinations(model, discrete, offered, may_abstain)
+    ]
+
+
+def guard_of(model: Model, discrete: DiscreteState, transition: Transition) -> Disjunction:
+    """The clock constraints of all guards of one transition, those that keep others out of a broadcast included.
+
+    False if the discrete state rules the transition out; the committed rule is not looked at.
+    """
+    guards: dict[Participant, Disjunction] = {}
+    channel = channel_of(model, discrete, transition)
+    broadcast = channel is not None and model.channels[channel][0].broadcast
+
+    def is_open(participant: Participant) -> bool:
+        if participant not in transition.participants:
+            synchronisation = model.edge(participant).synchronisation
+            if not broadcast or synchronisation is None:
+                return False
+        guards[participant] = disjunctive(model.edge(participant).guard, environment(model, discrete, participant))
+        return bool(guards[participant])
+
+    offered = offers(model, discrete, is_open)
+    return _whole_guard(model, discrete, transition, offered, guards)
+
+
+def _whole_guard(
+    model: Model,
+    discrete: DiscreteState,
+    transition: Transition,
+    offered: Iterable[Iterable[Offer]],
+    guards: dict[Participant, Disjunction],
+) -> Disjunction:
+    whole = reduce(conjunction, (guards[p] for p in transition.participants), TRUE)
+    channel = channel_of(model, discrete, transition)
+    if channel is None or not model.channels[channel][0].broadcast:
+        return whole
+    joined = {p.process for p in transition.participants}
+    for offer in (o for of_process in offered for o in of_process):
+        if offer.channel == channel and not offer.sends and offer.participant.process not in joined:
+            edge = model.edge(offer.participant)
+            scratch = environment(model, discrete, offer.participant)
+            whole = conjunction(whole, disjunctive(edge.guard, scratch, negated=True))
+    return whole
+
+
+def _move(model: Model, discrete: DiscreteState, invariant: Zone, transition: Transition, guard: Disjunction) -> Move:
+    domain = [z for z in (dbm.constrain_all(invariant, c) for c in guard) if z is not None]
+    if not domain:
+        return Move(transition, [], (), None, None, [])
+    try:
+        target, resets = execute_updates(model, discrete, transition)
+        after = invariant_zone(model, target)
+    except EvaluationFault as fault:
+        return Move(transition, domain, (), None, fault, [])
+    pairs = tuple(sorted(resets.items()))
+    before = None if after is None else dbm.undo_reset(after, pairs)
+    if before is None:
+        return Move(transition, [], pairs, target, None, [])
+    return Move(transition, intersections(domain, [before]), pairs, target, None, [])
+
+
+def invariant_zone(model: Model, discrete: DiscreteState) -> Zone | None:
+    """The clock valuations that satisfy all invariants. Raises ValueError if they are not convex."""
+    conditions = [location.invariant for location in model.current(discrete)]
+    scratch = environment(model, discrete)
+    whole = reduce(conjunction, (disjunctive(c, scratch) for c in conditions), TRUE)
+    if not whole:
+        return None
+    if len(whole) > 1:
+        raise ValueError("an invariant cannot be a disjunction of clock constraints")
+    return dbm.constrain_all(dbm.universe(model.dimension), whole[0])
+
+
+def intersections(left: Iterable[Zone], right: Iterable[Zone]) -> Federation:
+    others = list(right)
+    return [z for z in (dbm.intersect(a, b) for a in left for b in others) if z is not None]
+
+
+def initial_situation(model: Model) -> tuple[Situation, Federation]:
+    """The initial discrete state, and what is reached in it by letting time pass. Empty if it violates an invariant."""
+    start = situation(model, initial_discrete(model))
+    if start.invariant is None:
+        return start, []
+    return start, elapse(start, [z for z in [dbm.intersect(dbm.origin(model.dimension), start.invariant)] if z])
+
+
+def fire(here: Situation, zones: Iterable[Zone], move: Move) -> Federation:
+    """The valuations right after a move that is not blocked, from any of the zones; exact."""
+    sources = dbm.subtract_all(intersections(zones, move.domain), move.blockers)
+    return [reduce(lambda z, r: dbm.reset(z, *r), move.resets, source) for source in sources]
+
+
+def elapse(here: Situation, zones: Iterable[Zone]) -> Federation:
+    """What is reached from valuations that satisfy the invariants by letting time pass, before urgency forbids it."""
+    if not here.delays or here.invariant is None:
+        return list(zones)
+    if here.stopped:
+        waiting = list(zones)
+        free_to_go = dbm.subtract_all(waiting, here.urgent)
+        return waiting + intersections((dbm.up(z, here.stopped) for z in free_to_go), [here.invariant])
+    result: Federation = []
+    for zone in zones:
+        if not here.urgent:
+            result += intersections([dbm.up(zone)], [here.invariant])
+            continue
+        result += intersections([zone], here.urgent)
+        for start, region in _before_and_after(dbm.subtract_all([zone], here.urgent), here.urgent, zone.dimension):
+            result += intersections(intersections([dbm.up(start)], [here.invariant]), region)
+    return result
+
+
+def _before_and_after(starts: Federation, urgent: Federation, dimension: int) -> list[tuple[Zone, Federation]]:
+    """Splits valuations outside the urgent zones by which of these lie in their future; each with where it may go.
+
+    A valuation before an urgent zone may go on until it enters it: as far as the points before it, and those points of
+    it that have no earlier point of it in their past.
+    """
+    pieces: list[tuple[Zone, Federation]] = [(start, [dbm.universe(dimension)]) for start in starts]
+    for zone in urgent:
+        past = dbm.down(zone)
+        allowed = dbm.subtract(past, zone) + dbm.subtract(zone, _strictly_later(zone))
+        split: list[tuple[Zone, Federation]] = []
+        for start, region in pieces:
+            split += [(outside, region) for outside in dbm.subtract(start, past)]
+            inside = dbm.intersect(start, past)
+            if inside is not None:
+                split.append((inside, intersections(region, allowed)))
+        pieces = split
+    return pieces
+
+
+def _strictly_later(zone: Zone) -> Zone:
+    """The points reached from the zone by a delay greater than 0: all its lower bounds become strict."""
+    later = dbm.constrain_all(dbm.up(zone), [(0, j, zone[0, j] & ~1) for j in range(1, zone.dimension)])
+    assert later is not None
+    return later
+
+
+def where(model: Model, here: Situation, predicate: Expression) -> Federation:
+    """The clock valuations, among those that satisfy the invariants, where a state predicate holds.
+
+    ``deadlock`` may occur anywhere in it. Raises EvaluationFault.
+    """
+    if here.invariant is None:
+        return []
+
+    def zones(scratch: Environment) -> Federation:
+        assert here.invariant is not None
+        return [
+            z for z in (dbm.constrain_all(here.invariant, c) for c in disjunctive(predicate, scratch)) if z is not None
+        ]
+
+    def assuming(answer: bool) -> Environment:
+        scratch = environment(model, here.discrete)
+        scratch.deadlock = lambda: answer
+        return scratch
+
+    if_dead, if_alive = zones(assuming(True)), zones(assuming(False))
+    if if_dead == if_alive:
+        return if_dead
+    return dbm.subtract_all(if_dead, here.alive) + intersections(if_alive, here.alive)
