@@ -21,3 +21,8 @@ def data_root() -> Path:
 def grammar_text(name: str) -> str:
     """The text of ``grammar/NAME.lark``."""
     return (data_root() / "grammar" / f"{name}.lark").read_text(encoding="utf-8")
+
+
+def template_text(name: str) -> str:
+    """The text of ``templates/NAME``."""
+    return (data_root() / "templates" / name).read_text(encoding="utf-8")

@@ -1,0 +1,1 @@
+"""The command line: arguments to calls, results to text, outcomes to exit statuses. No logic a script could want."""

@@ -1,0 +1,3 @@
+from tachk.cli.main import run
+
+run()

@@ -1,0 +1,86 @@
+"""Tells models from queries among the arguments of a command, and reads the values of options."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from tachk.diagnostics.diagnostic import UsageError
+
+MODEL_SUFFIXES = (".ta", ".xta", ".xml")
+QUERY_SUFFIXES = (".q",)
+
+_QUERY_OPERATOR = re.compile(r"[AE]\s*(\[\]|<>)|-->|\b(sup|inf|bounds)\b|[\s{}()<>=!&|]")
+_SIZES = {"": 1, "B": 1, "K": 10**3, "M": 10**6, "G": 10**9, "KI": 2**10, "MI": 2**20, "GI": 2**30}
+
+
+def split_models_and_queries(arguments: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The arguments that are models and those that are queries, each in order.
+
+    A model is a file that exists, or a name that ends like one. Raises UsageError for an argument that is neither, or
+    if there is no model.
+    """
+    models: list[str] = []
+    queries: list[str] = []
+    for argument in arguments:
+        if _is_model(argument):
+            models.append(argument)
+        else:
+            queries.append(argument)
+    if not models:
+        raise UsageError(
+            "no model among the arguments",
+            "the first argument should be a model file: tachk verify MODEL.ta 'A[] not deadlock'",
+        )
+    return tuple(models), tuple(queries)
+
+
+def _is_model(argument: str) -> bool:
+    path = Path(argument)
+    if len(argument) < 4096 and path.is_file():
+        if path.suffix in QUERY_SUFFIXES:
+            raise UsageError(f"{argument} is a file of queries", f"give it with -q: -q {argument}")
+        return True
+    if len(argument) < 4096 and path.is_dir():
+        inside = sorted(str(p) for p in path.iterdir() if p.suffix in MODEL_SUFFIXES)
+        models = ", ".join(inside[:5]) or "none"
+        raise UsageError(f"{argument} is a folder, not a model", f"models in it: {models}")
+    if argument.endswith((*MODEL_SUFFIXES, *QUERY_SUFFIXES)) and not re.search(r"\s", argument):
+        raise UsageError(f"there is no file {argument}", _similar_files(path))
+    if not _QUERY_OPERATOR.search(argument):
+        raise UsageError(
+            f"{argument!r} is neither a file nor a query",
+            f"to check the model's property of this name: --property {argument}" if argument.isidentifier() else None,
+        )
+    return False
+
+
+def _similar_files(path: Path) -> str | None:
+    if not path.parent.is_dir():
+        return f"there is no folder {path.parent}"
+    names = [p.name for p in path.parent.iterdir()]
+    close = difflib.get_close_matches(path.name, names, n=1)
+    return f"did you mean {path.with_name(close[0])}?" if close else None
+
+
+def parse_definitions(definitions: Iterable[str]) -> dict[str, str]:
+    """``NAME=expression`` pairs as a dictionary. Raises UsageError for anything else and for a name given twice."""
+    result: dict[str, str] = {}
+    for definition in definitions:
+        name, equals, expression = (part.strip() for part in definition.partition("="))
+        if not (equals and expression and name.isidentifier()):
+            raise UsageError(f"-D {definition}: expected NAME=expression", "for example -D N=4")
+        if name in result:
+            raise UsageError(f"-D {name} is given twice")
+        result[name] = expression
+    return result
+
+
+def parse_size(text: str) -> int:
+    """``500M``, ``2GB``, ``1.5 GiB`` as bytes. Raises UsageError."""
+    match = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([KMG]I?|)B?\s*", text.upper())
+    if match is None:
+        raise UsageError(f"{text!r} is not a size", "write it like 500M, 2G or 4GiB")
+    return int(float(match[1]) * _SIZES[match[2]])

@@ -1,0 +1,38 @@
+"""What the exit status of `tachk` means."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import IntEnum
+
+
+class ExitStatus(IntEnum):
+    """1 is not used: it is what an uncaught Python exception gives, and a build server must tell them apart."""
+
+    AS_EXPECTED = 0
+    """every expectation is met; without an expectation: the query holds"""
+    BAD_INPUT = 2
+    """a model, a query or an option is wrong"""
+    UNSUPPORTED = 3
+    """the model is legal but uses a feature that the requested analysis cannot decide"""
+    NOT_AS_EXPECTED = 10
+    """some expectation is not met; for `fmt --check`: some file is not in canonical form"""
+    UNKNOWN = 20
+    """nothing worse than an unknown answer: a limit was hit, or the search was interrupted"""
+    INTERNAL_ERROR = 70
+    """a defect of tachk"""
+
+
+_GRAVITY = (
+    ExitStatus.INTERNAL_ERROR,
+    ExitStatus.BAD_INPUT,
+    ExitStatus.UNSUPPORTED,
+    ExitStatus.NOT_AS_EXPECTED,
+    ExitStatus.UNKNOWN,
+)
+
+
+def worst(statuses: Iterable[ExitStatus]) -> ExitStatus:
+    """The status of a command that did several things."""
+    present = set(statuses)
+    return next((status for status in _GRAVITY if status in present), ExitStatus.AS_EXPECTED)

@@ -1,0 +1,56 @@
+"""Errors as users see them: a place, a reason and advice for theirs; a request for a report for ours."""
+
+from __future__ import annotations
+
+import sys
+import traceback
+from collections.abc import Callable
+
+from tachk.cli.exit_status import ExitStatus
+from tachk.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
+
+
+def guarded(action: Callable[[], ExitStatus]) -> ExitStatus:
+    """Runs an action; an error becomes a message on standard error and an exit status."""
+    try:
+        return action()
+    except InputError as error:
+        print_diagnostics(error)
+        return ExitStatus.BAD_INPUT
+    except UnsupportedError as error:
+        print_diagnostics(InputError([error.diagnostic]))
+        return ExitStatus.UNSUPPORTED
+    except UsageError as error:
+        complain(str(error), error.help)
+        return ExitStatus.BAD_INPUT
+    except BrokenPipeError:
+        sys.stderr.close()
+        return ExitStatus.AS_EXPECTED
+    except OSError as error:
+        complain(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+        return ExitStatus.BAD_INPUT
+    except KeyboardInterrupt:
+        complain("interrupted before there was an answer")
+        return ExitStatus.UNKNOWN
+    except Exception:  # the last resort of the program: whatever comes here is a defect
+        traceback.print_exc()
+        complain(
+            "this is a defect of tachk, not of your model",
+            "please report it with the command, the model and the lines above",
+        )
+        return ExitStatus.INTERNAL_ERROR
+
+
+def complain(message: str, help: str | None = None) -> None:
+    """Prints an error that has no place in a text."""
+    print(f"error: {message}", file=sys.stderr)
+    if help:
+        print(f"help: {help}", file=sys.stderr)
+
+
+def print_diagnostics(error: InputError) -> None:
+    """Prints every diagnostic with its source line."""
+    from tachk.diagnostics.render import render
+
+    for diagnostic in error.diagnostics:
+        print(render(diagnostic), file=sys.stderr)

@@ -1,0 +1,164 @@
+"""The commands and their options. Imports nothing heavy: `tachk --version` must not wait for z3."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import tachk
+from tachk.cli.guard import guarded
+
+app = typer.Typer(
+    name="tachk",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+class Search(StrEnum):
+    bfs = "bfs"
+    dfs = "dfs"
+    rdfs = "rdfs"
+
+
+class Trace(StrEnum):
+    some = "some"
+    shortest = "shortest"
+    none = "none"
+
+
+class Format(StrEnum):
+    text = "text"
+    json = "json"
+    junit = "junit"
+
+
+class Extrapolation(StrEnum):
+    lu = "lu"
+    max = "max"
+    none = "none"
+
+
+Definitions = Annotated[
+    list[str] | None,
+    typer.Option("-D", "--define", metavar="NAME=EXPR", help="Give a global constant of the model another value."),
+]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"tachk {tachk.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def main(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Model checking of networks of timed automata.
+
+    Exit status: 0 everything as expected, 10 something is not, 20 nothing worse than unknown, 2 bad input or usage,
+    3 unsupported feature, 70 defect of tachk.
+    """
+
+
+@app.command()
+def verify(
+    arguments: Annotated[
+        list[str], typer.Argument(metavar="MODEL... [QUERY]...", help="Model files, and queries to check on each.")
+    ],
+    query_files: Annotated[
+        list[Path] | None, typer.Option("-q", "--queries", metavar="FILE", help="Check the queries of a file.")
+    ] = None,
+    definitions: Definitions = None,
+    properties: Annotated[
+        list[str] | None, typer.Option("--property", metavar="NAME", help="Check this property of the model.")
+    ] = None,
+    search: Annotated[Search, typer.Option(help="Which state is explored next.")] = Search.bfs,
+    seed: Annotated[int, typer.Option(help="For --search rdfs.")] = 1,
+    trace: Annotated[Trace, typer.Option(help="Which run to give as evidence.")] = Trace.some,
+    format: Annotated[Format, typer.Option(help="Form of the report.")] = Format.text,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Write the report to a file.")] = None,
+    max_states: Annotated[int | None, typer.Option(min=1, help="Give up beyond so many stored states.")] = None,
+    max_seconds: Annotated[float | None, typer.Option(min=0, help="Give up after this time.")] = None,
+    max_memory: Annotated[
+        str | None, typer.Option(metavar="SIZE", help="Give up beyond this size of the search, such as 2G.")
+    ] = None,
+    max_depth: Annotated[int | None, typer.Option(min=0, help="Explore only so many transitions deep.")] = None,
+    extrapolation: Annotated[Extrapolation, typer.Option(help="The abstraction of zones.")] = Extrapolation.lu,
+    every_trace: Annotated[
+        bool, typer.Option("--all-traces", help="Tell also the runs behind answers that are as expected.")
+    ] = False,
+    clocks: Annotated[bool, typer.Option("--clocks", help="Print the clocks after each step of a run.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print no report; the exit status tells.")] = False,
+) -> None:
+    """Check the properties of models, or the given queries.
+
+    Without a query, a query file or --property, every property that a model states is checked.
+    """
+    from tachk.cli.verify import VerifyRequest, run_verify
+
+    request = VerifyRequest(
+        arguments=tuple(arguments),
+        query_files=tuple(query_files or ()),
+        definitions=tuple(definitions or ()),
+        properties=tuple(properties or ()),
+        search=search.value,
+        seed=seed,
+        trace=trace.value,
+        format=format.value,
+        output=output,
+        max_states=max_states,
+        max_seconds=max_seconds,
+        max_memory=max_memory,
+        max_depth=max_depth,
+        extrapolation=extrapolation.value,
+        every_trace=every_trace,
+        clocks=clocks,
+        quiet=quiet,
+    )
+    raise typer.Exit(guarded(lambda: run_verify(request)))
+
+
+@app.command()
+def check(
+    models: Annotated[list[str], typer.Argument(metavar="MODEL...", help="Model files.")],
+    definitions: Definitions = None,
+) -> None:
+    """Read models and report every mistake and warning, without checking a property."""
+    from tachk.cli.check import run_check
+
+    raise typer.Exit(guarded(lambda: run_check(tuple(models), tuple(definitions or ()))))
+
+
+@app.command()
+def fmt(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Model files in text form.")],
+    check_only: Annotated[bool, typer.Option("--check", help="Change nothing; fail if a file would change.")] = False,
+    to_stdout: Annotated[bool, typer.Option("--stdout", help="Print the result instead of changing the file.")] = False,
+) -> None:
+    """Rewrite models in canonical form."""
+    from tachk.cli.fmt import run_fmt
+
+    raise typer.Exit(guarded(lambda: run_fmt(tuple(files), check_only, to_stdout)))
+
+
+@app.command()
+def explain(code: Annotated[str, typer.Argument(help="The code of a message, such as E0214.")]) -> None:
+    """Explain a message: what it means, an example, how to mend it."""
+    from tachk.cli.explain import run_explain
+
+    raise typer.Exit(guarded(lambda: run_explain(code)))
+
+
+def run() -> None:
+    """The console script."""
+    app()
