@@ -1,0 +1,173 @@
+"""Clock bounds for the abstraction of zones: for each location, the largest constants that still matter.
+
+``lower[x]`` is the largest constant in constraints ``x > c``, ``x >= c`` that can be evaluated from here on before
+``x`` is reset, ``upper[x]`` the same for ``x < c``, ``x <= c``; they are L and U of Behrmann, Bouyer, Larsen, Pelánek,
+"Lower and upper bounds in zone-based abstractions of timed automata" (2006), computed by a backward fixpoint for each
+location (Behrmann, Bouyer, Fleury and Larsen, "Static guard analysis in timed automata verification", 2003). A state's
+bound is the largest over its locations, which is sound for shared clocks: a transition that does not reset the clock
+meets the edge condition of the fixpoint in every process that moves, and nothing changes in the others.
+
+Three kinds of constraints are evaluated in both directions and count as lower and upper:
+
+- guards of receivers on broadcast channels, because a receiver stays behind only where its guard is false;
+- with priorities every constraint, because an action waits while one of higher priority is enabled;
+- the clocks of a difference ``x - y < c``, which moreover have a bound of at least ``|c|`` in every location, as the
+  splitting normalisation needs (Bengtsson and Yi, "On clock difference constraints and termination in reachability
+  analysis of timed automata", 2003).
+
+Stopped clocks need nothing more. The simulation behind the bounds relates two valuations if for each clock they agree,
+or both lie beyond the bound that matters; letting the same time pass, with the same clocks stopped in both, since what
+stops them is part of the discrete state, keeps that: a stopped clock does not move in either, a running clock moves by
+the same amount in both. A clock that is stopped and not read before its next reset may therefore be inactive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from tachk.diagnostics.span import NOWHERE, Span
+
+ClockBounds = tuple[tuple[int, int], ...]
+"""Pairs (clock, bound) in ascending order of clocks; a clock that is missing does not matter."""
+
+
+@dataclass(frozen=True, slots=True)
+class ConstraintRange:
+    """A constraint ``x - y < c`` or ``<= c`` of which only a range of possibilities is known.
+
+    Attributes:
+        lefts, rights: the numbers ``x`` and ``y`` may have; ``(0,)`` for the reference clock.
+        low, high: the smallest and the largest ``c``.
+    """
+
+    lefts: tuple[int, ...]
+    rights: tuple[int, ...]
+    low: int
+    high: int
+    strict: bool = False
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+    @property
+    def is_diagonal(self) -> bool:
+        return self.lefts != (0,) and self.rights != (0,)
+
+
+@dataclass(frozen=True, slots=True)
+class BoundEdge:
+    """What the analysis needs of an edge.
+
+    Attributes:
+        resets: the clocks it resets in every case, to a value that does not depend on clocks.
+        both_directions: the falsity of the guard is observed too.
+    """
+
+    source: int
+    target: int
+    resets: frozenset[int] = frozenset()
+    constraints: tuple[ConstraintRange, ...] = ()
+    both_directions: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class LocationBounds:
+    lower: ClockBounds = ()
+    upper: ClockBounds = ()
+
+
+def process_bounds(
+    invariants: Sequence[tuple[ConstraintRange, ...]],
+    edges: Iterable[BoundEdge],
+    everywhere: tuple[Mapping[int, int], Mapping[int, int]] = ({}, {}),
+    symmetric: frozenset[int] | None = frozenset(),
+) -> tuple[LocationBounds, ...]:
+    """The bounds at every location of one process.
+
+    Args:
+        invariants: for each location.
+        everywhere: lower and upper bounds that hold at every location, such as those of the queries.
+        symmetric: the clocks whose lower and upper bounds must be equal; None means all.
+    """
+    count = len(invariants)
+    lower: list[dict[int, int]] = [dict(everywhere[0]) for _ in range(count)]
+    upper: list[dict[int, int]] = [dict(everywhere[1]) for _ in range(count)]
+    for location, constraints in enumerate(invariants):
+        for constraint in constraints:
+            collect(constraint, lower[location], upper[location])
+    kept: dict[tuple[int, int], frozenset[int]] = {}
+    for edge in edges:
+        into_lower = lower[edge.source]
+        into_upper = upper[edge.source]
+        for constraint in edge.constraints:
+            collect(constraint, into_lower, into_upper)
+            if edge.both_directions:
+                collect(constraint, into_upper, into_lower)
+        pair = edge.source, edge.target
+        kept[pair] = kept[pair] & edge.resets if pair in kept else edge.resets
+    predecessors: list[list[tuple[int, frozenset[int]]]] = [[] for _ in range(count)]
+    for (source, target), resets in kept.items():
+        if source != target:
+            predecessors[target].append((source, resets))
+    _propagate(lower, predecessors)
+    _propagate(upper, predecessors)
+    for low, up in zip(lower, upper, strict=True):
+        for clock in [*low, *up]:
+            if symmetric is None or clock in symmetric:
+                low[clock] = up[clock] = max(low.get(clock, -1), up.get(clock, -1))
+    return tuple(
+        LocationBounds(tuple(sorted(low.items())), tuple(sorted(up.items())))
+        for low, up in zip(lower, upper, strict=True)
+    )
+
+
+def collect(constraint: ConstraintRange, lower: dict[int, int], upper: dict[int, int]) -> None:
+    """Adds a constraint to the bounds of the place where it is evaluated."""
+    if constraint.is_diagonal:
+        largest = max(abs(constraint.low), abs(constraint.high))
+        for clock in (*constraint.lefts, *constraint.rights):
+            _raise(lower, clock, largest)
+            _raise(upper, clock, largest)
+    elif constraint.rights == (0,):
+        for clock in constraint.lefts:
+            _raise(upper, clock, constraint.high)
+    else:
+        for clock in constraint.rights:
+            _raise(lower, clock, -constraint.low)
+
+
+def _raise(bounds: dict[int, int], clock: int, constant: int) -> None:
+    bounds[clock] = max(bounds.get(clock, 0), constant)
+
+
+def _propagate(bounds: list[dict[int, int]], predecessors: Sequence[Sequence[tuple[int, frozenset[int]]]]) -> None:
+    """Carries bounds backwards over edges that do not reset the clock.
+
+    For each clock the locations are taken in descending order of their own bounds, so each location is settled once.
+    """
+    seeds: dict[int, list[tuple[int, int]]] = {}
+    for location, own in enumerate(bounds):
+        for clock, constant in own.items():
+            seeds.setdefault(clock, []).append((constant, location))
+    for clock, found in seeds.items():
+        found.sort(reverse=True)
+        settled: set[int] = set()
+        for constant, seed in found:
+            if seed in settled:
+                continue
+            settled.add(seed)
+            pending = [seed]
+            while pending:
+                for source, resets in predecessors[pending.pop()]:
+                    if source not in settled and clock not in resets:
+                        settled.add(source)
+                        bounds[source][clock] = constant
+                        pending.append(source)
+
+
+def diagonal_bounds(diagonals: Iterable[tuple[int, int, int]]) -> dict[int, int]:
+    """For each clock of a difference constraint (left, right, raw) the bound it needs in every location."""
+    result: dict[int, int] = {}
+    for left, right, raw in diagonals:
+        for clock in (left, right):
+            _raise(result, clock, abs(raw >> 1))
+    return result

@@ -1,0 +1,318 @@
+"""Compilation of a network to the integers the core runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
+from tachk.diagnostics.span import Span
+from tachk.model.expressions import Assign, Constant, Expression
+from tachk.model.network import Direction, Edge, Location, Network, Process
+from tachk.model.types import ChannelType, ClockType
+from tachk.semantics.bounds import (
+    BoundEdge,
+    ConstraintRange,
+    LocationBounds,
+    collect,
+    diagonal_bounds,
+    process_bounds,
+)
+from tachk.semantics.codegen import CodeGenerator
+from tachk.semantics.conditions import (
+    ConditionCompiler,
+    Conjunction,
+    check_bound,
+    split_conjunction,
+)
+from tachk.semantics.fold import Known, fold, fold_place, is_integer, known_values
+from tachk.semantics.goal import compile_goal
+from tachk.semantics.intervals import interval
+from tachk.semantics.layout import Layout, cell_range
+from tachk.semantics.program import (
+    NO_CODE,
+    Condition,
+    Goal,
+    Program,
+    ProgramEdge,
+    ProgramLocation,
+    Update,
+)
+from tachk.semantics.traversal import called_functions, network_expressions, statement_expressions, walk
+
+MAXIMAL_EDGES = 1_000_000
+MAXIMAL_DIAGONALS = 1024
+
+
+def lower(network: Network, predicates: Sequence[Expression] = ()) -> tuple[Program, tuple[Goal, ...]]:
+    """The program of a network, and for each predicate the goal of reaching a state where it is true.
+
+    The clock bounds of the program cover all the predicates. Raises InputError for an initial value outside its range
+    and UnsupportedError for what the engine cannot represent.
+    """
+    known = known_values(network, predicates)
+    layout = Layout(network, known)
+    generator = CodeGenerator(layout, known)
+    lowering = _Lowering(network, layout, generator)
+    lowering.check_resets(known)
+    for number, process in enumerate(network.processes):
+        lowering.add_process(number, process, known)
+    goals = []
+    goal_ranges: list[ConstraintRange] = []
+    for predicate in predicates:
+        goal, ranges = compile_goal(predicate, known, lowering.compiler)
+        goals.append(goal)
+        goal_ranges.extend(ranges)
+    generator.finish()
+    return lowering.program(goal_ranges), tuple(goals)
+
+
+class _Lowering:
+    """The program under construction."""
+
+    def __init__(self, network: Network, layout: Layout, generator: CodeGenerator) -> None:
+        self.network = network
+        self.layout = layout
+        self.generator = generator
+        self.compiler = ConditionCompiler(layout, generator)
+        self.locations: list[list[ProgramLocation]] = []
+        self.invariants: list[list[tuple[ConstraintRange, ...]]] = []
+        self.edges: list[ProgramEdge] = []
+        self.bound_edges: list[list[BoundEdge]] = []
+
+    # ---- processes --------------------------------------------------------------------------------------------------
+
+    def add_process(self, number: int, process: Process, known: Known) -> None:
+        compiled = [self._location(location, known) for location in process.locations]
+        self.locations.append([location for location, _ in compiled])
+        self.invariants.append([ranges for _, ranges in compiled])
+        self.bound_edges.append([])
+        for edge_number, edge in enumerate(process.edges):
+            for selects, bound in self._instances(edge, known):
+                self._edge(number, edge_number, edge, selects, bound)
+                if len(self.edges) > MAXIMAL_EDGES:
+                    raise _too_many_edges(edge.spans[0])
+
+    def _location(self, location: Location, known: Known) -> tuple[ProgramLocation, tuple[ConstraintRange, ...]]:
+        invariant, ranges = Condition(), tuple[ConstraintRange, ...]()
+        if location.invariant is not None:
+            compiled = self.compiler.compile(split_conjunction(location.invariant, known), known)
+            invariant, ranges = compiled if compiled is not None else (self.compiler.never(), ())
+        stopped = []
+        for place, rate in location.rates:
+            code = self._rate_code(rate, known)
+            if code is not None:
+                slot = self.layout.known_slot(fold_place(place, known))
+                if slot is None:
+                    raise _rate_unsupported("the clock of a rate must not depend on variables", place.span)
+                stopped.append((self.layout.slots[slot].initial, code))
+        return ProgramLocation(invariant, location.urgent, location.committed, tuple(stopped)), ranges
+
+    def _rate_code(self, rate: Expression, known: Known) -> int | None:
+        """Code for a rate that may be 0; None if it is always 1."""
+        folded = fold(rate, known)
+        low, high = interval(folded, known)
+        if low < 0 or high > 1:
+            raise _rate_unsupported(f"a clock rate that may lie anywhere in [{low}, {high}] is not 0 or 1", rate.span)
+        if isinstance(folded, Constant):
+            return NO_CODE if folded.value == 0 else None
+        return self.generator.value_code(folded)
+
+    # ---- edges ------------------------------------------------------------------------------------------------------
+
+    def _instances(self, edge: Edge, known: Known) -> Iterator[tuple[tuple[int, ...], Known]]:
+        """The values of the select variables for which the guard is not false at once."""
+        guard = None if edge.guard is None else fold(edge.guard, known)
+
+        def expand(
+            chosen: tuple[int, ...], guard: Expression | None, bound: Known
+        ) -> Iterator[tuple[tuple[int, ...], Known]]:
+            if isinstance(guard, Constant) and guard.value == 0:
+                return
+            if len(chosen) == len(edge.selects):
+                yield chosen, bound
+                return
+            variable = edge.selects[len(chosen)]
+            low, high = cell_range(variable.type)
+            if high - low >= MAXIMAL_EDGES:
+                raise _too_many_edges(edge.spans[0])
+            for value in range(low, high + 1):
+                inner = bound.with_bound(variable, value)
+                yield from expand((*chosen, value), None if guard is None else fold(guard, inner), inner)
+
+        yield from expand((), guard, known)
+
+    def _edge(self, process: int, number: int, edge: Edge, selects: tuple[int, ...], known: Known) -> None:
+        conjunction = Conjunction() if edge.guard is None else split_conjunction(edge.guard, known)
+        compiled = self.compiler.compile(conjunction, known)
+        if compiled is None:
+            return
+        guard, ranges = compiled
+        channel, channel_code, sends, broadcast = -1, NO_CODE, False, False
+        if edge.synchronisation is not None:
+            place = fold_place(edge.synchronisation.channel, known)
+            sends = edge.synchronisation.direction is Direction.SEND
+            broadcast = isinstance(place.type, ChannelType) and place.type.broadcast
+            slot = self.layout.known_slot(place)
+            if slot is not None:
+                channel = self.layout.slots[slot].initial
+            else:
+                channel_code = self.generator.number_code(place, known)
+        updates = tuple(fold(update, known) for update in edge.updates)
+        self.edges.append(
+            ProgramEdge(
+                process,
+                number,
+                selects,
+                edge.source,
+                edge.target,
+                guard,
+                channel,
+                channel_code,
+                sends,
+                self._update(updates),
+            )
+        )
+        self.bound_edges[process].append(
+            BoundEdge(
+                edge.source,
+                edge.target,
+                frozenset(self._resets(updates)),
+                ranges,
+                both_directions=broadcast and not sends,
+            )
+        )
+
+    def _update(self, updates: tuple[Expression, ...]) -> Update:
+        stores: dict[int, int] = {}
+        resets: dict[int, int] = {}
+        for update in updates:
+            match update:
+                case Assign(target, Constant(value), _, None) if is_integer(target.type):
+                    slot = self.layout.known_slot(target)
+                    if slot is None or not self.layout.slots[slot].low <= value <= self.layout.slots[slot].high:
+                        return Update(code=self.generator.update_code(updates))
+                    stores[slot] = value
+                case Assign(target, Constant(value), _, None) if isinstance(target.type, ClockType) and value >= 0:
+                    slot = self.layout.known_slot(target)
+                    if slot is None:
+                        return Update(code=self.generator.update_code(updates))
+                    resets[self.layout.slots[slot].initial] = value
+                case _:
+                    return Update(code=self.generator.update_code(updates))
+        return Update(tuple(stores.items()), tuple(resets.items()))
+
+    def _resets(self, updates: tuple[Expression, ...]) -> Iterator[int]:
+        """The clocks that the updates set in every case; their new values depend on the discrete state only."""
+        for update in updates:
+            if isinstance(update, Assign) and isinstance(update.target.type, ClockType):
+                slot = self.layout.known_slot(update.target)
+                if slot is not None:
+                    yield self.layout.slots[slot].initial
+
+    def check_resets(self, known: Known) -> None:
+        """Raises UnsupportedError if a clock may be set to a value that is too large."""
+        expressions = list(network_expressions(self.network))
+        expressions += [e for f in called_functions(expressions) for e in statement_expressions(f.body)]
+        for expression in expressions:
+            for node in walk(expression):
+                if isinstance(node, Assign) and isinstance(node.target.type, ClockType):
+                    low, high = interval(fold(node.value, known), known)
+                    check_bound(max(low, 0), max(high, 0), node.span)
+
+    # ---- the whole --------------------------------------------------------------------------------------------------
+
+    def program(self, goal_ranges: Sequence[ConstraintRange]) -> Program:
+        """The finished program, with the clock bounds filled in."""
+        network = self.network
+        priorities = {network.default_priority, *(c.priority for c in self.layout.channels)}
+        has_priorities = len(priorities) > 1 or len({p.priority for p in network.processes}) > 1
+        model_ranges = [r for process in self.invariants for ranges in process for r in ranges]
+        model_ranges += [r for process in self.bound_edges for edge in process for r in edge.constraints]
+        diagonals = _diagonals([*model_ranges, *goal_ranges])
+        bounds = self._bounds(goal_ranges, diagonals, has_priorities)
+        maximum = [-1] * (len(self.layout.clock_names) + 1)
+        for process in bounds:
+            for location in process:
+                for clock, constant in (*location.lower, *location.upper):
+                    maximum[clock] = max(maximum[clock], constant)
+        locations = tuple(
+            tuple(replace(l, lower=b.lower, upper=b.upper) for l, b in zip(process, found, strict=True))
+            for process, found in zip(self.locations, bounds, strict=True)
+        )
+        return Program(
+            process_names=tuple(p.name for p in network.processes),
+            process_priorities=tuple(p.priority for p in network.processes),
+            locations=locations,
+            edges=tuple(self.edges),
+            channels=tuple(self.layout.channels),
+            clock_names=tuple(self.layout.clock_names),
+            slots=tuple(self.layout.slots),
+            state_slots=self.layout.state_slots,
+            code=tuple(self.generator.assembler.code),
+            sites=tuple(self.generator.assembler.sites),
+            default_priority=network.default_priority,
+            maximum_constants=tuple(maximum),
+            diagonals=diagonals,
+            has_priorities=has_priorities,
+            has_stopwatches=any(l.stopped for process in self.locations for l in process),
+        )
+
+    def _bounds(
+        self,
+        goal_ranges: Sequence[ConstraintRange],
+        diagonals: tuple[tuple[int, int, int], ...],
+        has_priorities: bool,
+    ) -> list[tuple[LocationBounds, ...]]:
+        of_diagonals = diagonal_bounds(diagonals)
+        lower, upper = dict(of_diagonals), dict(of_diagonals)
+        for constraint in goal_ranges:
+            collect(constraint, lower, upper)
+        symmetric = None if has_priorities else frozenset(of_diagonals)
+        return [
+            process_bounds(invariants, edges, (lower, upper), symmetric)
+            for invariants, edges in zip(self.invariants, self.bound_edges, strict=True)
+        ]
+
+
+def _diagonals(ranges: Sequence[ConstraintRange]) -> tuple[tuple[int, int, int], ...]:
+    """The difference constraints between two clocks, each value of a variable bound on its own."""
+    found: dict[tuple[int, int, int], None] = {}
+    for constraint in ranges:
+        if not constraint.is_diagonal:
+            continue
+        pairs = [(x, y) for x in constraint.lefts for y in constraint.rights if x != y]
+        if len(pairs) * (constraint.high - constraint.low + 1) > MAXIMAL_DIAGONALS:
+            raise _too_many_diagonals(constraint.span)
+        for left, right in pairs:
+            for bound in range(constraint.low, constraint.high + 1):
+                found[left, right, 2 * bound + (0 if constraint.strict else 1)] = None
+    return tuple(found)
+
+
+def _too_many_edges(span: Span) -> UnsupportedError:
+    return UnsupportedError(
+        Diagnostic(
+            "E0708",
+            f"expanding the select labels gives more than {MAXIMAL_EDGES} edges",
+            span,
+            "select from smaller ranges, or replace a select by a variable that is set step by step",
+        )
+    )
+
+
+def _too_many_diagonals(span: Span) -> UnsupportedError:
+    return UnsupportedError(
+        Diagnostic(
+            "E0709",
+            f"the bound of this clock difference may have more than {MAXIMAL_DIAGONALS} values",
+            span,
+            "declare a smaller range for the variables of the bound",
+        )
+    )
+
+
+def _rate_unsupported(message: str, span: Span) -> UnsupportedError:
+    return UnsupportedError(
+        Diagnostic("E0710", message, span, "only stopped (0) and running (1) clocks can be checked symbolically")
+    )

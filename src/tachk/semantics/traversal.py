@@ -1,0 +1,185 @@
+"""Walking over typed expressions and statements."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from tachk.model.expressions import (
+    Aggregate,
+    Assert,
+    Assign,
+    Binary,
+    Block,
+    Call,
+    Comma,
+    Conditional,
+    Constant,
+    Deadlock,
+    Declare,
+    Evaluate,
+    Expression,
+    Field,
+    Function,
+    If,
+    Increment,
+    Index,
+    Iterate,
+    LocationTest,
+    Quantifier,
+    Reference,
+    Return,
+    Statement,
+    Unary,
+    Variable,
+    While,
+)
+from tachk.model.network import Network
+
+
+def children(expression: Expression) -> tuple[Expression, ...]:
+    """The direct subexpressions, in order of evaluation."""
+    match expression:
+        case Constant() | Reference() | LocationTest() | Deadlock():
+            return ()
+        case Index(base, index):
+            return base, index
+        case Field(base):
+            return (base,)
+        case Aggregate(items) | Comma(items):
+            return items
+        case Unary(_, operand):
+            return (operand,)
+        case Binary(_, left, right):
+            return left, right
+        case Conditional(condition, then, otherwise):
+            return condition, then, otherwise
+        case Quantifier(_, _, body):
+            return (body,)
+        case Assign(target, value):
+            return target, value
+        case Increment(target):
+            return (target,)
+        case Call(_, arguments):
+            return arguments
+
+
+def walk(expression: Expression) -> Iterator[Expression]:
+    """The expression and everything inside it; the bodies of called functions are not entered."""
+    pending = [expression]
+    while pending:
+        current = pending.pop()
+        yield current
+        pending.extend(reversed(children(current)))
+
+
+def statement_expressions(statement: Statement) -> Iterator[Expression]:
+    """The outermost expressions in a statement, in textual order."""
+    match statement:
+        case Evaluate(expression):
+            yield expression
+        case Declare(_, initial) | Return(initial):
+            if initial is not None:
+                yield initial
+        case Block(statements):
+            for inner in statements:
+                yield from statement_expressions(inner)
+        case If(condition, then, otherwise):
+            yield condition
+            yield from statement_expressions(then)
+            if otherwise is not None:
+                yield from statement_expressions(otherwise)
+        case While(condition, body):
+            yield condition
+            yield from statement_expressions(body)
+        case Iterate(_, body):
+            yield from statement_expressions(body)
+        case Assert(condition):
+            yield condition
+
+
+def returned(statement: Statement) -> Iterator[Expression]:
+    """The expressions of the return statements inside a statement."""
+    match statement:
+        case Return(value):
+            if value is not None:
+                yield value
+        case Block(statements):
+            for inner in statements:
+                yield from returned(inner)
+        case If(_, then, otherwise):
+            yield from returned(then)
+            if otherwise is not None:
+                yield from returned(otherwise)
+        case While(_, body) | Iterate(_, body):
+            yield from returned(body)
+        case Evaluate() | Declare() | Assert():
+            return
+
+
+def roots(place: Expression) -> Iterator[Variable]:
+    """The variables an assignable expression may denote a part of."""
+    match place:
+        case Reference(variable):
+            yield variable
+        case Index(base) | Field(base):
+            yield from roots(base)
+        case Conditional(_, then, otherwise):
+            yield from roots(then)
+            yield from roots(otherwise)
+        case Assign(target) | Increment(target):
+            yield from roots(target)
+        case Comma(items):
+            yield from roots(items[-1])
+
+
+def network_expressions(network: Network) -> Iterator[Expression]:
+    """Every outermost expression of the processes, function bodies excluded."""
+    for process in network.processes:
+        for location in process.locations:
+            if location.invariant is not None:
+                yield location.invariant
+            for pair in location.rates:
+                yield from pair
+        for edge in process.edges:
+            if edge.guard is not None:
+                yield edge.guard
+            if edge.synchronisation is not None:
+                yield edge.synchronisation.channel
+            yield from edge.updates
+
+
+def called_functions(expressions: Iterable[Expression]) -> dict[Function, None]:
+    """The functions called by the expressions, directly or through other functions, in order of discovery."""
+    found: dict[Function, None] = {}
+    pending = list(expressions)
+    while pending:
+        for node in walk(pending.pop()):
+            if isinstance(node, Call) and node.function not in found:
+                found[node.function] = None
+                pending.extend(statement_expressions(node.function.body))
+    return found
+
+
+def written_variables(expressions: Sequence[Expression]) -> set[Variable]:
+    """The variables that evaluating the expressions may change, functions included.
+
+    A variable passed for a reference parameter counts only if the function changes that parameter.
+    """
+    bodies = [e for f in called_functions(expressions) for e in statement_expressions(f.body)]
+    written: set[Variable] = set()
+    calls: list[Call] = []
+    for expression in (*expressions, *bodies):
+        for node in walk(expression):
+            if isinstance(node, Assign | Increment):
+                written.update(roots(node.target))
+            elif isinstance(node, Call):
+                calls.append(node)
+    changed = True
+    while changed:
+        before = len(written)
+        for call in calls:
+            for parameter, argument in zip(call.function.parameters, call.arguments, strict=True):
+                if parameter.reference and parameter in written:
+                    written.update(roots(argument))
+        changed = len(written) > before
+    return written
