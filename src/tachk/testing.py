@@ -86,7 +86,7 @@ class _Parts:
     """a meta variable"""
 
 
-def random_case(random: Random, shape: Shape = Shape()) -> Case:  # noqa: B008
+def random_case(random: Random, shape: Shape = Shape()) -> Case:
     """A network that satisfies its invariants initially and has no run-time errors, with predicates on it."""
     network = NetworkBuilder()
     parts = _declare(random, shape, network)
@@ -102,7 +102,7 @@ def random_case(random: Random, shape: Shape = Shape()) -> Case:  # noqa: B008
     return Case(network.build(), predicates)
 
 
-def cases(shape: Shape = Shape()) -> SearchStrategy[Case]:  # noqa: B008
+def cases(shape: Shape = Shape()) -> SearchStrategy[Case]:
     """`random_case` as a hypothesis strategy."""
     from hypothesis import strategies
 

@@ -1,0 +1,157 @@
+"""From the path of an exploration to a run with exact rational delays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+
+from tachk.engines.schedule import Moment, Phase, Requirement, any_solution, earliest
+from tachk.model.expressions import Deadlock, Expression
+from tachk.model.fault import EvaluationFault
+from tachk.model.network import Network
+from tachk.model.traversal import walk
+from tachk.semantics import dbm, symbolic
+from tachk.semantics.constraints import disjunctive
+from tachk.semantics.dbm import LESS_EQUAL_ZERO, Constraint, Zone, complement, raw_bound
+from tachk.semantics.discrete import (
+    Model,
+    environment,
+    execute_updates,
+    has_priorities,
+    initial_discrete,
+    may_delay,
+    prepare,
+    stopped_clocks,
+)
+from tachk.semantics.trace import DiscreteState, TimedState, TimedStep, TimedTrace, Transition
+
+
+def concretise(network: Network, path: Sequence[Transition], predicate: Expression | None = None) -> TimedTrace | None:
+    """A run that takes the transitions of a path, early, and ends in a state of the predicate; None if there is none.
+
+    The predicate may ask for deadlock. A delay after the last transition is added where the predicate needs it. Raises
+    ValueError if a transition cannot belong to the path for its edges and values alone.
+    """
+    model = prepare(network)
+    try:
+        states, phases = _discrete_run(model, path)
+        requirements = [r for k, t in enumerate(path) for r in _of_phase(model, states[k], k, t)]
+        requirements += _of_phase(model, states[-1], len(path), None)
+        if predicate is not None:
+            requirements.append(_at_end(len(path), _final(model, states[-1], predicate)))
+    except EvaluationFault:
+        return None
+    solve = any_solution if any(phase.stopped for phase in phases) else earliest
+    durations = solve(phases, requirements)
+    return None if durations is None else _trace(model, states, phases, path, durations)
+
+
+def _discrete_run(model: Model, path: Sequence[Transition]) -> tuple[list[DiscreteState], list[Phase]]:
+    """The discrete states of the path, and its phases.
+
+    Behind the clocks of the model the phases have one more, which is 0 at the beginning of every phase.
+    """
+    states = [initial_discrete(model)]
+    resets = [(0, 0)] * (model.dimension + 1)
+    phases = [Phase(tuple(resets), stopped_clocks(model, states[0]))]
+    for number, transition in enumerate(path, start=1):
+        if any(model.edge(p).source != states[-1].locations[p.process] for p in transition.participants):
+            raise ValueError(f"transition {number} does not start in the state before it")
+        state, assigned = execute_updates(model, states[-1], transition)
+        for clock, value in assigned.items():
+            resets[clock] = (number, value)
+        resets[model.dimension] = (number, 0)
+        states.append(state)
+        phases.append(Phase(tuple(resets), stopped_clocks(model, state)))
+    return states, phases
+
+
+def _of_phase(model: Model, discrete: DiscreteState, phase: int, leaves_by: Transition | None) -> Iterator[Requirement]:
+    """What must hold so that control can stay in a state for the phase and leave it by a transition."""
+    waiting = model.dimension
+    yield _at_end(phase, [((0, waiting, LESS_EQUAL_ZERO),)])
+    if not may_delay(model, discrete):
+        yield _at_end(phase, [((waiting, 0, LESS_EQUAL_ZERO),)])
+    scratch = environment(model, discrete)
+    for location in model.current(discrete):
+        if location.invariant is not None:
+            condition = disjunctive(location.invariant, scratch)
+            yield [tuple(Moment(phase, False, c) for c in conjunction) for conjunction in condition]
+            yield _at_end(phase, condition)
+    if leaves_by is not None:
+        yield _at_end(phase, symbolic.guard_of(model, discrete, leaves_by))
+        if has_priorities(model):
+            yield _at_end(phase, _unblocked(model, discrete, leaves_by))
+    if may_delay(model, discrete) and any(type_.urgent for type_, _ in model.channels):
+        here = symbolic.situation(model, discrete)
+        for zone in here.urgent:
+            yield _not_while_urgent(phase, zone, here, waiting)
+
+
+def _at_end(phase: int, condition: Sequence[Sequence[Constraint]]) -> Requirement:
+    return [tuple(Moment(phase, True, c) for c in conjunction) for conjunction in condition]
+
+
+def _unblocked(model: Model, discrete: DiscreteState, transition: Transition) -> list[tuple[Constraint, ...]]:
+    """Where no transition of a higher priority is possible."""
+    here = symbolic.situation(model, discrete)
+    for move in here.moves:
+        if move.transition == transition:
+            return _conditions(dbm.subtract_all([dbm.universe(model.dimension)], move.blockers))
+    return []
+
+
+def _conditions(federation: Sequence[Zone]) -> list[tuple[Constraint, ...]]:
+    return [tuple(zone.constraints()) for zone in federation]
+
+
+def _not_while_urgent(phase: int, zone: Zone, here: symbolic.Situation, waiting: int) -> Requirement:
+    """No time passes in the phase while the clocks are in a zone.
+
+    Either no time passes at all; or the phase begins outside because of an upper bound or a difference, which time does
+    not mend; or it ends before, or at, the moment a lower bound becomes true. With stopped clocks this is stricter than
+    it need be for differences of a running and a stopped clock.
+    """
+    options: Requirement = [(Moment(phase, True, (waiting, 0, LESS_EQUAL_ZERO)),)]
+    for constraint in zone.constraints():
+        i, j, raw = constraint
+        if here.invariant is not None and raw >= here.invariant[i, j]:
+            continue
+        if i == 0:
+            options.append((Moment(phase, True, (j, 0, raw_bound(-dbm.bound_value(raw), strict=False))),))
+        else:
+            options.append((Moment(phase, False, complement(constraint)),))
+    return options
+
+
+def _final(model: Model, discrete: DiscreteState, predicate: Expression) -> list[tuple[Constraint, ...]]:
+    if any(isinstance(e, Deadlock) for e in walk(predicate)):
+        here = symbolic.situation(model, discrete)
+        return _conditions(symbolic.where(model, here, predicate))
+    return disjunctive(predicate, environment(model, discrete))
+
+
+def _trace(
+    model: Model,
+    states: Sequence[DiscreteState],
+    phases: Sequence[Phase],
+    path: Sequence[Transition],
+    durations: Sequence[Fraction],
+) -> TimedTrace:
+    zero = Fraction(0)
+    state = TimedState(states[0], (zero,) * (model.dimension - 1), zero)
+    initial, steps = state, []
+    for phase, transition in enumerate([*path, None]):
+        wait, stopped = durations[phase], phases[phase].stopped
+        clocks = [v if n in stopped else v + wait for n, v in enumerate(state.clocks, start=1)]
+        if transition is None:
+            if wait > 0:
+                steps.append(TimedStep(wait, None, TimedState(states[-1], tuple(clocks), state.time + wait)))
+            break
+        for number in range(1, model.dimension):
+            since, value = phases[phase + 1].resets[number]
+            if since == phase + 1:
+                clocks[number - 1] = Fraction(value)
+        state = TimedState(states[phase + 1], tuple(clocks), state.time + wait)
+        steps.append(TimedStep(wait, transition, state))
+    return TimedTrace(initial, tuple(steps))
