@@ -1,0 +1,340 @@
+"""Contextual keywords: words that are keywords in one place and ordinary names everywhere else.
+
+UPPAAL reserves few words, and models use the rest as names. Everything tachk adds to the language, and everything that
+UPPAAL itself added late, is therefore decided here by its neighbours, in one pass over the tokens with a stack of the
+open braces. A name that the text defines as a type is never taken for a keyword where a declaration could begin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum, auto
+
+from tachk.diagnostics.span import Span
+from tachk.syntax.tokens import END, Token
+from tachk.syntax.unchecked import unchecked_family
+
+SPELLING = {
+    "SUM": "sum",
+    "HYBRID": "hybrid",
+    "ASSERT": "assert",
+    "DEADLOCK": "deadlock",
+    "SUP": "sup",
+    "INF": "inf",
+    "BOUNDS": "bounds",
+    "EXPECT": "expect",
+    "HOLDS": "holds",
+    "FAILS": "fails",
+    "PROGRESS": "progress",
+    "GANTT": "gantt",
+    "IMPORT": "import",
+    "TIME_UNIT": "time_unit",
+    "PROPERTY": "property",
+    "SIGNAL": "signal",
+    "PRIORITY": "priority",
+    "BEFORE_UPDATE": "before_update",
+    "AFTER_UPDATE": "after_update",
+    "BRANCHPOINT": "branchpoint",
+    "URGENT_LOCATIONS": "urgent",
+    "LOCATION": "location",
+    "INIT_FLAG": "init",
+    "URGENT_FLAG": "urgent",
+    "COMMITTED_FLAG": "committed",
+    "INVARIANT": "invariant",
+    "EXPONENTIAL_RATE": "exponential_rate",
+    "TO": "to",
+    "PROBABILITY": "probability",
+}
+"""How each contextual keyword is written."""
+
+_FLAGS = {"init": "INIT_FLAG", "urgent": "URGENT_FLAG", "committed": "COMMITTED_FLAG"}
+_ARROWS = ("->", "-u->")
+_OPENING = {"{", "(", "["}
+_CLOSING = {"}", ")", "]"}
+
+
+class _Inside(Enum):
+    """What the innermost open brace belongs to."""
+
+    TOP = auto()
+    PROCESS = auto()
+    LOCATION = auto()
+    EDGE = auto()
+    OTHER = auto()
+
+
+def resolve_document(tokens: list[Token]) -> list[Token]:
+    """The tokens of a model with its contextual keywords marked."""
+    return _Resolver(tokens, _Inside.TOP).run()
+
+
+def resolve_fragment(tokens: list[Token]) -> list[Token]:
+    """The tokens of an expression, a label or a block of declarations."""
+    return _Resolver(tokens, _Inside.TOP).run()
+
+
+def resolve_query(tokens: list[Token]) -> list[Token]:
+    """The tokens of one query, ended by `END`."""
+    resolver = _Resolver(tokens, _Inside.OTHER)
+    resolver.query(len(tokens) - 1, expectation=True)
+    resolver.output.append(tokens[-1])
+    return resolver.output
+
+
+@dataclass(slots=True)
+class _Resolver:
+    tokens: list[Token]
+    inside: _Inside
+    output: list[Token]
+    position: int
+    types: frozenset[str]
+
+    def __init__(self, tokens: list[Token], inside: _Inside) -> None:
+        self.tokens = tokens
+        self.inside = inside
+        self.output = []
+        self.position = 0
+        self.types = _type_names(tokens)
+
+    def text(self, ahead: int) -> str:
+        index = self.position + ahead
+        return self.tokens[index].text if 0 <= index < len(self.tokens) else ""
+
+    def type(self, ahead: int) -> str:
+        index = self.position + ahead
+        return self.tokens[index].type if 0 <= index < len(self.tokens) else END
+
+    def run(self) -> list[Token]:
+        stack: list[_Inside] = []
+        tokens = self.tokens
+        before_process = False
+        while self.position < len(tokens):
+            token = tokens[self.position]
+            kind = token.type
+            if kind == "PROCESS":
+                before_process = True
+            elif token.text == "{" and kind != "STRING":
+                stack.append(self.inside)
+                self.inside = self.opened_by(before_process)
+                before_process = False
+            elif token.text == "}" and stack:
+                self.inside = stack.pop()
+            elif kind in ("NAME", "INIT", "URGENT"):
+                if self.at_start():
+                    if self.start_of_item(token):
+                        continue
+                else:
+                    self.within(token)
+            self.output.append(token)
+            self.position += 1
+        return self.output
+
+    def at_start(self) -> bool:
+        """Whether an item, a clause or a statement can begin here."""
+        if not self.output:
+            return True
+        last = self.output[-1]
+        return last.text in (";", "{", "}") or last.type in _FLAGS.values() or last.type == "OPAQUE_BLOCK"
+
+    def opened_by(self, before_process: bool) -> _Inside:
+        if before_process and self.inside is _Inside.TOP:
+            return _Inside.PROCESS
+        keyword = self.output[-2] if len(self.output) > 1 and self.output[-1].type == "NAME" else None
+        if keyword is not None and self.inside is _Inside.PROCESS:
+            if keyword.type in ("LOCATION", "BRANCHPOINT"):
+                return _Inside.LOCATION
+            if keyword.text in _ARROWS:
+                return _Inside.EDGE
+        if keyword is not None and keyword.type == "TO":
+            return _Inside.EDGE
+        return _Inside.OTHER
+
+    def start_of_item(self, token: Token) -> bool:
+        """Mark a word where an item may begin. True if it consumed tokens itself."""
+        word, following, third = token.text, self.type(1), self.type(2)
+        if self.inside is _Inside.EDGE:
+            if word == "probability":
+                token.type = "PROBABILITY"
+            return False
+        if self.inside is _Inside.LOCATION:
+            if word in ("to", "invariant", "exponential_rate"):
+                token.type = word.upper()
+            return False
+        if self.inside is _Inside.OTHER:
+            self.statement_word(token)
+            return False
+        if word in self.types:
+            return False
+        if word == "hybrid" and following == "CLOCK":
+            token.type = "HYBRID"
+        elif word in ("before_update", "after_update") and self.text(1) == "{":
+            token.type = word.upper()
+        elif word == "signal" and following == "NAME" and self.text(2) in ("=", ":="):
+            token.type = "SIGNAL"
+        elif word == "import" and following == "STRING":
+            token.type = "IMPORT"
+            if self.text(2) == "{":
+                self.output += [token, self.tokens[self.position + 1]]
+                self.position += 2
+                self.opaque_block()
+                return True
+        elif self.inside is _Inside.TOP:
+            return self.start_of_top_item(token, following, third)
+        elif self.inside is _Inside.PROCESS:
+            self.start_of_body_item(token, following)
+        return False
+
+    def start_of_top_item(self, token: Token, following: str, third: str) -> bool:
+        word = token.text
+        if word == "progress" and self.text(1) == "{":
+            token.type = "PROGRESS"
+        elif word == "gantt" and self.text(1) == "{":
+            token.type = "GANTT"
+            self.output.append(token)
+            self.position += 1
+            self.opaque_block()
+            return True
+        elif word == "time_unit" and self.text(1) in ("=", ":=") and third == "INTEGER":
+            token.type = "TIME_UNIT"
+        elif word == "property" and following == "NAME" and (third == "STRING" or self.text(2) == ":"):
+            token.type = "PROPERTY"
+            length = 4 if third == "STRING" else 3
+            self.output += self.tokens[self.position : self.position + length]
+            self.position += length
+            self.query(self.end_of_property(), expectation=True)
+            return True
+        return False
+
+    def start_of_body_item(self, token: Token, following: str) -> None:
+        word = token.text
+        if word == "branchpoint" and following == "NAME":
+            token.type = "BRANCHPOINT"
+        elif word == "urgent" and following == "NAME" and self.text(2) in (",", ";") and not self.flagged_location():
+            token.type = "URGENT_LOCATIONS"
+        elif self.flagged_location():
+            token.type = "LOCATION" if word == "location" else _FLAGS[word]
+
+    def flagged_location(self) -> bool:
+        """Whether flags, then ``location NAME``, then ``{`` or ``;`` follow."""
+        ahead = 0
+        while self.text(ahead) in _FLAGS and ahead < 8:
+            ahead += 1
+        return self.text(ahead) == "location" and self.type(ahead + 1) == "NAME" and "location" not in self.types
+
+    def statement_word(self, token: Token) -> None:
+        word, following = token.text, self.type(1)
+        if word in self.types:
+            return
+        if word == "assert" and (self.text(1) in ("(", "!", "-") or following in _BEGINS_OPERAND):
+            token.type = "ASSERT"
+        elif word == "hybrid" and following == "CLOCK":
+            token.type = "HYBRID"
+
+    def within(self, token: Token) -> None:
+        """Mark a word in the middle of an item."""
+        last = self.output[-1]
+        if token.text == "sum" and self.text(1) == "(" and self.type(2) == "NAME" and self.text(3) == ":":
+            token.type = "SUM"
+        elif token.text == "priority" and last.type == "CHAN" and self.type(1) == "NAME":
+            token.type = "PRIORITY"
+        elif token.text == "hybrid" and self.type(1) == "CLOCK":
+            token.type = "HYBRID"
+        elif last.text in (")", "else", "do") or last.type == "DO":
+            self.statement_word(token)
+
+    def opaque_block(self) -> None:
+        """Take a balanced pair of braces as one token."""
+        start = self.position
+        depth = 0
+        while self.position < len(self.tokens) - 1:
+            text = self.tokens[self.position].text
+            self.position += 1
+            depth += (text == "{") - (text == "}")
+            if depth == 0:
+                break
+        if self.position > start:
+            self.output.append(_joined("OPAQUE_BLOCK", self.tokens[start : self.position]))
+
+    def end_of_property(self) -> int:
+        """The index of the ``;`` that ends the formula at the current position."""
+        depth = 0
+        index = self.position
+        while index < len(self.tokens) - 1:
+            text = self.tokens[index].text
+            if text in _OPENING:
+                depth += 1
+            elif text in _CLOSING:
+                depth -= 1
+                if depth < 0:
+                    break
+            elif text == ";" and depth == 0:
+                break
+            index += 1
+        return index
+
+    def query(self, end: int, expectation: bool) -> None:
+        """Mark the words of a query that ends before the token ``end``."""
+        tokens = self.tokens
+        suffix = end
+        if (
+            expectation
+            and end - self.position > 2
+            and tokens[end - 2].text == "expect"
+            and tokens[end - 1].text in ("holds", "fails")
+        ):
+            suffix = end - 2
+            tokens[end - 2].type = "EXPECT"
+            tokens[end - 1].type = tokens[end - 1].text.upper()
+        formula = tokens[self.position : suffix]
+        if formula and unchecked_family([token.text for token in formula]):
+            self.output.append(_joined("UNCHECKED", formula))
+        else:
+            self.symbolic(formula)
+        self.output += tokens[suffix:end]
+        self.position = end
+
+    def symbolic(self, formula: list[Token]) -> None:
+        index = 0
+        if len(formula) > 1 and formula[0].text in ("sup", "inf", "bounds") and formula[1].text in ("{", ":"):
+            formula[0].type = formula[0].text.upper()
+        elif len(formula) > 2 and formula[0].text in ("A", "E"):
+            operator = formula[1].text + formula[2].text
+            if operator in ("[]", "<>"):
+                self.output.append(Token("QUANTIFIER", formula[0].text + operator, formula[0].span.to(formula[2].span)))
+                index = 3
+        for place in range(index, len(formula)):
+            token = formula[place]
+            if token.type == "NAME":
+                following = formula[place + 1 : place + 4]
+                if token.text == "deadlock":
+                    if place == 0 or formula[place - 1].text != ".":
+                        token.type = "DEADLOCK"
+                elif token.text == "sum" and [t.text for t in following[:1]] == ["("] and following[-1].text == ":":
+                    token.type = "SUM"
+            self.output.append(token)
+
+
+_BEGINS_OPERAND = {"NAME", "INTEGER", "FLOAT", "TRUE", "FALSE", "NOT", "FORALL", "EXISTS"}
+
+
+def _joined(kind: str, tokens: list[Token]) -> Token:
+    span = Span(tokens[0].span.source, tokens[0].span.start, tokens[-1].span.end)
+    return Token(kind, span.text, span)
+
+
+def _type_names(tokens: list[Token]) -> frozenset[str]:
+    """Contextual keywords that the text defines as types."""
+    words = set(SPELLING.values())
+    found: set[str] = set()
+    for index, token in enumerate(tokens):
+        if token.type != "TYPEDEF":
+            continue
+        depth = 0
+        for place in range(index + 1, len(tokens)):
+            text = tokens[place].text
+            depth += (text in _OPENING) - (text in _CLOSING)
+            if depth <= 0 and text in words and tokens[place + 1].text in (";", ",", "["):
+                found.add(text)
+            if (depth <= 0 and text == ";") or tokens[place].type == "TYPEDEF":
+                break
+    return frozenset(found)

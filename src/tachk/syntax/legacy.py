@@ -1,0 +1,110 @@
+"""Reading UPPAAL 2.x and 3.x: a rewrite of the tokens, so that one grammar serves both.
+
+Commas join the conjuncts of guards and invariants, ``const N 5;`` has no type, ``=<`` and ``=>`` are comparisons, and a
+process takes its parameters as ``int a, b; const c``, by reference unless they are constants.
+"""
+
+from __future__ import annotations
+
+from tachk.diagnostics.span import Span
+from tachk.syntax.tokens import Token
+
+
+def as_legacy(tokens: list[Token], comparisons: dict[str, str]) -> list[Token]:
+    """The tokens of an old text as the grammar wants them.
+
+    Args:
+        tokens: the tokens, contextual keywords marked.
+        comparisons: the terminals of ``<=`` and ``>=``.
+    """
+    return _parameters(_constants(_conjunctions(_comparisons(tokens, comparisons))))
+
+
+def _comparisons(tokens: list[Token], terminals: dict[str, str]) -> list[Token]:
+    """Join ``=`` and a directly following ``<`` or ``>``."""
+    output: list[Token] = []
+    for token in tokens:
+        before = output[-1] if output else None
+        if (
+            before is not None
+            and before.text == "="
+            and token.text in ("<", ">")
+            and before.span.end == token.span.start
+        ):
+            text = token.text + "="
+            output[-1] = Token(terminals[text], text, before.span.to(token.span))
+        else:
+            output.append(token)
+    return output
+
+
+def _conjunctions(tokens: list[Token]) -> list[Token]:
+    """Turn the commas of guards and of invariants in ``state`` lines into conjunctions."""
+    output: list[Token] = []
+    guard = state = False
+    depth = 0
+    for token in tokens:
+        kind = token.type
+        if kind == "GUARD":
+            guard, depth = True, 0
+        elif kind == "STATE":
+            state, depth = True, 0
+        elif token.text in ("(", "[", "{"):
+            depth += 1
+        elif token.text in (")", "]", "}"):
+            depth -= 1
+        elif token.text == ";":
+            guard = False
+            state = state and depth > 0
+        elif token.text == "," and ((guard and depth == 0) or (state and depth == 1)):
+            token = Token("LEGACY_AND", ",", token.span)
+        output.append(token)
+    return output
+
+
+def _constants(tokens: list[Token]) -> list[Token]:
+    """Mark ``const`` where a name without a type follows."""
+    output: list[Token] = []
+    for index, token in enumerate(tokens):
+        if token.type == "CONST" and index + 2 < len(tokens) and tokens[index + 1].type == "NAME":
+            following = tokens[index + 2]
+            if following.type in ("INTEGER", "EQUALS", "MINUS") or following.text in ("[", "{", ";", ",", ")"):
+                token = Token("LEGACY_CONST", token.text, token.span, token.doc)
+        output.append(token)
+    return output
+
+
+def _parameters(tokens: list[Token]) -> list[Token]:
+    """Rewrite the parameter lists of processes."""
+    output: list[Token] = []
+    index = 0
+    while index < len(tokens):
+        token = tokens[index]
+        output.append(token)
+        index += 1
+        if token.type != "PROCESS":
+            continue
+        depth = 0
+        constant = False
+        while index < len(tokens) and tokens[index].text not in ("{", ""):
+            token = tokens[index]
+            index += 1
+            depth += (token.text in ("(", "[")) - (token.text in (")", "]"))
+            before = output[-1]
+            following = tokens[index].text if index < len(tokens) else ""
+            if depth == 1 and token.text == ";":
+                token = Token("COMMA", ",", token.span)
+                constant = False
+            elif token.type in ("CONST", "LEGACY_CONST"):
+                constant = True
+            elif depth == 1 and token.type == "NAME" and following in (",", ";", ")", "["):
+                if before.text == ",":
+                    if constant:
+                        output.append(Token("LEGACY_CONST", "const", token.span))
+                    else:
+                        token = Token("LEGACY_PARAMETER", token.text, token.span)
+                elif not constant and before.text not in ("&", "("):
+                    start = Span(token.span.source, token.span.start, token.span.start)
+                    output.append(Token("AMPERSAND", "&", start))
+            output.append(token)
+    return output

@@ -1,0 +1,142 @@
+"""Texts to syntax trees.
+
+Every function returns what could be read together with all diagnostics. Where there is an error the tree is incomplete
+(or None) and must not be used for more than, say, an outline; `tachk.diagnostics.diagnostic.InputError` is raised by the
+layers above, which know whether anything else is worth reporting first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from tachk.diagnostics.diagnostic import Diagnostic, Severity
+from tachk.diagnostics.span import Source, Span
+from tachk.syntax import ast
+from tachk.syntax.contextual import resolve_document, resolve_fragment, resolve_query
+from tachk.syntax.depth import nesting_errors
+from tachk.syntax.driver import drive
+from tachk.syntax.legacy import as_legacy
+from tachk.syntax.strict import additions
+from tachk.syntax.tables import lexer
+from tachk.syntax.tokens import Lexed, Token
+
+Diagnostics = tuple[Diagnostic, ...]
+
+
+def parse_document(source: Source, strict_xta: bool = False) -> tuple[ast.Document | None, Diagnostics]:
+    """Read a model.
+
+    A text that is no modern XTA but is UPPAAL 3.x is read as that, with warning W0101 and ``Document.legacy`` set.
+
+    Args:
+        source: the text.
+        strict_xta: report everything that is not plain XTA.
+    """
+    items, lexed, diagnostics, legacy = _read(source, "document", resolve_document)
+    if items is None:
+        return None, diagnostics
+    span = Span(source, 0, len(source.text))
+    document = ast.Document(span, items, tuple(lexed.comments), legacy)
+    if strict_xta:
+        diagnostics += additions(document)
+    return document, diagnostics
+
+
+def parse_declarations(source: Source) -> tuple[tuple[Any, ...], Diagnostics]:
+    """The text of a UPPAAL ``declaration`` or ``instantiation`` element."""
+    items, _, diagnostics, _ = _read(source, "declarations_fragment", resolve_fragment)
+    return items or (), diagnostics
+
+
+def parse_system(source: Source) -> tuple[tuple[Any, ...], Diagnostics]:
+    """The text of a UPPAAL ``system`` element: declarations, instantiations, the system line, progress and gantt."""
+    items, _, diagnostics, _ = _read(source, "document", resolve_document)
+    return items or (), diagnostics
+
+
+def parse_parameters(source: Source) -> tuple[tuple[ast.Parameter, ...], Diagnostics]:
+    """A parameter list without its parentheses."""
+    value, _, diagnostics, _ = _read(source, "parameters_fragment", resolve_fragment)
+    return value or (), diagnostics
+
+
+def parse_select(source: Source) -> tuple[tuple[ast.SelectBinding, ...], Diagnostics]:
+    """A ``select`` label: ``i : int[0,3], j : id_t``."""
+    value, _, diagnostics, _ = _read(source, "select_fragment", resolve_fragment)
+    return value or (), diagnostics
+
+
+def parse_constraint(source: Source) -> tuple[ast.Expression | None, Diagnostics]:
+    """A ``guard`` or ``invariant`` label; None if it is empty."""
+    value, _, diagnostics, _ = _read(source, "constraint_fragment", resolve_fragment)
+    return value, diagnostics
+
+
+def parse_rate(source: Source) -> tuple[ast.Expression | None, Diagnostics]:
+    """An ``exponentialrate`` label, ``r`` or ``r : q``, of which the first part is returned; None if it is empty."""
+    value, _, diagnostics, _ = _read(source, "rate_fragment", resolve_fragment)
+    return value, diagnostics
+
+
+def parse_synchronisation(source: Source) -> tuple[ast.SynchronisationLabel | None, Diagnostics]:
+    """A ``synchronisation`` label; None if it is empty."""
+    value, _, diagnostics, _ = _read(source, "synchronisation_fragment", resolve_fragment)
+    return value, diagnostics
+
+
+def parse_assignment(source: Source) -> tuple[tuple[ast.Expression, ...], Diagnostics]:
+    """An ``assignment`` label: expressions separated by commas."""
+    value, _, diagnostics, _ = _read(source, "assignment_fragment", resolve_fragment)
+    return value or (), diagnostics
+
+
+def parse_expression(source: Source) -> tuple[ast.Expression | None, Diagnostics]:
+    """One expression, such as the value of ``-D NAME=expr``."""
+    value, _, diagnostics, _ = _read(source, "expression", resolve_fragment)
+    return value, diagnostics
+
+
+def parse_query(source: Source, start: int = 0, end: int | None = None) -> tuple[ast.QueryEntry | None, Diagnostics]:
+    """One query, or the part of a text that holds one."""
+    lexed = lexer().cut(source, start, end)
+    value, errors = drive("query", resolve_query(lexed.tokens))
+    return _unless_deep(value, lexed, (*lexed.errors, *errors))[:2]  # type: ignore[return-value]
+
+
+def _read(
+    source: Source, start: str, resolve: Callable[[list[Token]], list[Token]]
+) -> tuple[Any, Lexed, Diagnostics, bool]:
+    """Value, tokens and comments, diagnostics, and whether the text could only be read as UPPAAL 3.x."""
+    lexed = lexer().cut(source)
+    tokens = resolve(lexed.tokens)
+    value, errors = drive(start, tokens)
+    if errors and not lexed.errors:
+        old_tokens = as_legacy([replace(token) for token in tokens], lexer().symbols)
+        old_value, old_errors = drive(start, old_tokens)
+        if not old_errors:
+            value, diagnostics = _unless_deep(old_value, lexed, ())
+            return value, lexed, (_legacy_warning(errors[0]), *diagnostics), True
+    value, diagnostics = _unless_deep(value, lexed, (*lexed.errors, *errors))
+    return value, lexed, diagnostics, False
+
+
+def _unless_deep(value: Any, lexed: Lexed, diagnostics: Diagnostics) -> tuple[Any, Diagnostics]:
+    """Refuse trees that recursive passes could not walk."""
+    deep = nesting_errors(lexed.tokens, value)
+    return (None, diagnostics + deep) if deep else (value, diagnostics)
+
+
+def _legacy_warning(first: Diagnostic) -> Diagnostic:
+    return Diagnostic(
+        "W0101",
+        "this text is read as UPPAAL 3.x, where commas join conditions and constants have no type",
+        first.span,
+        "tachk fmt writes it in today's syntax",
+    )
+
+
+def has_errors(diagnostics: Diagnostics) -> bool:
+    """Whether any of the diagnostics is more than a warning."""
+    return any(diagnostic.severity is Severity.ERROR for diagnostic in diagnostics)
