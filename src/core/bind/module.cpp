@@ -1,0 +1,72 @@
+// tachk._core: the exploration engine as one class. The border is crossed once to build, once for each slice of the
+// search (without the interpreter lock), and once to read results.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+#include <string>
+#include <tuple>
+
+#include "tachk/explorer.hpp"
+
+namespace nb = nanobind;
+
+namespace {
+
+using FaultTuple = std::tuple<int, int, std::vector<std::vector<std::uint32_t>>, std::vector<std::uint32_t>>;
+
+std::unique_ptr<tachk::Explorer> make_explorer(const std::vector<std::int32_t>& image, int order, std::uint32_t seed,
+                                               int extrapolation, bool local_bounds, bool subsumption, bool narrow,
+                                               bool vector, std::uint64_t state_limit, std::uint64_t memory_limit,
+                                               std::uint32_t depth_limit) {
+  tachk::Options options;
+  options.order = static_cast<tachk::SearchOrder>(order);
+  options.seed = seed;
+  options.extrapolation = static_cast<tachk::Extrapolation>(extrapolation);
+  options.local_bounds = local_bounds;
+  options.subsumption = subsumption;
+  options.narrow = narrow;
+  options.vector = vector;
+  options.state_limit = state_limit;
+  options.memory_limit = memory_limit;
+  options.depth_limit = depth_limit;
+  return std::make_unique<tachk::Explorer>(tachk::decode_program(image), options);
+}
+
+std::optional<FaultTuple> fault_of(tachk::Explorer& explorer) {
+  const auto& fault = explorer.fault();
+  if (!fault) return std::nullopt;
+  std::vector<std::vector<std::uint32_t>> path;
+  if (fault->node != tachk::no_node) path = explorer.path(fault->node);
+  return FaultTuple{static_cast<int>(fault->kind), fault->position, std::move(path), fault->edges};
+}
+
+}  // namespace
+
+NB_MODULE(_core, m) {
+  m.doc() = "The C++ exploration engine; used through tachk.engines.zone only.";
+
+  nb::class_<tachk::Explorer>(m, "Explorer")
+      .def(nb::new_(&make_explorer), nb::arg("image"), nb::kw_only(), nb::arg("order"), nb::arg("seed"),
+           nb::arg("extrapolation"), nb::arg("local_bounds"), nb::arg("subsumption"), nb::arg("narrow"),
+           nb::arg("vector"), nb::arg("state_limit"), nb::arg("memory_limit"), nb::arg("depth_limit"))
+      .def(
+          "run", [](tachk::Explorer& self, std::uint64_t expansions) { return static_cast<int>(self.run(expansions)); },
+          nb::arg("expansions"), nb::call_guard<nb::gil_scoped_release>(), "Explores up to this many states.")
+      .def(
+          "statistics",
+          [](const tachk::Explorer& self) {
+            const tachk::Statistics s = self.statistics();
+            return std::make_tuple(s.explored, s.stored, s.transitions, s.bytes);
+          },
+          "(explored, stored, transitions, bytes)")
+      .def("reached", &tachk::Explorer::reached, nb::arg("goal"), "The node where a goal was reached first, or None.")
+      .def("path", &tachk::Explorer::path, nb::arg("node"), "The edge numbers of each action on the way to a node.")
+      .def("fault", &fault_of, "(kind, code position, path, edges of the action) of a run-time error, or None.")
+      .def(
+          "kernel", [](const tachk::Explorer& self) { return std::string(self.operations().name); },
+          "Which implementation of the zone operations is in use.");
+}

@@ -1,0 +1,149 @@
+// The search: one passed list, one order of waiting states, several goals at once.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "tachk/program.hpp"
+#include "tachk/store.hpp"
+#include "tachk/successor.hpp"
+#include "tachk/zone.hpp"
+
+namespace tachk {
+
+enum class SearchOrder { breadth_first, depth_first, random_depth_first };
+enum class Extrapolation { none, max, lu };
+
+struct Options {
+  SearchOrder order = SearchOrder::breadth_first;
+  std::uint32_t seed = 1;
+  Extrapolation extrapolation = Extrapolation::lu;
+  bool local_bounds = true;
+  bool subsumption = true;
+  bool narrow = true;
+  bool vector = true;
+  std::uint64_t state_limit = UINT64_MAX;
+  std::uint64_t memory_limit = UINT64_MAX;
+  std::uint32_t depth_limit = UINT32_MAX;
+};
+
+enum class Status {
+  running,
+  finished,         // every goal is reached, or there is nothing left to explore
+  state_limit,
+  memory_limit,
+  depth_limit,      // finished, but some states were too deep to be explored
+  fault,            // the model has a run-time error
+  constant_limit,   // without extrapolation: clock values beyond what a bound can hold
+};
+
+struct Statistics {
+  std::uint64_t explored = 0;
+  std::uint64_t stored = 0;
+  std::uint64_t transitions = 0;
+  std::uint64_t bytes = 0;
+};
+
+struct FaultReport {
+  FaultKind kind;
+  std::int32_t position;             // of the code word
+  std::uint32_t node;                // the state in which it happened; no_node for the initial state
+  std::vector<std::uint32_t> edges;  // of the action; empty for an invariant of the initial state or a predicate
+};
+
+// Diagonal constraints make the usual extrapolations unsound (Bouyer 2004): with diagonals every zone is split along
+// them, the pieces are extrapolated by Extra_M and cut back (Bengtsson, Yi 2003).
+class Explorer {
+ public:
+  Explorer(Program program, const Options& options);
+  Explorer(const Explorer&) = delete;
+  Explorer& operator=(const Explorer&) = delete;
+
+  // Explores at most `expansions` states. `running` asks for another call.
+  Status run(std::uint64_t expansions);
+
+  const Program& program() const { return program_; }
+  const ZoneOperations& operations() const { return operations_; }
+  Statistics statistics() const;
+  // The node in which a goal was reached first.
+  std::optional<std::uint32_t> reached(std::size_t goal) const;
+  const std::optional<FaultReport>& fault() const { return fault_; }
+  // The actions, as edge numbers, that lead from the initial state to a node.
+  std::vector<std::vector<std::uint32_t>> path(std::uint32_t node);
+
+ private:
+  struct Bounds {
+    std::vector<ZoneBuffer> lower;  // a row for each location; the first row of a zone buffer
+    std::vector<ZoneBuffer> upper;
+    std::vector<bool> present;
+  };
+
+  Status explore(std::uint64_t expansions);
+  void start();
+  std::uint32_t next_waiting();
+  void add(std::int32_t* slots, const void* zone, std::uint32_t parent);
+  void check_goals(std::uint32_t node, std::int32_t* slots, const void* zone);
+  bool meets(const Condition& condition, std::int32_t* slots, const void* zone, std::vector<Atom>& atoms);
+  void check_deadlock(std::uint32_t node, const void* zone);
+  bool all_reached() const;
+
+  // Calls sink(slots, zone) for every successor of the state in source_ with this zone.
+  template <class Sink>
+  void expand(const void* zone, Sink&& sink);
+  template <class Sink>
+  void expand_by_priority(const void* zone, Sink&& sink);
+  // The successor of the guarded zone `zone` under `effect`.
+  template <class Sink>
+  void finish(const void* zone, Effect& effect, Sink&& sink);
+  template <class Sink>
+  void abstract(Effect& effect, ZoneBuffer& zone, Sink&& sink);
+  template <class Sink>
+  void split(std::size_t diagonal, Effect& effect, const ZoneBuffer& zone, std::vector<Atom>& sides, Sink&& sink);
+
+  void prepare_bounds();
+  void collect_bounds(const std::int32_t* slots);
+  void check_magnitude(const void* zone) const;
+  std::vector<Atom> atoms_of(const void* zone, const void* within) const;
+  // The disjoint zones that make up `zone` without the conjunction of atoms.
+  void subtract(const ZoneBuffer& zone, const std::vector<Atom>& atoms, std::vector<ZoneBuffer>& pieces) const;
+
+  Program program_;
+  Options options_;
+  ZoneOperations operations_;
+  int dimension_;
+  Semantics semantics_;
+  PassedList passed_;
+
+  std::vector<std::uint32_t> stack_;  // waiting states of the depth-first orders
+  std::uint32_t cursor_ = 0;          // next node of the breadth-first order
+  std::vector<std::uint32_t> fresh_;  // nodes added by the current expansion
+  std::vector<std::uint32_t> depth_;  // of each node; kept only if there is a limit
+  bool too_deep_ = false;
+  std::mt19937 random_;
+
+  std::vector<std::uint32_t> reached_;
+  std::vector<std::size_t> open_goals_;
+  bool deadlock_open_ = false;
+
+  Bounds bounds_;
+  ZoneBuffer lower_;
+  ZoneBuffer upper_;
+
+  std::vector<std::int32_t> source_;
+  Effect effect_;
+  ZoneBuffer guarded_;
+  ZoneBuffer target_;
+  ZoneBuffer scratch_;
+  std::vector<Atom> goal_atoms_;
+  const std::vector<std::uint32_t>* current_edges_ = nullptr;
+  std::uint32_t current_node_ = no_node;
+
+  std::optional<FaultReport> fault_;
+  bool started_ = false;
+  std::uint64_t explored_ = 0;
+  std::uint64_t transitions_ = 0;
+};
+
+}  // namespace tachk

@@ -1,0 +1,44 @@
+// The stack machine that evaluates guards, updates and predicates (see tachk.semantics.bytecode).
+#pragma once
+
+#include <cstdint>
+#include <exception>
+#include <vector>
+
+#include "tachk/bound.hpp"
+#include "tachk/opcode.hpp"
+#include "tachk/program.hpp"
+
+namespace tachk {
+
+// A run-time error of the model, at a code position.
+struct ModelFault : std::exception {
+  ModelFault(FaultKind fault_kind, std::int32_t code_position) : kind(fault_kind), position(code_position) {}
+  const char* what() const noexcept override { return "run-time error of the model"; }
+
+  FaultKind kind;
+  std::int32_t position;
+};
+
+class Machine {
+ public:
+  // A clock set to more than `largest_reset` is a fault: the zones could not represent it.
+  Machine(const Program& program, Raw largest_reset)
+      : program_(program), largest_reset_(largest_reset), stack_(256), calls_(64) {}
+
+  // The value of a piece of code. `memory` holds all slots; frame slots may be written. Throws ModelFault.
+  std::int64_t value(std::int32_t code, std::int32_t* memory) { return run(code, memory, nullptr); }
+
+  // Runs an update: writes slots and appends clock resets in order. Throws ModelFault.
+  void update(std::int32_t code, std::int32_t* memory, std::vector<ClockReset>& resets) { run(code, memory, &resets); }
+
+ private:
+  std::int64_t run(std::int32_t code, std::int32_t* memory, std::vector<ClockReset>* resets);
+
+  const Program& program_;
+  Raw largest_reset_;
+  std::vector<std::int64_t> stack_;
+  std::vector<std::int32_t> calls_;
+};
+
+}  // namespace tachk

@@ -1,0 +1,99 @@
+// Append-only arrays and hash tables that grow without moving what they hold, or moving little of it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <new>
+#include <vector>
+
+namespace tachk {
+
+// Records of a fixed number of bytes, numbered from 0, aligned to 64 bytes per block. Addresses are stable.
+class RecordPool {
+ public:
+  explicit RecordPool(std::size_t record_bytes) : record_bytes_(record_bytes) {
+    while ((std::size_t{1} << shift_) * record_bytes_ < (std::size_t{1} << 18) && shift_ < 20) ++shift_;
+  }
+
+  std::uint32_t size() const { return size_; }
+  std::size_t bytes() const { return blocks_.size() * block_bytes(); }
+
+  std::byte* operator[](std::uint32_t number) {
+    return blocks_[number >> shift_].get() + (number & mask()) * record_bytes_;
+  }
+  const std::byte* operator[](std::uint32_t number) const {
+    return blocks_[number >> shift_].get() + (number & mask()) * record_bytes_;
+  }
+
+  std::uint32_t append() {
+    if ((size_ & mask()) == 0) {
+      const std::size_t rounded = (block_bytes() + 63) / 64 * 64;
+      void* block = std::aligned_alloc(64, rounded == 0 ? 64 : rounded);
+      if (block == nullptr) throw std::bad_alloc();
+      blocks_.emplace_back(static_cast<std::byte*>(block));
+    }
+    return size_++;
+  }
+
+ private:
+  struct Free {
+    void operator()(std::byte* block) const { std::free(block); }
+  };
+  std::uint32_t mask() const { return (std::uint32_t{1} << shift_) - 1; }
+  std::size_t block_bytes() const { return record_bytes_ << shift_; }
+
+  std::size_t record_bytes_;
+  unsigned shift_ = 4;
+  std::uint32_t size_ = 0;
+  std::vector<std::unique_ptr<std::byte, Free>> blocks_;
+};
+
+// An open-addressing index from hashes to record numbers; the records themselves live elsewhere.
+class HashIndex {
+ public:
+  static constexpr std::uint32_t absent = UINT32_MAX;
+
+  HashIndex() : entries_(1024, empty) {}
+
+  std::size_t bytes() const { return entries_.size() * sizeof(std::uint64_t); }
+
+  // The number of the record with this hash for which `equal(number)` is true, or `absent`.
+  template <class Equal>
+  std::uint32_t find(std::uint64_t hash, Equal equal) const {
+    const std::uint64_t tag = hash >> 32;
+    for (std::size_t place = hash & (entries_.size() - 1);; place = (place + 1) & (entries_.size() - 1)) {
+      const std::uint64_t entry = entries_[place];
+      if (entry == empty) return absent;
+      if ((entry >> 32) == tag && equal(static_cast<std::uint32_t>(entry))) return static_cast<std::uint32_t>(entry);
+    }
+  }
+
+  // Adds a record that `find` has not found. `rehash(number)` gives the hash of a record already present.
+  template <class Rehash>
+  void insert(std::uint64_t hash, std::uint32_t number, Rehash rehash) {
+    if (3 * (used_ + 1) > 2 * entries_.size()) {
+      std::vector<std::uint64_t> old(2 * entries_.size(), empty);
+      old.swap(entries_);
+      for (const std::uint64_t entry : old)
+        if (entry != empty) place(rehash(static_cast<std::uint32_t>(entry)), static_cast<std::uint32_t>(entry));
+    }
+    place(hash, number);
+    ++used_;
+  }
+
+ private:
+  static constexpr std::uint64_t empty = UINT64_MAX;
+
+  void place(std::uint64_t hash, std::uint32_t number) {
+    std::size_t position = hash & (entries_.size() - 1);
+    while (entries_[position] != empty) position = (position + 1) & (entries_.size() - 1);
+    entries_[position] = (hash >> 32 << 32) | number;
+  }
+
+  std::vector<std::uint64_t> entries_;
+  std::size_t used_ = 0;
+};
+
+}  // namespace tachk

@@ -1,0 +1,69 @@
+// The numbers of src/tachk/semantics/bytecode.py (instructions) and src/tachk/model/fault.py (faults); a test compares
+// them. What an instruction does is documented there.
+#pragma once
+
+#include <cstdint>
+
+namespace tachk {
+
+enum class Opcode : std::int32_t {
+  end = 0,
+  constant = 1,
+  load = 2,
+  load_indirect = 3,
+  store = 4,
+  store_indirect = 5,
+  index = 6,
+  copy = 7,
+  equal_cells = 8,
+  reset = 9,
+  duplicate = 10,
+  pop = 11,
+  swap = 12,
+  over = 13,
+  add = 20,
+  subtract = 21,
+  multiply = 22,
+  divide = 23,
+  modulo = 24,
+  power = 25,
+  bit_and = 26,
+  bit_or = 27,
+  bit_xor = 28,
+  shift_left = 29,
+  shift_right = 30,
+  minimum = 31,
+  maximum = 32,
+  negate = 33,
+  logical_not = 34,
+  boolean = 35,
+  equal = 40,
+  not_equal = 41,
+  less = 42,
+  less_equal = 43,
+  greater = 44,
+  greater_equal = 45,
+  jump = 50,
+  jump_if_zero = 51,
+  jump_if_nonzero = 52,
+  call = 53,
+  call_return = 54,
+  assertion = 55,
+  check_range = 56,
+};
+
+enum class FaultKind : std::int32_t {
+  none = 0,
+  range = 1,
+  index = 2,
+  division = 3,
+  negative_clock = 4,
+  overflow = 5,
+  shift = 6,
+  negative_exponent = 7,
+  assertion = 8,
+  loop = 9,
+  bound = 10,
+};
+
+}  // namespace tachk

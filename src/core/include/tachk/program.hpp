@@ -1,0 +1,137 @@
+// A read-only mirror of tachk.semantics.program: what the names mean is documented there.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tachk/bound.hpp"
+
+namespace tachk {
+
+inline constexpr std::int32_t no_code = -1;
+
+enum class Comparison : std::int32_t { equal, not_equal, less, less_equal, greater, greater_equal };
+
+struct Test {
+  std::uint32_t slot;
+  Comparison comparison;
+  std::int32_t constant;
+};
+
+// A clock constraint with some part that has to be computed.
+struct ComputedConstraint {
+  std::int32_t left;
+  std::int32_t right;
+  bool strict;
+  std::int32_t bound;
+  std::int32_t bound_code;
+  std::int32_t condition;
+  std::int32_t left_code;
+  std::int32_t right_code;
+};
+
+struct Condition {
+  std::vector<Test> tests;
+  std::int32_t code = no_code;
+  std::vector<Atom> atoms;
+  std::vector<ComputedConstraint> computed;
+
+  bool has_clocks() const { return !atoms.empty() || !computed.empty(); }
+};
+
+struct Update {
+  struct Store {
+    std::uint32_t slot;
+    std::int32_t value;
+  };
+  std::vector<Store> stores;
+  std::vector<ClockReset> resets;
+  std::int32_t code = no_code;
+};
+
+struct ClockBound {
+  std::uint16_t clock;
+  Raw value;
+};
+
+struct Location {
+  Condition invariant;
+  bool urgent;
+  bool committed;
+  struct Stop {
+    std::uint16_t clock;
+    std::int32_t code;
+  };
+  std::vector<Stop> stopped;
+  std::vector<ClockBound> lower;
+  std::vector<ClockBound> upper;
+};
+
+struct Edge {
+  std::uint32_t process;
+  std::int32_t source;
+  std::int32_t target;
+  Condition guard;
+  std::int32_t channel;
+  std::int32_t channel_code;
+  bool sends;
+  Update update;
+
+  bool internal() const { return channel < 0 && channel_code == no_code; }
+};
+
+struct Process {
+  std::int32_t priority;
+  std::vector<Location> locations;
+};
+
+struct Channel {
+  bool broadcast;
+  bool urgent;
+  std::int32_t priority;
+};
+
+struct Slot {
+  std::int32_t low;
+  std::int32_t high;
+  std::int32_t initial;
+  bool meta;
+};
+
+enum class DeadlockLiteral : std::int32_t { forbidden = -1, absent = 0, required = 1 };
+
+struct Disjunct {
+  Condition condition;
+  DeadlockLiteral deadlock;
+};
+
+struct Goal {
+  std::vector<Disjunct> disjuncts;
+};
+
+struct Program {
+  std::vector<Process> processes;
+  std::vector<Channel> channels;
+  int clocks = 0;
+  std::vector<Slot> slots;
+  std::uint32_t state_slots = 0;
+  std::vector<std::int32_t> code;
+  std::int32_t default_priority = 0;
+  std::vector<Raw> maximum_constants;
+  std::vector<Atom> diagonals;
+  std::vector<Edge> edges;
+  std::vector<Goal> goals;
+  bool has_priorities = false;
+  bool has_stopwatches = false;
+  Raw largest_constant = 0;      // in any atom, reset or bound that is known before the search
+  bool has_computed_resets = false;  // some clock is set to a value that is not
+
+  int dimension() const { return clocks + 1; }
+};
+
+// Reads the flat form that tachk.engines.zone writes: the fields of the dataclasses in order, each sequence preceded by
+// its length. Throws std::invalid_argument if the numbers do not make a program.
+Program decode_program(std::span<const std::int32_t> image);
+
+}  // namespace tachk

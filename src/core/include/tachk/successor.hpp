@@ -1,0 +1,234 @@
+// The transition relation on symbolic states: which actions a discrete state offers, and what firing one does to slots
+// and zone. The semantics is that of docs/semantics.md.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "tachk/machine.hpp"
+#include "tachk/program.hpp"
+#include "tachk/zone.hpp"
+
+namespace tachk {
+
+// Memory for one zone, aligned for vector loads.
+class ZoneBuffer {
+ public:
+  explicit ZoneBuffer(const ZoneOperations& operations)
+      : bytes_(operations.bytes), data_(static_cast<std::byte*>(::operator new(bytes_, alignment))) {}
+  ZoneBuffer(const ZoneBuffer& other) : bytes_(other.bytes_), data_(static_cast<std::byte*>(::operator new(bytes_, alignment))) {
+    assign(other.get());
+  }
+  ZoneBuffer(ZoneBuffer&& other) noexcept : bytes_(other.bytes_), data_(std::exchange(other.data_, nullptr)) {}
+  ZoneBuffer& operator=(ZoneBuffer other) noexcept {
+    std::swap(bytes_, other.bytes_);
+    std::swap(data_, other.data_);
+    return *this;
+  }
+  ~ZoneBuffer() { ::operator delete(data_, alignment); }
+
+  void* get() { return data_; }
+  const void* get() const { return data_; }
+  void assign(const void* zone) { std::memcpy(data_, zone, bytes_); }
+
+ private:
+  static constexpr std::align_val_t alignment{64};
+  std::size_t bytes_;
+  std::byte* data_;
+};
+
+// The edges that fire together: one internal edge; a sender and a receiver; or a broadcast sender and its receivers in
+// process order. `guard` is the conjunction of their clock guards in this discrete state.
+struct Action {
+  std::vector<std::uint32_t> edges;
+  std::vector<Atom> guard;
+};
+
+// What an action does to the discrete state: all that is known before the zone is looked at.
+struct Effect {
+  std::vector<std::int32_t> slots;  // all slots, frame slots included
+  std::vector<ClockReset> resets;
+  std::vector<Atom> invariant;  // of the target, over the values after the resets
+};
+
+class Semantics {
+ public:
+  Semantics(const Program& program, const ZoneOperations& operations);
+
+  const Program& program() const { return program_; }
+
+  // Calls visit(action) for each action whose integer guards hold in `slots`, clock guards unseen; priorities are not
+  // considered. The action is only valid during the call. Throws ModelFault.
+  template <class Visit>
+  void for_each_action(std::int32_t* slots, Visit&& visit);
+
+  // Runs the updates of an action. False if an integer condition of a target invariant is violated: then the action is
+  // not possible. Throws ModelFault.
+  bool apply(const std::vector<std::uint32_t>& edges, const std::int32_t* slots, Effect& effect);
+
+  // The constraints on the source valuation under which the effect's invariant holds after its resets, appended to
+  // `atoms`; false if it never holds.
+  bool weakest_precondition(const Effect& effect, std::vector<Atom>& atoms) const;
+
+  // Whether time may pass in a discrete state: no urgent or committed location, no enabled urgent synchronisation.
+  bool time_passes(std::int32_t* slots);
+
+  // Which clocks stand still; null if none can in this program.
+  const std::uint8_t* stopped_clocks(std::int32_t* slots);
+
+  // Tests and code of a condition.
+  bool holds(const Condition& condition, std::int32_t* slots);
+
+  // Appends the clock constraints of a condition. Throws ModelFault.
+  void resolve(const Condition& condition, std::int32_t* slots, std::vector<Atom>& atoms);
+
+  // Channel priority, then process priority (the largest of the participants).
+  std::pair<std::int32_t, std::int32_t> priority(const std::vector<std::uint32_t>& edges, std::int32_t* slots);
+
+  // Collects the invariant of a discrete state; false if its integer part is violated.
+  bool invariant(std::int32_t* slots, std::vector<Atom>& atoms);
+
+  const Location& location(std::size_t process, const std::int32_t* slots) const {
+    return program_.processes[process].locations[static_cast<std::size_t>(slots[process])];
+  }
+  // A number for each location of each process, counted through.
+  std::size_t location_number(std::size_t process, std::int32_t location) const {
+    return first_location_[process] + static_cast<std::size_t>(location);
+  }
+  std::size_t location_count() const { return outgoing_.size(); }
+
+ private:
+  struct Outgoing {
+    std::vector<std::uint32_t> internal;
+    std::vector<std::uint32_t> sends;
+    std::vector<std::uint32_t> receives;
+  };
+  const Outgoing& outgoing(std::size_t process, const std::int32_t* slots) const {
+    return outgoing_[location_number(process, slots[process])];
+  }
+  std::int32_t channel_of(const Edge& edge, std::int32_t* slots);
+  template <class Visit>
+  void broadcast(std::size_t receiver, std::int32_t channel, bool committed, bool participates, std::int32_t* slots,
+                 Visit&& visit);
+  template <class Visit>
+  void stay_out(const std::vector<std::vector<Atom>>& guards, std::size_t next, Visit&& visit);
+
+  const Program& program_;
+  ZoneOperations operations_;
+  Machine machine_;
+  std::vector<std::size_t> first_location_;
+  std::vector<Outgoing> outgoing_;
+  std::vector<std::uint32_t> meta_slots_;
+  std::vector<std::uint8_t> stopped_;
+  bool has_urgent_channels_ = false;
+  Action action_;
+};
+
+// ---- the templates --------------------------------------------------------------------------------------------------
+
+template <class Visit>
+void Semantics::for_each_action(std::int32_t* slots, Visit&& visit) {
+  const std::size_t processes = program_.processes.size();
+  bool committed = false;
+  for (std::size_t p = 0; p < processes; ++p) committed |= location(p, slots).committed;
+
+  for (std::size_t p = 0; p < processes; ++p) {
+    const bool from_committed = location(p, slots).committed;
+    const Outgoing& out = outgoing(p, slots);
+    if (!committed || from_committed) {
+      for (const std::uint32_t number : out.internal) {
+        const Edge& edge = program_.edges[number];
+        if (!holds(edge.guard, slots)) continue;
+        action_.edges.assign(1, number);
+        action_.guard.clear();
+        resolve(edge.guard, slots, action_.guard);
+        visit(std::as_const(action_));
+      }
+    }
+    for (const std::uint32_t number : out.sends) {
+      const Edge& sender = program_.edges[number];
+      if (!holds(sender.guard, slots)) continue;
+      const std::int32_t channel = channel_of(sender, slots);
+      action_.edges.assign(1, number);
+      action_.guard.clear();
+      resolve(sender.guard, slots, action_.guard);
+      if (program_.channels[static_cast<std::size_t>(channel)].broadcast) {
+        broadcast(0, channel, committed, from_committed, slots, visit);
+        continue;
+      }
+      const std::size_t sender_atoms = action_.guard.size();
+      for (std::size_t q = 0; q < processes; ++q) {
+        if (q == p || (committed && !from_committed && !location(q, slots).committed)) continue;
+        for (const std::uint32_t other : outgoing(q, slots).receives) {
+          const Edge& receiver = program_.edges[other];
+          if (receiver.channel_code == no_code && receiver.channel != channel) continue;
+          if (!holds(receiver.guard, slots) || channel_of(receiver, slots) != channel) continue;
+          action_.edges.resize(1);
+          action_.edges.push_back(other);
+          action_.guard.resize(sender_atoms);
+          resolve(receiver.guard, slots, action_.guard);
+          visit(std::as_const(action_));
+        }
+      }
+    }
+  }
+}
+
+// Extends the broadcast action by the receivers in process `receiver` and behind it. A process with an enabled receiving
+// edge must take part; where that depends on clocks the valuations are split. `participates`: a participant leaves a
+// committed location.
+template <class Visit>
+void Semantics::broadcast(std::size_t receiver, std::int32_t channel, bool committed, bool participates,
+                          std::int32_t* slots, Visit&& visit) {
+  const std::size_t sender = program_.edges[action_.edges.front()].process;
+  std::vector<std::uint32_t> candidates;
+  std::vector<std::vector<Atom>> guards;
+  for (; receiver < program_.processes.size(); ++receiver) {
+    if (receiver == sender) continue;
+    for (const std::uint32_t number : outgoing(receiver, slots).receives) {
+      const Edge& edge = program_.edges[number];
+      if (edge.channel_code == no_code && edge.channel != channel) continue;
+      if (!holds(edge.guard, slots) || channel_of(edge, slots) != channel) continue;
+      candidates.push_back(number);
+      resolve(edge.guard, slots, guards.emplace_back());
+    }
+    if (!candidates.empty()) break;
+  }
+  if (candidates.empty()) {
+    if (!committed || participates) visit(std::as_const(action_));
+    return;
+  }
+  const std::size_t atoms = action_.guard.size();
+  const bool joined = participates || location(receiver, slots).committed;
+  for (std::size_t n = 0; n < candidates.size(); ++n) {
+    action_.edges.push_back(candidates[n]);
+    action_.guard.insert(action_.guard.end(), guards[n].begin(), guards[n].end());
+    broadcast(receiver + 1, channel, committed, joined, slots, visit);
+    action_.edges.pop_back();
+    action_.guard.resize(atoms);
+  }
+  stay_out(guards, 0, [&] { broadcast(receiver + 1, channel, committed, participates, slots, visit); });
+}
+
+// Calls visit() for each of the disjoint conjunctions that together say that none of the guards holds.
+template <class Visit>
+void Semantics::stay_out(const std::vector<std::vector<Atom>>& guards, std::size_t next, Visit&& visit) {
+  if (next == guards.size()) {
+    visit();
+    return;
+  }
+  const std::size_t atoms = action_.guard.size();
+  for (const Atom& atom : guards[next]) {
+    action_.guard.push_back(negated(atom));
+    stay_out(guards, next + 1, visit);
+    action_.guard.back() = atom;
+  }
+  action_.guard.resize(atoms);
+}
+
+}  // namespace tachk

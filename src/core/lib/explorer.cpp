@@ -1,0 +1,427 @@
+#include "tachk/explorer.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace tachk {
+namespace {
+
+struct ConstantOverflow {};
+
+ZoneOperations choose_operations(const Program& program, const Options& options) {
+  const bool fits = program.largest_constant <= BoundLimits<std::int16_t>::largest_constant;
+  const bool narrow =
+      options.narrow && fits && !program.has_computed_resets && options.extrapolation != Extrapolation::none;
+  if (program.largest_constant > BoundLimits<std::int32_t>::largest_constant)
+    throw std::overflow_error("a clock constant is too large");
+  return select_operations(program.dimension(), narrow ? Width::narrow : Width::wide, options.vector);
+}
+
+}  // namespace
+
+Explorer::Explorer(Program program, const Options& options)
+    : program_(std::move(program)),
+      options_(options),
+      operations_(choose_operations(program_, options)),
+      dimension_(program_.dimension()),
+      semantics_(program_, operations_),
+      passed_(program_, operations_),
+      random_(options.seed),
+      reached_(program_.goals.size(), no_node),
+      lower_(operations_),
+      upper_(operations_),
+      source_(program_.slots.size()),
+      guarded_(operations_),
+      target_(operations_),
+      scratch_(operations_) {
+  for (std::size_t goal = 0; goal < program_.goals.size(); ++goal) {
+    open_goals_.push_back(goal);
+    for (const Disjunct& disjunct : program_.goals[goal].disjuncts)
+      deadlock_open_ |= disjunct.deadlock != DeadlockLiteral::absent;
+  }
+  prepare_bounds();
+}
+
+// ---- the loop -------------------------------------------------------------------------------------------------------
+
+Status Explorer::run(std::uint64_t expansions) {
+  if (fault_) return Status::fault;
+  try {
+    return explore(expansions);
+  } catch (const ModelFault& fault) {
+    fault_ = FaultReport{fault.kind, fault.position, current_node_, {}};
+    if (current_edges_ != nullptr) fault_->edges = *current_edges_;
+    return Status::fault;
+  } catch (const ConstantOverflow&) {
+    return Status::constant_limit;
+  }
+}
+
+Status Explorer::explore(std::uint64_t expansions) {
+  if (!std::exchange(started_, true)) start();
+  while (!all_reached()) {
+    if (expansions-- == 0) return Status::running;
+    const std::uint32_t number = next_waiting();
+    if (number == no_node) return too_deep_ ? Status::depth_limit : Status::finished;
+    if (passed_.covered(number)) continue;
+    if (!depth_.empty() && depth_[number] >= options_.depth_limit) {
+      too_deep_ = true;
+      continue;
+    }
+    const Node node = passed_.node(number);
+    const void* zone = passed_.zone(node);
+    passed_.unpack(node, source_.data());
+    current_node_ = number;
+    ++explored_;
+    if (deadlock_open_) check_deadlock(number, zone);
+    fresh_.clear();
+    expand(zone, [&](std::int32_t* slots, const void* successor) {
+      ++transitions_;
+      add(slots, successor, number);
+    });
+    if (options_.order == SearchOrder::random_depth_first) std::shuffle(fresh_.begin(), fresh_.end(), random_);
+    if (options_.order != SearchOrder::breadth_first) stack_.insert(stack_.end(), fresh_.rbegin(), fresh_.rend());
+    if (passed_.stored() > options_.state_limit) return Status::state_limit;
+    if (options_.memory_limit != UINT64_MAX && statistics().bytes > options_.memory_limit) return Status::memory_limit;
+  }
+  return Status::finished;
+}
+
+void Explorer::start() {
+  for (std::size_t slot = 0; slot < program_.slots.size(); ++slot) source_[slot] = program_.slots[slot].initial;
+  effect_.slots = source_;
+  effect_.resets.clear();
+  effect_.invariant.clear();
+  if (!semantics_.invariant(effect_.slots.data(), effect_.invariant)) return;
+  operations_.make_zero(guarded_.get(), dimension_);
+  fresh_.clear();
+  finish(guarded_.get(), effect_,
+         [&](std::int32_t* slots, const void* zone) { add(slots, zone, no_node); });
+  if (options_.order != SearchOrder::breadth_first) stack_ = fresh_;
+}
+
+std::uint32_t Explorer::next_waiting() {
+  if (options_.order == SearchOrder::breadth_first) return cursor_ < passed_.size() ? cursor_++ : no_node;
+  if (stack_.empty()) return no_node;
+  const std::uint32_t number = stack_.back();
+  stack_.pop_back();
+  return number;
+}
+
+void Explorer::add(std::int32_t* slots, const void* zone, std::uint32_t parent) {
+  const std::uint32_t number = passed_.add(slots, zone, parent, options_.subsumption);
+  if (number == no_node) return;
+  if (options_.depth_limit != UINT32_MAX) depth_.push_back(parent == no_node ? 0 : depth_[parent] + 1);
+  fresh_.push_back(number);
+  check_goals(number, slots, zone);
+}
+
+bool Explorer::all_reached() const { return open_goals_.empty() && !program_.goals.empty(); }
+
+Statistics Explorer::statistics() const {
+  return {explored_, passed_.stored(), transitions_,
+          passed_.bytes() + (stack_.capacity() + depth_.capacity()) * sizeof(std::uint32_t)};
+}
+
+std::optional<std::uint32_t> Explorer::reached(std::size_t goal) const {
+  return reached_[goal] == no_node ? std::nullopt : std::optional(reached_[goal]);
+}
+
+// ---- successors -----------------------------------------------------------------------------------------------------
+
+template <class Sink>
+void Explorer::expand(const void* zone, Sink&& sink) {
+  if (program_.has_priorities) {
+    expand_by_priority(zone, sink);
+    return;
+  }
+  semantics_.for_each_action(source_.data(), [&](const Action& action) {
+    if (!operations_.meets_each(zone, dimension_, action.guard.data(), action.guard.size())) return;
+    guarded_.assign(zone);
+    if (!operations_.intersect(guarded_.get(), dimension_, action.guard.data(), action.guard.size())) return;
+    current_edges_ = &action.edges;
+    if (semantics_.apply(action.edges, source_.data(), effect_)) finish(guarded_.get(), effect_, sink);
+    current_edges_ = nullptr;
+  });
+}
+
+// An action may only fire in valuations in which no action of higher priority is possible.
+template <class Sink>
+void Explorer::expand_by_priority(const void* zone, Sink&& sink) {
+  struct Ranked {
+    std::vector<std::uint32_t> edges;
+    std::vector<Atom> guard;
+    std::vector<Atom> possible;  // where the action is possible: guard and precondition of the target invariant
+    Effect effect;
+    std::pair<std::int32_t, std::int32_t> priority;
+  };
+  std::vector<Ranked> actions;
+  semantics_.for_each_action(source_.data(), [&](const Action& action) {
+    guarded_.assign(zone);
+    if (!operations_.intersect(guarded_.get(), dimension_, action.guard.data(), action.guard.size())) return;
+    Ranked ranked{action.edges, action.guard, action.guard, {}, {}};
+    current_edges_ = &action.edges;
+    const bool possible = semantics_.apply(action.edges, source_.data(), ranked.effect) &&
+                          semantics_.weakest_precondition(ranked.effect, ranked.possible);
+    current_edges_ = nullptr;
+    if (!possible) return;
+    ranked.priority = semantics_.priority(action.edges, source_.data());
+    actions.push_back(std::move(ranked));
+  });
+  for (Ranked& action : actions) {
+    std::vector<ZoneBuffer> pieces;
+    guarded_.assign(zone);
+    operations_.intersect(guarded_.get(), dimension_, action.guard.data(), action.guard.size());
+    pieces.push_back(guarded_);
+    for (const Ranked& other : actions) {
+      if (other.priority <= action.priority) continue;
+      std::vector<ZoneBuffer> rest;
+      for (const ZoneBuffer& piece : pieces) subtract(piece, other.possible, rest);
+      pieces = std::move(rest);
+    }
+    current_edges_ = &action.edges;
+    for (const ZoneBuffer& piece : pieces) {
+      Effect effect = action.effect;
+      finish(piece.get(), effect, sink);
+    }
+    current_edges_ = nullptr;
+  }
+}
+
+template <class Sink>
+void Explorer::finish(const void* zone, Effect& effect, Sink&& sink) {
+  const std::vector<Atom>& invariant = effect.invariant;
+  target_.assign(zone);
+  operations_.reset(target_.get(), dimension_, effect.resets.data(), effect.resets.size());
+  if (!operations_.intersect(target_.get(), dimension_, invariant.data(), invariant.size())) return;
+  if (semantics_.time_passes(effect.slots.data())) {
+    operations_.up(target_.get(), dimension_, semantics_.stopped_clocks(effect.slots.data()));
+    operations_.intersect(target_.get(), dimension_, invariant.data(), invariant.size());
+  }
+  abstract(effect, target_, sink);
+}
+
+template <class Sink>
+void Explorer::abstract(Effect& effect, ZoneBuffer& zone, Sink&& sink) {
+  if (options_.extrapolation == Extrapolation::none) {
+    check_magnitude(zone.get());
+    sink(effect.slots.data(), zone.get());
+    return;
+  }
+  collect_bounds(effect.slots.data());
+  if (!program_.diagonals.empty()) {
+    std::vector<Atom> sides;
+    split(0, effect, ZoneBuffer(zone), sides, sink);
+    return;
+  }
+  operations_.extrapolate_lu_plus(zone.get(), dimension_, lower_.get(), upper_.get());
+  sink(effect.slots.data(), zone.get());
+}
+
+// `sides`: for each diagonal seen so far the side on which the piece lies.
+template <class Sink>
+void Explorer::split(std::size_t diagonal, Effect& effect, const ZoneBuffer& zone, std::vector<Atom>& sides, Sink&& sink) {
+  if (diagonal == program_.diagonals.size()) {
+    ZoneBuffer piece(zone);
+    operations_.extrapolate_max(piece.get(), dimension_, upper_.get());
+    if (!operations_.intersect(piece.get(), dimension_, sides.data(), sides.size()))
+      throw std::logic_error("extrapolation lost a zone");
+    sink(effect.slots.data(), piece.get());
+    return;
+  }
+  const Atom inside = program_.diagonals[diagonal];
+  for (const Atom side : {inside, negated(inside)}) {
+    ZoneBuffer piece(zone);
+    if (!operations_.intersect(piece.get(), dimension_, &side, 1)) continue;
+    sides.push_back(side);
+    split(diagonal + 1, effect, piece, sides, sink);
+    sides.pop_back();
+  }
+}
+
+std::vector<std::vector<std::uint32_t>> Explorer::path(std::uint32_t node) {
+  std::vector<std::vector<std::uint32_t>> actions;
+  for (std::uint32_t number = node; passed_.node(number).parent != no_node; number = passed_.node(number).parent) {
+    const Node child = passed_.node(number);
+    const Node parent = passed_.node(child.parent);
+    passed_.unpack(parent, source_.data());
+    std::optional<std::vector<std::uint32_t>> found;
+    try {
+      expand(passed_.zone(parent), [&](std::int32_t* slots, const void* zone) {
+        if (!found && passed_.equals(child, slots, zone)) found = *current_edges_;
+      });
+    } catch (const ModelFault&) {
+      // The search stopped at this fault, in an action behind the one looked for.
+    }
+    current_edges_ = nullptr;
+    if (!found) throw std::logic_error("a stored state is not a successor of its parent");
+    actions.push_back(*std::move(found));
+  }
+  std::reverse(actions.begin(), actions.end());
+  return actions;
+}
+
+// ---- goals ----------------------------------------------------------------------------------------------------------
+
+// Whether some valuation of the zone satisfies the condition; `atoms` are its clock constraints.
+bool Explorer::meets(const Condition& condition, std::int32_t* slots, const void* zone, std::vector<Atom>& atoms) {
+  if (!semantics_.holds(condition, slots)) return false;
+  atoms.clear();
+  semantics_.resolve(condition, slots, atoms);
+  if (atoms.empty()) return true;
+  if (!operations_.meets_each(zone, dimension_, atoms.data(), atoms.size())) return false;
+  scratch_.assign(zone);
+  return operations_.intersect(scratch_.get(), dimension_, atoms.data(), atoms.size());
+}
+
+void Explorer::check_goals(std::uint32_t node, std::int32_t* slots, const void* zone) {
+  if (open_goals_.empty()) return;
+  const std::vector<std::uint32_t>* edges = std::exchange(current_edges_, nullptr);
+  const std::uint32_t parent = std::exchange(current_node_, node);
+  std::erase_if(open_goals_, [&](std::size_t goal) {
+    for (const Disjunct& disjunct : program_.goals[goal].disjuncts) {
+      if (disjunct.deadlock != DeadlockLiteral::absent) continue;
+      if (!meets(disjunct.condition, slots, zone, goal_atoms_)) continue;
+      reached_[goal] = node;
+      return true;
+    }
+    return false;
+  });
+  current_edges_ = edges;
+  current_node_ = parent;
+}
+
+// Deadlock: no action is possible now or after any delay. The zone is closed under the delays that its invariant admits.
+void Explorer::check_deadlock(std::uint32_t node, const void* zone) {
+  std::vector<std::pair<std::size_t, const Disjunct*>> candidates;
+  deadlock_open_ = false;
+  for (const std::size_t goal : open_goals_)
+    for (const Disjunct& disjunct : program_.goals[goal].disjuncts) {
+      if (disjunct.deadlock == DeadlockLiteral::absent) continue;
+      deadlock_open_ = true;
+      if (meets(disjunct.condition, source_.data(), zone, goal_atoms_)) candidates.emplace_back(goal, &disjunct);
+    }
+  if (candidates.empty()) return;
+
+  const bool delays = semantics_.time_passes(source_.data());
+  std::vector<ZoneBuffer> dead;
+  std::vector<ZoneBuffer> live;
+  dead.emplace_back(operations_).assign(zone);
+  semantics_.for_each_action(source_.data(), [&](const Action& action) {
+    if (!operations_.meets_each(zone, dimension_, action.guard.data(), action.guard.size())) return;
+    ZoneBuffer possible(operations_);
+    possible.assign(zone);
+    if (!operations_.intersect(possible.get(), dimension_, action.guard.data(), action.guard.size())) return;
+    current_edges_ = &action.edges;
+    std::vector<Atom> atoms;
+    const bool fires = semantics_.apply(action.edges, source_.data(), effect_) &&
+                       semantics_.weakest_precondition(effect_, atoms);
+    current_edges_ = nullptr;
+    if (!fires || !operations_.intersect(possible.get(), dimension_, atoms.data(), atoms.size())) return;
+    if (delays) operations_.down(possible.get(), dimension_);
+    atoms = atoms_of(possible.get(), zone);
+    std::vector<ZoneBuffer> rest;
+    for (const ZoneBuffer& piece : dead) subtract(piece, atoms, rest);
+    dead = std::move(rest);
+    ZoneBuffer here(operations_);
+    here.assign(zone);
+    operations_.intersect(here.get(), dimension_, atoms.data(), atoms.size());
+    live.push_back(std::move(here));
+  });
+  for (const auto& [goal, disjunct] : candidates) {
+    if (reached_[goal] != no_node) continue;
+    const std::vector<ZoneBuffer>& pieces = disjunct->deadlock == DeadlockLiteral::required ? dead : live;
+    const bool met = std::any_of(pieces.begin(), pieces.end(), [&](const ZoneBuffer& piece) {
+      return meets(disjunct->condition, source_.data(), piece.get(), goal_atoms_);
+    });
+    if (!met) continue;
+    reached_[goal] = node;
+    std::erase(open_goals_, goal);
+  }
+}
+
+// ---- zones ----------------------------------------------------------------------------------------------------------
+
+// The constraints of a zone that are tighter than those of another one.
+std::vector<Atom> Explorer::atoms_of(const void* zone, const void* within) const {
+  std::vector<Atom> atoms;
+  for (int i = 0; i < dimension_; ++i)
+    for (int j = 0; j < dimension_; ++j) {
+      const Raw raw = operations_.entry(zone, dimension_, i, j);
+      if (i != j && raw < operations_.entry(within, dimension_, i, j))
+        atoms.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), raw});
+    }
+  return atoms;
+}
+
+void Explorer::subtract(const ZoneBuffer& zone, const std::vector<Atom>& atoms, std::vector<ZoneBuffer>& pieces) const {
+  ZoneBuffer rest(zone);
+  for (const Atom& atom : atoms) {
+    ZoneBuffer outside(rest);
+    const Atom complement = negated(atom);
+    if (operations_.intersect(outside.get(), dimension_, &complement, 1)) pieces.push_back(std::move(outside));
+    if (!operations_.intersect(rest.get(), dimension_, &atom, 1)) return;
+  }
+}
+
+void Explorer::check_magnitude(const void* zone) const {
+  for (int i = 0; i < dimension_; ++i)
+    for (int j = 0; j < dimension_; ++j) {
+      const Raw raw = operations_.entry(zone, dimension_, i, j);
+      if (raw != INT32_MAX && std::abs(raw) > BoundLimits<std::int32_t>::legal / 4) throw ConstantOverflow{};
+    }
+}
+
+void Explorer::prepare_bounds() {
+  const auto blank = [&] {
+    ZoneBuffer row(operations_);
+    for (int clock = 0; clock < operations_.stride; ++clock)
+      operations_.set_bound(row.get(), clock, clock == 0 || clock >= dimension_ ? no_bound : -1);
+    return row;
+  };
+  const bool separate = options_.extrapolation == Extrapolation::lu && program_.diagonals.empty();
+  for (const Process& process : program_.processes)
+    for (const Location& location : process.locations) {
+      std::vector<Raw> lower(static_cast<std::size_t>(dimension_), -1);
+      std::vector<Raw> upper(static_cast<std::size_t>(dimension_), -1);
+      if (options_.local_bounds) {
+        for (const ClockBound& bound : location.lower) lower[bound.clock] = std::max(lower[bound.clock], bound.value);
+        for (const ClockBound& bound : location.upper) upper[bound.clock] = std::max(upper[bound.clock], bound.value);
+      } else {
+        lower = program_.maximum_constants;
+        upper = program_.maximum_constants;
+      }
+      ZoneBuffer lower_row = blank();
+      ZoneBuffer upper_row = blank();
+      bool present = false;
+      for (int clock = 1; clock < dimension_; ++clock) {
+        const auto c = static_cast<std::size_t>(clock);
+        const Raw both = std::max(lower[c], upper[c]);
+        operations_.set_bound(lower_row.get(), clock, separate ? lower[c] : both);
+        operations_.set_bound(upper_row.get(), clock, separate ? upper[c] : both);
+        present |= both >= 0;
+      }
+      bounds_.lower.push_back(std::move(lower_row));
+      bounds_.upper.push_back(std::move(upper_row));
+      bounds_.present.push_back(present);
+    }
+}
+
+void Explorer::collect_bounds(const std::int32_t* slots) {
+  bool first = true;
+  for (std::size_t p = 0; p < program_.processes.size(); ++p) {
+    const std::size_t number = semantics_.location_number(p, slots[p]);
+    if (first) {
+      const std::size_t row = operations_.bytes / static_cast<std::size_t>(dimension_);
+      std::memcpy(lower_.get(), bounds_.lower[number].get(), row);
+      std::memcpy(upper_.get(), bounds_.upper[number].get(), row);
+      first = false;
+    } else if (bounds_.present[number]) {
+      operations_.maximise_bounds(lower_.get(), bounds_.lower[number].get(), dimension_);
+      operations_.maximise_bounds(upper_.get(), bounds_.upper[number].get(), dimension_);
+    }
+  }
+}
+
+}  // namespace tachk

@@ -1,0 +1,215 @@
+#include "tachk/program.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+#include "tachk/opcode.hpp"
+
+namespace tachk {
+namespace {
+
+class Reader {
+ public:
+  explicit Reader(std::span<const std::int32_t> image) : image_(image) {}
+
+  std::int32_t number() {
+    if (position_ >= image_.size()) throw std::invalid_argument("program image is too short");
+    return image_[position_++];
+  }
+  std::uint32_t count() {
+    const std::int32_t value = number();
+    if (value < 0 || static_cast<std::size_t>(value) > image_.size()) throw std::invalid_argument("bad count in image");
+    return static_cast<std::uint32_t>(value);
+  }
+  std::uint32_t below(std::size_t limit, const char* what) {
+    const std::int32_t value = number();
+    if (value < 0 || static_cast<std::size_t>(value) >= limit)
+      throw std::invalid_argument(std::string("bad ") + what + " in image");
+    return static_cast<std::uint32_t>(value);
+  }
+  bool flag() { return number() != 0; }
+  template <class Read>
+  auto sequence(Read read) {
+    std::vector<decltype(read())> items(count());
+    for (auto& item : items) item = read();
+    return items;
+  }
+  void finish() const {
+    if (position_ != image_.size()) throw std::invalid_argument("program image is too long");
+  }
+
+ private:
+  std::span<const std::int32_t> image_;
+  std::size_t position_ = 0;
+};
+
+// The number of operands that follow an opcode.
+int operands(Opcode opcode) {
+  switch (opcode) {
+    case Opcode::index:
+      return 3;
+    case Opcode::check_range:
+      return 2;
+    case Opcode::constant:
+    case Opcode::load:
+    case Opcode::store:
+    case Opcode::copy:
+    case Opcode::equal_cells:
+    case Opcode::jump:
+    case Opcode::jump_if_zero:
+    case Opcode::jump_if_nonzero:
+    case Opcode::call:
+      return 1;
+    default:
+      return 0;
+  }
+}
+
+bool resets_clocks(const std::vector<std::int32_t>& code) {
+  for (std::size_t position = 0; position < code.size();) {
+    const auto opcode = static_cast<Opcode>(code[position]);
+    if (opcode == Opcode::reset) return true;
+    position += 1 + static_cast<std::size_t>(operands(opcode));
+  }
+  return false;
+}
+
+class Decoder {
+ public:
+  explicit Decoder(std::span<const std::int32_t> image) : in_(image) {}
+
+  Program decode() {
+    program_.clocks = static_cast<int>(in_.below(60000, "number of clocks"));
+    program_.state_slots = in_.count();
+    program_.slots = in_.sequence([this] { return Slot{in_.number(), in_.number(), in_.number(), in_.flag()}; });
+    if (program_.state_slots > program_.slots.size()) throw std::invalid_argument("more state slots than slots");
+    program_.code = in_.sequence([this] { return in_.number(); });
+    program_.has_computed_resets = resets_clocks(program_.code);
+    program_.channels = in_.sequence([this] { return Channel{in_.flag(), in_.flag(), in_.number()}; });
+    program_.processes = in_.sequence([this] { return Process{in_.number(), in_.sequence([this] { return location(); })}; });
+    program_.edges = in_.sequence([this] { return edge(); });
+    program_.goals = in_.sequence([this] {
+      return Goal{in_.sequence([this] {
+        const auto deadlock = static_cast<DeadlockLiteral>(in_.number());
+        return Disjunct{condition(), deadlock};
+      })};
+    });
+    program_.default_priority = in_.number();
+    program_.maximum_constants = in_.sequence([this] { return note(in_.number()); });
+    program_.diagonals = in_.sequence([this] {
+      const auto left = clock();
+      const auto right = clock();
+      const Raw raw = in_.number();
+      note(raw_value(raw));
+      return Atom{left, right, raw};
+    });
+    program_.has_priorities = in_.flag();
+    program_.has_stopwatches = in_.flag();
+    in_.finish();
+    return std::move(program_);
+  }
+
+ private:
+  std::uint16_t clock() {
+    return static_cast<std::uint16_t>(in_.below(static_cast<std::size_t>(program_.dimension()), "clock"));
+  }
+  std::uint32_t slot() { return in_.below(program_.slots.size(), "slot"); }
+  std::int32_t code() {
+    const std::int32_t position = in_.number();
+    if (position != no_code && (position < 0 || static_cast<std::size_t>(position) >= program_.code.size()))
+      throw std::invalid_argument("bad code position in image");
+    return position;
+  }
+  Raw note(Raw constant) {
+    program_.largest_constant = std::max(program_.largest_constant, std::abs(constant));
+    return constant;
+  }
+
+  Condition condition() {
+    Condition result;
+    result.tests = in_.sequence([this] {
+      const std::uint32_t s = slot();
+      const auto comparison = static_cast<Comparison>(in_.below(6, "comparison"));
+      return Test{s, comparison, in_.number()};
+    });
+    result.code = code();
+    for (std::uint32_t n = in_.count(); n > 0; --n) {
+      const std::uint16_t left = clock();
+      const std::uint16_t right = clock();
+      const bool strict = in_.flag();
+      const std::int32_t bound = in_.number();
+      const std::int32_t bound_code = code();
+      const std::int32_t when = code();
+      const std::int32_t left_code = code();
+      const std::int32_t right_code = code();
+      note(bound);
+      if (bound_code == no_code && when == no_code && left_code == no_code && right_code == no_code)
+        result.atoms.push_back({left, right, raw_bound(bound, strict)});
+      else
+        result.computed.push_back({left, right, strict, bound, bound_code, when, left_code, right_code});
+    }
+    return result;
+  }
+
+  Update update() {
+    Update result;
+    result.stores = in_.sequence([this] {
+      const std::uint32_t s = slot();
+      return Update::Store{s, in_.number()};
+    });
+    result.resets = in_.sequence([this] {
+      const std::uint16_t c = clock();
+      return ClockReset{c, note(in_.number())};
+    });
+    result.code = code();
+    return result;
+  }
+
+  std::vector<ClockBound> clock_bounds() {
+    return in_.sequence([this] {
+      const std::uint16_t c = clock();
+      return ClockBound{c, note(in_.number())};
+    });
+  }
+
+  Location location() {
+    Location result;
+    result.invariant = condition();
+    result.urgent = in_.flag();
+    result.committed = in_.flag();
+    result.stopped = in_.sequence([this] {
+      const std::uint16_t c = clock();
+      return Location::Stop{c, code()};
+    });
+    result.lower = clock_bounds();
+    result.upper = clock_bounds();
+    return result;
+  }
+
+  Edge edge() {
+    Edge result;
+    result.process = in_.below(program_.processes.size(), "process");
+    const std::size_t locations = program_.processes[result.process].locations.size();
+    result.source = static_cast<std::int32_t>(in_.below(locations, "location"));
+    result.target = static_cast<std::int32_t>(in_.below(locations, "location"));
+    result.guard = condition();
+    result.channel = in_.number();
+    if (result.channel >= static_cast<std::int32_t>(program_.channels.size()))
+      throw std::invalid_argument("bad channel in image");
+    result.channel_code = code();
+    result.sends = in_.flag();
+    result.update = update();
+    return result;
+  }
+
+  Reader in_;
+  Program program_;
+};
+
+}  // namespace
+
+Program decode_program(std::span<const std::int32_t> image) { return Decoder(image).decode(); }
+
+}  // namespace tachk

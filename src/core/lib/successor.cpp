@@ -1,0 +1,173 @@
+#include "tachk/successor.hpp"
+
+#include <algorithm>
+
+namespace tachk {
+namespace {
+
+bool compare(std::int32_t value, Comparison comparison, std::int32_t constant) {
+  switch (comparison) {
+    case Comparison::equal:
+      return value == constant;
+    case Comparison::not_equal:
+      return value != constant;
+    case Comparison::less:
+      return value < constant;
+    case Comparison::less_equal:
+      return value <= constant;
+    case Comparison::greater:
+      return value > constant;
+    case Comparison::greater_equal:
+      return value >= constant;
+  }
+  return false;
+}
+
+}  // namespace
+
+Semantics::Semantics(const Program& program, const ZoneOperations& operations)
+    : program_(program),
+      operations_(operations),
+      machine_(program, operations.largest_constant),
+      stopped_(static_cast<std::size_t>(program.dimension())) {
+  std::size_t count = 0;
+  for (const Process& process : program.processes) {
+    first_location_.push_back(count);
+    count += process.locations.size();
+  }
+  outgoing_.resize(count);
+  for (std::uint32_t number = 0; number < program.edges.size(); ++number) {
+    const Edge& edge = program.edges[number];
+    Outgoing& out = outgoing_[location_number(edge.process, edge.source)];
+    (edge.internal() ? out.internal : edge.sends ? out.sends : out.receives).push_back(number);
+  }
+  for (std::uint32_t slot = 0; slot < program.state_slots; ++slot)
+    if (program.slots[slot].meta) meta_slots_.push_back(slot);
+  for (const Channel& channel : program.channels) has_urgent_channels_ |= channel.urgent;
+}
+
+bool Semantics::holds(const Condition& condition, std::int32_t* slots) {
+  for (const Test& test : condition.tests)
+    if (!compare(slots[test.slot], test.comparison, test.constant)) return false;
+  return condition.code == no_code || machine_.value(condition.code, slots) != 0;
+}
+
+void Semantics::resolve(const Condition& condition, std::int32_t* slots, std::vector<Atom>& atoms) {
+  atoms.insert(atoms.end(), condition.atoms.begin(), condition.atoms.end());
+  for (const ComputedConstraint& c : condition.computed) {
+    if (c.condition != no_code && machine_.value(c.condition, slots) == 0) continue;
+    const std::int64_t left = c.left_code == no_code ? c.left : machine_.value(c.left_code, slots);
+    const std::int64_t right = c.right_code == no_code ? c.right : machine_.value(c.right_code, slots);
+    const std::int64_t bound = c.bound_code == no_code ? c.bound : machine_.value(c.bound_code, slots);
+    if (bound > operations_.largest_constant || bound < -operations_.largest_constant)
+      throw ModelFault(FaultKind::bound, c.bound_code);
+    const Raw raw = raw_bound(static_cast<Raw>(bound), c.strict);
+    if (left == right) {  // x - x < c, possible where the clocks are computed
+      atoms.push_back({0, 0, raw});
+      continue;
+    }
+    atoms.push_back({static_cast<std::uint16_t>(left), static_cast<std::uint16_t>(right), raw});
+  }
+}
+
+std::int32_t Semantics::channel_of(const Edge& edge, std::int32_t* slots) {
+  return edge.channel_code == no_code ? edge.channel
+                                      : static_cast<std::int32_t>(machine_.value(edge.channel_code, slots));
+}
+
+bool Semantics::invariant(std::int32_t* slots, std::vector<Atom>& atoms) {
+  for (std::size_t p = 0; p < program_.processes.size(); ++p) {
+    const Condition& condition = location(p, slots).invariant;
+    if (!holds(condition, slots)) return false;
+    resolve(condition, slots, atoms);
+  }
+  return true;
+}
+
+bool Semantics::apply(const std::vector<std::uint32_t>& edges, const std::int32_t* slots, Effect& effect) {
+  effect.slots.assign(slots, slots + program_.slots.size());
+  effect.resets.clear();
+  effect.invariant.clear();
+  for (const std::uint32_t number : edges) {
+    const Update& update = program_.edges[number].update;
+    for (const Update::Store& store : update.stores) effect.slots[store.slot] = store.value;
+    effect.resets.insert(effect.resets.end(), update.resets.begin(), update.resets.end());
+    if (update.code != no_code) machine_.update(update.code, effect.slots.data(), effect.resets);
+  }
+  for (const std::uint32_t number : edges) {
+    const Edge& edge = program_.edges[number];
+    effect.slots[edge.process] = edge.target;
+  }
+  for (const std::uint32_t slot : meta_slots_) effect.slots[slot] = program_.slots[slot].initial;
+  return invariant(effect.slots.data(), effect.invariant);
+}
+
+bool Semantics::weakest_precondition(const Effect& effect, std::vector<Atom>& atoms) const {
+  constexpr std::int32_t unset = -1;
+  std::vector<std::int32_t> value(static_cast<std::size_t>(program_.dimension()), unset);
+  for (const ClockReset& reset : effect.resets) value[reset.clock] = reset.value;
+  for (Atom atom : effect.invariant) {
+    if (value[atom.left] != unset) {
+      atom.raw -= 2 * value[atom.left];
+      atom.left = 0;
+    }
+    if (value[atom.right] != unset) {
+      atom.raw += 2 * value[atom.right];
+      atom.right = 0;
+    }
+    if (atom.left != atom.right)
+      atoms.push_back(atom);
+    else if (atom.raw < raw_zero)
+      return false;
+  }
+  return true;
+}
+
+bool Semantics::time_passes(std::int32_t* slots) {
+  const std::size_t processes = program_.processes.size();
+  for (std::size_t p = 0; p < processes; ++p)
+    if (location(p, slots).urgent || location(p, slots).committed) return false;
+  if (!has_urgent_channels_) return true;
+  for (std::size_t p = 0; p < processes; ++p) {
+    for (const std::uint32_t number : outgoing(p, slots).sends) {
+      const Edge& sender = program_.edges[number];
+      if (sender.channel_code == no_code && !program_.channels[static_cast<std::size_t>(sender.channel)].urgent) continue;
+      if (!holds(sender.guard, slots)) continue;
+      const std::int32_t channel = channel_of(sender, slots);
+      const Channel& kind = program_.channels[static_cast<std::size_t>(channel)];
+      if (!kind.urgent) continue;
+      if (kind.broadcast) return false;
+      for (std::size_t q = 0; q < processes; ++q) {
+        if (q == p) continue;
+        for (const std::uint32_t other : outgoing(q, slots).receives) {
+          const Edge& receiver = program_.edges[other];
+          if (receiver.channel_code == no_code && receiver.channel != channel) continue;
+          if (holds(receiver.guard, slots) && channel_of(receiver, slots) == channel) return false;
+        }
+      }
+    }
+  }
+  return true;
+}
+
+const std::uint8_t* Semantics::stopped_clocks(std::int32_t* slots) {
+  if (!program_.has_stopwatches) return nullptr;
+  std::fill(stopped_.begin(), stopped_.end(), std::uint8_t{0});
+  for (std::size_t p = 0; p < program_.processes.size(); ++p)
+    for (const Location::Stop& stop : location(p, slots).stopped)
+      if (stop.code == no_code || machine_.value(stop.code, slots) == 0) stopped_[stop.clock] = 1;
+  return stopped_.data();
+}
+
+std::pair<std::int32_t, std::int32_t> Semantics::priority(const std::vector<std::uint32_t>& edges, std::int32_t* slots) {
+  const Edge& first = program_.edges[edges.front()];
+  const std::int32_t channel =
+      first.internal() ? program_.default_priority
+                       : program_.channels[static_cast<std::size_t>(channel_of(first, slots))].priority;
+  std::int32_t process = program_.processes[first.process].priority;
+  for (const std::uint32_t number : edges)
+    process = std::max(process, program_.processes[program_.edges[number].process].priority);
+  return {channel, process};
+}
+
+}  // namespace tachk

@@ -1,0 +1,348 @@
+// The zone operations, written with vector types and compiled once for each instruction set. Included by
+// zone_portable.cpp and zone_avx2.cpp, which define TACHK_INSTRUCTION_SET. Uses no library templates: whatever the
+// linker merges with other translation units must run on any machine.
+//
+// Whole rows are loaded and stored; a single entry is never stored into a row that is loaded as a vector right after,
+// because that stalls the store buffer.
+
+#include <cstring>
+
+#include "tachk/zone.hpp"
+
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+namespace tachk::TACHK_INSTRUCTION_SET {
+
+template <class T>
+struct Lanes {
+  static constexpr int count = 32 / static_cast<int>(sizeof(T));
+  typedef T Vector __attribute__((vector_size(32), may_alias));
+};
+typedef std::uint64_t Words __attribute__((vector_size(32), may_alias));
+
+// Stride 0 stands for a stride known only at run time.
+template <class T, int Stride>
+struct Kernel {
+  using Limits = BoundLimits<T>;
+  using Vector = typename Lanes<T>::Vector;
+  static constexpr int lanes = Lanes<T>::count;
+  static constexpr T infinity = Limits::infinity;
+  static constexpr T zero = 1;
+
+  static int stride(int dimension) {
+    if constexpr (Stride != 0) return Stride;
+    return (dimension + lanes - 1) / lanes * lanes;
+  }
+  static int vectors(int dimension) { return stride(dimension) / lanes; }
+
+  static T* row(void* zone, int dimension, int i) { return static_cast<T*>(zone) + i * stride(dimension); }
+  static const T* row(const void* zone, int dimension, int i) {
+    return static_cast<const T*>(zone) + i * stride(dimension);
+  }
+  static Vector& vector(T* row, int v) { return reinterpret_cast<Vector*>(row)[v]; }
+  static const Vector& vector(const T* row, int v) { return reinterpret_cast<const Vector*>(row)[v]; }
+
+  static Vector all(T value) { return Vector{} + value; }
+  static Vector minimum(Vector a, Vector b) { return a < b ? a : b; }
+  static Vector maximum(Vector a, Vector b) { return a > b ? a : b; }
+  static bool any(Vector mask) {
+    const Words words = reinterpret_cast<const Words&>(mask);
+    return (words[0] | words[1] | words[2] | words[3]) != 0;
+  }
+  static Vector lane_numbers(int v) {
+    Vector numbers{};
+    for (int lane = 0; lane < lanes; ++lane) numbers[lane] = static_cast<T>(v * lanes + lane);
+    return numbers;
+  }
+
+  static T add(T a, T b) {
+    if (a == infinity || b == infinity) return infinity;
+    return static_cast<T>(a + b - ((a | b) & 1));
+  }
+
+  // A row prepared for being added to many scalars: to add `a`, add it to `weak` if a is odd, else to `strict`.
+  // Infinite entries become `beyond`, so that the sum is never below infinity and a minimum ignores it.
+  static Vector prepared_weak(Vector r) { return r == all(infinity) ? all(Limits::beyond) : r - 1; }
+  static Vector prepared_strict(Vector r) { return r == all(infinity) ? all(Limits::beyond) : r - (r & 1); }
+
+  static void make_zero(void* zone, int dimension) {
+    for (int i = 0; i < dimension; ++i)
+      for (int j = 0; j < stride(dimension); ++j) row(zone, dimension, i)[j] = j < dimension ? zero : infinity;
+  }
+
+  // Adds x_i - x_j ~ bound to a canonical zone; false if that empties it. O(n^2).
+  static bool tighten(void* zone, int dimension, int i, int j, T bound) {
+    if (bound >= row(zone, dimension, i)[j]) return true;
+    if (add(bound, row(zone, dimension, j)[i]) < zero) return false;
+    constexpr int fixed = Stride == 0 ? 1 : Stride / lanes;
+    const int count = vectors(dimension);
+    if constexpr (Stride != 0) {
+      Vector weak[fixed];
+      Vector strict[fixed];
+      const T* row_j = row(zone, dimension, j);
+      for (int v = 0; v < fixed; ++v) {
+        const Vector r = vector(row_j, v);
+        Vector sum = all(bound) + r - ((all(bound) | r) & 1);
+        sum = r == all(infinity) ? all(infinity) : sum;
+        weak[v] = prepared_weak(sum);
+        strict[v] = prepared_strict(sum);
+      }
+      for (int r = 0; r < dimension; ++r) {
+        T* row_r = row(zone, dimension, r);
+        const T to_i = row_r[i];
+        if (to_i == infinity) continue;
+        const Vector* prepared = (to_i & 1) != 0 ? weak : strict;
+        for (int v = 0; v < fixed; ++v) vector(row_r, v) = minimum(vector(row_r, v), all(to_i) + prepared[v]);
+      }
+    } else {
+      for (int v = 0; v < count; ++v) {
+        const Vector r = vector(row(zone, dimension, j), v);
+        Vector sum = all(bound) + r - ((all(bound) | r) & 1);
+        sum = r == all(infinity) ? all(infinity) : sum;
+        const Vector weak = prepared_weak(sum);
+        const Vector strict = prepared_strict(sum);
+        // Column i and row j are read while they are written; both keep their values: a shorter way through (i, j)
+        // to i, or from j, would be a negative cycle.
+        for (int k = 0; k < dimension; ++k) {
+          T* row_k = row(zone, dimension, k);
+          const T to_i = row_k[i];
+          if (to_i == infinity) continue;
+          vector(row_k, v) = minimum(vector(row_k, v), all(to_i) + ((to_i & 1) != 0 ? weak : strict));
+        }
+      }
+    }
+    return true;
+  }
+
+  static bool intersect(void* zone, int dimension, const Atom* atoms, std::size_t count) {
+    for (std::size_t a = 0; a < count; ++a)
+      if (!tighten(zone, dimension, atoms[a].left, atoms[a].right, static_cast<T>(atoms[a].raw))) return false;
+    return true;
+  }
+
+  static void reset(void* zone, int dimension, const ClockReset* resets, std::size_t count) {
+    for (std::size_t n = 0; n < count; ++n) {
+      const int clock = resets[n].clock;
+      const T up = static_cast<T>(2 * resets[n].value + 1);
+      const T down = static_cast<T>(-2 * resets[n].value + 1);
+      const int number = vectors(dimension);
+      for (int v = 0; v < number; ++v) {
+        const Vector here = lane_numbers(v) == all(static_cast<T>(clock));
+        for (int r = 0; r < dimension; ++r) {
+          if (r == clock) continue;
+          T* row_r = row(zone, dimension, r);
+          vector(row_r, v) = here ? all(add(row_r[0], down)) : vector(row_r, v);
+        }
+        const Vector first = vector(row(zone, dimension, 0), v);
+        Vector sum = first + all(static_cast<T>(up - 1));
+        sum = first == all(infinity) ? first : sum;
+        vector(row(zone, dimension, clock), v) = here ? all(zero) : sum;
+      }
+    }
+  }
+
+  static void up(void* zone, int dimension, const std::uint8_t* stopped) {
+    const int number = vectors(dimension);
+    for (int v = 0; v < number; ++v) {
+      const Vector lane = lane_numbers(v);
+      Vector freed = lane == all(0);
+      if (stopped != nullptr)
+        for (int j = 1; j < dimension; ++j)
+          if (stopped[j] != 0) freed |= lane == all(static_cast<T>(j));
+      for (int i = 1; i < dimension; ++i) {
+        if (stopped != nullptr && stopped[i] != 0) continue;
+        T* row_i = row(zone, dimension, i);
+        vector(row_i, v) = freed ? all(infinity) : vector(row_i, v);
+      }
+    }
+  }
+
+  static void down(void* zone, int dimension) {
+    // x_0 - x_j: the least value of x_j is lowered to 0, but not below what the differences to other clocks ask for.
+    T* first = row(zone, dimension, 0);
+    for (int j = 1; j < dimension; ++j) {
+      T bound = zero;
+      for (int i = 1; i < dimension; ++i) {
+        const T entry = row(zone, dimension, i)[j];
+        if (entry < bound) bound = entry;
+      }
+      first[j] = bound;
+    }
+  }
+
+  static bool includes(const void* outer, const void* inner, int dimension) {
+    const int number = vectors(dimension);
+    for (int i = 0; i < dimension; ++i) {
+      const T* row_outer = row(outer, dimension, i);
+      const T* row_inner = row(inner, dimension, i);
+      Vector violated{};
+      for (int v = 0; v < number; ++v) violated |= vector(row_inner, v) > vector(row_outer, v);
+      if (any(violated)) return false;
+    }
+    return true;
+  }
+
+  // Floyd-Warshall; the zone must not be empty.
+  static void close(void* zone, int dimension) {
+    const int number = vectors(dimension);
+    for (int k = 0; k < dimension; ++k) {
+      const T* row_k = row(zone, dimension, k);
+      if constexpr (Stride != 0) {
+        Vector weak[Stride / lanes];
+        Vector strict[Stride / lanes];
+        for (int v = 0; v < Stride / lanes; ++v) {
+          weak[v] = prepared_weak(vector(row_k, v));
+          strict[v] = prepared_strict(vector(row_k, v));
+        }
+        for (int i = 0; i < dimension; ++i) {
+          T* row_i = row(zone, dimension, i);
+          const T to_k = row_i[k];
+          if (to_k == infinity || i == k) continue;
+          const Vector* prepared = (to_k & 1) != 0 ? weak : strict;
+          for (int v = 0; v < Stride / lanes; ++v)
+            vector(row_i, v) = minimum(vector(row_i, v), all(to_k) + prepared[v]);
+        }
+      } else {
+        for (int i = 0; i < dimension; ++i) {
+          T* row_i = row(zone, dimension, i);
+          const T to_k = row_i[k];
+          if (to_k == infinity || i == k) continue;
+          for (int v = 0; v < number; ++v) {
+            const Vector r = vector(row_k, v);
+            const Vector prepared = (to_k & 1) != 0 ? prepared_weak(r) : prepared_strict(r);
+            vector(row_i, v) = minimum(vector(row_i, v), all(to_k) + prepared);
+          }
+        }
+      }
+    }
+  }
+
+  static void extrapolate_lu_plus(void* zone, int dimension, const void* lower, const void* upper) {
+    const T* lower_bounds = static_cast<const T*>(lower);
+    const T* upper_bounds = static_cast<const T*>(upper);
+    const int number = vectors(dimension);
+    T* first = row(zone, dimension, 0);
+    bool changed = false;
+    for (int i = 1; i < dimension; ++i) {
+      T* row_i = row(zone, dimension, i);
+      const bool above_lower = first[i] < -2 * lower_bounds[i];
+      const T limit = static_cast<T>(2 * lower_bounds[i] + 1);
+      Vector difference{};
+      for (int v = 0; v < number; ++v) {
+        const Vector old = vector(row_i, v);
+        const Vector u = vector(upper_bounds, v);
+        Vector raised = (old > all(limit)) | (vector(first, v) < u * -2);
+        if (above_lower) raised = all(-1);
+        Vector fresh = raised ? all(infinity) : old;
+        fresh = lane_numbers(v) == all(static_cast<T>(i)) ? all(zero) : fresh;
+        difference |= fresh ^ old;
+        vector(row_i, v) = fresh;
+      }
+      changed |= any(difference);
+    }
+    Vector difference{};
+    for (int v = 0; v < number; ++v) {
+      const Vector old = vector(first, v);
+      const Vector limit = vector(upper_bounds, v) * -2;
+      const Vector fresh = old < limit ? minimum(limit, all(zero)) : old;
+      difference |= fresh ^ old;
+      vector(first, v) = fresh;
+    }
+    if (changed || any(difference)) close(zone, dimension);
+  }
+
+  static void extrapolate_max(void* zone, int dimension, const void* bound) {
+    const T* bounds = static_cast<const T*>(bound);
+    const int number = vectors(dimension);
+    bool changed = false;
+    for (int i = 0; i < dimension; ++i) {
+      T* row_i = row(zone, dimension, i);
+      const T limit = static_cast<T>(i == 0 ? 1 : 2 * bounds[i] + 1);
+      Vector difference{};
+      for (int v = 0; v < number; ++v) {
+        const Vector old = vector(row_i, v);
+        const Vector least = vector(bounds, v) * -2;
+        Vector fresh = old < least ? minimum(least, all(zero)) : old;
+        fresh = old > all(limit) ? all(infinity) : fresh;
+        fresh = lane_numbers(v) == all(static_cast<T>(i)) ? all(zero) : fresh;
+        difference |= fresh ^ old;
+        vector(row_i, v) = fresh;
+      }
+      changed |= any(difference);
+    }
+    if (changed) close(zone, dimension);
+  }
+
+  static bool meets_each(const void* zone, int dimension, const Atom* atoms, std::size_t count) {
+    for (std::size_t a = 0; a < count; ++a)
+      if (add(static_cast<T>(atoms[a].raw), row(zone, dimension, atoms[a].right)[atoms[a].left]) < zero) return false;
+    return true;
+  }
+
+  static std::uint64_t hash(const void* zone, int dimension) {
+    const int number = vectors(dimension) * dimension;
+    const Words* words = static_cast<const Words*>(zone);
+    const Words multiplier = {0x9E3779B97F4A7C15u, 0xC2B2AE3D27D4EB4Fu, 0x165667B19E3779F9u, 0x27D4EB2F165667C5u};
+    Words sum = multiplier;
+    for (int n = 0; n < number; ++n) {
+      sum ^= words[n];
+      sum += (sum << 21) + (sum << 3);
+      sum ^= sum >> 29;
+    }
+    std::uint64_t result = 0;
+    for (int lane = 0; lane < 4; ++lane) {
+      result = (result ^ sum[lane]) * 0x9E3779B97F4A7C15u;
+      result ^= result >> 32;
+    }
+    return result;
+  }
+};
+
+template <class T, int Stride>
+struct Table {
+  using K = Kernel<T, Stride>;
+  static ZoneOperations make(const char* name, int dimension) {
+    ZoneOperations table{};
+    table.name = name;
+    table.stride = K::stride(dimension);
+    table.bytes = static_cast<std::size_t>(table.stride) * static_cast<std::size_t>(dimension) * sizeof(T);
+    table.largest_constant = BoundLimits<T>::largest_constant;
+    table.make_zero = K::make_zero;
+    table.intersect = K::intersect;
+    table.meets_each = K::meets_each;
+    table.reset = K::reset;
+    table.up = K::up;
+    table.down = K::down;
+    table.includes = K::includes;
+    table.extrapolate_lu_plus = K::extrapolate_lu_plus;
+    table.extrapolate_max = K::extrapolate_max;
+    table.maximise_bounds = [](void* target, const void* source, int dim) {
+      for (int v = 0; v < K::vectors(dim); ++v) {
+        auto& t = K::vector(static_cast<T*>(target), v);
+        t = K::maximum(t, K::vector(static_cast<const T*>(source), v));
+      }
+    };
+    table.hash = K::hash;
+    table.entry = [](const void* zone, int dim, int i, int j) -> Raw {
+      const T value = K::row(zone, dim, i)[j];
+      return value == K::infinity ? INT32_MAX : Raw{value};
+    };
+    table.set_bound = [](void* row, int clock, Raw value) { static_cast<T*>(row)[clock] = static_cast<T>(value); };
+    return table;
+  }
+};
+
+inline ZoneOperations operations(int dimension, Width width) {
+  if (width == Width::narrow) {
+    if (dimension <= 16) return Table<std::int16_t, 16>::make(TACHK_INSTRUCTION_NAME " int16x16", dimension);
+    if (dimension <= 32) return Table<std::int16_t, 32>::make(TACHK_INSTRUCTION_NAME " int16x32", dimension);
+    if (dimension <= 64) return Table<std::int16_t, 64>::make(TACHK_INSTRUCTION_NAME " int16x64", dimension);
+    return Table<std::int16_t, 0>::make(TACHK_INSTRUCTION_NAME " int16", dimension);
+  }
+  if (dimension <= 8) return Table<std::int32_t, 8>::make(TACHK_INSTRUCTION_NAME " int32x8", dimension);
+  if (dimension <= 16) return Table<std::int32_t, 16>::make(TACHK_INSTRUCTION_NAME " int32x16", dimension);
+  if (dimension <= 32) return Table<std::int32_t, 32>::make(TACHK_INSTRUCTION_NAME " int32x32", dimension);
+  return Table<std::int32_t, 0>::make(TACHK_INSTRUCTION_NAME " int32", dimension);
+}
+
+}  // namespace tachk::TACHK_INSTRUCTION_SET

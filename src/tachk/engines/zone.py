@@ -1,0 +1,228 @@
+"""The symbolic engine: a program goes to the C++ explorer, its findings come back as an `Outcome`.
+
+This is the only module that knows `tachk._core`.
+"""
+
+from __future__ import annotations
+
+import time
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+
+from tachk import _core
+from tachk.diagnostics.diagnostic import InternalError
+from tachk.diagnostics.span import NOWHERE, Span
+from tachk.engines.protocol import (
+    BoundScope,
+    Extrapolation,
+    GoalOutcome,
+    Limits,
+    Options,
+    Outcome,
+    Progress,
+    RunTimeFault,
+    SearchOrder,
+    Statistics,
+    Status,
+)
+from tachk.model.fault import RuntimeErrorKind
+from tachk.semantics.program import (
+    ClockConstraint,
+    Condition,
+    DeadlockLiteral,
+    Goal,
+    Program,
+    ProgramEdge,
+    ProgramLocation,
+    Update,
+)
+from tachk.semantics.trace import Participant, Transition
+
+_ORDERS = {SearchOrder.BFS: 0, SearchOrder.DFS: 1, SearchOrder.RANDOM_DFS: 2}
+_EXTRAPOLATIONS = {Extrapolation.NONE: 0, Extrapolation.MAX: 1, Extrapolation.LU: 2}
+_UNLIMITED = 2**64 - 1
+_RUNNING, _FINISHED, _FAULT = 0, 1, 5
+_REASONS = {
+    2: "state limit",
+    3: "memory limit",
+    4: "depth limit",
+    _FAULT: "run-time error",
+    6: "clock values beyond 2**26 without extrapolation",
+}
+_SLICE_SECONDS = 0.1
+
+
+def explore(
+    program: Program,
+    goals: Sequence[Goal],
+    options: Options = Options(),
+    limits: Limits = Limits(),
+    progress: Progress | None = None,
+) -> Outcome:
+    """Search the zone graph until every goal is decided or a limit is hit.
+
+    Ctrl-C ends the search with the reason ``"interrupted"``. ``progress`` is called a few times a second.
+    """
+    explorer = _core.Explorer(
+        _encode(program, goals),
+        order=_ORDERS[options.order],
+        seed=options.seed,
+        extrapolation=_EXTRAPOLATIONS[_sound_extrapolation(program, goals, options.extrapolation)],
+        local_bounds=options.bounds is BoundScope.LOCAL,
+        subsumption=options.subsumption,
+        narrow=options.narrow,
+        vector=options.vector,
+        state_limit=_UNLIMITED if limits.states is None else limits.states,
+        memory_limit=_UNLIMITED if limits.memory_bytes is None else limits.memory_bytes,
+        depth_limit=2**32 - 1 if limits.depth is None else min(limits.depth, 2**32 - 2),
+    )
+    start = time.perf_counter()
+    status, reason = _run(explorer, start, limits, progress)
+    fault = _fault(program, explorer) if status == _FAULT else None
+    outcomes = tuple(_goal_outcome(program, explorer, number, status) for number in range(len(goals)))
+    return Outcome(outcomes, _statistics(explorer, start), reason, fault, exact=not program.has_stopwatches)
+
+
+def _run(
+    explorer: _core.Explorer, start: float, limits: Limits, progress: Progress | None
+) -> tuple[int, str]:
+    slice_size = 256
+    while True:
+        begun = time.perf_counter()
+        try:
+            status = explorer.run(slice_size)
+        except KeyboardInterrupt:
+            return _RUNNING, "interrupted"
+        if status != _RUNNING:
+            return status, _REASONS.get(status, "")
+        now = time.perf_counter()
+        if limits.seconds is not None and now - start >= limits.seconds:
+            return _RUNNING, "time limit"
+        try:
+            if progress is not None:
+                progress(_statistics(explorer, start))
+        except KeyboardInterrupt:
+            return _RUNNING, "interrupted"
+        if now - begun < _SLICE_SECONDS / 2:
+            slice_size *= 2
+        elif now - begun > 2 * _SLICE_SECONDS:
+            slice_size = max(slice_size // 2, 1)
+
+
+def _sound_extrapolation(program: Program, goals: Sequence[Goal], wanted: Extrapolation) -> Extrapolation:
+    """LU bounds do not preserve where an action is impossible; where that matters MAX replaces them."""
+    negates_guards = (
+        program.has_priorities
+        or any(d.deadlock is not DeadlockLiteral.ABSENT for goal in goals for d in goal.disjuncts)
+        or any(
+            edge.guard.constraints and not edge.sends and _may_be_broadcast(program, edge) for edge in program.edges
+        )
+    )
+    return Extrapolation.MAX if wanted is Extrapolation.LU and negates_guards else wanted
+
+
+def _may_be_broadcast(program: Program, edge: ProgramEdge) -> bool:
+    if edge.channel_code >= 0:
+        return any(channel.broadcast for channel in program.channels)
+    return edge.channel >= 0 and program.channels[edge.channel].broadcast
+
+
+def _statistics(explorer: _core.Explorer, start: float) -> Statistics:
+    explored, stored, transitions, peak = explorer.statistics()
+    return Statistics(explored, stored, transitions, time.perf_counter() - start, peak)
+
+
+def _goal_outcome(program: Program, explorer: _core.Explorer, goal: int, status: int) -> GoalOutcome:
+    node = explorer.reached(goal)
+    if node is not None:
+        return GoalOutcome(Status.REACHED, _path(program, explorer.path(node)))
+    return GoalOutcome(Status.UNREACHABLE if status == _FINISHED else Status.UNDECIDED)
+
+
+def _fault(program: Program, explorer: _core.Explorer) -> RunTimeFault:
+    fault = explorer.fault()
+    if fault is None:
+        raise InternalError("the explorer stopped at a run-time error that it does not remember")
+    kind, position, path, edges = fault
+    transition = _transition(program, edges) if edges else None
+    return RunTimeFault(RuntimeErrorKind(kind), _site(program, position), _path(program, path), transition)
+
+
+def _site(program: Program, position: int) -> Span:
+    found = bisect_right(program.sites, position, key=lambda site: site[0])
+    return program.sites[found - 1][1] if found else NOWHERE
+
+
+def _path(program: Program, path: Sequence[Sequence[int]]) -> tuple[Transition, ...]:
+    return tuple(_transition(program, edges) for edges in path)
+
+
+def _transition(program: Program, edges: Sequence[int]) -> Transition:
+    chosen = (program.edges[number] for number in edges)
+    return Transition(tuple(Participant(edge.process, edge.edge, edge.selects) for edge in chosen))
+
+
+# ---- the flat form of a program, read by src/core/lib/program.cpp -------------------------------------------------
+
+
+def _encode(program: Program, goals: Sequence[Goal]) -> list[int]:
+    image = [program.clocks, program.state_slots, len(program.slots)]
+    for slot in program.slots:
+        image += (slot.low, slot.high, slot.initial, int(slot.meta))
+    image += (len(program.code), *program.code)
+    image.append(len(program.channels))
+    for channel in program.channels:
+        image += (int(channel.broadcast), int(channel.urgent), channel.priority)
+    image.append(len(program.locations))
+    for priority, locations in zip(program.process_priorities, program.locations, strict=True):
+        image += (priority, len(locations))
+        for location in locations:
+            image.extend(_location(location))
+    image.append(len(program.edges))
+    for edge in program.edges:
+        image += (edge.process, edge.source, edge.target)
+        image.extend(_condition(edge.guard))
+        image += (edge.channel, edge.channel_code, int(edge.sends))
+        image.extend(_update(edge.update))
+    image.append(len(goals))
+    for goal in goals:
+        image.append(len(goal.disjuncts))
+        for disjunct in goal.disjuncts:
+            image.append(int(disjunct.deadlock))
+            image.extend(_condition(disjunct.condition))
+    image.append(program.default_priority)
+    image += (len(program.maximum_constants), *program.maximum_constants)
+    image += (len(program.diagonals), *(number for diagonal in program.diagonals for number in diagonal))
+    image += (int(program.has_priorities), int(program.has_stopwatches))
+    return image
+
+
+def _location(location: ProgramLocation) -> Iterator[int]:
+    yield from _condition(location.invariant)
+    yield from (int(location.urgent), int(location.committed))
+    for pairs in (location.stopped, location.lower, location.upper):
+        yield len(pairs)
+        for pair in pairs:
+            yield from pair
+
+
+def _condition(condition: Condition) -> Iterator[int]:
+    yield len(condition.tests)
+    for test in condition.tests:
+        yield from (test.slot, int(test.comparison), test.constant)
+    yield condition.code
+    yield len(condition.constraints)
+    for constraint in condition.constraints:
+        yield from _constraint(constraint)
+
+
+def _constraint(c: ClockConstraint) -> tuple[int, ...]:
+    return (c.left, c.right, int(c.strict), c.bound, c.bound_code, c.condition, c.left_code, c.right_code)
+
+
+def _update(update: Update) -> Iterator[int]:
+    for pairs in (update.stores, update.resets):
+        yield len(pairs)
+        for pair in pairs:
+            yield from pair
+    yield update.code
