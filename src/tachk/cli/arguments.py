@@ -71,7 +71,7 @@ def parse_definitions(definitions: Iterable[str]) -> dict[str, str]:
     for definition in definitions:
         name, equals, expression = (part.strip() for part in definition.partition("="))
         if not (equals and expression and name.isidentifier()):
-            raise UsageError(f"-D {definition}: expected NAME=expression", "for example -D N=4")
+            raise UsageError(f"-D {definition}: expected NAME=EXPRESSION", "for example -D N=4")
         if name in result:
             raise UsageError(f"-D {name} is given twice")
         result[name] = expression

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import sys
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from tachk.cli.exit_status import ExitStatus
-from tachk.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError, UsageError
 
 
 def guarded(action: Callable[[], ExitStatus]) -> ExitStatus:
@@ -15,10 +15,10 @@ def guarded(action: Callable[[], ExitStatus]) -> ExitStatus:
     try:
         return action()
     except InputError as error:
-        print_diagnostics(error)
+        print_diagnostics(error.diagnostics)
         return ExitStatus.BAD_INPUT
     except UnsupportedError as error:
-        print_diagnostics(InputError([error.diagnostic]))
+        print_diagnostics([error.diagnostic])
         return ExitStatus.UNSUPPORTED
     except UsageError as error:
         complain(str(error), error.help)
@@ -48,9 +48,9 @@ def complain(message: str, help: str | None = None) -> None:
         print(f"help: {help}", file=sys.stderr)
 
 
-def print_diagnostics(error: InputError) -> None:
+def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
     """Prints every diagnostic with its source line."""
     from tachk.diagnostics.render import render
 
-    for diagnostic in error.diagnostics:
+    for diagnostic in diagnostics:
         print(render(diagnostic), file=sys.stderr)

@@ -1,0 +1,97 @@
+"""Runs the documents of this folder: Markdown in which commands stand with their output and exit status.
+
+A fenced block with a file name after its language (```` ```ta lamp.ta ````) writes that file into the document's own
+folder. A ``console`` block holds commands (``$ tachk ...``), each followed by its standard output and standard error
+as one text and, unless the status is 0, by a line ``[exit N]``. ``...`` stands for any text in a line, or, alone on a
+line, for any number of lines.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import shlex
+from collections.abc import Iterator
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tachk.cli.main import app
+
+HERE = Path(__file__).parent
+FENCE = re.compile(r"^```(\w*) ?([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Command:
+    line: int
+    arguments: list[str]
+    output: str
+    status: int
+
+
+def read_document(path: Path) -> tuple[dict[str, str], list[Command]]:
+    text = path.read_text(encoding="utf-8")
+    files: dict[str, str] = {}
+    commands: list[Command] = []
+    for fence in FENCE.finditer(text):
+        language, name, body = fence.groups()
+        if language == "console":
+            commands += read_commands(body, text[: fence.start(3)].count("\n"))
+        elif name:
+            files[name] = body
+    return files, commands
+
+
+def read_commands(body: str, lines_before: int) -> Iterator[Command]:
+    for match in re.finditer(r"^\$ tachk ?(.*)\n((?:(?!\$ ).*\n)*)", body, re.MULTILINE):
+        output, status = match[2], 0
+        ending = re.search(r"^\[exit (\d+)\]\n\Z", output, re.MULTILINE)
+        if ending:
+            output, status = output[: ending.start()], int(ending[1])
+        line = lines_before + body[: match.start()].count("\n") + 1
+        yield Command(line, shlex.split(match[1]), output, status)
+
+
+def pattern(expected: str) -> str:
+    lines = []
+    for line in expected.splitlines():
+        if line.strip() == "...":
+            lines.append(r"(?:.*\n)*?")
+        else:
+            lines.append(".*?".join(re.escape(part.rstrip("\n")) for part in line.rstrip().split("...")) + r"[ ]*\n")
+    return "".join(lines)
+
+
+def run(arguments: list[str]) -> tuple[str, int]:
+    out = io.StringIO()
+    with redirect_stdout(out), redirect_stderr(out), pytest.raises(SystemExit) as end:
+        app(arguments, prog_name="tachk")
+    code = end.value.code
+    return out.getvalue(), 0 if code is None else int(code)
+
+
+@pytest.mark.parametrize("path", sorted(HERE.glob("*.md")), ids=lambda path: path.stem)
+def test_document(path: Path, tmp_path: Path) -> None:
+    files, commands = read_document(path)
+    assert commands, "the document has no command"
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    with chdir(tmp_path):
+        for command in commands:
+            output, status = run(command.arguments)
+            place = f"{path.name}:{command.line}"
+            assert status == command.status, f"{place}: exit status {status}, output:\n{output}"
+            assert re.fullmatch(pattern(command.output), output), (
+                f"{place}: expected\n{command.output}\nbut the output is\n{output}"
+            )
+
+
+def test_pattern_is_strict_where_there_are_no_dots() -> None:
+    assert re.fullmatch(pattern("a\nb c\n"), "a\nb c\n")
+    assert not re.fullmatch(pattern("a\nb c\n"), "a\nb  c\n")
+    assert not re.fullmatch(pattern("a\n"), "a\nb\n")
+    assert re.fullmatch(pattern("a\n...\nz ... s\n"), "a\nb\nc\nz 3 ms s\n")

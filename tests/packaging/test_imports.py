@@ -1,0 +1,54 @@
+"""Contracts between modules that import-linter cannot state, and the cost of starting."""
+
+from __future__ import annotations
+
+import ast
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SOURCES = Path(__file__).parents[2] / "src/tachk"
+HEAVY = {"_core", "certify", "engines", "frontend", "semantics", "syntax"}
+
+
+def imported_modules(path: Path) -> set[str]:
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            found.add(node.module or "")
+            found.update(f"{node.module}.{alias.name}" for alias in node.names)
+    return found
+
+
+def test_one_module_opens_the_door_to_the_core() -> None:
+    users = {str(p.relative_to(SOURCES)) for p in SOURCES.rglob("*.py") if "tachk._core" in imported_modules(p)}
+    assert users == {"engines/zone.py"}
+
+
+@pytest.mark.parametrize("arguments", [["--version"], ["--help"], ["verify", "--help"]])
+def test_start_loads_nothing_heavy(arguments: list[str]) -> None:
+    program = (
+        "import json, sys\n"
+        "from tachk.cli.main import app\n"
+        "try:\n"
+        "    app(sys.argv[1:])\n"
+        "except SystemExit as end:\n"
+        "    assert end.code == 0\n"
+        "print(json.dumps(sorted(sys.modules)))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=True)
+    loaded = set(json.loads(done.stdout.splitlines()[-1]))
+    assert not loaded & {"z3", "pandas", "numpy", "networkx", "lark", "jinja2", "rich.table"}
+    assert not loaded & {f"tachk.{name}" for name in HEAVY}
+
+
+def test_importing_tachk_is_light() -> None:
+    program = "import sys, tachk; print('lark' in sys.modules, 'typer' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "False False\n"
