@@ -53,4 +53,4 @@ def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
     from tachk.diagnostics.render import render
 
     for diagnostic in diagnostics:
-        print(render(diagnostic), file=sys.stderr)
+        print(render(diagnostic, colour=sys.stderr.isatty()), file=sys.stderr)

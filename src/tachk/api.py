@@ -1,0 +1,204 @@
+"""The toolchain as a library.
+
+    import tachk
+
+    model = tachk.load("fischer.ta", N=5)
+    report = model.verify()
+    report["mutual_exclusion"].answer          # Answer.HOLDS
+
+Wrong input raises `InputError` with every finding; a limit that is hit is an answer (`Answer.UNKNOWN`), not an error.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from io import StringIO
+from typing import overload
+
+from rich.console import Console
+
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
+from tachk.engines.protocol import Extrapolation, Limits, Options, Progress, SearchOrder
+from tachk.frontend.load import LoadedModel, load_model
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.properties.verdict import Answer, Verdict
+from tachk.properties.verify import verify as verify_queries
+from tachk.report.json_report import Json, run_to_json
+from tachk.report.record import NotChecked, RunRecord
+from tachk.report.text_report import print_run
+
+__all__ = [
+    "Answer",
+    "Extrapolation",
+    "InputError",
+    "Limits",
+    "Model",
+    "Options",
+    "Report",
+    "SearchOrder",
+    "TachkError",
+    "UnsupportedError",
+    "UsageError",
+    "Verdict",
+    "load",
+]
+
+
+def load(path: str | os.PathLike[str], **constants: int | bool | str) -> Model:
+    """Reads and instantiates a model.
+
+    Args:
+        path: a file in tachk's language (``.ta``, ``.xta``).
+        constants: other values for global constants of the model; a string is an expression of the language.
+
+    Raises:
+        InputError: the model is wrong; carries every finding.
+        UsageError: there is no such constant.
+        OSError: the file cannot be read.
+    """
+    return Model(os.fspath(path), load_model(path, constants))
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """An instantiated model with the properties it states.
+
+    Attributes:
+        path: where it was read from, as given.
+        loaded: the network with everything else that was found in the text.
+    """
+
+    path: str
+    loaded: LoadedModel = field(repr=False)
+
+    @property
+    def network(self) -> Network:
+        return self.loaded.network
+
+    @property
+    def properties(self) -> tuple[Query, ...]:
+        """The properties that the model states, in order."""
+        return self.loaded.queries
+
+    @property
+    def constants(self) -> Mapping[str, int]:
+        """The global integer constants with their values."""
+        return dict(self.network.constants)
+
+    @property
+    def warnings(self) -> tuple[Diagnostic, ...]:
+        return self.loaded.warnings
+
+    def verify(
+        self,
+        *queries: str,
+        property: str | Iterable[str] = (),
+        query_files: Iterable[str | os.PathLike[str]] = (),
+        options: Options | None = None,
+        limits: Limits | None = None,
+        trace: bool = True,
+        progress: Progress | None = None,
+    ) -> Report:
+        """Checks the given queries and the named properties; without either, every property of the model.
+
+        Args:
+            queries: formulas such as ``"A[] not deadlock"``.
+            property: the name of a property of the model, or several.
+            query_files: files of formulas, each with its optional expectation.
+            trace: compute the run that shows a violation or a witness.
+            progress: called now and then during a long search.
+
+        Raises:
+            InputError: a query is wrong.
+            UsageError: there is no property of that name.
+            UnsupportedError: the model uses a feature that the query cannot be decided with.
+        """
+        names = (property,) if isinstance(property, str) else tuple(property)
+        chosen = [self._property(name) for name in names]
+        given = [*self.loaded.queries_of_files(query_files), *self.loaded.parse(queries)]
+        if not names and not queries and not query_files:
+            chosen = list(self.properties)
+        verdicts = verify_queries(
+            self.network, (*chosen, *given), options or Options(), limits or Limits(), progress, trace
+        )
+        return Report(
+            RunRecord(self.path, self.network, verdicts, not_checked, options or Options(), limits or Limits())
+        )
+
+    def _property(self, name: str) -> Query:
+        for query in self.properties:
+            if query.name == name:
+                return query
+        names = [query.name for query in self.properties]
+        close = difflib.get_close_matches(name, names, n=1)
+        raise UsageError(
+            f"{self.path} has no property {name!r}",
+            f"did you mean {close[0]}?" if close else f"it has: {', '.join(names) or 'none'}",
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Report(Sequence[Verdict]):
+    """The verdicts of one run, in the order of the queries; ``report["name"]`` finds one by name."""
+
+    record: RunRecord
+
+    @overload
+    def __getitem__(self, index: int | str) -> Verdict: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Verdict, ...]: ...
+    def __getitem__(self, index: int | str | slice) -> Verdict | tuple[Verdict, ...]:
+        if isinstance(index, str):
+            for verdict in self.record.verdicts:
+                if verdict.query.name == index:
+                    return verdict
+            raise KeyError(index)
+        return self.record.verdicts[index]
+
+    def __len__(self) -> int:
+        return len(self.record.verdicts)
+
+    @property
+    def met(self) -> bool | None:
+        """Whether every answer is as expected: False if one is not, else None if one is unknown, else True."""
+        return self.record.met
+
+    def to_dict(self) -> dict[str, Json]:
+        """The run as docs/schema/verify.schema.json describes it."""
+        return run_to_json(self.record)
+
+    def to_rows(self) -> list[dict[str, str | int | float | bool | None]]:
+        """One flat dictionary for each verdict, with the model's constants: what `pandas.DataFrame` takes."""
+        return [
+            {
+                "model": self.record.model,
+                **dict(self.record.network.constants),
+                "property": verdict.query.name,
+                "answer": verdict.answer.value,
+                "met": verdict.met,
+                "states_stored": verdict.statistics.states_stored,
+                "states_explored": verdict.statistics.states_explored,
+                "transitions": verdict.statistics.transitions,
+                "seconds": verdict.statistics.seconds,
+                "peak_bytes": verdict.statistics.peak_bytes,
+            }
+            for verdict in self.record.verdicts
+        ]
+
+    def to_text(self, every_trace: bool = False, clocks: bool = False) -> str:
+        """What `tachk verify` prints."""
+        out = StringIO()
+        print_run(self.record, Console(file=out, width=120, highlight=False), every_trace, clocks)
+        return out.getvalue()
+
+    def __str__(self) -> str:
+        return self.to_text()
+
+    def _repr_html_(self) -> str:
+        from tachk.report.html_report import run_to_html
+
+        return run_to_html(self.record)
