@@ -73,7 +73,7 @@ def main(
 @app.command()
 def verify(
     arguments: Annotated[
-        list[str], typer.Argument(metavar="MODEL... [QUERY]...", help="Model files, and queries to check on each.")
+        list[str], typer.Argument(metavar="MODEL|QUERY", help="Model files, and queries to check on each.")
     ],
     query_files: Annotated[
         list[Path] | None, typer.Option("-q", "--queries", metavar="FILE", help="Check the queries of a file.")
@@ -83,16 +83,24 @@ def verify(
         list[str] | None, typer.Option("--property", metavar="NAME", help="Check this property of the model.")
     ] = None,
     search: Annotated[Search, typer.Option(help="Which state is explored next.")] = Search.bfs,
-    seed: Annotated[int, typer.Option(help="For --search rdfs.")] = 1,
+    seed: Annotated[int, typer.Option(metavar="N", help="For --search rdfs.")] = 1,
     trace: Annotated[Trace, typer.Option(help="Which run to give as evidence.")] = Trace.some,
     format: Annotated[Format, typer.Option(help="Form of the report.")] = Format.text,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="Write the report to a file.")] = None,
-    max_states: Annotated[int | None, typer.Option(min=1, help="Give up beyond so many stored states.")] = None,
-    max_seconds: Annotated[float | None, typer.Option(min=0, help="Give up after this time.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write the report to a file.")
+    ] = None,
+    max_states: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="Give up beyond so many stored states.")
+    ] = None,
+    max_seconds: Annotated[
+        float | None, typer.Option(metavar="SECONDS", min=0, help="Give up after this time.")
+    ] = None,
     max_memory: Annotated[
         str | None, typer.Option(metavar="SIZE", help="Give up beyond this size of the search, such as 2G.")
     ] = None,
-    max_depth: Annotated[int | None, typer.Option(min=0, help="Explore only so many transitions deep.")] = None,
+    max_depth: Annotated[
+        int | None, typer.Option(metavar="N", min=0, help="Explore only so many transitions deep.")
+    ] = None,
     extrapolation: Annotated[Extrapolation, typer.Option(help="The abstraction of zones.")] = Extrapolation.lu,
     every_trace: Annotated[
         bool, typer.Option("--all-traces", help="Tell also the runs behind answers that are as expected.")

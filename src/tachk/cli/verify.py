@@ -64,7 +64,6 @@ def run_verify(request: VerifyRequest) -> ExitStatus:
         request.max_depth,
     )
     records: list[RunRecord] = []
-    statuses: list[ExitStatus] = []
     with _destination(request) as out:
 
         def check(path: str) -> ExitStatus:
@@ -74,8 +73,7 @@ def run_verify(request: VerifyRequest) -> ExitStatus:
             records.append(record)
             return _status(record)
 
-        for path in models:
-            statuses.append(guarded(partial(check, path)))
+        statuses = [guarded(partial(check, path)) for path in models]
         if records and out is not None:
             if request.format == "json":
                 runs = [run_to_json(record) for record in records]
