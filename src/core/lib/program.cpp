@@ -177,6 +177,7 @@ class Decoder {
   Location location() {
     Location result;
     result.invariant = condition();
+    result.has_invariant = !result.invariant.trivial();
     result.urgent = in_.flag();
     result.committed = in_.flag();
     result.stopped = in_.sequence([this] {

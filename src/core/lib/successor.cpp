@@ -34,6 +34,10 @@ Semantics::Semantics(const Program& program, const ZoneOperations& operations)
   for (const Process& process : program.processes) {
     first_location_.push_back(count);
     count += process.locations.size();
+    for (const Location& here : process.locations) {
+      has_urgent_locations_ |= here.urgent || here.committed;
+      has_committed_locations_ |= here.committed;
+    }
   }
   outgoing_.resize(count);
   for (std::uint32_t number = 0; number < program.edges.size(); ++number) {
@@ -53,7 +57,7 @@ bool Semantics::holds(const Condition& condition, std::int32_t* slots) {
 }
 
 void Semantics::resolve(const Condition& condition, std::int32_t* slots, std::vector<Atom>& atoms) {
-  atoms.insert(atoms.end(), condition.atoms.begin(), condition.atoms.end());
+  for (const Atom& atom : condition.atoms) atoms.push_back(atom);
   for (const ComputedConstraint& c : condition.computed) {
     if (c.condition != no_code && machine_.value(c.condition, slots) == 0) continue;
     const std::int64_t left = c.left_code == no_code ? c.left : machine_.value(c.left_code, slots);
@@ -77,9 +81,10 @@ std::int32_t Semantics::channel_of(const Edge& edge, std::int32_t* slots) {
 
 bool Semantics::invariant(std::int32_t* slots, std::vector<Atom>& atoms) {
   for (std::size_t p = 0; p < program_.processes.size(); ++p) {
-    const Condition& condition = location(p, slots).invariant;
-    if (!holds(condition, slots)) return false;
-    resolve(condition, slots, atoms);
+    const Location& here = location(p, slots);
+    if (!here.has_invariant) continue;
+    if (!holds(here.invariant, slots)) return false;
+    resolve(here.invariant, slots, atoms);
   }
   return true;
 }
@@ -125,8 +130,9 @@ bool Semantics::weakest_precondition(const Effect& effect, std::vector<Atom>& at
 
 bool Semantics::time_passes(std::int32_t* slots) {
   const std::size_t processes = program_.processes.size();
-  for (std::size_t p = 0; p < processes; ++p)
-    if (location(p, slots).urgent || location(p, slots).committed) return false;
+  if (has_urgent_locations_)
+    for (std::size_t p = 0; p < processes; ++p)
+      if (location(p, slots).urgent || location(p, slots).committed) return false;
   if (!has_urgent_channels_) return true;
   for (std::size_t p = 0; p < processes; ++p) {
     for (const std::uint32_t number : outgoing(p, slots).sends) {

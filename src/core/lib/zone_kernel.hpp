@@ -182,10 +182,12 @@ struct Kernel {
     return true;
   }
 
-  // Floyd-Warshall; the zone must not be empty.
-  static void close(void* zone, int dimension) {
+  // Floyd-Warshall; the zone must not be empty. `relevant(k)` is false for a clock that no shorter way leads through.
+  template <class Relevant>
+  static void close(void* zone, int dimension, Relevant relevant) {
     const int number = vectors(dimension);
     for (int k = 0; k < dimension; ++k) {
+      if (!relevant(k)) continue;
       const T* row_k = row(zone, dimension, k);
       if constexpr (Stride != 0) {
         Vector weak[Stride / lanes];
@@ -223,9 +225,11 @@ struct Kernel {
     const int number = vectors(dimension);
     T* first = row(zone, dimension, 0);
     bool changed = false;
+    std::uint64_t freed_rows = 0;  // these rows lose every finite entry
     for (int i = 1; i < dimension; ++i) {
       T* row_i = row(zone, dimension, i);
       const bool above_lower = first[i] < -2 * lower_bounds[i];
+      if (above_lower && i < 64) freed_rows |= std::uint64_t{1} << i;
       const T limit = static_cast<T>(2 * lower_bounds[i] + 1);
       Vector difference{};
       for (int v = 0; v < number; ++v) {
@@ -248,7 +252,8 @@ struct Kernel {
       difference |= fresh ^ old;
       vector(first, v) = fresh;
     }
-    if (changed || any(difference)) close(zone, dimension);
+    if (!changed && !any(difference)) return;
+    close(zone, dimension, [freed_rows](int k) { return k >= 64 || (freed_rows >> k & 1) == 0; });
   }
 
   static void extrapolate_max(void* zone, int dimension, const void* bound) {
@@ -270,7 +275,7 @@ struct Kernel {
       }
       changed |= any(difference);
     }
-    if (changed) close(zone, dimension);
+    if (changed) close(zone, dimension, [](int) { return true; });
   }
 
   static bool meets_each(const void* zone, int dimension, const Atom* atoms, std::size_t count) {

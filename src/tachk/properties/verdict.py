@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.engines.protocol import RunTimeFault, Statistics
 from tachk.model.query import Expectation, Query
 from tachk.semantics.trace import TimedTrace
@@ -26,6 +27,7 @@ class Verdict:
     reason: why the answer is UNKNOWN, else empty.
     trace: a replayed run that shows E<> true or A[] false; None where no run can.
     fault: the run-time error of the model that ended the search, if one did.
+    unsupported: why this query cannot be checked at all.
     """
 
     query: Query
@@ -35,6 +37,7 @@ class Verdict:
     statistics: Statistics
     trace: TimedTrace | None = None
     fault: RunTimeFault | None = None
+    unsupported: Diagnostic | None = None
 
     @property
     def met(self) -> bool | None:

@@ -37,7 +37,7 @@ struct Condition {
   std::vector<Atom> atoms;
   std::vector<ComputedConstraint> computed;
 
-  bool has_clocks() const { return !atoms.empty() || !computed.empty(); }
+  bool trivial() const { return tests.empty() && code == no_code && atoms.empty() && computed.empty(); }
 };
 
 struct Update {
@@ -66,6 +66,7 @@ struct Location {
   std::vector<Stop> stopped;
   std::vector<ClockBound> lower;
   std::vector<ClockBound> upper;
+  bool has_invariant;
 };
 
 struct Edge {

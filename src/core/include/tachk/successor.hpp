@@ -126,6 +126,8 @@ class Semantics {
   std::vector<std::uint32_t> meta_slots_;
   std::vector<std::uint8_t> stopped_;
   bool has_urgent_channels_ = false;
+  bool has_urgent_locations_ = false;  // urgent or committed
+  bool has_committed_locations_ = false;
   Action action_;
 };
 
@@ -135,7 +137,8 @@ template <class Visit>
 void Semantics::for_each_action(std::int32_t* slots, Visit&& visit) {
   const std::size_t processes = program_.processes.size();
   bool committed = false;
-  for (std::size_t p = 0; p < processes; ++p) committed |= location(p, slots).committed;
+  if (has_committed_locations_)
+    for (std::size_t p = 0; p < processes; ++p) committed |= location(p, slots).committed;
 
   for (std::size_t p = 0; p < processes; ++p) {
     const bool from_committed = location(p, slots).committed;

@@ -1,0 +1,60 @@
+"""From queries to explorations: what has to be reached, and which questions can share one search."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from tachk.model.expressions import BOOL, Deadlock, Expression, Reference, Unary, UnaryOperator, Variable
+from tachk.model.query import Query, QueryKind
+from tachk.model.traversal import walk
+from tachk.model.types import ClockType, leaves
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """A query and the states whose reachability decides it."""
+
+    query: Query
+    target: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Search:
+    """Tasks that are decided by one exploration."""
+
+    tasks: tuple[Task, ...]
+
+
+def plan(queries: Sequence[Query]) -> tuple[Search, ...]:
+    """One search for each set of queries that look at the same clocks and agree in asking for deadlock or not.
+
+    A clock in a predicate stays alive everywhere, and ``deadlock`` needs a finer abstraction, so sharing a search with
+    such a query would make the others pay for it.
+    """
+    searches: dict[tuple[bool, frozenset[Variable]], list[Task]] = {}
+    for query in queries:
+        task = Task(query, target_of(query))
+        searches.setdefault(_demands(task.target), []).append(task)
+    return tuple(Search(tuple(tasks)) for tasks in searches.values())
+
+
+def target_of(query: Query) -> Expression:
+    """The states that make ``E<>`` true or ``A[]`` false."""
+    if query.predicate is None:
+        raise ValueError(f"the query {query.name} has no predicate")
+    if query.kind is QueryKind.POSSIBLY:
+        return query.predicate
+    if query.kind is QueryKind.INVARIANTLY:
+        return Unary(UnaryOperator.NOT, query.predicate, BOOL, query.predicate.span)
+    raise ValueError(f"{query.kind.value} is not decided by reachability")
+
+
+def _demands(target: Expression) -> tuple[bool, frozenset[Variable]]:
+    parts = list(walk(target))
+    clocks = (part.variable for part in parts if isinstance(part, Reference) and _has_clock(part.variable))
+    return any(isinstance(part, Deadlock) for part in parts), frozenset(clocks)
+
+
+def _has_clock(variable: Variable) -> bool:
+    return any(isinstance(leaf, ClockType) for _, leaf in leaves(variable.type))

@@ -1,0 +1,106 @@
+"""Queries about a network become verdicts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from tachk.certify.replay import ReplayError, replay
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, InternalError, UnsupportedError
+from tachk.engines.concretise import concretise
+from tachk.engines.protocol import GoalOutcome, Limits, Options, Outcome, Progress, Statistics, Status
+from tachk.engines.zone import explore
+from tachk.model.network import Network
+from tachk.model.query import Query, QueryKind
+from tachk.properties.plan import Search, Task, plan
+from tachk.properties.verdict import Answer, Verdict
+from tachk.semantics.discrete import prepare
+from tachk.semantics.features import check_supported
+from tachk.semantics.lower import lower
+from tachk.semantics.step import initial_state, satisfies_invariants
+
+
+def verify(
+    network: Network,
+    queries: Sequence[Query],
+    options: Options = Options(),
+    limits: Limits = Limits(),
+    progress: Progress | None = None,
+    trace: bool = True,
+) -> tuple[Verdict, ...]:
+    """Answer queries about a network, in their order.
+
+    A query that cannot be checked gets the answer UNKNOWN with the diagnostic that says why; the others are not
+    affected. Every trace has been replayed by `tachk.certify` before it is returned; without ``trace`` none is made
+    except where it is needed to decide. The limits hold for each search, of which there may be several.
+
+    Raises:
+        InputError: the initial state violates an invariant.
+        UnsupportedError: the network itself uses a feature that cannot be checked.
+    """
+    _check_initial_state(network)
+    verdicts: dict[int, Verdict] = {}
+    supported = []
+    for query in queries:
+        try:
+            check_supported(network, query)
+        except UnsupportedError as error:
+            verdicts[id(query)] = _unsupported(query, error.diagnostic)
+        else:
+            supported.append(query)
+    for search in plan(supported):
+        for task, verdict in zip(search.tasks, _run(network, search, options, limits, progress, trace), strict=True):
+            verdicts[id(task.query)] = verdict
+    return tuple(verdicts[id(query)] for query in queries)
+
+
+def _check_initial_state(network: Network) -> None:
+    model = prepare(network)
+    if satisfies_invariants(model, initial_state(model)):
+        return
+    raise InputError(
+        Diagnostic(
+            "E0409",
+            f"the invariant of the initial location {process.name}.{location.name} does not hold in the initial state",
+            location.span,
+            "every clock starts at 0 and every variable at its initial value",
+        )
+        for process in network.processes
+        if (location := process.locations[process.initial]).invariant is not None
+    )
+
+
+def _unsupported(query: Query, diagnostic: Diagnostic) -> Verdict:
+    return Verdict(query, Answer.UNKNOWN, True, diagnostic.message, Statistics(), unsupported=diagnostic)
+
+
+def _run(
+    network: Network, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
+) -> list[Verdict]:
+    program, goals = lower(network, [task.target for task in search.tasks])
+    outcome = explore(program, goals, options, limits, progress)
+    return [_verdict(network, task, goal, outcome, trace) for task, goal in zip(search.tasks, outcome.goals, strict=True)]
+
+
+def _verdict(network: Network, task: Task, goal: GoalOutcome, outcome: Outcome, trace: bool) -> Verdict:
+    on_reached, otherwise = Answer.HOLDS, Answer.FAILS
+    if task.query.kind is QueryKind.INVARIANTLY:
+        on_reached, otherwise = otherwise, on_reached
+    verdict = Verdict(task.query, Answer.UNKNOWN, outcome.exact, outcome.reason, outcome.statistics)
+    if goal.status is Status.UNDECIDED:
+        return replace(verdict, exact=True, fault=outcome.fault)
+    if goal.status is Status.UNREACHABLE:
+        # An over-approximation that does not reach the target proves that nothing does.
+        return replace(verdict, answer=otherwise, exact=True, reason="")
+    if not trace and outcome.exact:
+        return replace(verdict, answer=on_reached, reason="")
+    run = concretise(network, goal.path or (), task.target)
+    if run is None:
+        if outcome.exact:
+            raise InternalError(f"the path found for {task.query.text!r} has no timed run")
+        return replace(verdict, reason="the stopwatches make the search inexact, and the run it found is not possible")
+    try:
+        replay(network, run, task.target)
+    except ReplayError as error:
+        raise InternalError(f"the run found for {task.query.text!r} does not replay: {error}") from error
+    return replace(verdict, answer=on_reached, exact=True, reason="", trace=run)
