@@ -1,0 +1,30 @@
+"""Every diagnostic code with its explanation, for ``tachk explain CODE`` and the documentation.
+
+The numbers: E00xx files and characters, E01xx syntax, E02xx names, E03xx types, E04xx templates and systems, E05xx
+queries and properties, E06xx constants, E07xx unsupported features, W0xxx warnings.
+"""
+
+from __future__ import annotations
+
+from tachk.diagnostics.explanation import Explanation
+from tachk.diagnostics.model_codes import MODEL_CODES
+from tachk.diagnostics.syntax_codes import SYNTAX_CODES
+
+CODES: dict[str, Explanation] = {**SYNTAX_CODES, **MODEL_CODES}
+
+
+def explain(code: str) -> str | None:
+    """The explanation of a code as text, or None if there is no such code."""
+    explanation = CODES.get(code.upper())
+    if explanation is None:
+        return None
+    parts = [f"{code.upper()}: {explanation.title}", explanation.why]
+    if explanation.bad:
+        parts.append("Wrong:\n\n" + _indented(explanation.bad))
+    if explanation.good:
+        parts.append("Right:\n\n" + _indented(explanation.good))
+    return "\n\n".join(parts)
+
+
+def _indented(text: str) -> str:
+    return "\n".join("    " + line if line else "" for line in text.splitlines())

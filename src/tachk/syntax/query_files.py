@@ -1,0 +1,90 @@
+"""UPPAAL's .q files: one query a line.
+
+A backslash at the end of a line continues it. A comment describes the query after it, or the one before it on its line.
+UPPAAL reads ``EXPECT:`` in a block comment as the outcome of the query before the comment; so do we.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field, replace
+
+from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.diagnostics.span import Source
+from tachk.syntax import ast
+from tachk.syntax.parser import parse_query
+
+_PIECE = re.compile(
+    r"(?P<comment>//[^\n]*|/\*[\s\S]*?(?:\*/|\Z))|(?P<continued>\\[ \t]*\r?\n)|(?P<end>\n)|(?P<blank>[ \t\r\ufeff]+)|."
+)
+_EXPECT = re.compile(r"EXPECT:(\S+)")
+_OUTCOMES = {"T": "holds", "SAT": "holds", "F": "fails", "UNSAT": "fails"}
+
+
+@dataclass(slots=True)
+class _Place:
+    """Where a query stands, and what is said about it."""
+
+    start: int
+    end: int
+    comments: list[str] = field(default_factory=list)
+    expectation: str | None = None
+
+
+def parse_queries(source: Source) -> tuple[tuple[ast.QueryEntry, ...], tuple[Diagnostic, ...]]:
+    """All queries of a file, and what is wrong with those that could not be read."""
+    entries: list[ast.QueryEntry] = []
+    diagnostics: list[Diagnostic] = []
+    for place in _places(source.text):
+        entry, found = parse_query(source, place.start, place.end)
+        diagnostics += found
+        if entry is not None:
+            expectation = entry.expectation or place.expectation
+            entries.append(replace(entry, comment="\n".join(place.comments), expectation=expectation))
+    return tuple(entries), tuple(diagnostics)
+
+
+def _places(text: str) -> list[_Place]:
+    places: list[_Place] = []
+    comments: list[str] = []
+    current: _Place | None = None
+    for piece in _PIECE.finditer(text):
+        kind = piece.lastgroup
+        if kind == "comment":
+            comment = piece.group()
+            outcome = _EXPECT.search(comment)
+            if outcome is not None and comment.startswith("/*"):
+                target = current or (places[-1] if places else None)
+                if target is not None:
+                    target.expectation = _expectation(outcome.group(1)) or target.expectation
+            elif current is not None:
+                current.comments.append(_plain(comment))
+            else:
+                comments.append(_plain(comment))
+        elif kind == "end":
+            if current is not None:
+                places.append(current)
+                current = None
+        elif kind is None:
+            if current is None:
+                current = _Place(piece.start(), piece.end(), [comment for comment in comments if comment])
+                comments = []
+            current.end = piece.end()
+    if current is not None:
+        places.append(current)
+    return places
+
+
+def _expectation(words: str) -> str | None:
+    """The outcome among the comma-separated words of an ``EXPECT:``; limits and "may be" outcomes say nothing."""
+    outcomes = [_OUTCOMES[word] for word in words.split(",") if word in _OUTCOMES]
+    return outcomes[0] if outcomes else None
+
+
+def _plain(comment: str) -> str:
+    """The text of a comment without its delimiters and the stars in front of its lines."""
+    if comment.startswith("//"):
+        return comment.lstrip("/").strip()
+    inner = comment[2:].removesuffix("*/")
+    lines = [line.strip().removeprefix("*").strip() for line in inner.splitlines()]
+    return "\n".join(line for line in lines if line)
