@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from tachk.diagnostics.span import NOWHERE, Span
+from tachk.diagnostics.span import Span
 from tachk.semantics.bytecode import Opcode
 
 
@@ -21,9 +21,9 @@ class Assembler:
         self.code: list[int] = []
         self.sites: list[tuple[int, Span]] = []
 
-    def emit(self, opcode: Opcode, *operands: int, span: Span = NOWHERE) -> None:
+    def emit(self, opcode: Opcode, *operands: int, span: Span | None = None) -> None:
         """Appends an instruction; one that can fail says where it comes from."""
-        if span is not NOWHERE and (not self.sites or self.sites[-1][1] is not span):
+        if span is not None and (not self.sites or self.sites[-1][1] is not span):
             self.sites.append((len(self.code), span))
         self.code.append(int(opcode))
         self.code.extend(operands)

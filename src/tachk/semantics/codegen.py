@@ -44,6 +44,7 @@ from tachk.model.expressions import (
     While,
 )
 from tachk.model.layout import default_value
+from tachk.model.traversal import walk
 from tachk.model.types import (
     ArrayType,
     BoolType,
@@ -62,7 +63,6 @@ from tachk.semantics.assembler import Assembler, Label
 from tachk.semantics.bytecode import Opcode
 from tachk.semantics.fold import CONNECTIVES, Known, fold, fold_place, is_aggregate, is_integer
 from tachk.semantics.layout import Layout, cell_range
-from tachk.semantics.traversal import walk
 
 _ARITHMETIC = {
     BinaryOperator.ADD: Opcode.ADD,

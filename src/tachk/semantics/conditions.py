@@ -29,6 +29,7 @@ from tachk.model.expressions import (
     Unary,
     UnaryOperator,
 )
+from tachk.model.traversal import children
 from tachk.model.types import ClockType
 from tachk.semantics.bounds import ConstraintRange
 from tachk.semantics.codegen import CodeGenerator
@@ -36,7 +37,6 @@ from tachk.semantics.fold import COMPARISONS, Known, cannot_fail, fold, fold_pla
 from tachk.semantics.intervals import interval, possible_cells
 from tachk.semantics.layout import Layout, cell_range
 from tachk.semantics.program import NO_CODE, ClockConstraint, Comparison, Condition, Test
-from tachk.semantics.traversal import children
 
 MAXIMAL_CONSTANT = 2**28 - 1
 """The largest absolute value of a clock bound; the sum of two encoded bounds must fit 32 bits."""

@@ -5,7 +5,7 @@ An operation that would fail is left in place, so that it fails when the model r
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from tachk.model.expressions import (
@@ -34,6 +34,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.layout import default_cells
 from tachk.model.network import Network
+from tachk.model.traversal import walk, written_variables
 from tachk.model.types import (
     CONSTANT_HIGH,
     CONSTANT_LOW,
@@ -46,7 +47,6 @@ from tachk.model.types import (
     cell_count,
     leaves,
 )
-from tachk.semantics.traversal import network_expressions, walk, written_variables
 
 COMPARISONS: Mapping[BinaryOperator, Callable[[int, int], bool]] = {
     BinaryOperator.EQUAL: lambda a, b: a == b,
@@ -85,6 +85,22 @@ def known_values(network: Network, predicates: Sequence[Expression]) -> Known:
             if v not in written and all(is_integer(t) for _, t in leaves(v.type))
         }
     )
+
+
+def network_expressions(network: Network) -> Iterator[Expression]:
+    """Every outermost expression of the processes, function bodies excluded."""
+    for process in network.processes:
+        for location in process.locations:
+            if location.invariant is not None:
+                yield location.invariant
+            for pair in location.rates:
+                yield from pair
+        for edge in process.edges:
+            if edge.guard is not None:
+                yield edge.guard
+            if edge.synchronisation is not None:
+                yield edge.synchronisation.channel
+            yield from edge.updates
 
 
 def is_integer(type_: Type) -> bool:

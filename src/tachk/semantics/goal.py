@@ -20,6 +20,7 @@ from tachk.model.expressions import (
     Unary,
     UnaryOperator,
 )
+from tachk.model.traversal import walk
 from tachk.semantics.bounds import ConstraintRange
 from tachk.semantics.conditions import (
     ClockAtom,
@@ -33,7 +34,6 @@ from tachk.semantics.conditions import (
 from tachk.semantics.fold import COMPARISONS, Known, cannot_fail, fold, negate
 from tachk.semantics.layout import cell_range
 from tachk.semantics.program import DeadlockLiteral, Disjunct, Goal
-from tachk.semantics.traversal import walk
 
 MAXIMAL_DISJUNCTS = 4096
 

@@ -29,10 +29,10 @@ from tachk.model.expressions import (
     UnaryOperator,
     Variable,
 )
+from tachk.model.traversal import returned, statement_expressions, written_variables
 from tachk.model.types import CONSTANT_HIGH, CONSTANT_LOW, ArrayType, RecordType, Type, cell_count, leaves
 from tachk.semantics.fold import COMPARISONS, CONNECTIVES, Known, apply_binary, is_integer
 from tachk.semantics.layout import cell_range
-from tachk.semantics.traversal import returned, statement_expressions, written_variables
 
 Interval = tuple[int, int]
 

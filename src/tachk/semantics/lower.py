@@ -9,6 +9,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import Assign, Constant, Expression
 from tachk.model.network import Direction, Edge, Location, Network, Process
+from tachk.model.traversal import called_functions, statement_expressions, walk
 from tachk.model.types import ChannelType, ClockType
 from tachk.semantics.bounds import (
     BoundEdge,
@@ -25,7 +26,7 @@ from tachk.semantics.conditions import (
     check_bound,
     split_conjunction,
 )
-from tachk.semantics.fold import Known, fold, fold_place, is_integer, known_values
+from tachk.semantics.fold import Known, fold, fold_place, is_integer, known_values, network_expressions
 from tachk.semantics.goal import compile_goal
 from tachk.semantics.intervals import interval
 from tachk.semantics.layout import Layout, cell_range
@@ -38,7 +39,6 @@ from tachk.semantics.program import (
     ProgramLocation,
     Update,
 )
-from tachk.semantics.traversal import called_functions, network_expressions, statement_expressions, walk
 
 MAXIMAL_EDGES = 1_000_000
 MAXIMAL_DIAGONALS = 1024

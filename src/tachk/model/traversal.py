@@ -33,7 +33,6 @@ from tachk.model.expressions import (
     Variable,
     While,
 )
-from tachk.model.network import Network
 
 
 def children(expression: Expression) -> tuple[Expression, ...]:
@@ -130,22 +129,6 @@ def roots(place: Expression) -> Iterator[Variable]:
             yield from roots(target)
         case Comma(items):
             yield from roots(items[-1])
-
-
-def network_expressions(network: Network) -> Iterator[Expression]:
-    """Every outermost expression of the processes, function bodies excluded."""
-    for process in network.processes:
-        for location in process.locations:
-            if location.invariant is not None:
-                yield location.invariant
-            for pair in location.rates:
-                yield from pair
-        for edge in process.edges:
-            if edge.guard is not None:
-                yield edge.guard
-            if edge.synchronisation is not None:
-                yield edge.synchronisation.channel
-            yield from edge.updates
 
 
 def called_functions(expressions: Iterable[Expression]) -> dict[Function, None]:
