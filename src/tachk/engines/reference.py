@@ -1,9 +1,9 @@
 """The reference explorer: a breadth-first zone graph in plain Python, slow and obvious, interpreting the Network.
 
-Sound and complete for networks without stopwatches. Where no two clocks are compared, zones are widened by ExtraM with
-the largest constant of each clock in the whole model, which keeps every valuation region-equivalent to a reached one
-and so preserves priorities, urgency and deadlock (Bouyer 2004; Behrmann et al. 2006). Otherwise nothing is widened, and
-the search may need its limits.
+Sound and complete for networks without stopwatches. Zones are widened by ExtraM with the largest constant of each clock
+in the whole model, which keeps every valuation region-equivalent to a reached one and so preserves priorities, urgency
+and deadlock (Bouyer 2004; Behrmann et al. 2006). Where clocks are compared with each other, a zone is first split along
+these comparisons, and each part stays on its side of them (Bengtsson and Yi 2003).
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class _Search:
     exact: bool = True
 
 
-def explore(network: Network, goals: Sequence[Expression], limits: Limits = Limits()) -> Outcome:  # noqa: B008
+def explore(network: Network, goals: Sequence[Expression], limits: Limits = Limits()) -> Outcome:
     """Searches until every goal is reached or everything is explored.
 
     Raises ValueError if the initial state violates an invariant. ``limits.memory_bytes`` is not looked at.
@@ -129,8 +129,7 @@ def _add(
 ) -> None:
     search.exact = search.exact and not there.stopped
     depth = 0 if parent is None else parent.depth + 1
-    for exact in zones:
-        zone = _widened(search, exact)
+    for zone in (widened for exact in zones for widened in _widened(search, exact)):
         known = search.passed.setdefault(there.discrete, [])
         if any(dbm.includes(other.zone, zone) for other in known):
             continue
@@ -152,7 +151,16 @@ def _look(search: _Search, node: _Node) -> None:
                 search.found[number] = node.path()
 
 
-def _widened(search: _Search, zone: Zone) -> Zone:
-    if search.constants.diagonals:
-        return zone
-    return dbm.extrapolate_max(zone, search.constants.maximum)
+def _widened(search: _Search, zone: Zone) -> Federation:
+    pieces = [zone]
+    for diagonal in search.constants.diagonals:
+        sides = (diagonal, dbm.complement(diagonal))
+        pieces = [part for piece in pieces for side in sides if (part := dbm.constrain(piece, side)) is not None]
+    return [_kept_to_its_side(search, dbm.extrapolate_max(piece, search.constants.maximum), piece) for piece in pieces]
+
+
+def _kept_to_its_side(search: _Search, widened: Zone, piece: Zone) -> Zone:
+    sides = (side for diagonal in search.constants.diagonals for side in (diagonal, dbm.complement(diagonal)))
+    kept = dbm.constrain_all(widened, (side for side in sides if side[2] >= piece[side[0], side[1]]))
+    assert kept is not None
+    return kept

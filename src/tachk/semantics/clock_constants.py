@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 from tachk.model.expressions import (
     Binary,
@@ -22,8 +23,10 @@ from tachk.model.layout import CellLayout, cell_layout
 from tachk.model.network import Network
 from tachk.model.traversal import walk
 from tachk.model.types import CONSTANT_HIGH, CONSTANT_LOW, BoolType, ClockType, IntType, ScalarType, bounds, cell_count
+from tachk.semantics.dbm import Constraint, raw_bound
 
 Interval = tuple[int, int]
+DIAGONAL_VALUES = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,27 +34,45 @@ class ClockConstants:
     """Attributes:
     maximum: for each clock (entry 0 is 0) no constant it is compared with, alone or in a difference, is larger in
         absolute value.
-    diagonals: some comparison has two clocks.
+    diagonals: the difference constraints between two real clocks, each for every value its bound can have.
     """
 
     maximum: tuple[int, ...]
-    diagonals: bool
+    diagonals: tuple[Constraint, ...]
 
 
 def clock_constants(network: Network, predicates: Sequence[Expression]) -> ClockConstants:
-    """Collects the constants of all guards and invariants and of the predicates."""
+    """Collects the constants of all guards and invariants and of the predicates.
+
+    Raises ValueError if the bound of a difference constraint has more than `DIAGONAL_VALUES` values.
+    """
     layout = cell_layout(network)
     maximum = [0] * (len(layout.clock_cells) + 1)
-    diagonals = False
+    diagonals: set[Constraint] = set()
     for condition in [*_conditions(network), *predicates]:
         for comparison in _comparisons(condition):
             clocks = [*_clocks(comparison.left), *_clocks(comparison.right)]
-            diagonals = diagonals or len(clocks) > 1
             low, high = interval(comparison.right if not _clocks(comparison.right) else comparison.left)
             for clock in clocks:
                 for number in _numbers(clock, layout):
                     maximum[number] = max(maximum[number], abs(low), abs(high))
-    return ClockConstants(tuple(maximum), diagonals)
+            if len(clocks) == 2:
+                diagonals.update(_differences(comparison, low, high, layout))
+            elif len(clocks) > 2:
+                raise ValueError(f"{comparison.span}: a comparison with more than two clocks")
+    return ClockConstants(tuple(maximum), tuple(sorted(diagonals)))
+
+
+def _differences(comparison: Binary, low: int, high: int, layout: CellLayout) -> Iterator[Constraint]:
+    """A comparison of two clocks, as a constraint that splits the valuations the way the comparison does."""
+    if high - low >= DIAGONAL_VALUES:
+        raise ValueError(f"{comparison.span}: a difference of clocks is compared with too many values")
+    left, right = _clocks(comparison.left), _clocks(comparison.right)
+    first, second = left[0] if left else right[0], right[0] if len(left) == len(right) else (left or right)[1]
+    for i, j, value in product(_numbers(first, layout), _numbers(second, layout), range(low, high + 1)):
+        if i != j:
+            for strict in (True, False):
+                yield i, j, raw_bound(value, strict)
 
 
 def interval(expression: Expression) -> Interval:

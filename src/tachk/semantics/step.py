@@ -96,16 +96,15 @@ def delay(model: Model, state: TimedState, duration: Fraction) -> TimedState:
     # Invariants are conjunctions of difference constraints, hence convex: both ends are enough.
     if not satisfies_invariants(model, after):
         raise StepError("the delay violates an invariant")
-    for moment in _telling_moments(model, state, before=duration):
-        if urgent_possible(model, _later(model, state, moment)):
-            raise StepError(f"a synchronisation over an urgent channel is possible {moment} time units into the delay")
+    if any(type_.urgent for type_, _ in model.channels):
+        for moment in _telling_moments(model, state, before=duration):
+            if urgent_possible(model, _later(model, state, moment)):
+                raise StepError(f"a synchronisation over an urgent channel is possible {moment} units into the delay")
     return after
 
 
 def urgent_possible(model: Model, state: TimedState) -> bool:
     """Whether a synchronisation over an urgent channel is possible now."""
-    if not any(type_.urgent for type_, _ in model.channels):
-        return False
     return any(is_urgent(model, state.discrete, t) for t in possible_transitions(model, state))
 
 
