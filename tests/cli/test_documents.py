@@ -4,6 +4,8 @@ A fenced block with a file name after its language (```` ```ta lamp.ta ````) wri
 folder. A ``console`` block holds commands (``$ tachk ...``), each followed by its standard output and standard error
 as one text and, unless the status is 0, by a line ``[exit N]``. ``...`` stands for any text in a line, or, alone on a
 line, for any number of lines.
+
+The README is such a document too. It shows what really happens, so there measured times and sizes may differ.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ import re
 import shlex
 from collections.abc import Iterator
 from contextlib import chdir, redirect_stderr, redirect_stdout
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
@@ -21,6 +23,8 @@ import pytest
 from tachk.cli.main import app
 
 HERE = Path(__file__).parent
+CHECKOUT = HERE.parents[1]
+MEASURED = re.compile(r"\d[\d.]* (ms|s|min|B|kB|MB|GB)\b")
 FENCE = re.compile(r"^```(\w*) ?([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -73,6 +77,13 @@ def run(arguments: list[str]) -> tuple[str, int]:
     return out.getvalue(), 0 if code is None else int(code)
 
 
+def check(path: Path, command: Command, output: str, status: int) -> None:
+    place = f"{path.name}:{command.line}"
+    assert status == command.status, f"{place}: exit status {status}, output:\n{output}"
+    message = f"{place}: expected\n{command.output}\nbut the output is\n{output}"
+    assert re.fullmatch(pattern(command.output), output), message
+
+
 @pytest.mark.parametrize("path", sorted(HERE.glob("*.md")), ids=lambda path: path.stem)
 def test_document(path: Path, tmp_path: Path) -> None:
     files, commands = read_document(path)
@@ -82,12 +93,26 @@ def test_document(path: Path, tmp_path: Path) -> None:
         (tmp_path / name).write_text(text, encoding="utf-8")
     with chdir(tmp_path):
         for command in commands:
+            check(path, command, *run(command.arguments))
+
+
+def test_readme() -> None:
+    readme = CHECKOUT / "README.md"
+    _, commands = read_document(readme)
+    assert commands
+    with chdir(CHECKOUT):
+        for command in commands:
             output, status = run(command.arguments)
-            place = f"{path.name}:{command.line}"
-            assert status == command.status, f"{place}: exit status {status}, output:\n{output}"
-            assert re.fullmatch(pattern(command.output), output), (
-                f"{place}: expected\n{command.output}\nbut the output is\n{output}"
+            check(
+                readme,
+                replace(command, output=without_measurements(command.output)),
+                without_measurements(output),
+                status,
             )
+
+
+def without_measurements(text: str) -> str:
+    return re.sub(" {2,}", "  ", MEASURED.sub(r"# \1", text))
 
 
 def test_pattern_is_strict_where_there_are_no_dots() -> None:

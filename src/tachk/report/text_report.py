@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from tachk.diagnostics.render import render
 from tachk.diagnostics.span import Span
 from tachk.engines.protocol import RunTimeFault
 from tachk.model.fault import RuntimeErrorKind
@@ -52,6 +53,8 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, cl
     for verdict in record.verdicts:
         if verdict.answer is Answer.UNKNOWN:
             console.print(Text(f"\n{verdict.query.name} is unknown: {verdict.reason}", style="yellow"))
+        if verdict.unsupported is not None:
+            console.print(Text(render(verdict.unsupported)), soft_wrap=True)
         if verdict.fault is not None:
             console.print()
             print_fault(record.network, verdict.fault, console)
