@@ -1,0 +1,172 @@
+"""What elaboration carries along: findings, constants, what functions do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from tachk.diagnostics.span import Span
+from tachk.frontend.findings import Findings
+from tachk.model.evaluate import Cells, Environment, Place, evaluate_cells
+from tachk.model.expressions import (
+    Assign,
+    Call,
+    Deadlock,
+    Expression,
+    Function,
+    Increment,
+    LocationTest,
+    Quantifier,
+    Reference,
+    Variable,
+    VariableKind,
+)
+from tachk.model.fault import EvaluationFault, RuntimeErrorKind
+from tachk.model.layout import CellLayout, cell_bounds
+from tachk.model.traversal import roots, statement_expressions, walk
+from tachk.model.types import leaves
+
+_NO_CELLS = CellLayout({}, (), (), (), (), (), (), ())
+_INSIDE = (VariableKind.FRAME, VariableKind.BOUND)
+
+
+@dataclass(frozen=True, slots=True)
+class Effects:
+    """What a function or an expression touches outside its own frame.
+
+    Attributes:
+        reads: global and local variables whose value, or whose place, it uses.
+        writes: global and local variables, and of a function's parameters those passed by reference, that it changes.
+    """
+
+    reads: frozenset[Variable]
+    writes: frozenset[Variable]
+
+
+@dataclass(slots=True)
+class Context:
+    """Attributes:
+    constants: the array and record constants; scalar constants are `Constant` expressions wherever they are used.
+    effects: of every function elaborated so far.
+    in_query: elaborating a query, signal or property.
+    in_function: elaborating the body of a function.
+    scalar_sets: how many anonymous scalar types there are.
+    """
+
+    findings: Findings
+    constants: set[Variable] = field(default_factory=set)
+    effects: dict[Function, Effects] = field(default_factory=dict)
+    in_query: bool = False
+    in_function: bool = False
+    scalar_sets: int = 0
+
+    def error(self, code: str, span: Span, message: str, help: str | None = None) -> None:
+        self.findings.add(code, span, message, help)
+
+    # ---- effects --------------------------------------------------------------------------------------------------
+
+    def effects_of(self, expressions: Iterable[Expression]) -> Effects:
+        """What evaluating the expressions touches."""
+        reads: set[Variable] = set()
+        writes: set[Variable] = set()
+        for expression in expressions:
+            for node in walk(expression):
+                match node:
+                    case Reference(variable):
+                        reads.add(variable)
+                    case Assign(target) | Increment(target):
+                        writes.update(roots(target))
+                    case Call(function, arguments):
+                        called = self.effects[function]
+                        reads |= called.reads
+                        writes |= called.writes - set(function.parameters)
+                        for parameter, argument in zip(function.parameters, arguments, strict=True):
+                            if parameter in called.writes:
+                                writes.update(roots(argument))
+        return Effects(frozenset(reads), frozenset(writes))
+
+    def record_function(self, function: Function) -> None:
+        """Notes what a function touches."""
+        inner = self.effects_of(statement_expressions(function.body))
+        self.effects[function] = Effects(
+            frozenset(v for v in inner.reads if v.kind not in _INSIDE),
+            frozenset(v for v in inner.writes if v.kind not in _INSIDE or v.reference),
+        )
+
+    def require_pure(self, expression: Expression, where: str) -> bool:
+        """Reports an expression that changes something; ``where`` reads like "a guard"."""
+        for node in walk(expression):
+            if isinstance(node, Assign | Increment):
+                self.error("E0313", node.span, f"{where} must not change anything", "move the assignment to an update")
+                return False
+            if isinstance(node, Call) and self.effects_of([node]).writes:
+                changed = ", ".join(sorted(f"`{v.name}`" for v in self.effects_of([node]).writes))
+                self.error(
+                    "E0313",
+                    node.span,
+                    f"{where} must not change anything, but `{node.function.name}` changes {changed}",
+                    "call the function in an update, or write one without side effects",
+                )
+                return False
+        return True
+
+    # ---- constant evaluation ----------------------------------------------------------------------------------------
+
+    def constant_cells(self, expression: Expression, what: str) -> tuple[int, ...] | None:
+        """The value of an expression that must be known before the model runs; reports why it is not.
+
+        Args:
+            what: the beginning of the message: "the size of an array".
+        """
+        for node in walk(expression):
+            if isinstance(node, LocationTest | Deadlock):
+                self.error("E0601", node.span, f"{what} must be a constant")
+                return None
+        touched = self.effects_of([expression])
+        if touched.writes:
+            self.error("E0601", expression.span, f"{what} must be a constant, but this changes a variable")
+            return None
+        unknown = touched.reads - self.constants - _bound_inside(expression)
+        if unknown:
+            self._not_constant(expression, unknown, what)
+            return None
+        environment = Environment(_NO_CELLS, [])
+        for variable in touched.reads & self.constants:
+            ranges = [cell_bounds(leaf) for _, leaf in leaves(variable.type)]
+            environment.frame[variable] = Place(Cells(list(variable.initial), ranges), 0)
+        try:
+            return evaluate_cells(expression, environment)
+        except EvaluationFault as fault:
+            self.error("E0602", fault.span, f"{what} cannot be computed: {FAULT_TEXTS[fault.kind]}")
+            return None
+
+    def _not_constant(self, expression: Expression, unknown: frozenset[Variable], what: str) -> None:
+        for node in walk(expression):
+            if isinstance(node, Reference) and node.variable in unknown:
+                self.error(
+                    "E0601",
+                    node.span,
+                    f"{what} must be a constant, but `{node.span.text or node.variable.name}` can change",
+                    "declare it `const`, or use a constant instead",
+                )
+                return
+        names = ", ".join(sorted(f"`{v.name}`" for v in unknown))
+        self.error("E0601", expression.span, f"{what} must be a constant, but a called function reads {names}")
+
+
+def _bound_inside(expression: Expression) -> frozenset[Variable]:
+    return frozenset(node.variable for node in walk(expression) if isinstance(node, Quantifier))
+
+
+FAULT_TEXTS = {
+    RuntimeErrorKind.RANGE: "a value is outside its range",
+    RuntimeErrorKind.INDEX: "an index is outside its array",
+    RuntimeErrorKind.DIVISION: "division by zero",
+    RuntimeErrorKind.NEGATIVE_CLOCK: "a clock gets a negative value",
+    RuntimeErrorKind.OVERFLOW: "the result does not fit 32 bits",
+    RuntimeErrorKind.SHIFT: "the shift distance is negative or above 31",
+    RuntimeErrorKind.NEGATIVE_EXPONENT: "the exponent is negative",
+    RuntimeErrorKind.ASSERT: "an assertion fails",
+    RuntimeErrorKind.LOOP: "it takes too many steps; does a loop not end?",
+    RuntimeErrorKind.BOUND: "a clock bound is too large",
+}

@@ -1,0 +1,124 @@
+"""From the items of a document to a network and its queries."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from tachk.diagnostics.diagnostic import Label
+from tachk.diagnostics.span import Span
+from tachk.frontend.channels import ChannelTable
+from tachk.frontend.context import Context
+from tachk.frontend.declarations import Declared, declare, set_channel_priorities
+from tachk.frontend.instances import Instances
+from tachk.frontend.queries import UncheckedQuery, elaborate_properties, elaborate_signals
+from tachk.frontend.scope import Scope, TemplateSymbol
+from tachk.frontend.templates import warn_unreachable
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.syntax import ast
+
+
+@dataclass(frozen=True, slots=True)
+class Elaborated:
+    """Attributes:
+    network: incomplete where there are errors among the findings.
+    scope: the names that queries may use.
+    """
+
+    network: Network
+    queries: tuple[Query, ...]
+    unchecked: tuple[UncheckedQuery, ...]
+    scope: Scope = field(repr=False)
+    context: Context = field(repr=False)
+
+
+def elaborate(
+    items: Sequence[ast.Item], whole: Span, overrides: Mapping[str, ast.Expression], context: Context
+) -> Elaborated:
+    """Elaborates a model.
+
+    Args:
+        items: of the document, imports replaced.
+        whole: the place of the document, for what is missing.
+        overrides: values for global constants.
+    """
+    globals_ = Scope(None, "the globals")
+    declared = Declared(overrides=overrides)
+    declarations = [
+        item
+        for item in items
+        if isinstance(
+            item,
+            ast.VariableDeclaration
+            | ast.TypedefDeclaration
+            | ast.FunctionDeclaration
+            | ast.ChannelPriorityDeclaration
+            | ast.UpdateHook
+            | ast.ForeignImport,
+        )
+    ]
+    priorities = declare(declarations, globals_, declared, context)
+    default_priority = set_channel_priorities(priorities, globals_, declared, context)
+    for item in items:
+        if isinstance(item, ast.Template | ast.Instantiation):
+            globals_.declare(item.name, TemplateSymbol(item, item.name.span), context.findings)
+    for item in items:
+        if isinstance(item, ast.Template):
+            warn_unreachable(item, context)
+    channels = ChannelTable(set(globals_.symbols))
+    instances = Instances(globals_, channels, context)
+    line = _system_line(items, whole, context)
+    if line is not None:
+        instances.run_system(line)
+
+    instances.check_unused()
+    channels.check_values(context)
+    if line is not None:
+        channels.check_partners(context)
+    scope = Scope(globals_, "the processes", dict(instances.symbols))
+    signals = elaborate_signals((i for i in items if isinstance(i, ast.SignalDeclaration)), scope, context)
+    properties = (i for i in items if isinstance(i, ast.PropertyDeclaration))
+    queries, unchecked = elaborate_properties(properties, scope, context)
+    network = Network(
+        tuple(instances.processes),
+        (*declared.variables, *channels.hidden_variables()),
+        default_priority,
+        tuple(declared.constants),
+        signals,
+        _time_unit(items, context),
+    )
+    return Elaborated(network, queries, unchecked, scope, context)
+
+
+def _system_line(items: Sequence[ast.Item], whole: Span, context: Context) -> ast.SystemLine | None:
+    lines = [item for item in items if isinstance(item, ast.SystemLine)]
+    for extra in lines[1:]:
+        context.findings.add(
+            "E0411", extra.span, "a second system line", "join the two", (Label(lines[0].span, "the first one"),)
+        )
+    if lines:
+        return lines[0]
+    end = Span(whole.source, whole.end, whole.end)
+    templates = ", ".join(item.name.name for item in items if isinstance(item, ast.Template))
+    context.error(
+        "E0410",
+        end,
+        "the system line is missing: nothing says which processes run",
+        f"end the file with `system {templates or 'P'};`",
+    )
+    return None
+
+
+def _time_unit(items: Sequence[ast.Item], context: Context) -> str:
+    units = [item for item in items if isinstance(item, ast.TimeUnitDeclaration)]
+    for other in units[1:]:
+        if (other.amount, other.unit) != (units[0].amount, units[0].unit):
+            context.findings.add(
+                "E0417",
+                other.span,
+                "a second time unit",
+                "the files of one model must agree on one",
+                (Label(units[0].span, "the first one"),),
+            )
+    return f"{units[0].amount} {units[0].unit}" if units else ""

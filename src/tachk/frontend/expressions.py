@@ -1,0 +1,675 @@
+"""Typing and resolving expressions.
+
+Every function here returns None where it has reported a finding, or where a part of the expression is broken already;
+so one mistake gives one message.
+"""
+
+from __future__ import annotations
+
+from typing import assert_never
+
+from tachk.diagnostics.span import Span
+from tachk.frontend import fold
+from tachk.frontend.clock_constraints import COMPARISONS, compare
+from tachk.frontend.context import Context
+from tachk.frontend.findings import did_you_mean
+from tachk.frontend.processes import mentions_family, select_member, select_process
+from tachk.frontend.scope import (
+    BrokenSymbol,
+    FamilySymbol,
+    FunctionSymbol,
+    LocationSymbol,
+    ProcessSymbol,
+    Scope,
+    Symbol,
+    ValueSymbol,
+)
+from tachk.frontend.type_expressions import TypeReader
+from tachk.frontend.typing import (
+    WIDE,
+    can_assign,
+    describe,
+    is_aggregate,
+    is_data,
+    is_integral,
+    same_shape,
+)
+from tachk.model.expressions import (
+    BOOL,
+    INT,
+    Aggregate,
+    Assign,
+    Binary,
+    BinaryOperator,
+    Call,
+    Comma,
+    Conditional,
+    Constant,
+    Deadlock,
+    Expression,
+    Field,
+    Function,
+    Increment,
+    Index,
+    LocationTest,
+    Quantifier,
+    QuantifierKind,
+    Reference,
+    UnaryOperator,
+    Variable,
+    VariableKind,
+)
+from tachk.model.types import (
+    CONSTANT_HIGH,
+    ArrayType,
+    BoolType,
+    ClockType,
+    IntType,
+    RecordType,
+    ScalarType,
+    Type,
+    bounds,
+)
+from tachk.syntax import ast
+
+BUILTIN_CONSTANTS = {
+    "INT8_MIN": -(2**7),
+    "INT8_MAX": 2**7 - 1,
+    "UINT8_MAX": 2**8 - 1,
+    "INT16_MIN": -(2**15),
+    "INT16_MAX": 2**15 - 1,
+    "UINT16_MAX": 2**16 - 1,
+    "INT32_MIN": -(2**31),
+    "INT32_MAX": 2**31 - 1,
+}
+"""Names of UPPAAL 5 that a model may declare itself."""
+
+_FLOATING_FUNCTIONS = frozenset(
+    "random random_normal random_poisson random_arcsine random_beta random_gamma random_tri random_weibull "
+    "fabs fmod remainder fma fmax fmin fdim exp exp2 expm1 ln log log10 log2 log1p pow sqrt cbrt hypot sin cos tan "
+    "asin acos atan atan2 sinh cosh tanh asinh acosh atanh erf erfc tgamma lgamma ceil floor trunc round fint ldexp "
+    "ilogb logb nextafter copysign signbit isfinite isinf isnan isnormal isunordered".split()
+)
+
+_LOGICAL = {BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY, BinaryOperator.XOR}
+
+
+def type_reader(scope: Scope, context: Context) -> TypeReader:
+    """Resolves types in a scope; sizes and bounds are evaluated there."""
+    return TypeReader(scope, context, lambda node, what: constant_integer(node, what, scope, context))
+
+
+def constant_integer(node: ast.Expression, what: str, scope: Scope, context: Context) -> int | None:
+    """The value of an integral expression that must be a constant."""
+    value = integral(node, scope, context)
+    if value is None:
+        return None
+    cells = context.constant_cells(value, what)
+    return None if cells is None else cells[0]
+
+
+def condition(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
+    """An expression that is true or false; it may compare clocks."""
+    value = expression(node, scope, context)
+    if value is None:
+        return None
+    if not is_integral(value.type):
+        context.error(
+            "E0305",
+            node.span,
+            f"a condition must be boolean or integer, not {describe(value.type)}",
+            "compare the clock with a bound, as in `x <= 5`" if isinstance(value.type, ClockType) else None,
+        )
+        return None
+    return value
+
+
+def integral(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
+    """An expression with an integer or boolean value."""
+    value = expression(node, scope, context)
+    if value is None:
+        return None
+    if not is_integral(value.type):
+        context.error("E0301", node.span, f"expected an integer, found {describe(value.type)}")
+        return None
+    return value
+
+
+def expression(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
+    """The typed expression; comparisons of clocks are in normal form, constants are folded."""
+    match node:
+        case ast.NameExpression():
+            return _name(node, scope, context)
+        case ast.IntegerLiteral(span, value):
+            if value > CONSTANT_HIGH:
+                context.error("E0605", span, f"{value} does not fit 32 bits", f"the largest integer is {CONSTANT_HIGH}")
+                return None
+            return Constant(value, INT if value <= INT.high else WIDE, span)
+        case ast.BooleanLiteral(span, truth):
+            return Constant(int(truth), BOOL, span)
+        case ast.FloatLiteral(span):
+            context.error("E0750", span, "floating point numbers are not supported", "use integers, scaled if need be")
+            return None
+        case ast.StringLiteral(span):
+            context.error("E0750", span, "strings are not supported")
+            return None
+        case ast.UnaryExpression():
+            return _unary(node, scope, context)
+        case ast.BinaryExpression():
+            return _binary(node, scope, context)
+        case ast.AssignmentExpression():
+            return _assignment(node, scope, context)
+        case ast.IncrementExpression(span, operator, prefix, target):
+            place = _target(target, scope, context)
+            if place is None:
+                return None
+            if not isinstance(place.type, IntType | BoolType):
+                context.error("E0301", target.span, f"`{operator}` needs an integer, not {describe(place.type)}")
+                return None
+            return Increment(place, 1 if operator == "++" else -1, prefix, place.type, span)
+        case ast.ConditionalExpression():
+            return _conditional(node, scope, context)
+        case ast.CallExpression():
+            return _call(node, scope, context)
+        case ast.IndexExpression():
+            return _index(node, scope, context)
+        case ast.MemberExpression():
+            return _member(node, scope, context)
+        case ast.RateExpression(span):
+            context.error(
+                "E0334",
+                span,
+                "a rate can only be set as a conjunct of an invariant",
+                "write `x' == 0` (stopped) or `x' == 1` as a part of the location's invariant",
+            )
+            return None
+        case ast.QuantifierExpression():
+            return _quantifier(node, scope, context)
+        case ast.DeadlockExpression(span):
+            if not context.in_query:
+                context.error("E0501", span, "`deadlock` can only be used in queries")
+                return None
+            return Deadlock(span=span)
+        case ast.InitialiserList(span):
+            context.error("E0314", span, "a list in braces can only initialise a variable")
+            return None
+        case _ as never:
+            assert_never(never)
+
+
+# ---- names ----------------------------------------------------------------------------------------------------------
+
+
+def _name(node: ast.NameExpression, scope: Scope, context: Context) -> Expression | None:
+    symbol = scope.lookup(node.name)
+    match symbol:
+        case ValueSymbol():
+            return symbol.use(node.span)
+        case BrokenSymbol():
+            return None
+        case None:
+            if node.name in BUILTIN_CONSTANTS:
+                return Constant(BUILTIN_CONSTANTS[node.name], WIDE, node.span)
+            context.error("E0201", node.span, f"unknown name `{node.name}`", scope.suggestion(node.name))
+        case _:
+            context.error(
+                "E0203", node.span, f"`{node.name}` is a {symbol.description}, not a value", _misuse_help(symbol)
+            )
+    return None
+
+
+def _misuse_help(symbol: Symbol) -> str | None:
+    match symbol:
+        case FunctionSymbol():
+            return "write parentheses to call it"
+        case ProcessSymbol() | FamilySymbol():
+            return "name a location or variable of the process, as in `P.idle`"
+        case LocationSymbol():
+            return (
+                "only queries, signals and properties can ask where a process is; a variable can carry it into a guard"
+            )
+        case _:
+            return None
+
+
+# ---- operators ------------------------------------------------------------------------------------------------------
+
+
+def _unary(node: ast.UnaryExpression, scope: Scope, context: Context) -> Expression | None:
+    if node.operator == "-" and isinstance(node.operand, ast.IntegerLiteral) and node.operand.value == 2**31:
+        return Constant(-(2**31), WIDE, node.span)
+    if node.operator == "!":
+        operand = condition(node.operand, scope, context)
+        return None if operand is None else fold.negation(operand, node.span)
+    value = expression(node.operand, scope, context)
+    if value is None:
+        return None
+    if isinstance(value.type, ClockType) or is_integral(value.type):
+        if node.operator == "+":
+            return value
+        type_ = value.type if isinstance(value.type, ClockType) else INT
+        return fold.unary(UnaryOperator.MINUS, value, type_, node.span)
+    context.error("E0301", node.operand.span, f"`{node.operator}` needs an integer, not {describe(value.type)}")
+    return None
+
+
+def _binary(node: ast.BinaryExpression, scope: Scope, context: Context) -> Expression | None:
+    operator = BinaryOperator(node.operator)
+    if operator in _LOGICAL:
+        first, second = condition(node.left, scope, context), condition(node.right, scope, context)
+        if first is None or second is None:
+            return None
+        return fold.binary(operator, first, second, BOOL, node.span)
+    left, right = expression(node.left, scope, context), expression(node.right, scope, context)
+    if left is None or right is None:
+        return None
+    clocks = isinstance(left.type, ClockType) or isinstance(right.type, ClockType)
+    for side in (left, right):
+        if not (is_integral(side.type) or (clocks and isinstance(side.type, ClockType))) and (
+            clocks or operator not in (BinaryOperator.EQUAL, BinaryOperator.NOT_EQUAL)
+        ):
+            context.error("E0301", side.span, f"`{node.operator}` cannot be applied to {describe(side.type)}")
+            return None
+    if clocks and operator in COMPARISONS:
+        if context.in_function:
+            context.error(
+                "E0333",
+                node.span,
+                "a function cannot compare clocks",
+                "compare them in the guard or invariant that calls the function",
+            )
+            return None
+        return compare(operator, left, right, node.span, context)
+    if clocks:
+        if operator in (BinaryOperator.ADD, BinaryOperator.SUBTRACT):
+            return Binary(operator, left, right, ClockType(), node.span)
+        context.error("E0301", node.span, f"`{node.operator}` cannot be applied to clocks")
+        return None
+    if operator in COMPARISONS:
+        return _comparison(operator, left, right, node, context)
+    return fold.binary(operator, left, right, INT, node.span)
+
+
+def _comparison(
+    operator: BinaryOperator, left: Expression, right: Expression, node: ast.BinaryExpression, context: Context
+) -> Expression | None:
+    if is_integral(left.type) and is_integral(right.type):
+        return fold.binary(operator, left, right, BOOL, node.span)
+    if not (is_data(left.type) and same_shape(left.type, right.type)):
+        context.error(
+            "E0304",
+            node.span,
+            f"{describe(left.type)} and {describe(right.type)} cannot be compared",
+            "values of a scalar type can only be compared with each other"
+            if isinstance(left.type, ScalarType) or isinstance(right.type, ScalarType)
+            else None,
+        )
+        return None
+    if is_aggregate(left.type):
+        return Binary(operator, left, right, BOOL, node.span)
+    return fold.binary(operator, left, right, BOOL, node.span)
+
+
+def _conditional(node: ast.ConditionalExpression, scope: Scope, context: Context) -> Expression | None:
+    test = condition(node.condition, scope, context)
+    then, otherwise = expression(node.then, scope, context), expression(node.otherwise, scope, context)
+    if test is None or then is None or otherwise is None:
+        return None
+    type_: Type
+    if is_integral(then.type) and is_integral(otherwise.type):
+        type_ = then.type if then.type == otherwise.type else INT
+    elif same_shape(then.type, otherwise.type):
+        type_ = then.type
+    else:
+        context.error(
+            "E0304",
+            node.span,
+            f"the two sides of `?:` have different types, {describe(then.type)} and {describe(otherwise.type)}",
+        )
+        return None
+    return fold.conditional(test, then, otherwise, type_, node.span)
+
+
+def _quantifier(node: ast.QuantifierExpression, scope: Scope, context: Context) -> Expression | None:
+    what = f"the variable of `{node.kind}`"
+    type_ = type_reader(scope, context).bounded(node.type, what)
+    if type_ is None:
+        return None
+    variable = Variable(node.variable.name, type_, VariableKind.BOUND, span=node.variable.span)
+    if context.in_query and mentions_family(node.body, scope):
+        return _expanded(node, variable, scope, context)
+    inner = _bound_scope(node, Reference(variable), scope)
+    kind = QuantifierKind(node.kind)
+    if kind is QuantifierKind.SUM:
+        body = integral(node.body, inner, context)
+        return None if body is None else Quantifier(kind, variable, body, INT, node.span)
+    body = condition(node.body, inner, context)
+    return None if body is None else Quantifier(kind, variable, body, BOOL, node.span)
+
+
+def _bound_scope(node: ast.QuantifierExpression, value: Expression, scope: Scope) -> Scope:
+    return Scope(scope, "", {node.variable.name: ValueSymbol(value, False, "bound variable", node.variable.span)})
+
+
+def _expanded(node: ast.QuantifierExpression, variable: Variable, scope: Scope, context: Context) -> Expression | None:
+    """A quantifier over processes: its instances, connected."""
+    operator = {"forall": BinaryOperator.AND, "exists": BinaryOperator.OR, "sum": BinaryOperator.ADD}[node.kind]
+    type_: Type = INT if node.kind == "sum" else BOOL
+    assert isinstance(variable.type, IntType | BoolType | ScalarType)
+    low, high = bounds(variable.type)
+    result: Expression | None = None
+    for value in range(low, high + 1):
+        inner = _bound_scope(node, Constant(value, variable.type), scope)
+        part = (integral if node.kind == "sum" else condition)(node.body, inner, context)
+        if part is None:
+            return None
+        result = part if result is None else fold.binary(operator, result, part, type_, node.span)
+    return result
+
+
+# ---- places ---------------------------------------------------------------------------------------------------------
+
+
+def _index(node: ast.IndexExpression, scope: Scope, context: Context) -> Expression | None:
+    base, number = expression(node.base, scope, context), expression(node.index, scope, context)
+    if base is None or number is None:
+        return None
+    if not isinstance(base.type, ArrayType):
+        context.error("E0306", node.span, f"{describe(base.type)} cannot be indexed, only arrays can")
+        return None
+    wanted = base.type.index
+    if isinstance(wanted, ScalarType) and number.type != wanted:
+        context.error(
+            "E0306", node.index.span, f"this array is indexed by {describe(wanted)}, not by {describe(number.type)}"
+        )
+        return None
+    if isinstance(wanted, IntType) and not is_integral(number.type):
+        context.error("E0306", node.index.span, f"an index must be an integer, not {describe(number.type)}")
+        return None
+    return fold.index(base, number, base.type.element, node.span, context.constants)
+
+
+def _member(node: ast.MemberExpression, scope: Scope, context: Context) -> Expression | None:
+    found = select_process(node.base, scope, context, _constant_argument)
+    if found is not None:
+        member = select_member(found, node.name, context)
+        match member:
+            case LocationSymbol(number):
+                assert isinstance(found, ProcessSymbol)
+                return LocationTest(found.number, number, span=node.span)
+            case ValueSymbol():
+                return member.use(node.span)
+            case FunctionSymbol():
+                context.error("E0203", node.span, f"`{node.name.name}` is a function", "write parentheses to call it")
+            case _:
+                pass
+        return None
+    base = expression(node.base, scope, context)
+    if base is None:
+        return None
+    if not isinstance(base.type, RecordType):
+        context.error("E0307", node.span, f"{describe(base.type)} has no fields, only structs do")
+        return None
+    for name, type_ in base.type.fields:
+        if name == node.name.name:
+            return fold.field(base, name, type_, node.span, context.constants)
+    context.error(
+        "E0205",
+        node.name.span,
+        f"{describe(base.type)} has no field `{node.name.name}`",
+        did_you_mean(node.name.name, (name for name, _ in base.type.fields)),
+    )
+    return None
+
+
+def _constant_argument(node: ast.Expression, scope: Scope, context: Context) -> int | None:
+    value = expression(node, scope, context)
+    if value is None:
+        return None
+    cells = context.constant_cells(value, "an argument that names a process")
+    return None if cells is None else cells[0]
+
+
+def _target(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
+    """A place that may be assigned to."""
+    return expression(node, scope, context) if assignable(node, scope, context) else None
+
+
+def assignable(node: ast.Expression, scope: Scope, context: Context) -> bool:
+    """Whether an expression is a place that may change; reports if it is not."""
+    match node:
+        case ast.NameExpression(span, name):
+            symbol = scope.lookup(name)
+            if isinstance(symbol, ValueSymbol) and not symbol.assignable:
+                context.error("E0303", span, f"`{name}` is a {symbol.description} and cannot be changed")
+                return False
+            return True
+        case ast.IndexExpression(_, base):
+            return assignable(base, scope, context)
+        case ast.MemberExpression(_, base):
+            return assignable(base, scope, context)
+        case ast.ConditionalExpression(_, _, then, otherwise):
+            return assignable(then, scope, context) and assignable(otherwise, scope, context)
+        case _:
+            context.error("E0303", node.span, "only a variable can be assigned to")
+            return False
+
+
+def _assignment(node: ast.AssignmentExpression, scope: Scope, context: Context) -> Expression | None:
+    target = _target(node.target, scope, context)
+    if target is not None and isinstance(target.type, ArrayType | RecordType):
+        if isinstance(node.value, ast.InitialiserList):
+            context.error(
+                "E0314",
+                node.value.span,
+                "a list in braces can only initialise a variable",
+                "assign the elements one by one",
+            )
+            return None
+    value = expression(node.value, scope, context)
+    if target is None or value is None:
+        return None
+    operator = None if node.operator == "=" else BinaryOperator(node.operator[:-1])
+    if isinstance(target.type, ClockType):
+        if operator is not None or not is_integral(value.type):
+            context.error(
+                "E0302",
+                node.span,
+                "a clock can only be set to an integer",
+                "write `x = e` with an integer expression `e`; tachk cannot copy or advance clocks",
+            )
+            return None
+        return Assign(target, value, target.type, None, node.span)
+    if operator is not None:
+        for side in (target, value):
+            if not is_integral(side.type):
+                context.error("E0301", side.span, f"`{node.operator}` needs integers, not {describe(side.type)}")
+                return None
+        return Assign(target, value, target.type, operator, node.span)
+    if not can_assign(target.type, value.type):
+        context.error(
+            "E0302",
+            node.span,
+            f"{describe(value.type)} cannot be assigned to {describe(target.type)}",
+            "values of a scalar type can only be copied" if isinstance(target.type, ScalarType) else None,
+        )
+        return None
+    return Assign(target, converted(value, target.type), target.type, None, node.span)
+
+
+def converted(value: Expression, target: Type) -> Expression:
+    """The value as it is stored in a variable of the target type: an integer in a bool becomes 0 or 1."""
+    if isinstance(target, BoolType) and isinstance(value.type, IntType):
+        return fold.truth(value)
+    return value
+
+
+def comma(nodes: tuple[ast.Expression, ...], span: Span, scope: Scope, context: Context) -> Expression | None:
+    """Expressions separated by commas, the last of which is a condition."""
+    items = [expression(node, scope, context) for node in nodes[:-1]]
+    last = condition(nodes[-1], scope, context)
+    if last is None or None in items:
+        return None
+    if not items:
+        return last
+    return Comma((*(item for item in items if item is not None), last), last.type, span)
+
+
+# ---- calls ----------------------------------------------------------------------------------------------------------
+
+
+def _call(node: ast.CallExpression, scope: Scope, context: Context) -> Expression | None:
+    symbol = _called(node.function, scope, context)
+    if symbol is None:
+        return None
+    if not isinstance(symbol, FunctionSymbol):
+        if not isinstance(symbol, BrokenSymbol):
+            context.error(
+                "E0208", node.function.span, f"a {symbol.description} is not a function", _misuse_help(symbol)
+            )
+        return None
+    function = symbol.function
+    if function is None:
+        context.error("E0310", node.span, "a function cannot call itself", "write a loop instead")
+        return None
+    if len(node.arguments) != len(function.parameters):
+        context.findings.add(
+            "E0308",
+            node.span,
+            f"`{function.name}` takes {_count(len(function.parameters), 'argument')}, not {len(node.arguments)}",
+        )
+        return None
+    arguments: list[Expression] = []
+    for parameter, argument in zip(function.parameters, node.arguments, strict=True):
+        value = _argument(function, parameter, argument, scope, context)
+        if value is not None:
+            arguments.append(value)
+    if len(arguments) != len(node.arguments):
+        return None
+    return Call(function, tuple(arguments), function.result, node.span)
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number or 'no'} {noun}s"
+
+
+def _called(node: ast.Expression, scope: Scope, context: Context) -> Symbol | None:
+    if isinstance(node, ast.MemberExpression):
+        process = select_process(node.base, scope, context, _constant_argument)
+        return None if process is None else select_member(process, node.name, context)
+    if not isinstance(node, ast.NameExpression):
+        context.error("E0208", node.span, "only a function can be called")
+        return None
+    symbol = scope.lookup(node.name)
+    if symbol is None:
+        if node.name in _FLOATING_FUNCTIONS:
+            context.error("E0750", node.span, f"the function `{node.name}` on floating point numbers is not supported")
+        else:
+            context.error("E0201", node.span, f"unknown function `{node.name}`", scope.suggestion(node.name))
+    return symbol
+
+
+def _argument(
+    function: Function, parameter: Variable, node: ast.Expression, scope: Scope, context: Context
+) -> Expression | None:
+    changed = parameter.reference and parameter in context.effects[function].writes
+    if changed and not assignable(node, scope, context):
+        return None
+    value = expression(node, scope, context)
+    if value is None:
+        return None
+    what = f"parameter `{parameter.name}` of `{function.name}`"
+    if parameter.reference:
+        if not is_place(value):
+            context.error(
+                "E0317",
+                node.span,
+                f"{what} is passed by reference and needs a variable",
+                "store the value in a variable first",
+            )
+            return None
+        fits = same_shape(parameter.type, value.type)
+    else:
+        fits = can_assign(parameter.type, value.type)
+    if not fits:
+        context.error("E0309", node.span, f"{what} needs {describe(parameter.type)}, not {describe(value.type)}")
+        return None
+    return value if parameter.reference else converted(value, parameter.type)
+
+
+def is_place(value: Expression) -> bool:
+    match value:
+        case Reference():
+            return True
+        case Index(base) | Field(base):
+            return is_place(base)
+        case Conditional(_, then, otherwise):
+            return is_place(then) and is_place(otherwise)
+        case _:
+            return False
+
+
+# ---- initialisers ---------------------------------------------------------------------------------------------------
+
+
+def initialiser(node: ast.Expression, type_: Type, scope: Scope, context: Context) -> Expression | None:
+    """The initial value of a variable of the given type."""
+    if isinstance(node, ast.InitialiserList):
+        return _list(node, type_, scope, context)
+    value = expression(node, scope, context)
+    if value is None:
+        return None
+    if isinstance(type_, ClockType):
+        if isinstance(value, Constant) and value.value == 0:
+            return value
+        context.error("E0318", node.span, "clocks start at 0", "set the clock in an update to start from another value")
+        return None
+    if not can_assign(type_, value.type):
+        context.error("E0302", node.span, f"{describe(value.type)} cannot initialise {describe(type_)}")
+        return None
+    return converted(value, type_)
+
+
+def _list(node: ast.InitialiserList, type_: Type, scope: Scope, context: Context) -> Expression | None:
+    wanted: list[Type]
+    ordered: list[ast.Expression | None]
+    match type_:
+        case ArrayType():
+            wanted = [type_.element] * type_.size
+            for designator, _ in node.items:
+                if designator is not None:
+                    context.error("E0318", designator.span, "the elements of an array have no names")
+                    return None
+            ordered = [item for _, item in node.items]
+        case RecordType(_, fields):
+            wanted = [t for _, t in fields]
+            names = [name for name, _ in fields]
+            ordered = [None] * len(fields)
+            for position, (designator, item) in enumerate(node.items):
+                if designator is not None and designator.name not in names:
+                    context.error(
+                        "E0205",
+                        designator.span,
+                        f"{describe(type_)} has no field `{designator.name}`",
+                        did_you_mean(designator.name, names),
+                    )
+                    return None
+                place = position if designator is None else names.index(designator.name)
+                if place >= len(fields):
+                    ordered.append(item)
+                elif ordered[place] is not None:
+                    context.error("E0318", item.span, f"field `{names[place]}` is initialised twice")
+                    return None
+                else:
+                    ordered[place] = item
+        case _:
+            context.error("E0318", node.span, f"{describe(type_)} cannot be initialised with a list")
+            return None
+    given = [item for item in ordered if item is not None]
+    if len(given) != len(wanted):
+        context.error("E0318", node.span, f"{describe(type_)} needs {len(wanted)} initial values, not {len(given)}")
+        return None
+    items = [initialiser(item, t, scope, context) for item, t in zip(given, wanted, strict=True)]
+    if None in items:
+        return None
+    return Aggregate(tuple(item for item in items if item is not None), type_, node.span)

@@ -1,0 +1,61 @@
+"""The diagnostics found so far."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from difflib import get_close_matches
+
+from tachk.diagnostics.diagnostic import Diagnostic, Label, Severity
+from tachk.diagnostics.span import Span
+
+
+class Findings:
+    """Collects diagnostics. One place of the text gets each code at most once, however often it is elaborated
+    (a template is, once for each of its instances)."""
+
+    def __init__(self) -> None:
+        self._found: dict[tuple[str, int, int, int], Diagnostic] = {}
+        self._ignored: frozenset[str] = frozenset()
+        self._sources: list[object] = []
+
+    def add(self, code: str, span: Span, message: str, help: str | None = None, labels: tuple[Label, ...] = ()) -> None:
+        self.extend([Diagnostic(code, message, span, help, labels)])
+
+    def extend(self, diagnostics: Iterable[Diagnostic]) -> None:
+        for diagnostic in diagnostics:
+            if diagnostic.code in self._ignored:
+                continue
+            span = diagnostic.span
+            self._sources.append(span.source)  # keeps the source alive, so that its id stays its own
+            self._found.setdefault((diagnostic.code, id(span.source), span.start, span.end), diagnostic)
+
+    @contextmanager
+    def without(self, codes: frozenset[str]) -> Iterator[None]:
+        """Drops findings with these codes inside the ``with`` block."""
+        before = self._ignored
+        self._ignored = before | codes
+        try:
+            yield
+        finally:
+            self._ignored = before
+
+    @property
+    def has_errors(self) -> bool:
+        return any(d.severity is Severity.ERROR for d in self._found.values())
+
+    def sorted(self) -> tuple[Diagnostic, ...]:
+        """All findings in the order of their places."""
+        order: dict[int, int] = {}
+        for diagnostic in self._found.values():
+            order.setdefault(id(diagnostic.span.source), len(order))
+        return tuple(
+            sorted(self._found.values(), key=lambda d: (order[id(d.span.source)], d.span.start, d.span.end, d.code))
+        )
+
+
+def did_you_mean(name: str, candidates: Iterable[str]) -> str | None:
+    """A help text that names the known name closest to a misspelt one, if one is close."""
+    by_lower = {candidate.lower(): candidate for candidate in candidates}
+    close = get_close_matches(name.lower(), by_lower, n=1, cutoff=0.7)
+    return f"did you mean `{by_lower[close[0]]}`?" if close else None

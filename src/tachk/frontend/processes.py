@@ -1,0 +1,129 @@
+"""Processes in queries, signals and properties: ``P.idle``, ``T(1).x``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import fields
+
+from tachk.frontend.context import Context
+from tachk.frontend.findings import did_you_mean
+from tachk.frontend.scope import (
+    BrokenSymbol,
+    FamilySymbol,
+    LocationSymbol,
+    ProcessSymbol,
+    Scope,
+    Symbol,
+    TemplateSymbol,
+)
+from tachk.syntax import ast
+
+ConstantArgument = Callable[[ast.Expression, Scope, Context], int | None]
+
+
+def select_process(
+    node: ast.Expression, scope: Scope, context: Context, argument: ConstantArgument
+) -> ProcessSymbol | BrokenSymbol | None:
+    """The process a prefix such as ``P`` or ``T(1)`` names; None where it is not the name of a process at all.
+
+    A broken symbol stands for a process that was reported not to exist.
+    """
+    match node:
+        case ast.NameExpression(span, name):
+            symbol = scope.lookup(name)
+            match symbol:
+                case ProcessSymbol():
+                    return symbol
+                case FamilySymbol(instances):
+                    example = next(iter(instances), ())
+                    context.error(
+                        "E0206",
+                        span,
+                        f"`{name}` has several instances",
+                        f"say which, for example `{name}({', '.join(map(str, example))})`",
+                    )
+                    return BrokenSymbol(span)
+                case TemplateSymbol():
+                    if context.in_query:
+                        context.error("E0206", span, f"no process `{name}` runs: it is not in the system line")
+                    else:
+                        _outside_query(node, context)
+                    return BrokenSymbol(span)
+                case _:
+                    return None
+        case ast.CallExpression(span, ast.NameExpression(_, name), arguments):
+            symbol = scope.lookup(name)
+            if isinstance(symbol, TemplateSymbol) and not context.in_query:
+                _outside_query(node, context)
+                return BrokenSymbol(span)
+            if not isinstance(symbol, FamilySymbol):
+                if isinstance(symbol, ProcessSymbol):
+                    context.error("E0206", span, f"`{name}` is a single process without parameters of its own")
+                    return BrokenSymbol(span)
+                return None
+            values = [argument(a, scope, context) for a in arguments]
+            if None in values:
+                return BrokenSymbol(span)
+            key = tuple(v for v in values if v is not None)
+            if len(key) != symbol.parameters:
+                context.error("E0308", span, f"`{name}` has {symbol.parameters} free parameters, not {len(key)}")
+                return BrokenSymbol(span)
+            process = symbol.instances.get(key)
+            if process is None:
+                context.error("E0206", span, f"there is no process `{name}({', '.join(map(str, key))})`")
+                return BrokenSymbol(span)
+            return process
+        case _:
+            return None
+
+
+def _outside_query(node: ast.Expression, context: Context) -> None:
+    context.error(
+        "E0206",
+        node.span,
+        "the inside of a process can only be seen by queries, signals and properties",
+        "share a global variable instead",
+    )
+
+
+def select_member(process: ProcessSymbol | BrokenSymbol, name: ast.Identifier, context: Context) -> Symbol | None:
+    """A name inside a process; None after a report."""
+    if isinstance(process, BrokenSymbol):
+        return None
+    scope: Scope | None = process.members
+    known: list[str] = []
+    while scope is not None and scope.parent is not None:
+        if name.name in scope.symbols:
+            return scope.symbols[name.name]
+        known.extend(scope.symbols)
+        scope = scope.parent
+    label = process.members.label
+    locations = [n for n in known if isinstance(process.members.lookup(n), LocationSymbol)]
+    context.error(
+        "E0207",
+        name.span,
+        f"{label} has no location or variable `{name.name}`",
+        did_you_mean(name.name, known) or (f"its locations are {', '.join(locations[:8])}" if locations else None),
+    )
+    return None
+
+
+def mentions_family(node: object, scope: Scope) -> bool:
+    """Whether an expression names a process by arguments, as in ``T(i).x``."""
+    return any(
+        isinstance(inner, ast.CallExpression)
+        and isinstance(inner.function, ast.NameExpression)
+        and isinstance(scope.lookup(inner.function.name), FamilySymbol)
+        for inner in _nodes(node)
+    )
+
+
+def _nodes(node: object) -> Iterator[ast.Node]:
+    pending = [node]
+    while pending:
+        current = pending.pop()
+        if isinstance(current, tuple):
+            pending.extend(current)
+        elif isinstance(current, ast.Node):
+            yield current
+            pending.extend(getattr(current, f.name) for f in fields(current) if f.name != "span")

@@ -1,0 +1,182 @@
+"""Queries, properties and signals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from tachk.diagnostics.diagnostic import Label
+from tachk.diagnostics.span import NOWHERE, Span
+from tachk.frontend.clock_constraints import compares_clocks
+from tachk.frontend.context import Context
+from tachk.frontend.expressions import condition, expression
+from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
+from tachk.frontend.typing import describe, is_integral
+from tachk.model.expressions import Binary, BinaryOperator, Deadlock, Expression, Unary
+from tachk.model.network import Signal
+from tachk.model.query import Expectation, Query, QueryKind
+from tachk.model.traversal import walk
+from tachk.model.types import ClockType, ScalarType
+from tachk.syntax import ast
+
+
+@dataclass(frozen=True, slots=True)
+class UncheckedQuery:
+    """A query that belongs to another kind of analysis; it is listed, never silently dropped.
+
+    Attributes:
+        family: ``statistical``, ``game``, ``learning`` or ``scenario``.
+    """
+
+    name: str
+    text: str
+    family: str
+    title: str = ""
+    expectation: Expectation | None = None
+    span: Span = NOWHERE
+
+
+def elaborate_query(
+    formula: ast.QueryFormula,
+    name: str,
+    scope: Scope,
+    context: Context,
+    title: str = "",
+    expectation: str | None = None,
+) -> Query | None:
+    """A query with its names resolved, in a scope that has the processes; None after a report."""
+    context = replace(context, in_query=True)
+    kind = QueryKind(formula.kind)
+    predicate: Expression | None = None
+    broken = False
+    if formula.predicate is not None:
+        predicate = _predicate(formula.predicate, scope, context)
+        broken = predicate is None
+    operands = []
+    for operand in formula.operands:
+        value = (_predicate if kind is QueryKind.LEADS_TO else _measured)(operand, scope, context)
+        if value is None:
+            broken = True
+        else:
+            operands.append(value)
+    if broken:
+        return None
+    expected = None if expectation is None else Expectation(expectation)
+    return Query(name, kind, predicate, tuple(operands), formula.span.text, title, expected, formula.span)
+
+
+def _predicate(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
+    value = condition(node, scope, context)
+    return value if value is not None and context.require_pure(value, "a query") else None
+
+
+def _measured(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
+    """An expression whose least or largest value is asked for: an integer, a clock or a difference of clocks."""
+    value = expression(node, scope, context)
+    if value is None or not context.require_pure(value, "a query"):
+        return None
+    if isinstance(value.type, ClockType):
+        simple = not isinstance(value, Unary | Binary) or (
+            isinstance(value, Binary)
+            and value.operator is BinaryOperator.SUBTRACT
+            and all(
+                isinstance(side.type, ClockType) and not isinstance(side, Unary | Binary)
+                for side in (value.left, value.right)
+            )
+        )
+        if simple:
+            return value
+        context.error("E0503", node.span, "only a clock, a difference of two clocks or an integer can be measured")
+        return None
+    if not is_integral(value.type) or compares_clocks(value, {}):
+        context.error(
+            "E0503",
+            node.span,
+            "this has no least or largest value",
+            "name a clock, a difference of two clocks or an integer expression; conditions go between the braces",
+        )
+        return None
+    return value
+
+
+def elaborate_signals(nodes: Iterable[ast.SignalDeclaration], scope: Scope, context: Context) -> tuple[Signal, ...]:
+    """The signals; each is declared in the scope for those after it and for properties."""
+    context = replace(context, in_query=True)
+    signals = []
+    for node in nodes:
+        value = expression(node.expression, scope, context)
+        symbol: Symbol = BrokenSymbol(node.name.span)
+        if value is not None and _is_observable(value, node, context):
+            signals.append(Signal(node.name.name, value, node.name.span))
+            symbol = ValueSymbol(value, False, "signal", node.name.span)
+        above = scope.lookup(node.name.name)
+        if above is not None and node.name.name not in scope.symbols:
+            context.findings.add(
+                "E0202",
+                node.name.span,
+                f"`{node.name.name}` is declared twice",
+                "rename the signal",
+                (Label(above.span, f"first declared here as a {above.description}"),),
+            )
+        scope.declare(node.name, symbol, context.findings)
+    return tuple(signals)
+
+
+def _is_observable(value: Expression, node: ast.SignalDeclaration, context: Context) -> bool:
+    if not context.require_pure(value, "a signal"):
+        return False
+    deadlock = next((inner for inner in walk(value) if isinstance(inner, Deadlock)), None)
+    if deadlock is not None:
+        context.error("E0501", deadlock.span, "`deadlock` cannot be observed as a signal", "use it in a property")
+        return False
+    if is_integral(value.type) or isinstance(value.type, ScalarType | ClockType):
+        return True
+    context.error("E0502", node.expression.span, f"a {describe(value.type)} cannot be observed as a signal")
+    return False
+
+
+def elaborate_properties(
+    nodes: Iterable[ast.PropertyDeclaration], scope: Scope, context: Context
+) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
+    """The properties a model states."""
+    queries, unchecked = [], []
+    seen: dict[str, Span] = {}
+    for node in nodes:
+        name = node.name.name
+        if name in seen:
+            context.findings.add(
+                "E0202",
+                node.name.span,
+                f"property `{name}` is declared twice",
+                "rename one of them",
+                (Label(seen[name], "first declared here"),),
+            )
+        seen.setdefault(name, node.name.span)
+        if isinstance(node.formula, ast.UncheckedFormula):
+            unchecked.append(_unchecked(node.formula, name, node.title, node.expectation))
+            continue
+        query = elaborate_query(node.formula, name, scope, context, node.title or node.doc, node.expectation)
+        if query is not None:
+            queries.append(query)
+    return tuple(queries), tuple(unchecked)
+
+
+def elaborate_entries(
+    entries: Iterable[ast.QueryEntry], scope: Scope, context: Context
+) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
+    """The queries of a .q file or command line, named ``q1``, ``q2``, ... in order."""
+    queries, unchecked = [], []
+    for number, entry in enumerate(entries, 1):
+        name = f"q{number}"
+        if isinstance(entry.formula, ast.UncheckedFormula):
+            unchecked.append(_unchecked(entry.formula, name, entry.comment, entry.expectation))
+            continue
+        query = elaborate_query(entry.formula, name, scope, context, entry.comment, entry.expectation)
+        if query is not None:
+            queries.append(query)
+    return tuple(queries), tuple(unchecked)
+
+
+def _unchecked(node: ast.UncheckedFormula, name: str, title: str, expectation: str | None) -> UncheckedQuery:
+    expected = None if expectation is None else Expectation(expectation)
+    return UncheckedQuery(name, node.text, node.family, title, expected, node.span)

@@ -1,0 +1,106 @@
+"""Invariants: conditions on clocks and variables, and rates ``x' == e``."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+from tachk.frontend import fold
+from tachk.frontend.clock_constraints import convex, forbid
+from tachk.frontend.context import Context
+from tachk.frontend.expressions import condition, expression, integral, type_reader
+from tachk.frontend.scope import Scope, ValueSymbol
+from tachk.frontend.typing import describe, value_range
+from tachk.model.expressions import BOOL, BinaryOperator, Constant, Expression
+from tachk.model.types import ClockType, bounds
+from tachk.syntax import ast
+
+Rates = tuple[tuple[Expression, Expression], ...]
+
+
+def invariant_parts(node: ast.Expression | None, scope: Scope, context: Context) -> tuple[Expression | None, Rates]:
+    """The condition of an invariant (None where there is none, or after a report) and its rates."""
+    if node is None:
+        return None, ()
+    condition_: Expression | None = None
+    rates: list[tuple[Expression, Expression]] = []
+    for part, inner in _conjuncts(node, scope, context):
+        rate = _rate_sides(part)
+        if rate is not None:
+            pair = _rate(*rate, inner, context)
+            if pair is not None and not (isinstance(pair[1], Constant) and pair[1].value == 1):
+                rates.append(pair)
+            continue
+        value = condition(part, inner, context)
+        if value is None or not context.require_pure(value, "an invariant"):
+            continue
+        checked = convex(value, "invariant", context)
+        if checked is None:
+            continue
+        if condition_ is None:
+            condition_ = checked
+        else:
+            condition_ = fold.binary(BinaryOperator.AND, fold.truth(condition_), fold.truth(checked), BOOL, node.span)
+    return condition_, tuple(rates)
+
+
+def _conjuncts(node: ast.Expression, scope: Scope, context: Context) -> list[tuple[ast.Expression, Scope]]:
+    """The conjuncts of an invariant, each with the scope to elaborate it in; ``forall`` over rates is expanded."""
+    result: list[tuple[ast.Expression, Scope]] = []
+    pending: list[tuple[ast.Expression, Scope]] = [(node, scope)]
+    while pending:
+        current, inner = pending.pop()
+        match current:
+            case ast.BinaryExpression(operator="&&", left=left, right=right):
+                pending += [(right, inner), (left, inner)]
+            case ast.QuantifierExpression(kind="forall", variable=name, type=type_, body=body) if _has_rate(body):
+                bounded = type_reader(inner, context).bounded(type_, "the variable of `forall`")
+                if bounded is not None:
+                    low, high = bounds(bounded)
+                    for value in range(high, low - 1, -1):
+                        symbol = ValueSymbol(Constant(value, bounded), False, "bound variable", name.span)
+                        pending.append((body, Scope(inner, "", {name.name: symbol})))
+            case _:
+                result.append((current, inner))
+    return result
+
+
+def _has_rate(node: object) -> bool:
+    if isinstance(node, ast.RateExpression):
+        return True
+    if isinstance(node, tuple):
+        return any(_has_rate(item) for item in node)
+    return isinstance(node, ast.Node) and any(_has_rate(getattr(node, f.name)) for f in fields(node))
+
+
+def _rate_sides(node: ast.Expression) -> tuple[ast.RateExpression, ast.Expression] | None:
+    match node:
+        case ast.BinaryExpression(operator="==", left=ast.RateExpression() as rate, right=value):
+            return rate, value
+        case ast.BinaryExpression(operator="==", left=value, right=ast.RateExpression() as rate):
+            return rate, value
+        case _:
+            return None
+
+
+def _rate(
+    node: ast.RateExpression, written: ast.Expression, scope: Scope, context: Context
+) -> tuple[Expression, Expression] | None:
+    clock = expression(node.clock, scope, context)
+    value = integral(written, scope, context)
+    if clock is None or value is None:
+        return None
+    if not isinstance(clock.type, ClockType):
+        context.error("E0334", node.clock.span, f"only clocks have a rate, not {describe(clock.type)}")
+        return None
+    if not context.require_pure(value, "a rate") or not forbid(value, "a rate", context):
+        return None
+    low, high = value_range(value)
+    if low < 0 or high > 1:
+        context.error(
+            "E0334",
+            written.span,
+            "a clock can only stand still (rate 0) or run (rate 1)",
+            "other rates belong to statistical checking; a boolean or an int[0,1] is always right here",
+        )
+        return None
+    return clock, value

@@ -1,0 +1,154 @@
+"""What names mean, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+from tachk.diagnostics.diagnostic import Label
+from tachk.diagnostics.span import NOWHERE, Span
+from tachk.frontend.findings import Findings, did_you_mean
+from tachk.model.expressions import Expression, Function
+from tachk.model.types import Type
+from tachk.syntax import ast
+
+
+@dataclass(frozen=True, slots=True)
+class ValueSymbol:
+    """A variable, constant, parameter, signal or bound variable.
+
+    Attributes:
+        expression: what the name stands for: a reference, a constant, or the argument of a template parameter.
+        assignable: False for constants, ``const`` parameters and bound variables.
+        description: for messages: "variable", "constant", "parameter", ...
+    """
+
+    expression: Expression
+    assignable: bool
+    description: str
+    span: Span = NOWHERE
+
+    def use(self, span: Span) -> Expression:
+        """The expression with the place where the name is used."""
+        return replace(self.expression, span=span)
+
+
+@dataclass(frozen=True, slots=True)
+class TypeSymbol:
+    type: Type
+    span: Span = NOWHERE
+    description: str = "type"
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionSymbol:
+    """``function`` is None while its own body is being elaborated."""
+
+    function: Function | None
+    span: Span = NOWHERE
+    description: str = "function"
+
+
+@dataclass(frozen=True, slots=True)
+class LocationSymbol:
+    number: int
+    span: Span = NOWHERE
+    description: str = "location"
+
+
+@dataclass(frozen=True, slots=True)
+class TemplateSymbol:
+    template: ast.Template | ast.Instantiation
+    span: Span = NOWHERE
+    description: str = "template"
+
+
+@dataclass(frozen=True, slots=True)
+class ProcessSymbol:
+    """A process in queries, signals and properties; ``members`` holds its parameters, variables, functions and
+    locations."""
+
+    number: int
+    members: Scope
+    span: Span = NOWHERE
+    description: str = "process"
+
+
+@dataclass(frozen=True, slots=True)
+class FamilySymbol:
+    """The instances ``T(0)``, ``T(1)``, ... made by free parameters, by the values of the parameters."""
+
+    instances: Mapping[tuple[int, ...], ProcessSymbol]
+    parameters: int
+    span: Span = NOWHERE
+    description: str = "template"
+
+
+@dataclass(frozen=True, slots=True)
+class BrokenSymbol:
+    """A name whose declaration has an error: using it is not a further error."""
+
+    span: Span = NOWHERE
+    description: str = "broken declaration"
+
+
+Symbol = (
+    ValueSymbol
+    | TypeSymbol
+    | FunctionSymbol
+    | LocationSymbol
+    | TemplateSymbol
+    | ProcessSymbol
+    | FamilySymbol
+    | BrokenSymbol
+)
+
+
+@dataclass(slots=True)
+class Scope:
+    """Names declared at one level; what is not found here is looked up in the enclosing level.
+
+    Attributes:
+        label: what the names of this level belong to, for messages: "the globals", "template `Train`".
+    """
+
+    parent: Scope | None = None
+    label: str = ""
+    symbols: dict[str, Symbol] = field(default_factory=dict)
+
+    def lookup(self, name: str) -> Symbol | None:
+        scope: Scope | None = self
+        while scope is not None:
+            symbol = scope.symbols.get(name)
+            if symbol is not None:
+                return symbol
+            scope = scope.parent
+        return None
+
+    def declare(self, name: ast.Identifier, symbol: Symbol, findings: Findings) -> None:
+        """Adds a name; a second declaration at the same level is a finding, and the first one stays."""
+        first = self.symbols.get(name.name)
+        if first is None:
+            self.symbols[name.name] = symbol
+            return
+        if isinstance(first, BrokenSymbol) and first.span == name.span:
+            self.symbols[name.name] = symbol
+            return
+        findings.add(
+            "E0202",
+            name.span,
+            f"`{name.name}` is declared twice",
+            "rename one of them",
+            (Label(first.span, f"first declared here as a {first.description}"),),
+        )
+
+    def names(self) -> Iterator[str]:
+        """Every visible name, innermost level first."""
+        scope: Scope | None = self
+        while scope is not None:
+            yield from scope.symbols
+            scope = scope.parent
+
+    def suggestion(self, name: str) -> str | None:
+        """A help text for a name that is not known."""
+        return did_you_mean(name, self.names())

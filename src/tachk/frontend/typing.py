@@ -1,0 +1,128 @@
+"""Which types go together."""
+
+from __future__ import annotations
+
+from typing import TypeGuard, assert_never
+
+from tachk.model.expressions import Assign, Conditional, Constant, Expression, Field, Index, Reference
+from tachk.model.types import (
+    CONSTANT_HIGH,
+    CONSTANT_LOW,
+    DEFAULT_INT_HIGH,
+    DEFAULT_INT_LOW,
+    ArrayType,
+    BoolType,
+    ChannelType,
+    ClockType,
+    IntType,
+    RecordType,
+    ScalarType,
+    Type,
+    VoidType,
+    leaves,
+)
+
+WIDE = IntType(CONSTANT_LOW, CONSTANT_HIGH)
+"""The type of constants: the full 32 bits."""
+
+
+def is_integral(type_: Type) -> TypeGuard[IntType | BoolType]:
+    """Whether arithmetic and conditions can use values of the type."""
+    return isinstance(type_, IntType | BoolType)
+
+
+def is_bounded(type_: Type) -> TypeGuard[IntType | BoolType | ScalarType]:
+    """Whether one may run over all values of the type: a bounded integer, bool or scalar, not plain ``int``."""
+    return isinstance(type_, IntType | BoolType | ScalarType) and type_ not in (IntType(), WIDE)
+
+
+def is_aggregate(type_: Type) -> TypeGuard[ArrayType | RecordType]:
+    return isinstance(type_, ArrayType | RecordType)
+
+
+def is_data(type_: Type) -> bool:
+    """Whether values of the type can be copied and compared: no clocks, channels or void inside."""
+    return not isinstance(type_, VoidType) and not any(
+        isinstance(leaf, ClockType | ChannelType) for _, leaf in leaves(type_)
+    )
+
+
+def same_shape(left: Type, right: Type) -> bool:
+    """Whether values of one type can be stored in a variable of the other, ranges aside (they are checked when the
+    model runs)."""
+    match left, right:
+        case (IntType(), IntType()) | (BoolType(), BoolType()) | (ClockType(), ClockType()):
+            return True
+        case ChannelType(), ChannelType():
+            return True
+        case ScalarType(), ScalarType():
+            return left == right
+        case ArrayType(element, index), ArrayType(other_element, other_index):
+            if isinstance(index, ScalarType) or isinstance(other_index, ScalarType):
+                return index == other_index and same_shape(element, other_element)
+            return left.size == right.size and same_shape(element, other_element)
+        case RecordType(_, fields), RecordType(_, other_fields):
+            return len(fields) == len(other_fields) and all(
+                name == other and same_shape(type_, other_type)
+                for (name, type_), (other, other_type) in zip(fields, other_fields, strict=True)
+            )
+        case _:
+            return False
+
+
+def can_assign(target: Type, value: Type) -> bool:
+    """Whether a value of one type may be assigned to a variable of another (not a clock)."""
+    if is_integral(target) and is_integral(value):
+        return True
+    return is_data(target) and same_shape(target, value)
+
+
+def describe(type_: Type) -> str:
+    """A type as a user would write it."""
+    match type_:
+        case IntType(low, high):
+            return "int" if type_ in (IntType(), WIDE) else f"int[{low},{high}]"
+        case BoolType():
+            return "bool"
+        case ScalarType(name, size):
+            return name or f"scalar[{size}]"
+        case ClockType():
+            return "clock"
+        case ChannelType(broadcast, urgent):
+            return "urgent " * urgent + "broadcast " * broadcast + "chan"
+        case VoidType():
+            return "void"
+        case RecordType(name):
+            return name or "struct"
+        case ArrayType():
+            dimensions = ""
+            element: Type = type_
+            while isinstance(element, ArrayType):
+                dimensions += f"[{_index(element.index)}]"
+                element = element.element
+            return describe(element) + dimensions
+        case _ as never:
+            assert_never(never)
+
+
+def _index(index: IntType | ScalarType) -> str:
+    if isinstance(index, IntType) and index.low == 0:
+        return str(index.high + 1)
+    return describe(index)
+
+
+def value_range(expression: Expression) -> tuple[int, int]:
+    """Bounds of the value of an integral expression, as far as its form tells."""
+    match expression:
+        case Constant(value):
+            return value, value
+        case Conditional(_, then, otherwise):
+            low, high = value_range(then)
+            other_low, other_high = value_range(otherwise)
+            return min(low, other_low), max(high, other_high)
+        case _ if isinstance(expression.type, BoolType):
+            return 0, 1
+        case Reference() | Index() | Field() | Assign() if isinstance(expression.type, IntType):
+            return expression.type.low, expression.type.high
+        case _:
+            return DEFAULT_INT_LOW, DEFAULT_INT_HIGH
