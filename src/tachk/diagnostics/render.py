@@ -5,6 +5,7 @@ The full form points with carets at the place in the source line; the one-line f
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from unicodedata import east_asian_width
 
 from tachk.diagnostics.diagnostic import Diagnostic, Severity
@@ -36,10 +37,13 @@ def render(diagnostic: Diagnostic, colour: bool = False) -> str:
         + paint(f": {diagnostic.message}", _BOLD)
     ]
     lines += _snippet(diagnostic.span, "", "^", tint, paint)
+    shown = lines[1:2]
     for label in diagnostic.labels:
         if label.span.source is not diagnostic.span.source:
             lines.append(paint(f"  --> {_place(label.span)}", _BLUE))
-        lines += _snippet(label.span, label.text, "-", _BLUE, paint)
+        snippet = _snippet(label.span, label.text, "-", _BLUE, paint)
+        lines += snippet[1:] if snippet[:1] == shown else snippet
+        shown = snippet[:1]
     if diagnostic.help:
         lines.append(paint("help: ", _CYAN) + diagnostic.help)
     return "\n".join(lines)
@@ -63,7 +67,7 @@ def _place(span: Span) -> str:
     return span.source.name if span.source is NOWHERE.source else str(span)
 
 
-def _snippet(span: Span, text: str, mark: str, tint: str, paint) -> list[str]:  # type: ignore[no-untyped-def]
+def _snippet(span: Span, text: str, mark: str, tint: str, paint: Callable[[str, str], str]) -> list[str]:
     """The first line of a span with its range marked; nothing where there is no text."""
     source = span.source
     if not source.text:

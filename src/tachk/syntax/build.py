@@ -6,6 +6,7 @@ Methods hold no state; a rule of the language that the grammar cannot express is
 
 from __future__ import annotations
 
+import re
 from typing import Any, TypeVar
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
@@ -341,8 +342,8 @@ class Builder:
 
     def unchecked(self, children: Children) -> ast.UncheckedFormula:
         token = children[0]
-        text = " ".join(token.text.replace("\\\n", " ").split())
-        return ast.UncheckedFormula(token.span, text, token.doc or unchecked_family(text.split()) or "statistical")
+        family = unchecked_family(re.findall(r"\w+|\S", token.text)) or "statistical"
+        return ast.UncheckedFormula(token.span, token.text, family)
 
     def query(self, children: Children) -> ast.QueryEntry:
         formula, _, outcome = children

@@ -7,6 +7,7 @@ open braces. A name that the text defines as a type is never taken for a keyword
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from enum import Enum, auto
 
@@ -111,8 +112,11 @@ class _Resolver:
         while self.position < len(tokens):
             token = tokens[self.position]
             kind = token.type
-            if kind == "PROCESS":
-                before_process = True
+            if kind in ("PROCESS", "SYSTEM"):
+                # Only braces that were never closed can be open here.
+                stack.clear()
+                self.inside = _Inside.TOP
+                before_process = kind == "PROCESS"
             elif token.text == "{" and kind != "STRING":
                 stack.append(self.inside)
                 self.inside = self.opened_by(before_process)
@@ -233,6 +237,8 @@ class _Resolver:
     def within(self, token: Token) -> None:
         """Mark a word in the middle of an item."""
         last = self.output[-1]
+        if self.resumes_after_omission(token):
+            return
         if token.text == "sum" and self.text(1) == "(" and self.type(2) == "NAME" and self.text(3) == ":":
             token.type = "SUM"
         elif token.text == "priority" and last.type == "CHAN" and self.type(1) == "NAME":
@@ -241,6 +247,18 @@ class _Resolver:
             token.type = "HYBRID"
         elif last.text in (")", "else", "do") or last.type == "DO":
             self.statement_word(token)
+
+    def resumes_after_omission(self, token: Token) -> bool:
+        """Mark a word that can only begin a block although the ``;`` before it was forgotten, for better messages."""
+        if self.type(1) != "NAME":
+            return False
+        if self.inside is _Inside.PROCESS and token.text == "location" and self.text(2) == "{":
+            token.type = "LOCATION"
+        elif self.inside is _Inside.LOCATION and token.text == "to" and self.text(2) in ("{", ";"):
+            token.type = "TO"
+        else:
+            return False
+        return True
 
     def opaque_block(self) -> None:
         """Take a balanced pair of braces as one token."""
@@ -253,7 +271,9 @@ class _Resolver:
             if depth == 0:
                 break
         if self.position > start:
-            self.output.append(_joined("OPAQUE_BLOCK", self.tokens[start : self.position]))
+            first, last = self.tokens[start].span, self.tokens[self.position - 1].span
+            span = first.to(last)
+            self.output.append(Token("OPAQUE_BLOCK", span.text, span))
 
     def end_of_property(self) -> int:
         """The index of the ``;`` that ends the formula at the current position."""
@@ -286,7 +306,7 @@ class _Resolver:
             tokens[end - 2].type = "EXPECT"
             tokens[end - 1].type = tokens[end - 1].text.upper()
         formula = tokens[self.position : suffix]
-        if formula and unchecked_family([token.text for token in formula]):
+        if formula and unchecked_family(re.findall(r"\w+|\S", " ".join(token.text for token in formula))):
             self.output.append(_joined("UNCHECKED", formula))
         else:
             self.symbolic(formula)
@@ -318,8 +338,11 @@ _BEGINS_OPERAND = {"NAME", "INTEGER", "FLOAT", "TRUE", "FALSE", "NOT", "FORALL",
 
 
 def _joined(kind: str, tokens: list[Token]) -> Token:
-    span = Span(tokens[0].span.source, tokens[0].span.start, tokens[-1].span.end)
-    return Token(kind, span.text, span)
+    """Several tokens as one; its text has single blanks where there was any gap."""
+    parts = [tokens[0].text]
+    for before, token in zip(tokens, tokens[1:], strict=False):
+        parts.append(" " * (before.span.end < token.span.start) + token.text)
+    return Token(kind, "".join(parts), tokens[0].span.to(tokens[-1].span))
 
 
 def _type_names(tokens: list[Token]) -> frozenset[str]:

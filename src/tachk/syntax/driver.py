@@ -2,13 +2,13 @@
 
 On an error the parser is taken back to a state that accepts the grammar's ERROR terminal (an item, a statement, a
 clause), the rest of that construct is passed over, and parsing continues behind it. A single missing bracket or
-semicolon is supplied instead. Every step consumes a token or shortens the stack, so the work is linear in the text for
-each of at most `MOST_ERRORS` errors.
+semicolon is supplied instead. At most `MOST_ERRORS` errors are reported, each at a cost linear in the text.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_left
+from copy import copy
 from typing import Any
 
 from lark.exceptions import UnexpectedToken
@@ -19,10 +19,11 @@ from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Span
 from tachk.syntax.messages import Situation, explain
 from tachk.syntax.misplaced import Misplaced
-from tachk.syntax.tables import parser_tables, terminal_spelling
+from tachk.syntax.tables import lexer, parser_tables
 from tachk.syntax.tokens import END, Token
 
 MOST_ERRORS = 20
+_MOST_RECOVERIES = 60
 
 _SUPPLIED = (";", ")", "]")
 _OPENING = {"{", "(", "["}
@@ -35,36 +36,38 @@ def drive(start: str, tokens: list[Token]) -> tuple[Any, tuple[Diagnostic, ...]]
     Returns:
         What the builder made of them, or None if even recovery failed, and the syntax errors.
     """
-    parser = parser_tables().parse_interactive("", start=start)
-    return _Run(parser, tokens).to_the_end()
+    return _Run(start, tokens).to_the_end()
 
 
 class _Run:
     """One pass over the tokens; the only mutable thing is here."""
 
-    def __init__(self, parser: InteractiveParser, tokens: list[Token]) -> None:
-        self.parser = parser
-        self.state: ParserState[Any] = parser.parser_state
+    def __init__(self, start: str, tokens: list[Token]) -> None:
+        self.start = start
         self.tokens = tokens
+        self.parser: InteractiveParser = parser_tables().parse_interactive("", start=start)
+        self.state: ParserState[Any] = self.parser.parser_state
         self.errors: list[Diagnostic] = []
+        self.recoveries = 0
+        self.resumed_at = -1
 
     def to_the_end(self) -> tuple[Any, tuple[Diagnostic, ...]]:
         tokens = self.tokens
-        feed = self.state.feed_token
+        feed: Any = self.state.feed_token
         index = 0
         while True:
             token = tokens[index]
             is_end = token.type == END
             try:
-                result = feed(token, is_end)  # type: ignore[arg-type]
+                result = feed(token, is_end)
             except Misplaced as misplaced:
                 self.errors.append(misplaced.diagnostic)
-                if not self.reduce_to_error(tokens[index], tokens[index]):
+                if not self.replace_by_error(index):
                     return None, tuple(self.errors)
                 continue
             except UnexpectedToken:
                 following = self.recover(index)
-                if following is None or len(self.errors) >= MOST_ERRORS:
+                if following is None:
                     return None, tuple(self.errors)
                 index = following
                 continue
@@ -74,104 +77,96 @@ class _Run:
 
     def recover(self, index: int) -> int | None:
         """Report the unexpected token and get past it; the index to go on with, or None to give up."""
+        self.recoveries += 1
         supplied = self.missing_token(index)
-        self.errors.append(explain(self.situation(index, supplied)))
-        if supplied is not None:
-            self.state.feed_token(supplied)  # type: ignore[arg-type]
-            return index
-        abandoned = self.unwind()
-        if abandoned is None:
+        if index != self.resumed_at:
+            accepted = frozenset(name for name in self.parser.choices() if name.isupper() and self.would_accept(name))
+            begin = self.construct_start()
+            self.errors.append(explain(Situation(self.tokens, index, accepted, supplied, begin, self.start)))
+        if len(self.errors) >= MOST_ERRORS or self.recoveries >= _MOST_RECOVERIES:
             return None
-        begin = min(bisect_left(self.tokens, abandoned, key=lambda token: token.span.start), index)
-        end = self.end_of_construct(begin, index)
-        first = self.tokens[begin]
-        if end == begin and self.tokens[end].type != END:
+        if supplied is not None:
+            self.feed(supplied)
+            return index
+        begin = self.construct_start()
+        first = index if begin is None else min(self.index_at(begin), index)
+        end = self.end_of_construct(first, index)
+        if end == self.resumed_at and self.tokens[end].type != END:
             end += 1
-        self.feed_error(first, self.tokens[max(end - 1, begin)])
+        if not self.unwind_for(self.tokens[end].type):
+            return None
+        self.feed_error(first, end)
+        self.resumed_at = end
         return end
 
-    def situation(self, index: int, supplied: Token | None) -> Situation:
-        return Situation(self.tokens, index, frozenset(self.accepted()), supplied, self.construct_start())
+    def replace_by_error(self, index: int) -> bool:
+        """After a rule refused its parts: put ERROR in their place."""
+        self.recoveries += 1
+        if len(self.errors) >= MOST_ERRORS or not self.unwind_for(self.tokens[index].type):
+            return False
+        self.feed_error(index, index)
+        return True
 
-    def accepted(self) -> set[str]:
-        return {name for name in self.parser.choices() if name.isupper() and self.would_accept([name])}
+    # ---- looking ahead ----
 
-    def would_accept(self, kinds: list[str]) -> bool:
-        """Whether the parser could take these terminals next."""
+    def would_accept(self, *kinds: str, levels: int | None = None) -> bool:
+        """Whether the parser, its stack cut to a height, could take these terminals next."""
         trial = self.state.copy(deepcopy_values=False)
-        trial.parse_conf = _without_callbacks(trial.parse_conf)
+        trial.parse_conf = copy(trial.parse_conf)
+        trial.parse_conf.callbacks = {}
+        if levels is not None:
+            del trial.state_stack[levels:]
+            del trial.value_stack[max(levels - 1, 0) :]
+        feed: Any = trial.feed_token
         try:
             for kind in kinds:
-                trial.feed_token(Token(kind, "", _NO_PLACE), kind == END)  # type: ignore[arg-type]
+                feed(Token(kind, "", Span(self.tokens[0].span.source, 0, 0)), kind == END)
         except UnexpectedToken:
             return False
         return True
 
     def missing_token(self, index: int) -> Token | None:
         """A bracket or semicolon whose absence alone explains the error."""
-        terminals = {text: name for name, text in terminal_spelling().items()}
-        token = self.tokens[index]
-        before = self.tokens[index - 1] if index else None
-        if before is None:
+        if index == 0:
             return None
-        place = Span(before.span.source, before.span.end, before.span.end)
+        symbols = lexer().symbols
+        token, before = self.tokens[index], self.tokens[index - 1]
         for text in _SUPPLIED:
-            kinds = [terminals[text], token.type]
-            if text == ";" and not _on_next_line(before, token) and token.text not in ("}", ""):
+            if text == ";" and not (token.text in ("}", "") or _on_next_line(before, token)):
                 continue
-            if text != ";" and token.type != "SEMICOLON" and token.text not in ("{", ")", "]"):
+            if text != ";" and token.text not in (";", "{", ")", "]"):
                 continue
-            if self.would_accept(kinds):
-                return Token(terminals[text], text, place)
+            if self.would_accept(symbols[text], token.type):
+                return Token(symbols[text], text, Span(before.span.source, before.span.end, before.span.end))
         return None
 
+    # ---- passing over ----
+
     def construct_start(self) -> int | None:
-        """Where the innermost construct that could be passed over began, without touching the parser."""
-        states = self.parser.parser_state.parse_conf.states
+        """The offset where the innermost construct that can be passed over began; None if it has not begun."""
+        states = self.state.parse_conf.states
         start = None
-        for depth in range(len(self.state.state_stack) - 1, -1, -1):
-            if "ERROR" in states[self.state.state_stack[depth]]:
-                return start
-            if depth:
-                found = _start_of(self.state.value_stack[depth - 1])
+        for level in range(len(self.state.state_stack) - 1, -1, -1):
+            if "ERROR" in states[self.state.state_stack[level]]:
+                break
+            if level:
+                found = _start_of(self.state.value_stack[level - 1])
                 start = found if found is not None else start
         return start
 
-    def unwind(self) -> int | None:
-        """Pop to a state that accepts ERROR. The offset where the popped text began, or None if there is no state."""
-        states = self.state.parse_conf.states
-        offset = None
-        while self.state.state_stack:
-            if "ERROR" in states[self.state.state_stack[-1]]:
-                return offset if offset is not None else 1 << 62
-            if not self.state.value_stack:
-                return None
-            found = _start_of(self.state.value_stack.pop())
-            self.state.state_stack.pop()
-            offset = found if found is not None else offset
-        return None
+    def index_at(self, offset: int) -> int:
+        return bisect_left(self.tokens, offset, key=lambda token: token.span.start)
 
-    def reduce_to_error(self, first: Token, last: Token) -> bool:
-        """After a rule refused its parts: put ERROR in their place."""
-        if self.unwind() is None:
-            return False
-        self.feed_error(first, last)
-        return True
-
-    def feed_error(self, first: Token, last: Token) -> None:
-        span = Span(first.span.source, first.span.start, max(first.span.start, last.span.end))
-        self.state.feed_token(Token("ERROR", "", span))  # type: ignore[arg-type]
-
-    def end_of_construct(self, begin: int, index: int) -> int:
-        """The index behind the construct that began at ``begin`` and broke at ``index``."""
+    def end_of_construct(self, first: int, index: int) -> int:
+        """The index behind the construct that began at ``first`` and broke at ``index``."""
         tokens = self.tokens
         depth = 0
-        for token in tokens[begin:index]:
+        for token in tokens[first:index]:
             depth += (token.text in _OPENING) - (token.text in _CLOSING)
         depth = max(depth, 0)
         while tokens[index].type != END:
             token = tokens[index]
-            if token.type in ("PROCESS", "SYSTEM") and index > begin:
+            if token.type in ("PROCESS", "SYSTEM") and index > 0:
                 return index
             if token.text in _OPENING:
                 depth += 1
@@ -186,16 +181,27 @@ class _Run:
             index += 1
         return index
 
+    def unwind_for(self, following: str) -> bool:
+        """Pop to the innermost state that accepts ERROR and then the given terminal, or else to the innermost that
+        accepts ERROR. False if there is none."""
+        states = self.state.parse_conf.states
+        stack = self.state.state_stack
+        candidates = [level for level in range(len(stack), 0, -1) if "ERROR" in states[stack[level - 1]]]
+        if not candidates:
+            return False
+        level = next((n for n in candidates if self.would_accept("ERROR", following, levels=n)), candidates[0])
+        del self.state.state_stack[level:]
+        del self.state.value_stack[level - 1 :]
+        return True
 
-_NO_PLACE: Any = None
+    def feed(self, token: Token) -> None:
+        feed: Any = self.state.feed_token
+        feed(token)
 
-
-def _without_callbacks(configuration: Any) -> Any:
-    from copy import copy
-
-    bare = copy(configuration)
-    bare.callbacks = {}
-    return bare
+    def feed_error(self, first: int, end: int) -> None:
+        start = self.tokens[first].span
+        last = self.tokens[max(end - 1, first)].span
+        self.feed(Token("ERROR", "", Span(start.source, start.start, max(start.start, last.end))))
 
 
 def _on_next_line(before: Token, token: Token) -> bool:

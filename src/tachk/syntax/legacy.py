@@ -10,14 +10,15 @@ from tachk.diagnostics.span import Span
 from tachk.syntax.tokens import Token
 
 
-def as_legacy(tokens: list[Token], comparisons: dict[str, str]) -> list[Token]:
+def as_legacy(tokens: list[Token], comparisons: dict[str, str], constraint: bool) -> list[Token]:
     """The tokens of an old text as the grammar wants them.
 
     Args:
         tokens: the tokens, contextual keywords marked.
         comparisons: the terminals of ``<=`` and ``>=``.
+        constraint: whether the whole text is a guard or an invariant.
     """
-    return _parameters(_constants(_conjunctions(_comparisons(tokens, comparisons))))
+    return _parameters(_constants(_conjunctions(_comparisons(tokens, comparisons), constraint)))
 
 
 def _comparisons(tokens: list[Token], terminals: dict[str, str]) -> list[Token]:
@@ -38,10 +39,10 @@ def _comparisons(tokens: list[Token], terminals: dict[str, str]) -> list[Token]:
     return output
 
 
-def _conjunctions(tokens: list[Token]) -> list[Token]:
+def _conjunctions(tokens: list[Token], constraint: bool) -> list[Token]:
     """Turn the commas of guards and of invariants in ``state`` lines into conjunctions."""
     output: list[Token] = []
-    guard = state = False
+    guard, state = constraint, False
     depth = 0
     for token in tokens:
         kind = token.type

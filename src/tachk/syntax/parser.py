@@ -102,7 +102,7 @@ def parse_query(source: Source, start: int = 0, end: int | None = None) -> tuple
     """One query, or the part of a text that holds one."""
     lexed = lexer().cut(source, start, end)
     value, errors = drive("query", resolve_query(lexed.tokens))
-    return _unless_deep(value, lexed, (*lexed.errors, *errors))[:2]  # type: ignore[return-value]
+    return _unless_deep(value, lexed, _all_errors(lexed, errors))
 
 
 def _read(
@@ -113,13 +113,24 @@ def _read(
     tokens = resolve(lexed.tokens)
     value, errors = drive(start, tokens)
     if errors and not lexed.errors:
-        old_tokens = as_legacy([replace(token) for token in tokens], lexer().symbols)
+        old_tokens = as_legacy([replace(token) for token in tokens], lexer().symbols, start == "constraint_fragment")
         old_value, old_errors = drive(start, old_tokens)
         if not old_errors:
             value, diagnostics = _unless_deep(old_value, lexed, ())
             return value, lexed, (_legacy_warning(errors[0]), *diagnostics), True
-    value, diagnostics = _unless_deep(value, lexed, (*lexed.errors, *errors))
+    value, diagnostics = _unless_deep(value, lexed, _all_errors(lexed, errors))
     return value, lexed, diagnostics, False
+
+
+def _all_errors(lexed: Lexed, errors: Diagnostics) -> Diagnostics:
+    """Lexical and syntax errors in the order of the text; of a line with a lexical error only that."""
+
+    def line(diagnostic: Diagnostic) -> int:
+        return diagnostic.span.source.line_column(diagnostic.span.start)[0]
+
+    spoilt = {line(error) for error in lexed.errors}
+    kept = [*lexed.errors, *(error for error in errors if line(error) not in spoilt)]
+    return tuple(sorted(kept, key=lambda error: error.span.start))
 
 
 def _unless_deep(value: Any, lexed: Lexed, diagnostics: Diagnostics) -> tuple[Any, Diagnostics]:
