@@ -7,10 +7,11 @@ queries and properties, E06xx constants, E07xx unsupported features, W0xxx warni
 from __future__ import annotations
 
 from tachk.diagnostics.explanation import Explanation
+from tachk.diagnostics.lowering_codes import LOWERING_CODES
 from tachk.diagnostics.model_codes import MODEL_CODES
 from tachk.diagnostics.syntax_codes import SYNTAX_CODES
 
-CODES: dict[str, Explanation] = {**SYNTAX_CODES, **MODEL_CODES}
+CODES: dict[str, Explanation] = {**SYNTAX_CODES, **MODEL_CODES, **LOWERING_CODES}
 
 
 def explain(code: str) -> str | None:

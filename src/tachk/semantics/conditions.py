@@ -38,8 +38,8 @@ from tachk.semantics.intervals import interval, possible_cells
 from tachk.semantics.layout import Layout, cell_range
 from tachk.semantics.program import NO_CODE, ClockConstraint, Comparison, Condition, Test
 
-MAXIMAL_CONSTANT = 2**28 - 1
-"""The largest absolute value of a clock bound; the sum of two encoded bounds must fit 32 bits."""
+MAXIMAL_CONSTANT = 2**26 - 1
+"""The largest absolute value of a clock bound that the engine takes (``largest_constant`` in the core)."""
 
 _COMPARISON = {
     BinaryOperator.EQUAL: Comparison.EQUAL,

@@ -26,12 +26,14 @@ from tachk.semantics.conditions import (
     ClockAtom,
     ConditionCompiler,
     Conjunction,
+    check_bound,
     clock_atoms,
     clock_form_unsupported,
     conjuncts,
     reads_clock,
 )
 from tachk.semantics.fold import COMPARISONS, Known, cannot_fail, fold, negate
+from tachk.semantics.intervals import interval
 from tachk.semantics.layout import cell_range
 from tachk.semantics.program import DeadlockLiteral, Disjunct, Goal
 
@@ -68,6 +70,13 @@ def compile_goal(
             disjuncts.append(Disjunct(compiled[0], literals.deadlock))
             ranges.extend(compiled[1])
     return Goal(tuple(disjuncts)), tuple(ranges)
+
+
+def check_predicate(predicate: Expression, known: Known) -> None:
+    """Raises UnsupportedError if the predicate cannot be compiled to a goal."""
+    for literals in _disjuncts(fold(predicate, known), True, known, predicate.span):
+        for atom in literals.atoms:
+            check_bound(*interval(atom.bound, known), atom.span)
 
 
 def _disjuncts(expression: Expression, positive: bool, known: Known, whole: Span) -> tuple[_Literals, ...]:

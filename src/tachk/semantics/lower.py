@@ -26,6 +26,7 @@ from tachk.semantics.conditions import (
     check_bound,
     split_conjunction,
 )
+from tachk.semantics.features import rate_of
 from tachk.semantics.fold import Known, fold, fold_place, is_integer, known_values, network_expressions
 from tachk.semantics.goal import compile_goal
 from tachk.semantics.intervals import interval
@@ -104,16 +105,13 @@ class _Lowering:
             if code is not None:
                 slot = self.layout.known_slot(fold_place(place, known))
                 if slot is None:
-                    raise _rate_unsupported("the clock of a rate must not depend on variables", place.span)
+                    raise _rate_of_computed_clock(place.span)
                 stopped.append((self.layout.slots[slot].initial, code))
         return ProgramLocation(invariant, location.urgent, location.committed, tuple(stopped)), ranges
 
     def _rate_code(self, rate: Expression, known: Known) -> int | None:
         """Code for a rate that may be 0; None if it is always 1."""
-        folded = fold(rate, known)
-        low, high = interval(folded, known)
-        if low < 0 or high > 1:
-            raise _rate_unsupported(f"a clock rate that may lie anywhere in [{low}, {high}] is not 0 or 1", rate.span)
+        folded = rate_of(rate, known)
         if isinstance(folded, Constant):
             return NO_CODE if folded.value == 0 else None
         return self.generator.value_code(folded)
@@ -312,7 +310,7 @@ def _too_many_diagonals(span: Span) -> UnsupportedError:
     )
 
 
-def _rate_unsupported(message: str, span: Span) -> UnsupportedError:
+def _rate_of_computed_clock(span: Span) -> UnsupportedError:
     return UnsupportedError(
-        Diagnostic("E0710", message, span, "only stopped (0) and running (1) clocks can be checked symbolically")
+        Diagnostic("E0710", "the clock of a rate must not depend on variables", span, "write one rate for each clock")
     )

@@ -1,0 +1,84 @@
+"""Explanations of what lowering and the question for supported features report."""
+
+from __future__ import annotations
+
+from tachk.diagnostics.explanation import Explanation
+
+LOWERING_CODES: dict[str, Explanation] = {
+    "E0701": Explanation(
+        "initial value outside its range",
+        "A variable starts with a value that its declared range does not contain. Change one of them.",
+        "int[0,3] tries = 7;",
+        "int[0,7] tries = 7;",
+    ),
+    "E0702": Explanation(
+        "copy of a value that contains clocks",
+        "Clocks are not numbers that can be copied: an array or record with a clock in it cannot be assigned, passed by "
+        "value or returned. Assign its integers one by one, or pass it by reference.",
+    ),
+    "E0703": Explanation(
+        "clock compared inside a number",
+        "Clocks may be compared in guards, invariants and queries, joined by &&, ||, imply, not and forall. The body of a "
+        "function, an array index or an arithmetic expression has one value for a whole zone of clock values, so it "
+        "cannot compare clocks.",
+        "guard n == (x > 3 ? 1 : 0);",
+        "guard x > 3 && n == 1;",
+    ),
+    "E0704": Explanation(
+        "clock bound too large",
+        "The engine computes with clock values up to 67,108,863. The interval of the expression is derived from the "
+        "declared ranges of its variables; declare smaller ones, or choose a coarser time unit.",
+        "const int LIMIT = 100000000;  ...  guard x <= LIMIT;",
+        "const int LIMIT = 100000;     ...  guard x <= LIMIT;",
+    ),
+    "E0705": Explanation(
+        "disjunction of clock comparisons",
+        "A guard or an invariant must describe a convex set of clock values: at most one side of a disjunction may "
+        "compare clocks. Use two edges. Queries have no such limit.",
+        "to B { guard x >= 1 || y >= 1; }",
+        "to B { guard x >= 1; }\nto B { guard y >= 1; }",
+    ),
+    "E0706": Explanation(
+        "clock comparison of another form",
+        "Only a clock, or the difference of two clocks, can be compared with an integer expression.",
+        "guard x + y <= 5;",
+        "guard x - y <= 5;",
+    ),
+    "E0707": Explanation(
+        "predicate with too many cases",
+        "A predicate in which clock comparisons or deadlock stand under nested disjunctions is split into cases; there "
+        "were more than 4,096 of them. Split the property, or keep clocks out of the disjunctions.",
+    ),
+    "E0708": Explanation(
+        "too many edges after select",
+        "An edge with select labels stands for one edge for each combination of values, and the engine keeps them all. "
+        "More than 1,000,000 are refused. Select from smaller ranges, or set a variable step by step.",
+    ),
+    "E0709": Explanation(
+        "clock difference with a wide bound",
+        "A difference of two clocks is compared with a variable that may have more than 1,024 values. The abstraction "
+        "must tell all of them apart. Declare a smaller range.",
+    ),
+    "E0710": Explanation(
+        "clock rate other than 0 and 1",
+        "In symbolic checking a clock either runs (rate 1) or stands still (rate 0). Other rates need a statistical "
+        "tool, and the rate of a clock must name the clock directly.",
+        "invariant x' == 2;",
+        "invariant x' == 0;",
+    ),
+    "E0720": Explanation(
+        "kind of query that is not checked yet",
+        "Checked are E<> and A[], with deadlock anywhere in them. The liveness operators A<>, E[] and --> and the "
+        "optimising queries sup, inf and bounds are read, and listed as not checked.",
+        "A<> P.done",
+        "A[] P.waiting imply P.x <= 20",
+    ),
+    "E0721": Explanation(
+        "clock guard on an urgent channel",
+        "Time must stop at the very moment an urgent synchronisation becomes possible. With a clock in its guard that "
+        "moment may lie inside a delay, which zones cannot express exactly; UPPAAL forbids it too. Wait for the clock in "
+        "a location of its own.",
+        "to B { guard x >= 3; sync now!; }",
+        "location Waiting { invariant x <= 3; to Ready { guard x >= 3; } }\nlocation Ready { to B { sync now!; } }",
+    ),
+}
