@@ -1,9 +1,9 @@
 """The concrete semantics: what a network can do from one state with exact clock values.
 
-A delay passes if all invariants hold along it, no current location is urgent or committed, and no synchronisation over
-an urgent channel is possible at any moment before its end. A transition is *possible* if its guards hold, the committed
-rule admits it, a broadcast takes along every process that can receive, and the state after its updates satisfies all
-invariants. It is *enabled* if no possible transition has a higher priority.
+A delay passes if all invariants hold along it, no current location is urgent or committed, and the guards of no
+synchronisation over an urgent channel hold at any moment before its end. A transition is *possible* if its guards hold,
+the committed rule admits it, a broadcast takes along every process that can receive, and the state after its updates
+satisfies all invariants. It is *enabled* if no possible transition has a higher priority.
 """
 
 from __future__ import annotations
@@ -50,16 +50,20 @@ def satisfies_invariants(model: Model, state: TimedState) -> bool:
     return all(holds(location.invariant, scratch) for location in model.current(state.discrete))
 
 
-def possible_transitions(model: Model, state: TimedState) -> list[Transition]:
-    """The possible transitions, whatever their priorities, in the order of processes and edges."""
+def _guarded_transitions(model: Model, state: TimedState) -> Iterator[Transition]:
+    """The transitions whose guards hold and that the committed rule admits, in the order of processes and edges."""
 
     def is_open(participant: Participant) -> bool:
         scratch = environment(model, state.discrete, participant, state.clocks)
         return holds(model.edge(participant).guard, scratch)
 
     offered = offers(model, state.discrete, is_open)
-    candidates = combinations(model, state.discrete, offered, may_abstain=lambda receivers: not receivers)
-    return [t for t in candidates if satisfies_invariants(model, _successor(model, state, t))]
+    return combinations(model, state.discrete, offered, may_abstain=lambda receivers: not receivers)
+
+
+def possible_transitions(model: Model, state: TimedState) -> list[Transition]:
+    """The possible transitions, whatever their priorities, in the order of processes and edges."""
+    return [t for t in _guarded_transitions(model, state) if satisfies_invariants(model, _successor(model, state, t))]
 
 
 def enabled_transitions(model: Model, state: TimedState) -> list[Transition]:
@@ -98,25 +102,24 @@ def delay(model: Model, state: TimedState, duration: Fraction) -> TimedState:
         raise StepError("the delay violates an invariant")
     if any(type_.urgent for type_, _ in model.channels):
         for moment in _telling_moments(model, state, before=duration):
-            if urgent_possible(model, _later(model, state, moment)):
-                raise StepError(f"a synchronisation over an urgent channel is possible {moment} units into the delay")
+            if urgent(model, _later(model, state, moment)):
+                raise StepError(f"a synchronisation over an urgent channel is enabled {moment} units into the delay")
     return after
 
 
-def urgent_possible(model: Model, state: TimedState) -> bool:
-    """Whether a synchronisation over an urgent channel is possible now."""
-    return any(is_urgent(model, state.discrete, t) for t in possible_transitions(model, state))
+def urgent(model: Model, state: TimedState) -> bool:
+    """Whether the guards of a synchronisation over an urgent channel hold now."""
+    return any(is_urgent(model, state.discrete, t) for t in _guarded_transitions(model, state))
 
 
 def deadlocked(model: Model, state: TimedState) -> bool:
-    """Whether no transition is possible, now or after any delay that the invariants allow."""
-    if possible_transitions(model, state):
-        return False
-    if not may_delay(model, state.discrete):
-        return True
+    """Whether no transition is possible, now or after any delay that can pass."""
     for moment in _telling_moments(model, state, before=None):
-        after = _later(model, state, moment)
-        if satisfies_invariants(model, after) and possible_transitions(model, after):
+        try:
+            after = delay(model, state, moment)
+        except StepError:
+            return True
+        if possible_transitions(model, after):
             return False
     return True
 

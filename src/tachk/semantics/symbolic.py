@@ -62,7 +62,7 @@ class Situation:
     """Attributes:
     invariant: the valuations that satisfy all invariants; None if there are none.
     delays: time may pass: no current location is urgent or committed.
-    urgent: where a synchronisation over an urgent channel is possible.
+    urgent: where the guards of a synchronisation over an urgent channel hold.
     alive: the valuations from which some transition is possible, now or after a delay.
     """
 
@@ -82,7 +82,8 @@ def situation(model: Model, discrete: DiscreteState) -> Situation:
     stopped = stopped_clocks(model, discrete)
     if invariant is None:
         return Situation(discrete, None, delays, stopped, (), [], [])
-    moves = [m for m in (_move(model, discrete, invariant, t, g) for t, g in _guarded(model, discrete)) if m.domain]
+    guarded = _guarded(model, discrete)
+    moves = [m for m in (_move(model, discrete, invariant, t, g) for t, g in guarded) if m.domain]
     if has_priorities(model):
         ranks = [priority(model, discrete, m.transition) for m in moves]
         moves = [
@@ -96,11 +97,31 @@ def situation(model: Model, discrete: DiscreteState) -> Situation:
             )
             for m, rank in zip(moves, ranks, strict=True)
         ]
-    somewhere = [zone for m in moves for zone in m.domain]
-    urgent = [zone for m in moves if is_urgent(model, discrete, m.transition) for zone in m.domain]
-    # Into the past of a zone with stopped clocks there is no exact zone; without it fewer states count as alive.
-    alive = [dbm.down(z) for z in somewhere] if delays and not stopped else somewhere
+    urgent = [z for t, g in guarded if is_urgent(model, discrete, t) for z in _part(invariant, g)]
+    alive = _alive(invariant, delays, stopped, urgent, [zone for m in moves for zone in m.domain])
     return Situation(discrete, invariant, delays, stopped, tuple(moves), urgent, alive)
+
+
+def _alive(
+    invariant: Zone, delays: bool, stopped: frozenset[int], urgent: Federation, somewhere: Federation
+) -> Federation:
+    """The valuations from which ``somewhere`` can be reached by a delay."""
+    # Into the past of a zone with stopped clocks there is no exact zone; without it fewer states count as alive.
+    if not delays or stopped:
+        return somewhere
+    if not urgent:
+        return [dbm.down(z) for z in somewhere]
+    waiting = _before_and_after(dbm.subtract_all([invariant], urgent), urgent, invariant.dimension)
+    return somewhere + [
+        zone
+        for start, region in waiting
+        for zone in intersections([start], [dbm.down(z) for z in intersections(somewhere, region)])
+    ]
+
+
+def _part(zone: Zone, condition: Disjunction) -> Federation:
+    """The part of a zone where a condition holds."""
+    return [z for z in (dbm.constrain_all(zone, c) for c in condition) if z is not None]
 
 
 def _guarded(model: Model, discrete: DiscreteState) -> list[tuple[Transition, Disjunction]]:
@@ -164,7 +185,7 @@ def _whole_guard(
 
 
 def _move(model: Model, discrete: DiscreteState, invariant: Zone, transition: Transition, guard: Disjunction) -> Move:
-    domain = [z for z in (dbm.constrain_all(invariant, c) for c in guard) if z is not None]
+    domain = _part(invariant, guard)
     if not domain:
         return Move(transition, [], (), None, None, [])
     try:
@@ -266,9 +287,7 @@ def where(model: Model, here: Situation, predicate: Expression) -> Federation:
 
     def zones(scratch: Environment) -> Federation:
         assert here.invariant is not None
-        return [
-            z for z in (dbm.constrain_all(here.invariant, c) for c in disjunctive(predicate, scratch)) if z is not None
-        ]
+        return _part(here.invariant, disjunctive(predicate, scratch))
 
     def assuming(answer: bool) -> Environment:
         scratch = environment(model, here.discrete)

@@ -1,0 +1,114 @@
+"""Runs all engines on one network and reports where they differ."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields, replace
+from fractions import Fraction
+
+from tachk.certify.replay import ReplayError, replay
+from tachk.diagnostics.diagnostic import UnsupportedError
+from tachk.engines import digitised, reference, zone
+from tachk.engines.concretise import concretise
+from tachk.engines.protocol import BoundScope, Extrapolation, Limits, Options, Outcome, SearchOrder, Status
+from tachk.semantics.lower import lower
+from tachk.testing.networks import Case
+
+VARIANTS = (
+    Options(order=SearchOrder.DFS),
+    Options(order=SearchOrder.RANDOM_DFS, seed=7),
+    Options(extrapolation=Extrapolation.MAX),
+    Options(extrapolation=Extrapolation.NONE),
+    Options(bounds=BoundScope.GLOBAL),
+    Options(bounds=BoundScope.GLOBAL, extrapolation=Extrapolation.MAX),
+    Options(subsumption=False),
+    Options(narrow=False),
+    Options(vector=False),
+    Options(narrow=False, vector=False),
+)
+"""Each option switched away from its default: none may change a verdict."""
+
+ZONE_LIMITS = Limits(states=20_000, seconds=10)
+REFERENCE_LIMITS = Limits(states=600, seconds=3)
+REGION_LIMITS = Limits(states=1500, seconds=2)
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """Attributes:
+    outcomes: what each engine found, by name.
+    problems: what cannot be right; empty if all is well.
+    """
+
+    outcomes: dict[str, Outcome]
+    problems: tuple[str, ...]
+
+
+def compare(case: Case, variants: Sequence[Options] = VARIANTS) -> Agreement:
+    """Runs the zone engine, with all variants of its options, and the oracles, and turns what they find into runs."""
+    outcomes = {"reference": reference.explore(case.network, case.predicates, REFERENCE_LIMITS)}
+    stopwatches = any(location.rates for process in case.network.processes for location in process.locations)
+    if stopwatches:
+        outcomes["grid"] = digitised.explore_grid(case.network, case.predicates, Fraction(1, 2), REGION_LIMITS)
+    else:
+        outcomes["regions"] = digitised.explore_regions(case.network, case.predicates, REGION_LIMITS)
+    outcomes |= _zone_outcomes(case, variants)
+    problems = _over_approximation(outcomes) if stopwatches else _contradictions(outcomes)
+    return Agreement(outcomes, (*problems, *_runs(case, outcomes, stopwatches)))
+
+
+def _zone_outcomes(case: Case, variants: Sequence[Options]) -> dict[str, Outcome]:
+    try:
+        program, goals = lower(case.network, case.predicates)
+    except UnsupportedError:
+        return {}
+    outcomes = {"zone": zone.explore(program, goals, Options(), ZONE_LIMITS)}
+    for options in variants:
+        limits = ZONE_LIMITS
+        if options.extrapolation is Extrapolation.NONE:
+            limits = replace(ZONE_LIMITS, states=2000)  # this search need not end
+        outcomes[_name(options)] = zone.explore(program, goals, options, limits)
+    return outcomes
+
+
+def _name(options: Options) -> str:
+    """``zone`` and what differs from the default options."""
+    different = ((f.name, getattr(options, f.name)) for f in fields(Options) if getattr(options, f.name) != f.default)
+    return " ".join(["zone", *(f"{name}={value}" for name, value in different)])
+
+
+def _contradictions(outcomes: dict[str, Outcome]) -> Iterator[str]:
+    for goal, statuses in _by_goal(outcomes):
+        reached = [name for name, status in statuses.items() if status is Status.REACHED]
+        unreachable = [name for name, status in statuses.items() if status is Status.UNREACHABLE]
+        if reached and unreachable:
+            yield f"goal {goal}: reached by {reached}, unreachable for {unreachable}"
+
+
+def _over_approximation(outcomes: dict[str, Outcome]) -> Iterator[str]:
+    for goal, statuses in _by_goal(outcomes):
+        missed = [name for name, status in statuses.items() if status is Status.UNREACHABLE and name != "grid"]
+        if statuses["grid"] is Status.REACHED and missed:
+            yield f"goal {goal}: truly reachable, missed by {missed}"
+
+
+def _by_goal(outcomes: dict[str, Outcome]) -> Iterator[tuple[int, dict[str, Status]]]:
+    for goal in range(len(next(iter(outcomes.values())).goals)):
+        yield goal, {name: outcome.goals[goal].status for name, outcome in outcomes.items()}
+
+
+def _runs(case: Case, outcomes: dict[str, Outcome], stopwatches: bool) -> Iterator[str]:
+    for name, outcome in outcomes.items():
+        for number, goal in enumerate(outcome.goals):
+            if goal.path is None:
+                continue
+            trace = concretise(case.network, goal.path, case.predicates[number])
+            if trace is None:
+                if not stopwatches or name == "grid":
+                    yield f"goal {number}: the path found by {name} has no run"
+                continue
+            try:
+                replay(case.network, trace, case.predicates[number])
+            except ReplayError as error:
+                if not stopwatches:
+                    yield f"goal {number}: the run for the path found by {name} does not replay: {error}"

@@ -1,0 +1,269 @@
+"""Random networks and predicates, for tests of engines against each other.
+
+`random_case` draws from a `random.Random`, so a seed names a case; `cases` is the same generator as a hypothesis
+strategy, which can shrink what it finds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from random import Random
+from typing import TYPE_CHECKING
+
+from tachk.model.builder import (
+    LocationHandle,
+    NetworkBuilder,
+    ProcessBuilder,
+    Term,
+    bound_variable,
+    conditional,
+    deadlock,
+)
+from tachk.model.expressions import Expression
+from tachk.model.network import Network
+from tachk.model.types import IntType
+
+if TYPE_CHECKING:
+    from hypothesis.strategies import SearchStrategy
+
+INTEGER_TOP = 2
+"""The integers of random networks range over ``[0, INTEGER_TOP]``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """What random networks look like.
+
+    Attributes:
+        processes, locations, clocks: the largest number of each (locations for each process).
+        constant: the largest constant clocks are compared with or set to.
+        predicates: how many are drawn for each network.
+        strict: constraints with ``<`` and ``>``.
+        diagonals: guards that compare two clocks.
+        priorities: of channels and processes.
+        stopwatches: locations that stop clocks.
+        urgent_channels, broadcast, committed: whether they occur.
+        clocks_on_urgent: clock guards on edges over urgent channels.
+        clocks_on_broadcast: clock guards on edges that receive a broadcast.
+        lower_invariants: invariants with lower bounds.
+        deadlocks: predicates that ask for deadlock.
+    """
+
+    processes: int = 3
+    locations: int = 4
+    clocks: int = 3
+    constant: int = 4
+    predicates: int = 3
+    strict: bool = True
+    diagonals: bool = False
+    priorities: bool = False
+    stopwatches: bool = False
+    urgent_channels: bool = True
+    broadcast: bool = True
+    committed: bool = True
+    clocks_on_urgent: bool = False
+    clocks_on_broadcast: bool = True
+    lower_invariants: bool = True
+    deadlocks: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    network: Network
+    predicates: tuple[Expression, ...]
+
+
+@dataclass(slots=True)
+class _Parts:
+    """The declarations of a network under construction."""
+
+    clocks: list[Term]
+    integers: list[Term]
+    channels: list[tuple[Term, bool, bool, bool]]
+    """channel, whether it is an array, broadcast, urgent"""
+    scratch: Term
+    """a meta variable"""
+
+
+def random_case(random: Random, shape: Shape = Shape()) -> Case:
+    """A network that satisfies its invariants initially and has no run-time errors, with predicates on it."""
+    network = NetworkBuilder()
+    parts = _declare(random, shape, network)
+    handles: list[list[LocationHandle]] = []
+    for number in range(random.randint(2, max(2, shape.processes))):
+        priority = random.randint(0, 1) if shape.priorities else 0
+        process = network.process(f"P{number}", priority)
+        handles.append(_locations(random, shape, parts, process))
+        for source in handles[-1]:
+            for _ in range(random.choice((1, 2, 2, 3, 3))):
+                _edge(random, shape, parts, process, source, random.choice(handles[-1]))
+    predicates = tuple(_predicate(random, shape, parts, handles).expression for _ in range(shape.predicates))
+    return Case(network.build(), predicates)
+
+
+def cases(shape: Shape = Shape()) -> SearchStrategy[Case]:
+    """`random_case` as a hypothesis strategy."""
+    from hypothesis import strategies
+
+    return strategies.randoms(use_true_random=False).map(lambda random: random_case(random, shape))
+
+
+def _declare(random: Random, shape: Shape, network: NetworkBuilder) -> _Parts:
+    clocks = [network.clock(f"x{i}") for i in range(random.randint(1, shape.clocks))]
+    integers = [network.integer(f"n{i}", 0, INTEGER_TOP) for i in range(random.randint(1, 2))]
+    scratch = network.integer("scratch", 0, INTEGER_TOP, initial=1, meta=True)
+    channels = []
+    for i in range(random.randint(1, 3)):
+        broadcast = shape.broadcast and random.random() < 0.4
+        urgent = shape.urgent_channels and random.random() < 0.25
+        array = random.random() < 0.25
+        priority = random.randint(-1, 1) if shape.priorities else None
+        channels.append(
+            (network.channel(f"c{i}", broadcast, urgent, priority, size=2 if array else 0), array, broadcast, urgent)
+        )
+    return _Parts(clocks, integers, channels, scratch)
+
+
+def _locations(random: Random, shape: Shape, parts: _Parts, process: ProcessBuilder) -> list[LocationHandle]:
+    handles = []
+    for number in range(random.randint(2, shape.locations)):
+        kind = random.random()
+        stopped = [c for c in parts.clocks if shape.stopwatches and random.random() < 0.2]
+        handles.append(
+            process.location(
+                f"L{number}",
+                _invariant(random, shape, parts, initial=number == 0),
+                urgent=kind < 0.1,
+                committed=shape.committed and 0.1 <= kind < 0.2,
+                rates=[(c, 0 if random.random() < 0.7 else conditional(parts.integers[0] == 0, 1, 0)) for c in stopped],
+            )
+        )
+    return handles
+
+
+def _invariant(random: Random, shape: Shape, parts: _Parts, initial: bool) -> Term | None:
+    if random.random() < 0.6:
+        return None
+    clock = random.choice(parts.clocks)
+    bound = random.randint(1, shape.constant)
+    result = clock < bound if shape.strict and random.random() < 0.4 else clock <= bound
+    kind = random.random()
+    if kind < 0.15:
+        return (random.choice(parts.integers) == 0) | result
+    if kind < 0.25:
+        return clock <= random.choice(parts.integers) + 1
+    if kind < 0.35 and shape.lower_invariants and not initial:
+        low = random.randint(0, 2)
+        return result & (random.choice(parts.clocks) >= low)
+    return result
+
+
+def _edge(
+    random: Random,
+    shape: Shape,
+    parts: _Parts,
+    process: ProcessBuilder,
+    source: LocationHandle,
+    target: LocationHandle,
+) -> None:
+    selects = [bound_variable("i", IntType(0, 1))] if random.random() < 0.2 else []
+    send, receive, with_clocks = None, None, True
+    if random.random() < 0.55:
+        channel, array, broadcast, urgent = random.choice(parts.channels)
+        if array:
+            index = selects[0] if selects and random.random() < 0.6 else random.randint(0, 1)
+            channel = channel[index]
+        if random.random() < 0.5:
+            send = channel
+        else:
+            receive = channel
+            with_clocks = shape.clocks_on_broadcast or not broadcast
+        with_clocks = with_clocks and (shape.clocks_on_urgent or not urgent)
+    guard = _guard(random, shape, parts, selects, with_clocks)
+    updates = [_update(random, shape, parts, selects) for _ in range(random.choice((0, 1, 1, 1, 2, 2)))]
+    process.edge(source, target, guard=guard, send=send, receive=receive, updates=updates, selects=selects)
+
+
+def _guard(random: Random, shape: Shape, parts: _Parts, selects: Sequence[Term], with_clocks: bool) -> Term | None:
+    conditions: list[Term] = []
+    if random.random() < 0.25:
+        conditions.append(_integer_condition(random, [*parts.integers, *selects]))
+    if with_clocks:
+        for _ in range(random.choice((0, 0, 1, 1, 1, 2))):
+            condition = _clock_condition(random, shape, parts)
+            kind = random.random()
+            if kind < 0.08:
+                condition = _integer_condition(random, parts.integers) | condition
+            elif kind < 0.14:
+                condition = _integer_condition(random, parts.integers).implies(condition)
+            elif kind < 0.2 and shape.strict:
+                condition = ~condition
+            conditions.append(condition)
+    if not conditions:
+        return None
+    result = conditions[0]
+    for condition in conditions[1:]:
+        result = result & condition
+    return result
+
+
+def _integer_condition(random: Random, integers: Sequence[Term]) -> Term:
+    number = random.choice(integers)
+    value = random.randint(0, INTEGER_TOP)
+    return random.choice([number == value, number != value, number < value + 1, number >= value])
+
+
+def _clock_condition(random: Random, shape: Shape, parts: _Parts) -> Term:
+    """A comparison whose negation is no disjunction."""
+    left: Term = random.choice(parts.clocks)
+    bound: Term | int = random.randint(0, shape.constant)
+    if shape.diagonals and len(parts.clocks) > 1 and random.random() < 0.35:
+        left = left - random.choice([c for c in parts.clocks if c is not left])
+        bound = random.randint(-2, 2)
+    elif random.random() < 0.15:
+        bound = random.choice(parts.integers) + random.randint(0, 1)
+    choices = [left <= bound, left >= bound]
+    if shape.strict:
+        choices += [left < bound, left > bound]
+    return random.choice(choices)
+
+
+def _update(random: Random, shape: Shape, parts: _Parts, selects: Sequence[Term]) -> Term:
+    kind = random.random()
+    clock, number = random.choice(parts.clocks), random.choice(parts.integers)
+    if kind < 0.45:
+        return clock.assign(0)
+    if kind < 0.55:
+        return clock.assign(random.randint(1, 3))
+    if kind < 0.6:
+        return clock.assign(random.choice(parts.integers))
+    if kind < 0.7:
+        return number.assign(random.randint(0, INTEGER_TOP))
+    if kind < 0.8:
+        return number.assign((number + 1) % (INTEGER_TOP + 1))
+    if kind < 0.87:
+        return number.assign(selects[0] if selects else parts.scratch)
+    if kind < 0.94:
+        return parts.scratch.assign(number)
+    return number.assign(conditional(random.choice(parts.integers) > 0, 0, 1))
+
+
+def _predicate(random: Random, shape: Shape, parts: _Parts, handles: Sequence[Sequence[LocationHandle]]) -> Term:
+    def place() -> Term:
+        return random.choice(random.choice(handles)).reached
+
+    kind = random.random()
+    if shape.deadlocks and kind < 0.15:
+        return deadlock()
+    if shape.deadlocks and kind < 0.25:
+        return deadlock() & place()
+    if shape.deadlocks and kind < 0.3:
+        return ~deadlock() & place() & _clock_condition(random, shape, parts)
+    if kind < 0.45:
+        return place() & place()
+    if kind < 0.6:
+        return place() & _integer_condition(random, parts.integers) & place()
+    if kind < 0.85:
+        return place() & _clock_condition(random, shape, parts) & _clock_condition(random, shape, parts)
+    return (place() | _integer_condition(random, parts.integers)) & _clock_condition(random, shape, parts)
