@@ -1,0 +1,260 @@
+// The search on programs built by hand: known state counts, all options alike, faults, deadlock, broadcast, priorities.
+#include "tachk/explorer.hpp"
+
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+#include "check.hpp"
+
+namespace {
+
+using namespace tachk;
+
+Condition tests(std::vector<Test> items) {
+  Condition condition;
+  condition.tests = std::move(items);
+  return condition;
+}
+
+Condition atoms(std::vector<Atom> items) {
+  Condition condition;
+  condition.atoms = std::move(items);
+  return condition;
+}
+
+Atom at_most(std::uint16_t clock, Raw bound) { return {clock, 0, raw_bound(bound, false)}; }
+Atom more_than(std::uint16_t clock, Raw bound) { return {0, clock, raw_bound(-bound, true)}; }
+Atom at_least(std::uint16_t clock, Raw bound) { return {0, clock, raw_bound(-bound, false)}; }
+
+Location location(Condition invariant = {}, std::vector<ClockBound> lower = {}, std::vector<ClockBound> upper = {}) {
+  Location result{};
+  result.has_invariant = !invariant.trivial();
+  result.invariant = std::move(invariant);
+  result.lower = std::move(lower);
+  result.upper = std::move(upper);
+  return result;
+}
+
+Edge edge(std::uint32_t process, std::int32_t source, std::int32_t target, Condition guard = {}, Update update = {}) {
+  return {process, source, target, std::move(guard), -1, no_code, false, std::move(update)};
+}
+
+Edge synchronised(Edge base, std::int32_t channel, bool sends) {
+  base.channel = channel;
+  base.sends = sends;
+  return base;
+}
+
+Goal goal(Condition condition, DeadlockLiteral deadlock = DeadlockLiteral::absent) {
+  return {{{std::move(condition), deadlock}}};
+}
+
+// Fischer's protocol with n processes: the slot behind the locations is the shared variable.
+Program fischer(std::uint32_t n, Raw wait) {
+  Program program;
+  program.clocks = static_cast<int>(n);
+  program.state_slots = n + 1;
+  program.slots.assign(n, Slot{0, 3, 0, false});
+  program.slots.push_back(Slot{0, static_cast<std::int32_t>(n), 0, false});
+  program.maximum_constants.assign(n + 1, 2);
+  program.largest_constant = 2;
+  Goal both;
+  for (std::uint32_t p = 0; p < n; ++p) {
+    const auto clock = static_cast<std::uint16_t>(p + 1);
+    const auto id = static_cast<std::int32_t>(p + 1);
+    const Update reset{{}, {{clock, 0}}, no_code};
+    program.processes.push_back({0,
+                                 {location(), location(atoms({at_most(clock, 2)}), {}, {{clock, 2}}),
+                                  location({}, {{clock, wait}}, {}), location()}});
+    program.edges.push_back(edge(p, 0, 1, tests({{n, Comparison::equal, 0}}), reset));
+    program.edges.push_back(edge(p, 1, 2, atoms({at_most(clock, 2)}), {{{n, id}}, {{clock, 0}}, no_code}));
+    program.edges.push_back(edge(p, 2, 1, tests({{n, Comparison::equal, 0}}), reset));
+    Condition enter = tests({{n, Comparison::equal, id}});
+    enter.atoms = {more_than(clock, wait)};
+    program.edges.push_back(edge(p, 2, 3, enter));
+    program.edges.push_back(edge(p, 3, 0, {}, {{{n, 0}}, {}, no_code}));
+    for (std::uint32_t q = 0; q < p; ++q)
+      both.disjuncts.push_back({tests({{p, Comparison::equal, 3}, {q, Comparison::equal, 3}}), DeadlockLiteral::absent});
+  }
+  program.goals.push_back(both);
+  return program;
+}
+
+// Counts that TChecker's covering reachability reports for the same networks.
+void test_known_state_counts() {
+  struct Expected {
+    std::uint32_t processes;
+    std::uint64_t explored, stored, transitions;
+  };
+  for (const Expected& e : {Expected{6, 3458, 2378, 9132}, Expected{7, 11951, 7737, 35266}}) {
+    Explorer explorer(fischer(e.processes, 2), Options{});
+    CHECK(explorer.run(UINT64_MAX) == Status::finished);
+    CHECK(!explorer.reached(0));
+    const Statistics statistics = explorer.statistics();
+    CHECK(statistics.explored == e.explored);
+    CHECK(statistics.stored == e.stored);
+    CHECK(statistics.transitions == e.transitions);
+  }
+}
+
+void test_options_do_not_change_answers() {
+  for (const Raw wait : {1, 2})
+    for (const SearchOrder order : {SearchOrder::breadth_first, SearchOrder::depth_first, SearchOrder::random_depth_first})
+      for (const Extrapolation extrapolation : {Extrapolation::lu, Extrapolation::max})
+        for (int bits = 0; bits < 16; ++bits) {
+          Options options;
+          options.order = order;
+          options.extrapolation = extrapolation;
+          options.local_bounds = (bits & 1) != 0;
+          options.subsumption = (bits & 2) != 0;
+          options.narrow = (bits & 4) != 0;
+          options.vector = (bits & 8) != 0;
+          Explorer explorer(fischer(3, wait), options);
+          CHECK(explorer.run(UINT64_MAX) == Status::finished);
+          CHECK(explorer.reached(0).has_value() == (wait == 1));
+          if (wait == 1) CHECK(explorer.path(*explorer.reached(0)).size() >= 6);
+        }
+}
+
+void test_slices_and_limits() {
+  Explorer whole(fischer(4, 2), Options{});
+  CHECK(whole.run(UINT64_MAX) == Status::finished);
+  Explorer sliced(fischer(4, 2), Options{});
+  while (sliced.run(1) == Status::running) {
+  }
+  CHECK(sliced.statistics().stored == whole.statistics().stored);
+  Options few;
+  few.state_limit = 10;
+  CHECK(Explorer(fischer(4, 2), few).run(UINT64_MAX) == Status::state_limit);
+  Options shallow;
+  shallow.depth_limit = 3;
+  CHECK(Explorer(fischer(4, 2), shallow).run(UINT64_MAX) == Status::depth_limit);
+  Options small;
+  small.memory_limit = 1000;
+  CHECK(Explorer(fischer(4, 2), small).run(UINT64_MAX) == Status::memory_limit);
+}
+
+// One process that must leave `a` between 1 and 2 time units, and may stay in `b`, which nothing leaves.
+Program two_locations() {
+  Program program;
+  program.clocks = 1;
+  program.state_slots = 1;
+  program.slots = {Slot{0, 1, 0, false}};
+  program.maximum_constants = {0, 2};
+  program.largest_constant = 2;
+  program.processes = {{0, {location(atoms({at_most(1, 2)}), {{1, 1}}, {{1, 2}}), location()}}};
+  program.edges = {edge(0, 0, 1, atoms({at_least(1, 1)}))};
+  return program;
+}
+
+void test_deadlock() {
+  Program program = two_locations();
+  program.goals = {goal({}, DeadlockLiteral::required), goal(tests({{0, Comparison::equal, 0}}), DeadlockLiteral::required),
+                   goal(tests({{0, Comparison::equal, 1}}), DeadlockLiteral::forbidden)};
+  Options options;
+  options.extrapolation = Extrapolation::max;
+  Explorer explorer(program, options);
+  CHECK(explorer.run(UINT64_MAX) == Status::finished);
+  CHECK(explorer.reached(0).has_value());
+  CHECK(explorer.path(*explorer.reached(0)).size() == 1);
+  CHECK(!explorer.reached(1));
+  CHECK(!explorer.reached(2));
+}
+
+void test_fault_reports_where_and_how() {
+  Program program = two_locations();
+  program.state_slots = 2;
+  program.slots.push_back(Slot{0, 3, 0, false});
+  // n = n + 2
+  program.code = {2, 1, 1, 2, 20, 4, 1, 0};
+  program.edges.push_back(edge(0, 1, 1, {}, Update{{}, {}, 0}));
+  Explorer explorer(program, Options{});
+  CHECK(explorer.run(UINT64_MAX) == Status::fault);
+  CHECK(explorer.fault()->kind == FaultKind::range);
+  CHECK(explorer.fault()->position == 5);
+  CHECK(explorer.path(explorer.fault()->node).size() == 2);
+  CHECK(explorer.fault()->edges == std::vector<std::uint32_t>{1});
+}
+
+// A broadcast that a receiver hears only while its clock is at most 3.
+void test_broadcast_splits_on_the_receivers_clock() {
+  Program program;
+  program.clocks = 1;
+  program.state_slots = 2;
+  program.slots = {Slot{0, 1, 0, false}, Slot{0, 1, 0, false}};
+  program.maximum_constants = {0, 3};
+  program.largest_constant = 3;
+  program.channels = {Channel{true, false, 0}};
+  program.processes = {{0, {location(), location()}}, {0, {location({}, {{1, 3}}, {{1, 3}}), location()}}};
+  program.edges = {synchronised(edge(0, 0, 1), 0, true),
+                   synchronised(edge(1, 0, 1, atoms({at_most(1, 3)})), 0, false)};
+  Condition missed = tests({{0, Comparison::equal, 1}, {1, Comparison::equal, 0}});
+  missed.atoms = {at_most(1, 3)};
+  Condition late = tests({{0, Comparison::equal, 1}, {1, Comparison::equal, 0}});
+  late.atoms = {more_than(1, 3)};
+  program.goals = {goal(missed), goal(late), goal(tests({{0, Comparison::equal, 1}, {1, Comparison::equal, 1}}))};
+  Options options;
+  options.extrapolation = Extrapolation::max;
+  Explorer explorer(program, options);
+  CHECK(explorer.run(UINT64_MAX) == Status::finished);
+  CHECK(!explorer.reached(0));
+  CHECK(explorer.reached(1).has_value());
+  CHECK(explorer.reached(2).has_value());
+}
+
+// The low edge 0 -> 1 may fire only before the high edge 0 -> 2 becomes possible at 2.
+void test_priority_blocks_only_where_the_higher_action_is_possible() {
+  Program program;
+  program.clocks = 1;
+  program.state_slots = 2;
+  program.slots = {Slot{0, 1, 0, false}, Slot{0, 1, 0, false}};
+  program.maximum_constants = {0, 2};
+  program.largest_constant = 2;
+  program.has_priorities = true;
+  program.processes = {{0, {location(), location()}}, {1, {location({}, {{1, 2}}, {{1, 2}}), location()}}};
+  program.edges = {edge(0, 0, 1), edge(1, 0, 1, atoms({at_least(1, 2)}))};
+  Condition early = tests({{0, Comparison::equal, 1}, {1, Comparison::equal, 0}});
+  Options options;
+  options.extrapolation = Extrapolation::none;
+  program.goals = {goal(early)};
+  program.goals[0].disjuncts[0].condition.atoms = {Atom{0, 1, raw_bound(-5, true)}};
+  program.largest_constant = 5;
+  Explorer explorer(program, options);
+  explorer.run(1);
+  // Only the initial state is expanded: the successor over the low edge starts below 2, then time passes.
+  CHECK(explorer.reached(0).has_value());
+  CHECK(explorer.path(*explorer.reached(0)).front() == std::vector<std::uint32_t>{0});
+  program.edges[1].guard = {};
+  Explorer blocked(program, options);
+  CHECK(blocked.run(UINT64_MAX) == Status::finished);
+  CHECK(!blocked.reached(0));
+}
+
+void test_images_that_are_no_programs_are_refused() {
+  for (const std::vector<std::int32_t>& image :
+       {std::vector<std::int32_t>{}, std::vector<std::int32_t>{1, 2}, std::vector<std::int32_t>{0, 0, -1},
+        std::vector<std::int32_t>{0, 0, 0, 1000000000}}) {
+    bool refused = false;
+    try {
+      decode_program(image);
+    } catch (const std::invalid_argument&) {
+      refused = true;
+    }
+    CHECK(refused);
+  }
+}
+
+}  // namespace
+
+int main() {
+  test_known_state_counts();
+  test_options_do_not_change_answers();
+  test_slices_and_limits();
+  test_deadlock();
+  test_fault_reports_where_and_how();
+  test_broadcast_splits_on_the_receivers_clock();
+  test_priority_blocks_only_where_the_higher_action_is_possible();
+  test_images_that_are_no_programs_are_refused();
+  std::puts("the explorer gives the known answers");
+}
