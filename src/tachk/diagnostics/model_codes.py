@@ -1,7 +1,10 @@
-"""Explanations of what elaboration and lowering report: names, types, templates, queries, constants, features."""
+"""Explanations of what elaboration reports: names, constants, types, templates, systems, queries."""
 
 from __future__ import annotations
 
 from tachk.diagnostics.explanation import Explanation
+from tachk.diagnostics.name_codes import NAME_CODES
+from tachk.diagnostics.system_codes import SYSTEM_CODES
+from tachk.diagnostics.type_codes import TYPE_CODES
 
-MODEL_CODES: dict[str, Explanation] = {}
+MODEL_CODES: dict[str, Explanation] = {**NAME_CODES, **TYPE_CODES, **SYSTEM_CODES}

@@ -84,12 +84,18 @@ BUILTIN_CONSTANTS = {
 }
 """Names of UPPAAL 5 that a model may declare itself."""
 
+# fmt: off
 _FLOATING_FUNCTIONS = frozenset(
-    "random random_normal random_poisson random_arcsine random_beta random_gamma random_tri random_weibull "
-    "fabs fmod remainder fma fmax fmin fdim exp exp2 expm1 ln log log10 log2 log1p pow sqrt cbrt hypot sin cos tan "
-    "asin acos atan atan2 sinh cosh tanh asinh acosh atanh erf erfc tgamma lgamma ceil floor trunc round fint ldexp "
-    "ilogb logb nextafter copysign signbit isfinite isinf isnan isnormal isunordered".split()
+    {
+        "random", "random_normal", "random_poisson", "random_arcsine", "random_beta", "random_gamma", "random_tri",
+        "random_weibull", "fabs", "fmod", "remainder", "fma", "fmax", "fmin", "fdim", "exp", "exp2", "expm1", "ln",
+        "log", "log10", "log2", "log1p", "pow", "sqrt", "cbrt", "hypot", "sin", "cos", "tan", "asin", "acos", "atan",
+        "atan2", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "erf", "erfc", "tgamma", "lgamma", "ceil",
+        "floor", "trunc", "round", "fint", "ldexp", "ilogb", "logb", "nextafter", "copysign", "signbit", "isfinite",
+        "isinf", "isnan", "isnormal", "isunordered",
+    }
 )
+# fmt: on
 
 _LOGICAL = {BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY, BinaryOperator.XOR}
 
@@ -191,7 +197,7 @@ def expression(node: ast.Expression, scope: Scope, context: Context) -> Expressi
                 return None
             return Deadlock(span=span)
         case ast.InitialiserList(span):
-            context.error("E0314", span, "a list in braces can only initialise a variable")
+            context.error("E0318", span, "a list in braces can only initialise an array or a struct")
             return None
         case _ as never:
             assert_never(never)
@@ -210,6 +216,9 @@ def _name(node: ast.NameExpression, scope: Scope, context: Context) -> Expressio
         case None:
             if node.name in BUILTIN_CONSTANTS:
                 return Constant(BUILTIN_CONSTANTS[node.name], WIDE, node.span)
+            if node.name == "deadlock":
+                context.error("E0501", node.span, "`deadlock` can only be used in queries")
+                return None
             context.error("E0201", node.span, f"unknown name `{node.name}`", scope.suggestion(node.name))
         case _:
             context.error(
@@ -457,15 +466,6 @@ def assignable(node: ast.Expression, scope: Scope, context: Context) -> bool:
 
 def _assignment(node: ast.AssignmentExpression, scope: Scope, context: Context) -> Expression | None:
     target = _target(node.target, scope, context)
-    if target is not None and isinstance(target.type, ArrayType | RecordType):
-        if isinstance(node.value, ast.InitialiserList):
-            context.error(
-                "E0314",
-                node.value.span,
-                "a list in braces can only initialise a variable",
-                "assign the elements one by one",
-            )
-            return None
     value = expression(node.value, scope, context)
     if target is None or value is None:
         return None
@@ -572,9 +572,6 @@ def _called(node: ast.Expression, scope: Scope, context: Context) -> Symbol | No
 def _argument(
     function: Function, parameter: Variable, node: ast.Expression, scope: Scope, context: Context
 ) -> Expression | None:
-    changed = parameter.reference and parameter in context.effects[function].writes
-    if changed and not assignable(node, scope, context):
-        return None
     value = expression(node, scope, context)
     if value is None:
         return None
@@ -587,6 +584,8 @@ def _argument(
                 f"{what} is passed by reference and needs a variable",
                 "store the value in a variable first",
             )
+            return None
+        if parameter in context.effects[function].writes and not assignable(node, scope, context):
             return None
         fits = same_shape(parameter.type, value.type)
     else:

@@ -1,0 +1,44 @@
+"""Every code that elaboration reports: its bad example has it, its good example loads without it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tachk.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.diagnostics.model_codes import MODEL_CODES
+from tachk.diagnostics.span import Source
+from tachk.frontend.load import load_model
+
+FRONTEND = Path(__file__).resolve().parents[3] / "src" / "tachk" / "frontend"
+
+
+def findings(text: str) -> tuple[Diagnostic, ...]:
+    """What is found in an example; a process and a system line are added where they are missing."""
+    if "process" not in text:
+        text += "\nprocess P() { state s; init s; }"
+    if "system" not in text:
+        text += "\nsystem P;"
+    try:
+        return load_model(Source("example.ta", text)).warnings
+    except InputError as error:
+        return error.diagnostics
+
+
+@pytest.mark.parametrize("code", [code for code, e in MODEL_CODES.items() if e.bad])
+def test_bad_example_has_exactly_its_finding(code: str) -> None:
+    assert {d.code for d in findings(MODEL_CODES[code].bad)} == {code}
+
+
+@pytest.mark.parametrize("code", [code for code, e in MODEL_CODES.items() if e.good])
+def test_good_example_has_no_finding(code: str) -> None:
+    assert findings(MODEL_CODES[code].good) == ()
+
+
+def test_every_reported_code_is_explained() -> None:
+    reported = {
+        code for path in FRONTEND.glob("*.py") for code in re.findall(r'"([EW]0\d{3})"', path.read_text("utf-8"))
+    }
+    assert reported == set(MODEL_CODES)
