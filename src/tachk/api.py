@@ -14,15 +14,16 @@ from __future__ import annotations
 import difflib
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from io import StringIO
 from typing import overload
 
 from rich.console import Console
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
+from tachk.diagnostics.span import Source
 from tachk.engines.protocol import Extrapolation, Limits, Options, Progress, SearchOrder
-from tachk.frontend.load import LoadedModel, load_model
+from tachk.frontend.load import LoadedModel, UncheckedQuery, elaborate_queries, load_model
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.verdict import Answer, Verdict
@@ -30,6 +31,7 @@ from tachk.properties.verify import verify as verify_queries
 from tachk.report.json_report import Json, run_to_json
 from tachk.report.record import NotChecked, RunRecord
 from tachk.report.text_report import print_run
+from tachk.syntax.source_files import read_source
 
 __all__ = [
     "Answer",
@@ -57,8 +59,7 @@ def load(path: str | os.PathLike[str], **constants: int | bool | str) -> Model:
 
     Raises:
         InputError: the model is wrong; carries every finding.
-        UsageError: there is no such constant.
-        OSError: the file cannot be read.
+        UsageError: the file cannot be read, or there is no such constant.
     """
     return Model(os.fspath(path), load_model(path, constants))
 
@@ -118,16 +119,33 @@ class Model:
             UnsupportedError: the model uses a feature that the query cannot be decided with.
         """
         names = (property,) if isinstance(property, str) else tuple(property)
-        chosen = [self._property(name) for name in names]
-        given = [*self.loaded.queries_of_files(query_files), *self.loaded.parse(queries)]
-        if not names and not queries and not query_files:
-            chosen = list(self.properties)
-        verdicts = verify_queries(
-            self.network, (*chosen, *given), options or Options(), limits or Limits(), progress, trace
-        )
-        return Report(
-            RunRecord(self.path, self.network, verdicts, not_checked, options or Options(), limits or Limits())
-        )
+        sources = [*map(read_source, query_files), *(Source("<query>", text) for text in queries)]
+        if not names and not sources:
+            checked, unchecked = self.properties, self.loaded.unchecked
+        else:
+            given, unchecked = self._given(sources)
+            checked = (*(self._property(name) for name in names), *given)
+        options, limits = options or Options(), limits or Limits()
+        verdicts = verify_queries(self.network, checked, options, limits, progress, trace)
+        not_checked = tuple(NotChecked(query.name, query.text, f"{query.family} query") for query in unchecked)
+        return Report(RunRecord(self.path, self.network, verdicts, not_checked, options, limits))
+
+    def _given(self, sources: Iterable[Source]) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
+        """The queries of several texts, numbered through."""
+        checked: list[Query] = []
+        unchecked: list[UncheckedQuery] = []
+        diagnostics: list[Diagnostic] = []
+        for source in sources:
+            try:
+                found, others = elaborate_queries(self.loaded, source)
+            except InputError as error:
+                diagnostics += error.diagnostics
+            else:
+                checked += found
+                unchecked += others
+        if diagnostics:
+            raise InputError(diagnostics)
+        return tuple(replace(query, name=f"q{i}") for i, query in enumerate(checked, start=1)), tuple(unchecked)
 
     def _property(self, name: str) -> Query:
         for query in self.properties:

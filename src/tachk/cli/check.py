@@ -13,7 +13,7 @@ from tachk.cli.guard import guarded, print_diagnostics
 def run_check(models: tuple[str, ...], definitions: tuple[str, ...]) -> ExitStatus:
     """Reads every model and prints one line about each that has no error."""
     constants = parse_definitions(definitions)
-    return worst([guarded(partial(_check, path, constants)) for path in models])
+    return worst([guarded(partial(_check, path, constants), path if len(models) > 1 else "") for path in models])
 
 
 def _check(path: str, constants: dict[str, str]) -> ExitStatus:

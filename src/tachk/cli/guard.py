@@ -10,8 +10,12 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError, UsageError
 
 
-def guarded(action: Callable[[], ExitStatus]) -> ExitStatus:
-    """Runs an action; an error becomes a message on standard error and an exit status."""
+def guarded(action: Callable[[], ExitStatus], subject: str = "") -> ExitStatus:
+    """Runs an action; an error becomes a message on standard error and an exit status.
+
+    Args:
+        subject: what the action is about, where a message alone would not say it.
+    """
     try:
         return action()
     except InputError as error:
@@ -21,7 +25,7 @@ def guarded(action: Callable[[], ExitStatus]) -> ExitStatus:
         print_diagnostics([error.diagnostic])
         return ExitStatus.UNSUPPORTED
     except UsageError as error:
-        complain(str(error), error.help)
+        complain(f"{subject}: {error}" if subject else str(error), error.help)
         return ExitStatus.BAD_INPUT
     except BrokenPipeError:
         sys.stderr.close()

@@ -6,7 +6,7 @@ import sys
 import time
 
 from tachk.engines.protocol import Statistics
-from tachk.report.quantity import bytes_, count, seconds
+from tachk.report.quantity import bytes_, count
 
 _INTERVAL = 0.2
 
@@ -33,7 +33,7 @@ class ProgressLine:
         self._visible = True
         print(
             f"\r\x1b[K{count(statistics.states_explored)} states explored, {count(statistics.states_stored)} stored   "
-            f"{rate}{bytes_(statistics.peak_bytes)}   {seconds(statistics.seconds)}",
+            f"{rate}{bytes_(statistics.peak_bytes)}   {statistics.seconds:.1f} s",
             end="",
             file=sys.stderr,
             flush=True,

@@ -73,7 +73,7 @@ def run_verify(request: VerifyRequest) -> ExitStatus:
             records.append(record)
             return _status(record)
 
-        statuses = [guarded(partial(check, path)) for path in models]
+        statuses = [guarded(partial(check, path), path if len(models) > 1 else "") for path in models]
         if records and out is not None:
             if request.format == "json":
                 runs = [run_to_json(record) for record in records]

@@ -51,10 +51,11 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, cl
     for query in record.not_checked:
         console.print(Text(f"  not checked: {query.text} ({query.reason})", style="dim"))
     for verdict in record.verdicts:
-        if verdict.answer is Answer.UNKNOWN:
-            console.print(Text(f"\n{verdict.query.name} is unknown: {verdict.reason}", style="yellow"))
         if verdict.unsupported is not None:
+            console.print(Text(f"\n{verdict.query.name} cannot be checked:", style="yellow"))
             console.print(Text(render(verdict.unsupported)), soft_wrap=True)
+        elif verdict.answer is Answer.UNKNOWN:
+            console.print(Text(f"\n{verdict.query.name} is unknown: {verdict.reason}", style="yellow"))
         if verdict.fault is not None:
             console.print()
             print_fault(record.network, verdict.fault, console)
@@ -105,24 +106,26 @@ def _title(record: RunRecord) -> Text:
 
 
 def _table(record: RunRecord) -> Table:
-    table = Table(box=None, pad_edge=True, padding=(0, 2, 0, 0))
-    table.add_column("  property", overflow="fold")
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    table.add_column("  property", no_wrap=True, overflow="fold")
     table.add_column("answer")
     table.add_column("expected")
     table.add_column("states", justify="right")
-    table.add_column("time", justify="right")
-    table.add_column("memory", justify="right")
+    table.add_column("time", justify="right", no_wrap=True)
+    table.add_column("memory", justify="right", no_wrap=True)
+    table.add_column("meaning", overflow="fold")
     for verdict in record.verdicts:
         query, statistics = verdict.query, verdict.statistics
         mark = {True: " ", False: "✗", None: "?"}[verdict.met]
         expected = query.expectation.value if query.expectation else "-"
         table.add_row(
-            Text.assemble((f"{mark} ", "red"), query.name, (f"  {query.title or query.text}", "dim")),
+            Text.assemble((f"{mark} ", "red"), query.name),
             Text(verdict.answer.value, style=_STYLES[verdict.answer]),
             Text(expected, style="" if verdict.met is not False else "bold red"),
             count(statistics.states_stored),
             seconds(statistics.seconds),
             bytes_(statistics.peak_bytes),
+            Text(query.title or query.text, style="dim"),
         )
     return table
 
