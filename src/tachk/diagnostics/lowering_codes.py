@@ -13,13 +13,13 @@ LOWERING_CODES: dict[str, Explanation] = {
     ),
     "E0702": Explanation(
         "copy of a value that contains clocks",
-        "Clocks are not numbers that can be copied: an array or record with a clock in it cannot be assigned, passed by "
-        "value or returned. Assign its integers one by one, or pass it by reference.",
+        "Clocks are not numbers that can be copied: an array or record with a clock in it cannot be assigned, passed "
+        "by value or returned. Assign its integers one by one, or pass it by reference.",
     ),
     "E0703": Explanation(
         "clock compared inside a number",
-        "Clocks may be compared in guards, invariants and queries, joined by &&, ||, imply, not and forall. The body of a "
-        "function, an array index or an arithmetic expression has one value for a whole zone of clock values, so it "
+        "Clocks may be compared in guards, invariants and queries, joined by &&, ||, imply, not and forall. The body of "
+        "a function, an array index or an arithmetic expression has one value for a whole zone of clock values, so it "
         "cannot compare clocks.",
         "guard n == (x > 3 ? 1 : 0);",
         "guard x > 3 && n == 1;",
@@ -76,8 +76,8 @@ LOWERING_CODES: dict[str, Explanation] = {
     "E0721": Explanation(
         "clock guard on an urgent channel",
         "Time must stop at the very moment an urgent synchronisation becomes possible. With a clock in its guard that "
-        "moment may lie inside a delay, which zones cannot express exactly; UPPAAL forbids it too. Wait for the clock in "
-        "a location of its own.",
+        "moment may lie inside a delay, which zones cannot express exactly; UPPAAL forbids it too. Wait for the clock "
+        "in a location of its own.",
         "to B { guard x >= 3; sync now!; }",
         "location Waiting { invariant x <= 3; to Ready { guard x >= 3; } }\nlocation Ready { to B { sync now!; } }",
     ),

@@ -496,5 +496,3 @@ def clock_form_unsupported(span: Span) -> UnsupportedError:
             span,
         )
     )
-
-

@@ -283,9 +283,7 @@ def fold_place(place: Expression, known: Known) -> Expression:
             test = fold(condition, known)
             if isinstance(test, Constant):
                 return fold_place(then if test.value else otherwise, known)
-            return replace(
-                place, condition=test, then=fold_place(then, known), otherwise=fold_place(otherwise, known)
-            )
+            return replace(place, condition=test, then=fold_place(then, known), otherwise=fold_place(otherwise, known))
         case Reference():
             return place
         case _:

@@ -99,9 +99,7 @@ def _disjuncts(expression: Expression, positive: bool, known: Known, whole: Span
             _is_condition(left) and _is_condition(right)
         ):
             equal = (operator is BinaryOperator.EQUAL) == positive
-            both_true = _product(
-                _disjuncts(left, True, known, whole), _disjuncts(right, equal, known, whole), whole
-            )
+            both_true = _product(_disjuncts(left, True, known, whole), _disjuncts(right, equal, known, whole), whole)
             both_false = _product(
                 _disjuncts(left, False, known, whole), _disjuncts(right, not equal, known, whole), whole
             )
@@ -112,9 +110,7 @@ def _disjuncts(expression: Expression, positive: bool, known: Known, whole: Span
                 return tuple(_Literals(atoms=conjunction) for conjunction in atoms)
             return _disjuncts(atoms, True, known, whole)
         case Conditional(condition, then, otherwise):
-            one = _product(
-                _disjuncts(condition, True, known, whole), _disjuncts(then, positive, known, whole), whole
-            )
+            one = _product(_disjuncts(condition, True, known, whole), _disjuncts(then, positive, known, whole), whole)
             other = _product(
                 _disjuncts(condition, False, known, whole), _disjuncts(otherwise, positive, known, whole), whole
             )
