@@ -210,7 +210,7 @@ class Report(Sequence[Verdict]):
     def to_text(self, every_trace: bool = False, clocks: bool = False) -> str:
         """What `tachk verify` prints."""
         out = StringIO()
-        print_run(self.record, Console(file=out, width=120, highlight=False), every_trace, clocks)
+        print_run(self.record, Console(file=out, width=1000, highlight=False), every_trace, clocks)
         return out.getvalue()
 
     def __str__(self) -> str:

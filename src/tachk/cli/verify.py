@@ -25,8 +25,8 @@ from tachk.report.junit_report import runs_to_junit
 from tachk.report.record import RunRecord
 from tachk.report.text_report import print_run
 
-_WIDTH = 120
-"""Columns of a text report that does not go to a terminal."""
+_WIDTH = 1000
+"""Columns of a report that does not go to a terminal: wide enough for no line to be broken."""
 
 
 @dataclass(frozen=True, slots=True)
