@@ -402,9 +402,14 @@ class Builder:
         )
 
     def outgoing(self, children: Children) -> ast.EdgeDeclaration:
-        keyword, target, *rest = children
+        uncontrollable, keyword, target, *rest = children
         return ast.EdgeDeclaration(
-            _span(children), None, target, doc=keyword.doc, **clauses_of(_only(rest, Clause))
+            _span(children),
+            None,
+            target,
+            controllable=uncontrollable is None,
+            doc=(uncontrollable or keyword).doc,
+            **clauses_of(_only(rest, Clause)),
         )
 
     def flag(self, children: Children) -> Token:

@@ -44,6 +44,7 @@ SPELLING = {
     "INVARIANT": "invariant",
     "EXPONENTIAL_RATE": "exponential_rate",
     "TO": "to",
+    "UNCONTROLLABLE": "uncontrollable",
     "PROBABILITY": "probability",
 }
 """How each contextual keyword is written."""
@@ -161,7 +162,7 @@ class _Resolver:
                 token.type = "PROBABILITY"
             return False
         if self.inside is _Inside.LOCATION:
-            if word in ("to", "invariant", "exponential_rate"):
+            if word in ("to", "invariant", "exponential_rate") or (word == "uncontrollable" and self.text(1) == "to"):
                 token.type = word.upper()
             return False
         if self.inside is _Inside.OTHER:
@@ -254,26 +255,23 @@ class _Resolver:
             return False
         if self.inside is _Inside.PROCESS and token.text == "location" and self.text(2) == "{":
             token.type = "LOCATION"
-        elif self.inside is _Inside.LOCATION and token.text == "to" and self.text(2) in ("{", ";"):
-            token.type = "TO"
+        elif self.inside is _Inside.LOCATION and token.text in ("to", "uncontrollable"):
+            token.type = token.text.upper()
         else:
             return False
         return True
 
     def opaque_block(self) -> None:
-        """Take a balanced pair of braces as one token."""
-        start = self.position
+        """Take a balanced pair of braces as one token; one that is never closed stays as it is, an error."""
         depth = 0
-        while self.position < len(self.tokens) - 1:
-            text = self.tokens[self.position].text
-            self.position += 1
+        for end in range(self.position, len(self.tokens) - 1):
+            text = self.tokens[end].text
             depth += (text == "{") - (text == "}")
             if depth == 0:
-                break
-        if self.position > start:
-            first, last = self.tokens[start].span, self.tokens[self.position - 1].span
-            span = first.to(last)
-            self.output.append(Token("OPAQUE_BLOCK", span.text, span))
+                span = self.tokens[self.position].span.to(self.tokens[end].span)
+                self.output.append(Token("OPAQUE_BLOCK", span.text, span))
+                self.position = end + 1
+                return
 
     def end_of_property(self) -> int:
         """The index of the ``;`` that ends the formula at the current position."""

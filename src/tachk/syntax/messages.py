@@ -108,6 +108,8 @@ def _brackets(situation: Situation) -> Diagnostic | None:
             f"add '{_closing(stack[-1].text)}'",
             (Label(token.span, there),),
         )
+    if token.text == "{" and "OPAQUE_BLOCK" in situation.accepted:
+        return Diagnostic("E0113", "this '{' is never closed", token.span, "add '}'")
     if token.text not in _CLOSES:
         return None
     if not stack:

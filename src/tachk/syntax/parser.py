@@ -7,7 +7,7 @@ layers above, which know whether anything else is worth reporting first.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -38,7 +38,7 @@ def parse_document(source: Source, strict_xta: bool = False) -> tuple[ast.Docume
     if items is None:
         return None, diagnostics
     span = Span(source, 0, len(source.text))
-    document = ast.Document(span, items, tuple(lexed.comments), legacy)
+    document = ast.Document(span, items, _comments_beside(items, lexed), legacy)
     if strict_xta:
         diagnostics += additions(document)
     return document, diagnostics
@@ -137,6 +137,37 @@ def _unless_deep(value: Any, lexed: Lexed, diagnostics: Diagnostics) -> tuple[An
     """Refuse trees that recursive passes could not walk."""
     deep = nesting_errors(lexed.tokens, value)
     return (None, diagnostics + deep) if deep else (value, diagnostics)
+
+
+def _comments_beside(items: tuple[ast.Item, ...], lexed: Lexed) -> tuple[ast.Comment, ...]:
+    """The comments that no node holds: not the documentation of a node, not inside a block that is kept as text."""
+    documented = {node.span.start for item in items for node in _documented(item) if node.doc}
+    loose = [comment for offset, docs in lexed.docs.items() if offset not in documented for comment in docs]
+    raw = [item.span for item in items if isinstance(item, ast.GanttDeclaration | ast.ForeignImport)]
+    raw += [
+        declaration.span
+        for item in items
+        if isinstance(item, ast.Template)
+        for declaration in item.declarations
+        if isinstance(declaration, ast.ForeignImport)
+    ]
+    kept = [c for c in (*lexed.comments, *loose) if not any(span.start <= c.span.start < span.end for span in raw)]
+    return tuple(sorted(kept, key=lambda comment: comment.span.start))
+
+
+def _documented(item: ast.Item) -> Iterator[Any]:
+    """The nodes of an item that can hold documentation."""
+    if isinstance(item, ast.SignalDeclaration | ast.PropertyDeclaration):
+        yield item
+    elif isinstance(item, ast.Template):
+        yield item
+        yield from (d for d in item.declarations if isinstance(d, ast.SignalDeclaration))
+        yield from item.edges
+        for location in item.locations:
+            yield location
+            yield from location.edges
+        for branchpoint in item.branchpoints:
+            yield from branchpoint.edges
 
 
 def _legacy_warning(first: Diagnostic) -> Diagnostic:

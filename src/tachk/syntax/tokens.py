@@ -44,9 +44,13 @@ class Token:
 
 @dataclass(slots=True)
 class Lexed:
-    """Tokens (ended by one of type `END`), the comments that document nothing, and lexical errors."""
+    """Tokens (ended by one of type `END`), comments, and lexical errors.
+
+    ``docs`` holds the ``///`` lines directly before a token by the token's offset, ``comments`` all others.
+    """
 
     tokens: list[Token] = field(default_factory=list)
+    docs: dict[int, list[Comment]] = field(default_factory=dict)
     comments: list[Comment] = field(default_factory=list)
     errors: list[Diagnostic] = field(default_factory=list)
 
@@ -129,6 +133,7 @@ class Lexer:
                 token = Token(kind, word, Span(source, position, after))
                 if docs:
                     token.doc = "\n".join(_doc_line(comment.text) for comment in docs)
+                    lexed.docs[position] = docs
                     docs = []
                 lexed.tokens.append(token)
             position = after

@@ -1,0 +1,187 @@
+"""Expressions, types and formulas as text, with no more parentheses than needed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import assert_never
+
+from tachk.syntax import ast
+
+_QUANTIFIED, _ASSIGNED, _CONDITIONAL = 0, 1, 2
+_PREFIXED, _POSTFIXED = 15, 16
+
+BINARY_LEVEL = {
+    **dict.fromkeys(("||", "imply", "xor"), 3),
+    "&&": 4,
+    "|": 5,
+    "^": 6,
+    "&": 7,
+    **dict.fromkeys(("==", "!="), 8),
+    **dict.fromkeys(("<", "<=", ">=", ">"), 9),
+    **dict.fromkeys(("<?", ">?"), 10),
+    **dict.fromkeys(("<<", ">>"), 11),
+    **dict.fromkeys(("+", "-"), 12),
+    **dict.fromkeys(("*", "/", "%"), 13),
+    "**": 14,
+}
+"""How strongly a binary operator binds; all associate to the left."""
+
+
+def print_expression(expression: ast.Expression) -> str:
+    """The text of an expression; reading it again gives an equal tree."""
+    return _print(expression, _QUANTIFIED, True)
+
+
+def print_expressions(expressions: Sequence[ast.Expression]) -> str:
+    return ", ".join(print_expression(expression) for expression in expressions)
+
+
+def _print(expression: ast.Expression, least: int, open_right: bool) -> str:
+    """The text of an expression as an operand.
+
+    Args:
+        least: the weakest binding that needs no parentheses here.
+        open_right: whether nothing follows that the body of a quantifier would take in.
+    """
+    level, closed = _level(expression)
+    if level >= least or (level == _QUANTIFIED and open_right and least <= _PREFIXED):
+        return _text(expression, open_right)
+    assert not closed
+    return f"({_text(expression, True)})"
+
+
+def _level(expression: ast.Expression) -> tuple[int, bool]:
+    """How strongly an expression binds, and whether it is an operand as it is."""
+    match expression:
+        case ast.QuantifierExpression():
+            return _QUANTIFIED, False
+        case ast.AssignmentExpression():
+            return _ASSIGNED, False
+        case ast.ConditionalExpression():
+            return _CONDITIONAL, False
+        case ast.BinaryExpression():
+            return BINARY_LEVEL[expression.operator], False
+        case ast.UnaryExpression():
+            return _PREFIXED, False
+        case ast.IncrementExpression():
+            return (_PREFIXED if expression.prefix else _POSTFIXED), False
+        case ast.IntegerLiteral():
+            return (_PREFIXED if expression.value < 0 else _POSTFIXED), False
+        case _:
+            return _POSTFIXED, True
+
+
+def _text(expression: ast.Expression, open_right: bool) -> str:
+    match expression:
+        case ast.NameExpression(name=name):
+            return name
+        case ast.IntegerLiteral(value=value):
+            return str(value)
+        case ast.FloatLiteral(text=text):
+            return text
+        case ast.BooleanLiteral(value=value):
+            return "true" if value else "false"
+        case ast.StringLiteral(value=value):
+            return f'"{value}"'
+        case ast.DeadlockExpression():
+            return "deadlock"
+        case ast.UnaryExpression(operator=operator, operand=operand):
+            inner = _print(operand, _PREFIXED, open_right)
+            return f"{operator}({inner})" if inner.startswith(operator) and operator != "!" else operator + inner
+        case ast.BinaryExpression(operator=operator, left=left, right=right):
+            level = BINARY_LEVEL[operator]
+            return f"{_print(left, level, False)} {operator} {_print(right, level + 1, open_right)}"
+        case ast.AssignmentExpression(operator=operator, target=target, value=value):
+            return f"{_print(target, _CONDITIONAL, False)} {operator} {_print(value, _ASSIGNED, open_right)}"
+        case ast.IncrementExpression(operator=operator, prefix=True, target=target):
+            return operator + _print(target, _PREFIXED, open_right)
+        case ast.IncrementExpression(operator=operator, target=target):
+            return _print(target, _POSTFIXED, False) + operator
+        case ast.ConditionalExpression(condition=condition, then=then, otherwise=otherwise):
+            first = _print(condition, _CONDITIONAL + 1, False)
+            second = _print(then, _QUANTIFIED, True)
+            return f"{first} ? {second} : {_print(otherwise, _CONDITIONAL, open_right)}"
+        case ast.CallExpression(function=function, arguments=arguments):
+            return f"{_print(function, _POSTFIXED, False)}({print_expressions(arguments)})"
+        case ast.IndexExpression(base=base, index=index):
+            return f"{_print(base, _POSTFIXED, False)}[{print_expression(index)}]"
+        case ast.MemberExpression(base=base, name=name):
+            return f"{_print(base, _POSTFIXED, False)}.{name.name}"
+        case ast.RateExpression(clock=clock):
+            return f"{_print(clock, _POSTFIXED, False)}'"
+        case ast.QuantifierExpression(kind=kind, variable=variable, type=type_, body=body):
+            return f"{kind} ({variable.name} : {print_type(type_)}) {_print(body, _QUANTIFIED, open_right)}"
+        case ast.InitialiserList(items=items):
+            return "{ " + ", ".join(_initialiser(name, value) for name, value in items) + " }"
+        case _:
+            assert_never(expression)
+
+
+def _initialiser(name: ast.Identifier | None, value: ast.Expression) -> str:
+    return print_expression(value) if name is None else f"{name.name}: {print_expression(value)}"
+
+
+def print_type(type_: ast.TypeExpression) -> str:
+    """The text of a type on one line."""
+    return " ".join((*type_.prefixes, _print_base(type_.base)))
+
+
+def _print_base(
+    base: ast.BuiltinType | ast.RangeType | ast.ScalarSetType | ast.StructType | ast.NamedType,
+) -> str:
+    match base:
+        case ast.BuiltinType(name=name) | ast.NamedType(name=name):
+            return name
+        case ast.RangeType(low=low, high=high):
+            return f"int[{print_expression(low)}, {print_expression(high)}]"
+        case ast.ScalarSetType(size=size):
+            return f"scalar[{print_expression(size)}]"
+        case ast.StructType(fields=fields):
+            return "struct { " + " ".join(print_variables(field) for field in fields) + " }"
+        case _:
+            assert_never(base)
+
+
+def print_declarator(declarator: ast.Declarator) -> str:
+    text = declarator.name.name + print_dimensions(declarator.dimensions)
+    if declarator.initialiser is not None:
+        text += f" = {print_expression(declarator.initialiser)}"
+    return text
+
+
+def print_dimensions(dimensions: Sequence[ast.Expression | ast.TypeExpression]) -> str:
+    return "".join(
+        f"[{print_type(dimension) if isinstance(dimension, ast.TypeExpression) else print_expression(dimension)}]"
+        for dimension in dimensions
+    )
+
+
+def print_variables(declaration: ast.VariableDeclaration) -> str:
+    """``type a, b = 1;`` on one line."""
+    type_ = print_type(declaration.type) if declaration.type is not None else "const int"
+    return f"{type_} {', '.join(print_declarator(d) for d in declaration.declarators)};"
+
+
+def print_parameters(parameters: Sequence[ast.Parameter]) -> str:
+    return ", ".join(
+        f"{print_type(p.type)} {'&' if p.reference else ''}{p.name.name}{print_dimensions(p.dimensions)}"
+        for p in parameters
+    )
+
+
+def print_synchronisation(label: ast.SynchronisationLabel) -> str:
+    value = print_expression(label.value) if label.value is not None else ""
+    return f"{print_expression(label.channel)}{label.direction}{value}"
+
+
+def print_formula(formula: ast.QueryFormula | ast.UncheckedFormula) -> str:
+    """The text of a query."""
+    if isinstance(formula, ast.UncheckedFormula):
+        return formula.text
+    if formula.kind in ("sup", "inf", "bounds"):
+        restriction = "" if formula.predicate is None else f"{{ {print_expression(formula.predicate)} }}"
+        return f"{formula.kind}{restriction}: {print_expressions(formula.operands)}"
+    assert formula.predicate is not None, "only sup, inf and bounds go without a predicate"
+    if formula.kind == "-->":
+        return f"{print_expression(formula.predicate)} --> {print_expressions(formula.operands)}"
+    return f"{formula.kind} {print_expression(formula.predicate)}"
