@@ -105,11 +105,20 @@ class Term:
     def __mul__(self, other: Operand) -> Term:
         return self._with(BinaryOperator.MULTIPLY, other)
 
+    def __rmul__(self, other: Operand) -> Term:
+        return self._after(BinaryOperator.MULTIPLY, other)
+
     def __floordiv__(self, other: Operand) -> Term:
         return self._with(BinaryOperator.DIVIDE, other)
 
+    def __rfloordiv__(self, other: Operand) -> Term:
+        return self._after(BinaryOperator.DIVIDE, other)
+
     def __mod__(self, other: Operand) -> Term:
         return self._with(BinaryOperator.MODULO, other)
+
+    def __rmod__(self, other: Operand) -> Term:
+        return self._after(BinaryOperator.MODULO, other)
 
     def __and__(self, other: Operand) -> Term:
         return self._with(BinaryOperator.AND, other)
