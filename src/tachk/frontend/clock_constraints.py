@@ -95,8 +95,10 @@ def compare(
     operator: BinaryOperator, left: Expression, right: Expression, span: Span, context: Context
 ) -> Expression | None:
     """The comparison of two terms, of which at least one contains a clock."""
-    difference = _sum(Binary(BinaryOperator.SUBTRACT, left, right, ClockType(), span))
-    plus, minus = list(difference.plus), list(difference.minus)
+    first, second = _sum(left), _sum(right)
+    if not (first.plus or first.minus):
+        first, second, operator = second, first, _MIRRORED[operator]
+    plus, minus = [*first.plus, *second.minus], [*first.minus, *second.plus]
     for clock in tuple(plus):
         if clock in minus:
             plus.remove(clock)
@@ -109,13 +111,10 @@ def compare(
             "write it as `x <= e` or `x - y <= e` with an integer expression `e`",
         )
         return None
-    constant: Expression = Constant(0, span=span)
-    if difference.rest is not None:
-        constant = fold.unary(UnaryOperator.MINUS, difference.rest, INT, difference.rest.span)
     if not plus:
-        operator = _MIRRORED[operator]
-        constant = fold.unary(UnaryOperator.MINUS, constant, INT, constant.span)
-        plus, minus = minus, []
+        first, second, operator = second, first, _MIRRORED[operator]
+        plus, minus = minus, plus
+    constant = _add(second.rest, first.rest, BinaryOperator.SUBTRACT, span) or Constant(0, span=span)
     if not plus:
         return fold.binary(operator, Constant(0, span=span), constant, BOOL, span)
     clocks: Expression = plus[0]

@@ -168,8 +168,7 @@ class Instances:
     ) -> tuple[ast.Template, Scope] | None:
         """Follows a chain of instantiations to its template; the scope holds the template's parameters."""
         while isinstance(node, ast.Instantiation):
-            if isinstance(node, ast.Instantiation):
-                self.used.add(node.name.name)
+            self.used.add(node.name.name)
             target = self._template(node)
             if target is None:
                 return None
@@ -281,7 +280,7 @@ class Instances:
         checker = Instances(self.globals, ChannelTable(set()), context)
         for name, symbol in self.globals.symbols.items():
             if isinstance(symbol, TemplateSymbol) and symbol.template.name.name not in self.used:
-                with context.findings.without(VALUE_CODES):
+                with context.findings.without(VALUE_CODES if symbol.template.parameters else frozenset()):
                     declared = Declared(name)
                     bound = Scope(self.globals)
                     for parameter in symbol.template.parameters:

@@ -297,6 +297,8 @@ def _initial(template: ast.Template, context: Context) -> int:
         return 0
     for number in initial[1:]:
         location = template.locations[number]
+        if location.name == template.locations[initial[0]].name:
+            continue  # declared twice, which is reported already
         context.error(
             "E0403",
             location.name.span,

@@ -1,0 +1,149 @@
+"""Parameters, instantiation, the system line, process priorities."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from tachk.model.expressions import Constant, Index, Reference
+
+TEMPLATE = """
+process T(const int n, int[0,3] k, bool b, chan &c, clock &x, const int &limit, int &out[2]) {
+    int v = n + k;
+    state s { x <= limit };
+    init s;
+    trans s -> s { guard b && x > k; sync c!; assign out[k] = n; };
+}
+"""
+GLOBALS = "const int L = 9; int lim, o[2][2]; broadcast chan c[2]; clock x[2];"
+
+
+def names(model: Any) -> list[str]:
+    return [p.name for p in model.network.processes]
+
+
+def test_parameters_are_replaced_by_their_arguments(load: Any) -> None:
+    model = load(GLOBALS + TEMPLATE + "P = T(3, 1, true, c[1], x[0], lim, o[1]);\nsystem P;")
+    (process,) = model.network.processes
+    (edge,) = process.edges
+    assert (process.name, process.template) == ("P", "T")
+    assert process.variables[0].initial == (4,)
+    assert isinstance(edge.synchronisation.channel, Index)
+    assert edge.synchronisation.channel.index == Constant(1)
+    assert edge.updates[0].value == Constant(3)
+    assert edge.updates[0].target.base.base.variable.name == "o"
+    assert process.locations[0].invariant.right == Reference(model.network.variables[0])
+
+
+def test_constant_reference_takes_a_value(load: Any) -> None:
+    model = load(GLOBALS + TEMPLATE + "P = T(3, 1, true, c[1], x[0], L + 1, o[1]);\nsystem P;")
+    assert model.network.processes[0].locations[0].invariant.right.value == 10
+
+
+def test_array_and_struct_parameters(load: Any) -> None:
+    text = """
+        typedef struct { int a[2]; } r_t;
+        const r_t K = {{4, 5}};
+        const int A[2] = {6, 7};
+        process T(const r_t r, int a[2]) { int v = r.a[1] + a[0]; state s; init s; }
+        P = T(K, A);
+        system P;"""
+    (process,) = load(text).network.processes
+    assert process.variables[-1].initial == (11,)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "expected"),
+    [
+        ("int[1,3] i", ["T(1)", "T(2)", "T(3)"]),
+        ("const int[1,2] i, id_t j", ["T(1,0)", "T(1,1)", "T(2,0)", "T(2,1)"]),
+        ("const sym_t s", ["T(0)", "T(1)"]),
+        ("int[0,1] i, int[0,i] j", ["T(0,0)", "T(1,0)", "T(1,1)"]),
+    ],
+)
+def test_free_parameters(load: Any, parameters: str, expected: list[str]) -> None:
+    text = f"typedef int[0,1] id_t; typedef scalar[2] sym_t; process T({parameters}) {{ state s; init s; }}\nsystem T;"
+    assert names(load(text)) == expected
+
+
+@pytest.mark.parametrize("parameters", ["int i", "bool b", "const int i", "int[0,1] &i", "chan &c", "int a[2]"])
+def test_parameters_that_cannot_stay_free(find: Any, parameters: str) -> None:
+    assert find(f"process T({parameters}) {{ state s; init s; }}\nsystem T;") == [("E0413", "T")]
+
+
+def test_partial_instantiation(load: Any) -> None:
+    text = """
+        process T(int[0,3] i, int n, int m) { int v = 100 * i + 10 * n + m; state s; init s; }
+        Q(const int[0,1] k) = T(k + 1, 5, k);
+        R(int n) = Q(n);
+        S = R(1);
+        system Q, S;"""
+    model = load(text)
+    assert names(model) == ["Q(0)", "Q(1)", "S"]
+    assert [p.variables[0].initial for p in model.network.processes] == [(150,), (251,), (251,)]
+    assert [p.variables[0].name for p in model.network.processes] == ["Q(0).v", "Q(1).v", "S.v"]
+
+
+def test_references_through_partial_instantiation(load: Any) -> None:
+    text = """
+        broadcast chan a, b;
+        process T(chan &c, chan &d) { state s; init s; trans s -> s { sync c!; }, s -> s { sync d!; }; }
+        Q(chan &e) = T(e, b);
+        P = Q(a);
+        system P;"""
+    (process,) = load(text).network.processes
+    assert [e.synchronisation.channel.variable.name for e in process.edges] == ["a", "b"]
+
+
+def test_process_priorities_and_order(load: Any) -> None:
+    declarations = "process A() { state s; init s; } process B(int[0,1] i) { state s; init s; } C = A();"
+    model = load(f"{declarations}\nsystem A < C, B;")
+    assert [(p.name, p.priority) for p in model.network.processes] == [("A", 0), ("C", 1), ("B(0)", 1), ("B(1)", 1)]
+
+
+def test_local_functions_are_one_object_per_process(load: Any) -> None:
+    body = "int v; int f() { return v; } state s; init s; trans s -> s { assign v = f(); };"
+    model = load(f"process T(int[0,1] i) {{ {body} }}\nsystem T;")
+    first, second = (p.edges[0].updates[0].value.function for p in model.network.processes)
+    assert first is not second
+
+
+@pytest.mark.parametrize(
+    ("system", "expected"),
+    [
+        ("P = T(1);\nsystem P, P;", [("E0414", "P")]),
+        ("P = U(1);\nsystem P;", [("E0206", "U")]),
+        ("system U;", [("E0206", "U")]),
+        ("system n;", [("E0206", "n")]),
+        ("P = T();\nsystem P;", [("E0412", "P = T();")]),
+        ("P = T(1, 2);\nsystem P;", [("E0412", "P = T(1, 2);")]),
+        ("P = T(n);\nsystem P;", [("E0601", "n")]),
+        ("P = T(7);\nsystem P;", [("E0603", "7")]),
+        ("P = T(x);\nsystem P;", [("E0309", "x")]),
+        ("P = R(3);\nsystem P;", [("E0317", "3")]),
+        ("P = R(x);\nsystem P;", [("E0309", "x")]),
+        ("P = R(K);\nsystem P;", [("E0317", "K")]),
+        ("P = R(a[n]);\nsystem P;", [("E0601", "n")]),
+        ("P = R(a[K]);\nsystem P;", []),
+        ("P = C(x);\nsystem P;", [("E0315", "clock c")]),
+        ("T = R(n);\nsystem T;", [("E0202", "T")]),
+        ("system T;\nsystem T;", [("E0411", "system T;")]),
+        ("P = T(7);\nsystem T;", [("E0603", "7")]),
+    ],
+)
+def test_findings(find: Any, system: str, expected: list[tuple[str, str]]) -> None:
+    templates = """
+        const int K = 1; int n, a[2]; clock x;
+        process T(int[0,3] i) { state s; init s; }
+        process R(int &r) { state s; init s; trans s -> s { assign r = 1; }; }
+        process C(clock c) { state s; init s; }
+    """
+    if "C(x)" not in system:
+        templates = templates[: templates.index("process C")]
+    assert find(f"{templates}\n{system}") == expected
+
+
+def test_assigning_to_a_value_parameter_is_refused(find: Any) -> None:
+    text = "process T(int[0,3] i) { state s; init s; trans s -> s { assign i = 0; }; }\nsystem T;"
+    assert find(text) == [("E0303", "i")]
