@@ -18,9 +18,9 @@ LOWERING_CODES: dict[str, Explanation] = {
     ),
     "E0703": Explanation(
         "clock compared inside a number",
-        "Clocks may be compared in guards, invariants and queries, joined by &&, ||, imply, not and forall. The body of "
-        "a function, an array index or an arithmetic expression has one value for a whole zone of clock values, so it "
-        "cannot compare clocks.",
+        "Clocks may be compared in guards, invariants and queries, joined by &&, ||, imply, not and forall. The body "
+        "of a function, an array index or an arithmetic expression has one value for a whole zone of clock values, so "
+        "it cannot compare clocks.",
         "guard n == (x > 3 ? 1 : 0);",
         "guard x > 3 && n == 1;",
     ),

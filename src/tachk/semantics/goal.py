@@ -22,11 +22,10 @@ from tachk.model.expressions import (
 )
 from tachk.model.traversal import walk
 from tachk.semantics.bounds import ConstraintRange
+from tachk.semantics.condition_code import ConditionCompiler, check_bound
 from tachk.semantics.conditions import (
     ClockAtom,
-    ConditionCompiler,
     Conjunction,
-    check_bound,
     clock_atoms,
     clock_form_unsupported,
     conjuncts,

@@ -20,12 +20,8 @@ from tachk.semantics.bounds import (
     process_bounds,
 )
 from tachk.semantics.codegen import CodeGenerator
-from tachk.semantics.conditions import (
-    ConditionCompiler,
-    Conjunction,
-    check_bound,
-    split_conjunction,
-)
+from tachk.semantics.condition_code import ConditionCompiler, check_bound
+from tachk.semantics.conditions import Conjunction, split_conjunction
 from tachk.semantics.features import rate_of
 from tachk.semantics.fold import Known, fold, fold_place, is_integer, known_values, network_expressions
 from tachk.semantics.goal import compile_goal
