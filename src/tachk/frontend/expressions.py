@@ -450,7 +450,8 @@ def assignable(node: ast.Expression, scope: Scope, context: Context) -> bool:
         case ast.NameExpression(span, name):
             symbol = scope.lookup(name)
             if isinstance(symbol, ValueSymbol) and not symbol.assignable:
-                context.error("E0303", span, f"`{name}` is a {symbol.description} and cannot be changed")
+                help_ = "copy it to a local variable" if symbol.description == "parameter" else None
+                context.error("E0303", span, f"`{name}` is a {symbol.description} and cannot be changed", help_)
                 return False
             return True
         case ast.IndexExpression(_, base):

@@ -10,8 +10,8 @@ from tachk.frontend.context import Context
 from tachk.frontend.expressions import condition, expression, integral, type_reader
 from tachk.frontend.scope import Scope, ValueSymbol
 from tachk.frontend.typing import describe, value_range
-from tachk.model.expressions import BOOL, BinaryOperator, Constant, Expression
-from tachk.model.types import ClockType, bounds
+from tachk.model.expressions import BOOL, BinaryOperator, Block, Call, Constant, Expression, Function, Return
+from tachk.model.types import ClockType, IntType, bounds
 from tachk.syntax import ast
 
 Rates = tuple[tuple[Expression, Expression], ...]
@@ -95,12 +95,22 @@ def _rate(
     if not context.require_pure(value, "a rate") or not forbid(value, "a rate", context):
         return None
     low, high = value_range(value)
-    if low < 0 or high > 1:
+    if high < 0 or low > 1 or (isinstance(value, Constant) and value.value not in (0, 1)):
         context.error(
             "E0334",
             written.span,
             "a clock can only stand still (rate 0) or run (rate 1)",
-            "other rates belong to statistical checking; a boolean or an int[0,1] is always right here",
+            "other rates belong to statistical checking",
         )
         return None
+    if low < 0 or high > 1:
+        value = _checked(value, context)
     return clock, value
+
+
+def _checked(value: Expression, context: Context) -> Expression:
+    """The value through a function with the result type ``int[0,1]``, so that another rate is a run-time error."""
+    result = IntType(0, 1)
+    function = Function("rate", (), result, Block((Return(value),)), value.span)
+    context.record_function(function)
+    return Call(function, (), result, value.span)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TypeGuard, assert_never
 
-from tachk.model.expressions import Assign, Conditional, Constant, Expression, Field, Index, Reference
+from tachk.model.expressions import Call, Conditional, Constant, Expression, Field, Index, Reference
 from tachk.model.types import (
     CONSTANT_HIGH,
     CONSTANT_LOW,
@@ -122,7 +122,7 @@ def value_range(expression: Expression) -> tuple[int, int]:
             return min(low, other_low), max(high, other_high)
         case _ if isinstance(expression.type, BoolType):
             return 0, 1
-        case Reference() | Index() | Field() | Assign() if isinstance(expression.type, IntType):
+        case Reference() | Index() | Field() | Call() if isinstance(expression.type, IntType):
             return expression.type.low, expression.type.high
         case _:
             return DEFAULT_INT_LOW, DEFAULT_INT_HIGH

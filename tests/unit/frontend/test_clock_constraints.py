@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import (
     Binary,
     Conditional,
@@ -16,6 +17,8 @@ from tachk.model.expressions import (
     Reference,
     Unary,
 )
+from tachk.model.fault import EvaluationFault, RuntimeErrorKind
+from tachk.model.layout import cell_layout
 
 DECLARATIONS = "clock x, y, z[2]; int n; bool b, d[2]; struct { clock c; int k; } r; const int N = 2;"
 
@@ -149,7 +152,7 @@ def test_invariants(load: Any, written: str, condition: str, rates: list[tuple[s
     ("written", "code"),
     [
         ("x' == 2", "E0334"),
-        ("x' == n", "E0334"),
+        ("x' == -1", "E0334"),
         ("n' == 0", "E0334"),
         ("x' <= 1", "E0334"),
         ("b || x' == 0", "E0334"),
@@ -159,6 +162,17 @@ def test_invariants(load: Any, written: str, condition: str, rates: list[tuple[s
 )
 def test_refused_invariants(find: Any, written: str, code: str) -> None:
     assert [c for c, _ in find(f"{DECLARATIONS}\nprocess P() {{ state s {{ {written} }}; init s; }}")] == [code]
+
+
+def test_a_rate_that_is_neither_0_nor_1_is_a_run_time_error(load: Any) -> None:
+    model = load("clock x; int n; process P() { state s { x' == n }; init s; }")
+    ((_, rate),) = model.network.processes[0].locations[0].rates
+    layout = cell_layout(model.network)
+    for n in (0, 1):
+        assert evaluate(rate, Environment(layout, [1, n])) == n
+    with pytest.raises(EvaluationFault) as caught:
+        evaluate(rate, Environment(layout, [1, 2]))
+    assert (caught.value.kind, caught.value.span.text) == (RuntimeErrorKind.RANGE, "n")
 
 
 def test_disequality_of_clocks_in_a_query(load: Any) -> None:

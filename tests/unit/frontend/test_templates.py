@@ -162,8 +162,10 @@ def test_a_receiver_may_ignore_the_value(load: Any) -> None:
         ),
         ("broadcast chan c; int a[2]; process P() { state s; init s; trans s -> s { sync c!a; }; }", [("E0402", "a")]),
         (
-            "chan c; struct { int a; } r; "
-            "process P() { state s; init s; trans s -> s { sync c!1; }, s -> s { sync c?r; }; }",
+            (
+                "chan c; struct { int a; } r; "
+                "process P() { state s; init s; trans s -> s { sync c!1; }, s -> s { sync c?r; }; }"
+            ),
             [("E0402", "r")],
         ),
         (
@@ -173,13 +175,17 @@ def test_a_receiver_may_ignore_the_value(load: Any) -> None:
         ("process P() { chan priority default; state s; init s; }", [("E0405", "chan priority default;")]),
         ("process P() { signal a = 1; init location s; }", [("E0502", "a")]),
         (
-            "urgent chan c; clock x; process P() { state s; init s; "
-            "trans s -> s { guard x > 1; sync c!; }, s -> s { sync c?; }; }",
+            (
+                "urgent chan c; clock x; process P() { state s; init s; "
+                "trans s -> s { guard x > 1; sync c!; }, s -> s { sync c?; }; }"
+            ),
             [("W0403", "x > 1")],
         ),
         (
-            "broadcast chan c; clock x; process P() { state s; init s; "
-            "trans s -> s { guard x > 1; sync c?; }, s -> s { sync c!; }; }",
+            (
+                "broadcast chan c; clock x; process P() { state s; init s; "
+                "trans s -> s { guard x > 1; sync c?; }, s -> s { sync c!; }; }"
+            ),
             [],
         ),
         ("broadcast chan c; process P() { state s; init s; trans s -> s { sync c?; }; }", [("W0401", "c?")]),
