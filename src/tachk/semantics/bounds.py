@@ -13,7 +13,8 @@ Three kinds of constraints are evaluated in both directions and count as lower a
 - with priorities every constraint, because an action waits while one of higher priority is enabled;
 - the clocks of a difference ``x - y < c``, which moreover have a bound of at least ``|c|`` in every location, as the
   splitting normalisation needs (Bengtsson and Yi, "On clock difference constraints and termination in reachability
-  analysis of timed automata", 2003).
+  analysis of timed automata", 2003); where ``x`` or ``y`` may be set to ``v``, at least ``|c| + v``, because the
+  difference then compares the other clock with ``v - c``.
 
 Stopped clocks need nothing more. The simulation behind the bounds relates two valuations if for each clock they agree,
 or both lie beyond the bound that matters; letting the same time pass, with the same clocks stopped in both, since what
@@ -164,10 +165,15 @@ def _propagate(bounds: list[dict[int, int]], predecessors: Sequence[Sequence[tup
                         pending.append(source)
 
 
-def diagonal_bounds(diagonals: Iterable[tuple[int, int, int]]) -> dict[int, int]:
-    """For each clock of a difference constraint (left, right, raw) the bound it needs in every location."""
+def diagonal_bounds(diagonals: Iterable[tuple[int, int, int]], reset_values: Mapping[int, int] = {}) -> dict[int, int]:
+    """For each clock of a difference constraint (left, right, raw) the bound it needs in every location.
+
+    Args:
+        reset_values: the largest value each clock may be set to.
+    """
     result: dict[int, int] = {}
     for left, right, raw in diagonals:
+        shift = max(reset_values.get(left, 0), reset_values.get(right, 0))
         for clock in (left, right):
-            _raise(result, clock, abs(raw >> 1))
+            _raise(result, clock, abs(raw >> 1) + shift)
     return result

@@ -200,12 +200,14 @@ class ConditionCompiler:
         if slot is not None:
             number = self.layout.slots[slot].initial
             return number, NO_CODE, (number,)
-        cells = possible_cells(folded, known)
+        return 0, self.generator.number_code(folded, known), self.possible_clocks(folded, known)
+
+    def possible_clocks(self, place: Expression, known: Known) -> tuple[int, ...]:
+        """The numbers of the clocks that a place may denote."""
+        cells = possible_cells(place, known)
         if cells is None:
-            numbers: tuple[int, ...] = tuple(range(1, len(self.layout.clock_names) + 1))
-        else:
-            numbers = tuple(sorted({self.layout.slots[self.layout.first_slot(v) + c].initial for v, c in cells}))
-        return 0, self.generator.number_code(folded, known), numbers
+            return tuple(range(1, len(self.layout.clock_names) + 1))
+        return tuple(sorted({self.layout.slots[self.layout.first_slot(v) + c].initial for v, c in cells}))
 
 
 def cannot_fail_when_bound(quantifier: Quantifier, known: Known) -> bool:

@@ -51,7 +51,7 @@ def lower(network: Network, predicates: Sequence[Expression] = ()) -> tuple[Prog
     layout = Layout(network, known)
     generator = CodeGenerator(layout, known)
     lowering = _Lowering(network, layout, generator)
-    lowering.check_resets(known)
+    lowering.find_reset_values(known)
     for number, process in enumerate(network.processes):
         lowering.add_process(number, process, known)
     goals = []
@@ -75,6 +75,7 @@ class _Lowering:
         self.locations: list[list[ProgramLocation]] = []
         self.invariants: list[list[tuple[ConstraintRange, ...]]] = []
         self.edges: list[ProgramEdge] = []
+        self.reset_values: dict[int, int] = {}
         self.bound_edges: list[list[BoundEdge]] = []
 
     # ---- processes --------------------------------------------------------------------------------------------------
@@ -204,8 +205,8 @@ class _Lowering:
                 if slot is not None:
                     yield self.layout.slots[slot].initial
 
-    def check_resets(self, known: Known) -> None:
-        """Raises UnsupportedError if a clock may be set to a value that is too large."""
+    def find_reset_values(self, known: Known) -> None:
+        """Notes the largest value each clock may be set to. Raises UnsupportedError for one that is too large."""
         expressions = list(network_expressions(self.network))
         expressions += [e for f in called_functions(expressions) for e in statement_expressions(f.body)]
         for expression in expressions:
@@ -213,6 +214,8 @@ class _Lowering:
                 if isinstance(node, Assign) and isinstance(node.target.type, ClockType):
                     low, high = interval(fold(node.value, known), known)
                     check_bound(max(low, 0), max(high, 0), node.span)
+                    for clock in self.compiler.possible_clocks(fold_place(node.target, known), known):
+                        self.reset_values[clock] = max(self.reset_values.get(clock, 0), high)
 
     # ---- the whole --------------------------------------------------------------------------------------------------
 
@@ -258,7 +261,7 @@ class _Lowering:
         diagonals: tuple[tuple[int, int, int], ...],
         has_priorities: bool,
     ) -> list[tuple[LocationBounds, ...]]:
-        of_diagonals = diagonal_bounds(diagonals)
+        of_diagonals = diagonal_bounds(diagonals, self.reset_values)
         lower, upper = dict(of_diagonals), dict(of_diagonals)
         for constraint in goal_ranges:
             collect(constraint, lower, upper)

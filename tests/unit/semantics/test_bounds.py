@@ -176,6 +176,17 @@ def test_clocks_of_a_difference_have_equal_bounds_of_at_least_its_constant_every
     assert bounds_of(program, 0, 1) == ({1: 9, 2: 4}, {1: 9, 2: 4, 3: 3})
 
 
+def test_a_clock_set_to_a_value_shifts_the_bound_that_its_difference_needs() -> None:
+    network = NetworkBuilder()
+    p = network.process("P")
+    x, y = p.clock("x"), p.clock("y")
+    a = p.location("a")
+    p.edge(a, a, guard=x - y < -3, updates=[x.assign(5)])
+    program, _ = lower(network.build())
+    # After x = 5 the difference is below -3 where y > 8.
+    assert bounds_of(program, 0, 0) == ({1: 8, 2: 8}, {1: 8, 2: 8})
+
+
 def test_with_priorities_every_constraint_counts_in_both_directions() -> None:
     network = NetworkBuilder()
     network.channel("c", priority=2)
