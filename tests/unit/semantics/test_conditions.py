@@ -108,7 +108,6 @@ def test_negations_are_pushed_inwards() -> None:
         (lambda m: m.x >= 0, ()),
         (lambda m: m.x - m.x < 3, ()),
     ],
-    ids=str,
 )
 def test_forms_of_clock_comparisons(comparison: object, expected: tuple[ClockConstraint, ...]) -> None:
     m = Model()
