@@ -81,7 +81,7 @@ Status Explorer::explore(std::uint64_t expansions) {
       add(slots, successor, number);
     });
     if (options_.order == SearchOrder::random_depth_first) std::shuffle(fresh_.begin(), fresh_.end(), random_);
-    if (options_.order != SearchOrder::breadth_first) stack_.insert(stack_.end(), fresh_.rbegin(), fresh_.rend());
+    if (options_.order != SearchOrder::breadth_first) stack_.insert(stack_.end(), fresh_.begin(), fresh_.end());
     if (passed_.stored() > options_.state_limit) return Status::state_limit;
     if (options_.memory_limit != UINT64_MAX && statistics().bytes > options_.memory_limit) return Status::memory_limit;
   }
