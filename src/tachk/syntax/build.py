@@ -86,9 +86,7 @@ class Builder:
 
     def assignment(self, children: Children) -> ast.AssignmentExpression:
         target, operator, value = children
-        return ast.AssignmentExpression(
-            _span(children), _SYMBOLIC.get(operator.text, operator.text), target, value
-        )
+        return ast.AssignmentExpression(_span(children), _SYMBOLIC.get(operator.text, operator.text), target, value)
 
     def conditional(self, children: Children) -> ast.ConditionalExpression:
         return ast.ConditionalExpression(_span(children), children[0], children[2], children[4])
@@ -255,9 +253,7 @@ class Builder:
 
     def for_statement(self, children: Children) -> ast.ForStatement:
         _, _, initial, _, condition, _, step, _, body = children
-        return ast.ForStatement(
-            _span(children), tuple(initial or ()), tuple(condition or ()), tuple(step or ()), body
-        )
+        return ast.ForStatement(_span(children), tuple(initial or ()), tuple(condition or ()), tuple(step or ()), body)
 
     def iteration_statement(self, children: Children) -> ast.IterationStatement:
         return ast.IterationStatement(_span(children), children[2], children[4], children[6])
@@ -303,9 +299,7 @@ class Builder:
             parameters, template_name, arguments = None, children[2], children[4]
         else:
             parameters, template_name, arguments = children[2], children[5], children[7]
-        return ast.Instantiation(
-            _span(children), name, tuple(parameters or ()), template_name, tuple(arguments or ())
-        )
+        return ast.Instantiation(_span(children), name, tuple(parameters or ()), template_name, tuple(arguments or ()))
 
     def process_group(self, children: Children) -> _List:
         return _List(_nodes(children))
@@ -363,7 +357,7 @@ class Builder:
     # ---- templates ----
 
     def process(self, children: Children) -> ast.Template:
-        keyword, name, _, parameters, _, opening, *body, closing = children
+        keyword, name, _, parameters, _, _, *body = children[:-1]
         items = [child for child in body if child is not None]
         return template(_span(children), keyword.doc, name, tuple(parameters or ()), items)
 
@@ -513,4 +507,3 @@ class _ParameterContinued:
     def __init__(self, name: ast.Identifier, dimensions: tuple[Any, ...]) -> None:
         self.name = name
         self.dimensions = dimensions
-

@@ -42,7 +42,7 @@ def _template(template: ast.Template) -> ast.Template:
         assert edge.source is not None, "an edge of the classic form has a source"
         leaving[edge.source.name].append(replace(edge, source=None))
     # An edge whose source does not exist is kept, so that the formatter loses nothing; elaboration reports it.
-    known = {node.name.name for node in (*template.locations, *template.branchpoints)}
+    known = {node.name.name for node in template.locations} | {node.name.name for node in template.branchpoints}
     lost = [edge for name, edges in leaving.items() if name not in known for edge in edges]
     if lost:
         return replace(template, declarations=declarations)

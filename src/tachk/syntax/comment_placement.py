@@ -41,8 +41,10 @@ class Placement:
     def inside(self, node: Any) -> bool:
         """Whether a comment belongs to something within the node, or to its braces."""
         key = id(node)
-        return key in self.opening or key in self.closing or any(
-            self.touches(child) or self.inside(child) for child in line_nodes(node)
+        return (
+            key in self.opening
+            or key in self.closing
+            or any(self.touches(child) or self.inside(child) for child in line_nodes(node))
         )
 
 
@@ -134,11 +136,16 @@ def _anchors(document: ast.Document) -> Iterator[Any]:
 def _has_braces(node: Any) -> bool:
     return isinstance(
         node,
-        ast.Document | ast.Template | ast.LocationDeclaration | ast.Branchpoint | ast.EdgeDeclaration | ast.BlockStatement,
+        ast.Document
+        | ast.Template
+        | ast.LocationDeclaration
+        | ast.Branchpoint
+        | ast.EdgeDeclaration
+        | ast.BlockStatement,
     )
 
 
 def _same_line(comment: ast.Comment, offset: int) -> bool:
     start = comment.span.start
     low, high = (offset, start) if offset <= start else (start, offset)
-    return "\n" not in comment.span.source.text[low:high]
+    return comment.span.source.text.find("\n", low, high) < 0

@@ -10,8 +10,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from enum import Enum, auto
+from itertools import pairwise
 
-from tachk.diagnostics.span import Span
 from tachk.syntax.tokens import END, Token
 from tachk.syntax.unchecked import unchecked_family
 
@@ -338,7 +338,7 @@ _BEGINS_OPERAND = {"NAME", "INTEGER", "FLOAT", "TRUE", "FALSE", "NOT", "FORALL",
 def _joined(kind: str, tokens: list[Token]) -> Token:
     """Several tokens as one; its text has single blanks where there was any gap."""
     parts = [tokens[0].text]
-    for before, token in zip(tokens, tokens[1:], strict=False):
+    for before, token in pairwise(tokens):
         parts.append(" " * (before.span.end < token.span.start) + token.text)
     return Token(kind, "".join(parts), tokens[0].span.to(tokens[-1].span))
 

@@ -23,19 +23,33 @@ def nesting_errors(tokens: list[Token], value: Any) -> tuple[Diagnostic, ...]:
         if isinstance(node, ast.Node):
             level += 1
             if level > DEEPEST:
-                start = node.span.start
-                return (
-                    Diagnostic(
-                        "E0111",
-                        f"this is nested more than {DEEPEST} levels deep",
-                        Span(node.span.source, start, min(node.span.end, start + 40)),
-                        "name parts of it with functions or constants",
-                    ),
-                )
+                return (_too_deep(node.span),)
             pending += [(getattr(node, name), level) for name in node.__dataclass_fields__ if name != "span"]
         elif isinstance(node, tuple | list):
             pending += [(item, level) for item in node]
     return ()
+
+
+def bracket_errors(tokens: list[Token]) -> tuple[Diagnostic, ...]:
+    """One diagnostic if brackets alone are nested too deeply; such a text is not worth parsing."""
+    depth = 0
+    for token in tokens:
+        if token.text in ("{", "(", "["):
+            depth += 1
+            if depth > DEEPEST:
+                return (_too_deep(token.span),)
+        elif token.text in ("}", ")", "]"):
+            depth -= 1
+    return ()
+
+
+def _too_deep(span: Span) -> Diagnostic:
+    return Diagnostic(
+        "E0111",
+        f"this is nested more than {DEEPEST} levels deep",
+        Span(span.source, span.start, min(span.end, span.start + 40)),
+        "name parts of it with functions or constants",
+    )
 
 
 def _suspicious(tokens: list[Token]) -> bool:
@@ -49,14 +63,15 @@ def _suspicious(tokens: list[Token]) -> bool:
                 return True
         elif text in ("}", ")", "]"):
             depth -= 1
-        if text in (";", "{", "}", ","):
+        if text in (";", "{", "}"):
             length = 0
+            branches = branches if depth else 0
         else:
             length += 1
             if length > 150:
                 return True
         if token.type in ("ELSE", "IF", "FOR", "WHILE", "DO"):
             branches += 1
-            if branches > 40:
+            if branches > 100:
                 return True
     return False

@@ -12,7 +12,6 @@ from copy import copy
 from typing import Any
 
 from lark.exceptions import UnexpectedToken
-from lark.parsers.lalr_interactive_parser import InteractiveParser
 from lark.parsers.lalr_parser_state import ParserState
 
 from tachk.diagnostics.diagnostic import Diagnostic
@@ -40,53 +39,60 @@ def drive(start: str, tokens: list[Token]) -> tuple[Any, tuple[Diagnostic, ...]]
 
 
 class _Run:
-    """One pass over the tokens; the only mutable thing is here."""
+    """One pass over the tokens.
+
+    ``inserted`` holds tokens that are no part of the text (supplied ones, ERROR) and come next, the last one first.
+    """
 
     def __init__(self, start: str, tokens: list[Token]) -> None:
         self.start = start
         self.tokens = tokens
-        self.parser: InteractiveParser = parser_tables().parse_interactive("", start=start)
-        self.state: ParserState[Any] = self.parser.parser_state
+        self.state: ParserState[Any] = parser_tables().parse_interactive("", start=start).parser_state
+        self.inserted: list[Token] = []
         self.errors: list[Diagnostic] = []
         self.recoveries = 0
         self.resumed_at = -1
 
     def to_the_end(self) -> tuple[Any, tuple[Diagnostic, ...]]:
-        tokens = self.tokens
+        tokens, inserted = self.tokens, self.inserted
         feed: Any = self.state.feed_token
         index = 0
         while True:
-            token = tokens[index]
+            token = inserted[-1] if inserted else tokens[index]
             is_end = token.type == END
             try:
                 result = feed(token, is_end)
             except Misplaced as misplaced:
                 self.errors.append(misplaced.diagnostic)
-                if not self.replace_by_error(index):
+                if not self.replace_by_error(token):
                     return None, tuple(self.errors)
                 continue
             except UnexpectedToken:
-                following = self.recover(index)
+                following = None if inserted else self.recover(index)
                 if following is None:
                     return None, tuple(self.errors)
                 index = following
                 continue
             if is_end:
                 return result, tuple(self.errors)
-            index += 1
+            if inserted:
+                inserted.pop()
+            else:
+                index += 1
 
     def recover(self, index: int) -> int | None:
         """Report the unexpected token and get past it; the index to go on with, or None to give up."""
         self.recoveries += 1
         supplied = self.missing_token(index)
         if index != self.resumed_at:
-            accepted = frozenset(name for name in self.parser.choices() if name.isupper() and self.would_accept(name))
+            choices = self.state.parse_conf.states[self.state.position]
+            accepted = frozenset(name for name in choices if name.isupper() and self.would_accept(name))
             begin = self.construct_start()
             self.errors.append(explain(Situation(self.tokens, index, accepted, supplied, begin, self.start)))
         if len(self.errors) >= MOST_ERRORS or self.recoveries >= _MOST_RECOVERIES:
             return None
         if supplied is not None:
-            self.feed(supplied)
+            self.inserted.append(supplied)
             return index
         begin = self.construct_start()
         first = index if begin is None else min(self.index_at(begin), index)
@@ -95,16 +101,16 @@ class _Run:
             end += 1
         if not self.unwind_for(self.tokens[end].type):
             return None
-        self.feed_error(first, end)
+        self.insert_error(first, end)
         self.resumed_at = end
         return end
 
-    def replace_by_error(self, index: int) -> bool:
-        """After a rule refused its parts: put ERROR in their place."""
+    def replace_by_error(self, token: Token) -> bool:
+        """After a rule refused its parts when the token came: put ERROR in their place. False to give up."""
         self.recoveries += 1
-        if len(self.errors) >= MOST_ERRORS or not self.unwind_for(self.tokens[index].type):
+        if len(self.errors) >= MOST_ERRORS or self.recoveries >= _MOST_RECOVERIES or not self.unwind_for(token.type):
             return False
-        self.feed_error(index, index)
+        self.inserted.append(Token("ERROR", "", token.span))
         return True
 
     # ---- looking ahead ----
@@ -189,19 +195,17 @@ class _Run:
         candidates = [level for level in range(len(stack), 0, -1) if "ERROR" in states[stack[level - 1]]]
         if not candidates:
             return False
+        # Nesting this deep is absurd; looking at every level of it would take quadratic time.
+        candidates = candidates[:30] + candidates[30:][-3:]
         level = next((n for n in candidates if self.would_accept("ERROR", following, levels=n)), candidates[0])
         del self.state.state_stack[level:]
         del self.state.value_stack[level - 1 :]
         return True
 
-    def feed(self, token: Token) -> None:
-        feed: Any = self.state.feed_token
-        feed(token)
-
-    def feed_error(self, first: int, end: int) -> None:
+    def insert_error(self, first: int, end: int) -> None:
         start = self.tokens[first].span
         last = self.tokens[max(end - 1, first)].span
-        self.feed(Token("ERROR", "", Span(start.source, start.start, max(start.start, last.end))))
+        self.inserted.append(Token("ERROR", "", Span(start.source, start.start, max(start.start, last.end))))
 
 
 def _on_next_line(before: Token, token: Token) -> bool:

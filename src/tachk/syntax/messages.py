@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
-from tachk.diagnostics.span import Span
 from tachk.syntax.contextual import SPELLING
 from tachk.syntax.tables import lexer, terminal_spelling
 from tachk.syntax.tokens import END, Token
@@ -186,7 +185,7 @@ def _misspelt(situation: Situation) -> Diagnostic | None:
         found = _close(token.text, _words(situation.accepted))
         if found:
             return _did_you_mean(token, found)
-    beginnings = [(situation.tokens[_item_start(situation)], _ITEM_WORDS)]
+    beginnings: list[tuple[Token, tuple[str, ...]]] = [(situation.tokens[_item_start(situation)], _ITEM_WORDS)]
     if situation.construct is not None:
         construct = situation.construct
         first = next((t for t in situation.tokens if t.span.start >= construct), token)
@@ -283,9 +282,8 @@ def _begins_type() -> set[str]:
 def _operators() -> set[str]:
     symbols = lexer().symbols
     opening = {symbols[text] for text in "([.'"}
-    binary = {
-        name for text, name in symbols.items() if text not in ("{", "}", "(", ")", "[", "]", ";", ":", ",", "->", "-u->")
-    }
+    no_operators = ("{", "}", "(", ")", "[", "]", ";", ":", ",", "->", "-u->")
+    binary = {name for text, name in symbols.items() if text not in no_operators}
     return binary | opening | {"AND", "OR", "XOR", "IMPLY", "EQUALS", "ASSIGNMENT_OPERATOR"}
 
 

@@ -1,8 +1,8 @@
 """Texts to syntax trees.
 
 Every function returns what could be read together with all diagnostics. Where there is an error the tree is incomplete
-(or None) and must not be used for more than, say, an outline; `tachk.diagnostics.diagnostic.InputError` is raised by the
-layers above, which know whether anything else is worth reporting first.
+(or None) and must not be used for more than, say, an outline; `InputError` is raised by the layers above, which know
+whether anything else is worth reporting first.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, Severity
 from tachk.diagnostics.span import Source, Span
 from tachk.syntax import ast
 from tachk.syntax.contextual import resolve_document, resolve_fragment, resolve_query
-from tachk.syntax.depth import nesting_errors
+from tachk.syntax.depth import bracket_errors, nesting_errors
 from tachk.syntax.driver import drive
 from tachk.syntax.legacy import as_legacy
 from tachk.syntax.strict import additions
@@ -101,6 +101,9 @@ def parse_expression(source: Source) -> tuple[ast.Expression | None, Diagnostics
 def parse_query(source: Source, start: int = 0, end: int | None = None) -> tuple[ast.QueryEntry | None, Diagnostics]:
     """One query, or the part of a text that holds one."""
     lexed = lexer().cut(source, start, end)
+    deep = bracket_errors(lexed.tokens)
+    if deep:
+        return None, (*lexed.errors, *deep)
     value, errors = drive("query", resolve_query(lexed.tokens))
     return _unless_deep(value, lexed, _all_errors(lexed, errors))
 
@@ -110,6 +113,9 @@ def _read(
 ) -> tuple[Any, Lexed, Diagnostics, bool]:
     """Value, tokens and comments, diagnostics, and whether the text could only be read as UPPAAL 3.x."""
     lexed = lexer().cut(source)
+    deep = bracket_errors(lexed.tokens)
+    if deep:
+        return None, lexed, (*lexed.errors, *deep), False
     tokens = resolve(lexed.tokens)
     value, errors = drive(start, tokens)
     if errors and not lexed.errors:

@@ -107,9 +107,7 @@ def _write_typed(
     writer.close(f"}} {names};", item)
 
 
-def _write_list(
-    writer: Writer, line: str, head: str, declarators: Sequence[ast.Declarator], item: Any
-) -> None:
+def _write_list(writer: Writer, line: str, head: str, declarators: Sequence[ast.Declarator], item: Any) -> None:
     """A declaration on one line, or with a long initialiser list broken between its items."""
     last = declarators[-1]
     if writer.fits(line) or len(declarators) > 1 or not isinstance(last.initialiser, ast.InitialiserList):
@@ -160,7 +158,8 @@ def _write_template(writer: Writer, template: ast.Template) -> None:
         writer.separate(previous, declaration, apart)
         _write_declaration(writer, declaration)
         previous = declaration
-    for node in (*template.locations, *template.branchpoints):
+    owners: list[ast.LocationDeclaration | ast.Branchpoint] = [*template.locations, *template.branchpoints]
+    for node in owners:
         brief = _brief(writer, node) and (previous is None or _brief(writer, previous))
         writer.separate(previous, node, not brief)
         _write_location(writer, node)
@@ -239,4 +238,3 @@ def _clauses(edge: ast.EdgeDeclaration) -> list[tuple[str, str, Any]]:
     if edge.probability is not None:
         clauses.append(("probability", print_expression(edge.probability), edge.probability))
     return clauses
-

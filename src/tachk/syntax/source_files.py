@@ -7,7 +7,7 @@ import os
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.span import Source, Span
 
-LARGEST_FILE = 32 * 1024 * 1024
+LARGEST_FILE = 8 * 1024 * 1024
 """Bytes. The largest public model has less than two megabytes."""
 
 _PROBE = 64 * 1024

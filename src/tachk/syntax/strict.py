@@ -38,10 +38,10 @@ def _in_template(template: ast.Template) -> Iterator[tuple[str, Span]]:
     for declaration in template.declarations:
         if isinstance(declaration, ast.SignalDeclaration):
             yield "a signal", declaration.name.span
+    owners: list[ast.LocationDeclaration | ast.Branchpoint] = [*template.locations, *template.branchpoints]
     if not template.classic:
-        first = (*template.locations, *template.branchpoints)[0]
-        yield "a location block", first.name.span
-    edges = [*template.edges, *(edge for owner in (*template.locations, *template.branchpoints) for edge in owner.edges)]
+        yield "a location block", owners[0].name.span
+    edges = [*template.edges, *(edge for owner in owners for edge in owner.edges)]
     for edge in edges:
         synchronisation = edge.synchronisation
         if synchronisation is not None and synchronisation.value is not None:

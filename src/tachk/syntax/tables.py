@@ -1,7 +1,7 @@
 """The LALR tables of the grammar, built once by lark and kept in a per-user cache between runs.
 
-Building costs half a second, loading a few milliseconds. A missing, unreadable, foreign or outdated cache only costs the
-time to build again.
+Building costs half a second, loading a few milliseconds. A cache that is missing, unreadable, foreign or outdated only
+costs the time to build again.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class _NoLexer(LarkLexer):
     def __init__(self, lexer_conf: Any) -> None:
         pass
 
-    def lex(self, *_: Any) -> Iterator[Any]:  # type: ignore[override]
+    def lex(self, *_: Any) -> Iterator[Any]:
         return iter(())
 
 

@@ -6,7 +6,7 @@ The terminals come from the grammar. Contextual keywords are decided afterwards,
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from lark.lexer import PatternStr, TerminalDef
@@ -14,6 +14,8 @@ from lark.lexer import PatternStr, TerminalDef
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Source, Span
 from tachk.syntax.ast import Comment
+
+Match = Callable[[str, int, int], re.Match[str] | None]
 
 END = "$END"
 LARGEST_LITERAL = 2**31
@@ -81,6 +83,7 @@ class Lexer:
         stop = len(text) if end is None else end
         lexed = Lexed()
         docs: list[Comment] = []
+        fresh = True
         match = self._pattern.match
         keywords, symbols = self.keywords, self.symbols
         position = start
@@ -92,11 +95,14 @@ class Lexer:
             kind = found.lastgroup
             after = found.end()
             if kind == "BLANK":
-                if docs and text.count("\n", position, after) > 1:
+                breaks = text.count("\n", position, after)
+                fresh = fresh or breaks > 0
+                if docs and breaks > 1:
                     lexed.comments += docs
                     docs = []
             elif kind == "COMMENT":
-                comment = _comment(source, position, after)
+                comment = Comment(Span(source, position, after), text[position:after].rstrip("\r"), fresh)
+                fresh = False
                 if comment.own_line and comment.text.startswith("///") and not comment.text.startswith("////"):
                     docs.append(comment)
                 else:
@@ -109,12 +115,14 @@ class Lexer:
                 )
                 break
             elif kind == "OPEN_STRING":
+                fresh = False
                 lexed.errors.append(
                     Diagnostic("E0004", "this string is not closed on its line", Span(source, position, after), 'add "')
                 )
                 lexed.tokens.append(Token("STRING", text[position:after] + '"', Span(source, position, after)))
             elif kind != "CONTINUATION":
                 word = found.group()
+                fresh = False
                 if kind == "NAME":
                     kind = keywords.get(word, "RESERVED" if word in RESERVED else "NAME")
                 elif kind == "SYMBOL":
@@ -142,18 +150,12 @@ class Lexer:
         return lexed
 
 
-def _comment(source: Source, start: int, end: int) -> Comment:
-    line_start = source.text.rfind("\n", 0, start) + 1
-    own_line = not source.text[line_start:start].strip(" \t\ufeff")
-    return Comment(Span(source, start, end), source.text[start:end].rstrip("\r"), own_line)
-
-
 def _doc_line(text: str) -> str:
     line = text[3:].rstrip()
     return line[1:] if line.startswith(" ") else line
 
 
-def _unknown_characters(source: Source, start: int, stop: int, match, lexed: Lexed) -> int:  # type: ignore[no-untyped-def]
+def _unknown_characters(source: Source, start: int, stop: int, match: Match, lexed: Lexed) -> int:
     """Report a run of characters that begin no token; return where it ends."""
     end = start + 1
     while end < stop and end - start < 200 and match(source.text, end, stop) is None:
