@@ -6,8 +6,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from tachk.frontend.context import Context
-from tachk.frontend.expressions import converted, expression, initialiser, type_reader
+from tachk.frontend.expressions import expression, type_reader
 from tachk.frontend.functions import declare_function, declare_types
+from tachk.frontend.initialisers import initialiser
+from tachk.frontend.places import converted
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.frontend.typing import WIDE, describe, is_data, is_integral
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable, VariableKind

@@ -10,9 +10,11 @@ from typing import assert_never
 
 from tachk.diagnostics.span import Span
 from tachk.frontend import fold
-from tachk.frontend.clock_constraints import COMPARISONS, compare
+from tachk.frontend.builtin_names import BUILTIN_CONSTANTS, FLOATING_FUNCTIONS
 from tachk.frontend.context import Context
 from tachk.frontend.findings import did_you_mean
+from tachk.frontend.operators import choose, combine
+from tachk.frontend.places import assignable, converted, is_place
 from tachk.frontend.processes import mentions_family, select_member, select_process
 from tachk.frontend.scope import (
     BrokenSymbol,
@@ -29,28 +31,21 @@ from tachk.frontend.typing import (
     WIDE,
     can_assign,
     describe,
-    is_aggregate,
-    is_data,
     is_integral,
     same_shape,
 )
 from tachk.model.expressions import (
     BOOL,
     INT,
-    Aggregate,
     Assign,
-    Binary,
     BinaryOperator,
     Call,
     Comma,
-    Conditional,
     Constant,
     Deadlock,
     Expression,
-    Field,
     Function,
     Increment,
-    Index,
     LocationTest,
     Quantifier,
     QuantifierKind,
@@ -71,31 +66,6 @@ from tachk.model.types import (
     bounds,
 )
 from tachk.syntax import ast
-
-BUILTIN_CONSTANTS = {
-    "INT8_MIN": -(2**7),
-    "INT8_MAX": 2**7 - 1,
-    "UINT8_MAX": 2**8 - 1,
-    "INT16_MIN": -(2**15),
-    "INT16_MAX": 2**15 - 1,
-    "UINT16_MAX": 2**16 - 1,
-    "INT32_MIN": -(2**31),
-    "INT32_MAX": 2**31 - 1,
-}
-"""Names of UPPAAL 5 that a model may declare itself."""
-
-# fmt: off
-_FLOATING_FUNCTIONS = frozenset(
-    {
-        "random", "random_normal", "random_poisson", "random_arcsine", "random_beta", "random_gamma", "random_tri",
-        "random_weibull", "fabs", "fmod", "remainder", "fma", "fmax", "fmin", "fdim", "exp", "exp2", "expm1", "ln",
-        "log", "log10", "log2", "log1p", "pow", "sqrt", "cbrt", "hypot", "sin", "cos", "tan", "asin", "acos", "atan",
-        "atan2", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "erf", "erfc", "tgamma", "lgamma", "ceil",
-        "floor", "trunc", "round", "fint", "ldexp", "ilogb", "logb", "nextafter", "copysign", "signbit", "isfinite",
-        "isinf", "isnan", "isnormal", "isunordered",
-    }
-)
-# fmt: on
 
 _LOGICAL = {BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY, BinaryOperator.XOR}
 
@@ -272,51 +242,7 @@ def _binary(node: ast.BinaryExpression, scope: Scope, context: Context) -> Expre
     left, right = expression(node.left, scope, context), expression(node.right, scope, context)
     if left is None or right is None:
         return None
-    clocks = isinstance(left.type, ClockType) or isinstance(right.type, ClockType)
-    for side in (left, right):
-        if not (is_integral(side.type) or (clocks and isinstance(side.type, ClockType))) and (
-            clocks or operator not in (BinaryOperator.EQUAL, BinaryOperator.NOT_EQUAL)
-        ):
-            context.error("E0301", side.span, f"`{node.operator}` cannot be applied to {describe(side.type)}")
-            return None
-    if clocks and operator in COMPARISONS:
-        if context.in_function:
-            context.error(
-                "E0333",
-                node.span,
-                "a function cannot compare clocks",
-                "compare them in the guard or invariant that calls the function",
-            )
-            return None
-        return compare(operator, left, right, node.span, context)
-    if clocks:
-        if operator in (BinaryOperator.ADD, BinaryOperator.SUBTRACT):
-            return Binary(operator, left, right, ClockType(), node.span)
-        context.error("E0301", node.span, f"`{node.operator}` cannot be applied to clocks")
-        return None
-    if operator in COMPARISONS:
-        return _comparison(operator, left, right, node, context)
-    return fold.binary(operator, left, right, INT, node.span)
-
-
-def _comparison(
-    operator: BinaryOperator, left: Expression, right: Expression, node: ast.BinaryExpression, context: Context
-) -> Expression | None:
-    if is_integral(left.type) and is_integral(right.type):
-        return fold.binary(operator, left, right, BOOL, node.span)
-    if not (is_data(left.type) and same_shape(left.type, right.type)):
-        context.error(
-            "E0304",
-            node.span,
-            f"{describe(left.type)} and {describe(right.type)} cannot be compared",
-            "values of a scalar type can only be compared with each other"
-            if isinstance(left.type, ScalarType) or isinstance(right.type, ScalarType)
-            else None,
-        )
-        return None
-    if is_aggregate(left.type):
-        return Binary(operator, left, right, BOOL, node.span)
-    return fold.binary(operator, left, right, BOOL, node.span)
+    return combine(operator, left, right, node.span, context)
 
 
 def _conditional(node: ast.ConditionalExpression, scope: Scope, context: Context) -> Expression | None:
@@ -324,19 +250,7 @@ def _conditional(node: ast.ConditionalExpression, scope: Scope, context: Context
     then, otherwise = expression(node.then, scope, context), expression(node.otherwise, scope, context)
     if test is None or then is None or otherwise is None:
         return None
-    type_: Type
-    if is_integral(then.type) and is_integral(otherwise.type):
-        type_ = then.type if then.type == otherwise.type else INT
-    elif same_shape(then.type, otherwise.type):
-        type_ = then.type
-    else:
-        context.error(
-            "E0304",
-            node.span,
-            f"the two sides of `?:` have different types, {describe(then.type)} and {describe(otherwise.type)}",
-        )
-        return None
-    return fold.conditional(test, then, otherwise, type_, node.span)
+    return choose(test, then, otherwise, node.span, context)
 
 
 def _quantifier(node: ast.QuantifierExpression, scope: Scope, context: Context) -> Expression | None:
@@ -444,27 +358,6 @@ def _target(node: ast.Expression, scope: Scope, context: Context) -> Expression 
     return expression(node, scope, context) if assignable(node, scope, context) else None
 
 
-def assignable(node: ast.Expression, scope: Scope, context: Context) -> bool:
-    """Whether an expression is a place that may change; reports if it is not."""
-    match node:
-        case ast.NameExpression(span, name):
-            symbol = scope.lookup(name)
-            if isinstance(symbol, ValueSymbol) and not symbol.assignable:
-                help_ = "copy it to a local variable" if symbol.description == "parameter" else None
-                context.error("E0303", span, f"`{name}` is a {symbol.description} and cannot be changed", help_)
-                return False
-            return True
-        case ast.IndexExpression(_, base):
-            return assignable(base, scope, context)
-        case ast.MemberExpression(_, base):
-            return assignable(base, scope, context)
-        case ast.ConditionalExpression(_, _, then, otherwise):
-            return assignable(then, scope, context) and assignable(otherwise, scope, context)
-        case _:
-            context.error("E0303", node.span, "only a variable can be assigned to")
-            return False
-
-
 def _assignment(node: ast.AssignmentExpression, scope: Scope, context: Context) -> Expression | None:
     target = _target(node.target, scope, context)
     value = expression(node.value, scope, context)
@@ -496,13 +389,6 @@ def _assignment(node: ast.AssignmentExpression, scope: Scope, context: Context) 
         )
         return None
     return Assign(target, converted(value, target.type), target.type, None, node.span)
-
-
-def converted(value: Expression, target: Type) -> Expression:
-    """The value as it is stored in a variable of the target type: an integer in a bool becomes 0 or 1."""
-    if isinstance(target, BoolType) and isinstance(value.type, IntType):
-        return fold.truth(value)
-    return value
 
 
 def comma(nodes: tuple[ast.Expression, ...], span: Span, scope: Scope, context: Context) -> Expression | None:
@@ -563,7 +449,7 @@ def _called(node: ast.Expression, scope: Scope, context: Context) -> Symbol | No
         return None
     symbol = scope.lookup(node.name)
     if symbol is None:
-        if node.name in _FLOATING_FUNCTIONS:
+        if node.name in FLOATING_FUNCTIONS:
             context.error("E0750", node.span, f"the function `{node.name}` on floating point numbers is not supported")
         else:
             context.error("E0201", node.span, f"unknown function `{node.name}`", scope.suggestion(node.name))
@@ -595,81 +481,3 @@ def _argument(
         context.error("E0309", node.span, f"{what} needs {describe(parameter.type)}, not {describe(value.type)}")
         return None
     return value if parameter.reference else converted(value, parameter.type)
-
-
-def is_place(value: Expression) -> bool:
-    match value:
-        case Reference():
-            return True
-        case Index(base) | Field(base):
-            return is_place(base)
-        case Conditional(_, then, otherwise):
-            return is_place(then) and is_place(otherwise)
-        case _:
-            return False
-
-
-# ---- initialisers ---------------------------------------------------------------------------------------------------
-
-
-def initialiser(node: ast.Expression, type_: Type, scope: Scope, context: Context) -> Expression | None:
-    """The initial value of a variable of the given type."""
-    if isinstance(node, ast.InitialiserList):
-        return _list(node, type_, scope, context)
-    value = expression(node, scope, context)
-    if value is None:
-        return None
-    if isinstance(type_, ClockType):
-        if isinstance(value, Constant) and value.value == 0:
-            return value
-        context.error("E0318", node.span, "clocks start at 0", "set the clock in an update to start from another value")
-        return None
-    if not can_assign(type_, value.type):
-        context.error("E0302", node.span, f"{describe(value.type)} cannot initialise {describe(type_)}")
-        return None
-    return converted(value, type_)
-
-
-def _list(node: ast.InitialiserList, type_: Type, scope: Scope, context: Context) -> Expression | None:
-    wanted: list[Type]
-    ordered: list[ast.Expression | None]
-    match type_:
-        case ArrayType():
-            wanted = [type_.element] * type_.size
-            for designator, _ in node.items:
-                if designator is not None:
-                    context.error("E0318", designator.span, "the elements of an array have no names")
-                    return None
-            ordered = [item for _, item in node.items]
-        case RecordType(_, fields):
-            wanted = [t for _, t in fields]
-            names = [name for name, _ in fields]
-            ordered = [None] * len(fields)
-            for position, (designator, item) in enumerate(node.items):
-                if designator is not None and designator.name not in names:
-                    context.error(
-                        "E0205",
-                        designator.span,
-                        f"{describe(type_)} has no field `{designator.name}`",
-                        did_you_mean(designator.name, names),
-                    )
-                    return None
-                place = position if designator is None else names.index(designator.name)
-                if place >= len(fields):
-                    ordered.append(item)
-                elif ordered[place] is not None:
-                    context.error("E0318", item.span, f"field `{names[place]}` is initialised twice")
-                    return None
-                else:
-                    ordered[place] = item
-        case _:
-            context.error("E0318", node.span, f"{describe(type_)} cannot be initialised with a list")
-            return None
-    given = [item for item in ordered if item is not None]
-    if len(given) != len(wanted):
-        context.error("E0318", node.span, f"{describe(type_)} needs {len(wanted)} initial values, not {len(given)}")
-        return None
-    items = [initialiser(item, t, scope, context) for item, t in zip(given, wanted, strict=True)]
-    if None in items:
-        return None
-    return Aggregate(tuple(item for item in items if item is not None), type_, node.span)

@@ -6,14 +6,9 @@ from dataclasses import replace
 from typing import assert_never
 
 from tachk.frontend.context import Context
-from tachk.frontend.expressions import (
-    comma,
-    condition,
-    converted,
-    expression,
-    initialiser,
-    type_reader,
-)
+from tachk.frontend.expressions import comma, condition, expression, type_reader
+from tachk.frontend.initialisers import initialiser
+from tachk.frontend.places import converted
 from tachk.frontend.scope import BrokenSymbol, FunctionSymbol, Scope, Symbol, TypeSymbol, ValueSymbol
 from tachk.frontend.typing import can_assign, describe, is_data, is_integral
 from tachk.model.expressions import (

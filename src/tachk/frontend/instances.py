@@ -10,8 +10,9 @@ from tachk.diagnostics.span import NOWHERE, Span
 from tachk.frontend.channels import ChannelTable
 from tachk.frontend.context import Context
 from tachk.frontend.declarations import Declared, argument_value, constant_symbol
-from tachk.frontend.expressions import assignable, expression, is_place, type_reader
+from tachk.frontend.expressions import expression, type_reader
 from tachk.frontend.findings import did_you_mean
+from tachk.frontend.places import assignable, is_place
 from tachk.frontend.scope import (
     BrokenSymbol,
     FamilySymbol,

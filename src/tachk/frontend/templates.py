@@ -9,14 +9,9 @@ from tachk.frontend.channels import ChannelTable
 from tachk.frontend.clock_constraints import compares_clocks, convex, forbid
 from tachk.frontend.context import Context
 from tachk.frontend.declarations import Declared, declare
-from tachk.frontend.expressions import (
-    assignable,
-    condition,
-    converted,
-    expression,
-    type_reader,
-)
+from tachk.frontend.expressions import condition, expression, type_reader
 from tachk.frontend.findings import did_you_mean
+from tachk.frontend.places import assignable, converted
 from tachk.frontend.rates import invariant_parts
 from tachk.frontend.scope import BrokenSymbol, LocationSymbol, Scope, Symbol, ValueSymbol
 from tachk.frontend.typing import can_assign, describe

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from tachk.diagnostics.span import Span
+from tachk.frontend.builtin_names import BUILTIN_TYPES
 from tachk.frontend.context import Context
 from tachk.frontend.findings import did_you_mean
 from tachk.frontend.scope import BrokenSymbol, Scope, TypeSymbol
@@ -26,15 +27,6 @@ from tachk.syntax import ast
 
 MAXIMUM_CELLS = 2**20
 """Cells of one variable; more is taken for a mistake rather than allocated."""
-
-BUILTIN_TYPES: dict[str, Type] = {
-    "int8_t": IntType(-(2**7), 2**7 - 1),
-    "uint8_t": IntType(0, 2**8 - 1),
-    "int16_t": IntType(-(2**15), 2**15 - 1),
-    "uint16_t": IntType(0, 2**16 - 1),
-    "int32_t": IntType(-(2**31), 2**31 - 1),
-}
-"""Names of UPPAAL 5 that a model may declare itself."""
 
 ConstantInteger = Callable[[ast.Expression, str], int | None]
 """Evaluates an expression that must be a constant integer; the text is the beginning of the message."""
