@@ -61,7 +61,7 @@ def load(path: str | os.PathLike[str], **constants: int | bool | str) -> Model:
         InputError: the model is wrong; carries every finding.
         UsageError: the file cannot be read, or there is no such constant.
     """
-    return Model(os.fspath(path), load_model(path, constants))
+    return Model(os.fspath(path), load_model(path, constants), tuple(constants))
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,10 +71,12 @@ class Model:
     Attributes:
         path: where it was read from, as given.
         loaded: the network with everything else that was found in the text.
+        definitions: the names of the constants that were given another value.
     """
 
     path: str
     loaded: LoadedModel = field(repr=False)
+    definitions: tuple[str, ...] = ()
 
     @property
     def network(self) -> Network:
@@ -128,7 +130,7 @@ class Model:
         options, limits = options or Options(), limits or Limits()
         verdicts = verify_queries(self.network, checked, options, limits, progress, trace)
         not_checked = tuple(NotChecked(query.name, query.text, f"{query.family} query") for query in unchecked)
-        return Report(RunRecord(self.path, self.network, verdicts, not_checked, options, limits))
+        return Report(RunRecord(self.path, self.network, verdicts, not_checked, options, limits, self.definitions))
 
     def _given(self, sources: Iterable[Source]) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
         """The queries of several texts, numbered through."""

@@ -7,7 +7,9 @@ import traceback
 from collections.abc import Callable, Iterable
 
 from tachk.cli.exit_status import ExitStatus
-from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError, UsageError
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
+
+_DIAGNOSTICS_SHOWN = 20
 
 
 def guarded(action: Callable[[], ExitStatus], subject: str = "") -> ExitStatus:
@@ -53,8 +55,13 @@ def complain(message: str, help: str | None = None) -> None:
 
 
 def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
-    """Prints every diagnostic with its source line."""
+    """Prints diagnostics with their source lines, errors first where there are too many for all of them."""
     from tachk.diagnostics.render import render
 
-    for diagnostic in diagnostics:
+    found = list(diagnostics)
+    if len(found) > _DIAGNOSTICS_SHOWN:
+        found.sort(key=lambda diagnostic: diagnostic.severity is not Severity.ERROR)
+    for diagnostic in found[:_DIAGNOSTICS_SHOWN]:
         print(render(diagnostic, colour=sys.stderr.isatty()), file=sys.stderr)
+    if len(found) > _DIAGNOSTICS_SHOWN:
+        print(f"... and {len(found) - _DIAGNOSTICS_SHOWN} more", file=sys.stderr)

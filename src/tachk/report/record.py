@@ -23,6 +23,7 @@ class RunRecord:
     """Attributes:
     model: the path of the model as the user gave it.
     verdicts: one for each query, in order.
+    definitions: the names of the constants that were set from outside.
     not_checked: the statistical, game and scenario queries met; they have no influence on success.
     """
 
@@ -32,6 +33,7 @@ class RunRecord:
     not_checked: tuple[NotChecked, ...] = ()
     options: Options = field(default_factory=Options)
     limits: Limits = field(default_factory=Limits)
+    definitions: tuple[str, ...] = ()
 
     @property
     def met(self) -> bool | None:

@@ -20,6 +20,9 @@ from tachk.report.quantity import bytes_, count, duration, seconds
 from tachk.report.record import RunRecord
 from tachk.report.trace_view import Event, Move, Snapshot, TraceView, view_event, view_path, view_trace
 
+_CONSTANTS_SHOWN = 8
+_ARRAY_TOGETHER = 3
+
 _STYLES = {Answer.HOLDS: "green", Answer.FAILS: "red", Answer.UNKNOWN: "yellow"}
 
 FAULT_MEANING = {
@@ -99,9 +102,13 @@ def print_fault(network: Network, fault: RunTimeFault, console: Console) -> None
 
 def _title(record: RunRecord) -> Text:
     title = Text(record.model, style="bold")
-    constants = ", ".join(f"{name} = {value}" for name, value in record.network.constants)
+    ordered = sorted(record.network.constants, key=lambda constant: constant[0] not in record.definitions)
+    constants = [f"{name} = {value}" for name, value in ordered]
+    shown = max(_CONSTANTS_SHOWN, len(record.definitions))
+    if len(constants) > shown:
+        constants[shown:] = [f"and {len(constants) - shown} more constants"]
     if constants:
-        title.append(f"   {constants}", style="not bold dim")
+        title.append("   " + ", ".join(constants), style="not bold dim")
     return title
 
 
@@ -200,12 +207,28 @@ def _move_line(channel: str, move: Move) -> Text:
 
 
 def _change_lines(before: Snapshot, after: Snapshot) -> list[Text]:
-    changes = [
-        f"{name}: {_value(old)} → {_value(new)}"
-        for (name, old), (_, new) in zip(before.variables, after.variables, strict=True)
-        if old != new
-    ]
-    return [Text("  " + ", ".join(changes))] if changes else []
+    groups: list[list[tuple[str, int | bool, int | bool]]] = []
+    last = ("", -1)
+    pairs = zip(before.variables, after.variables, strict=True)
+    for position, ((name, old), (_, new)) in enumerate(pairs):
+        if old != new:
+            array = name.rpartition("[")[0] if name.endswith("]") else ""
+            if array and last == (array, position - 1):
+                groups[-1].append((name, old, new))
+            else:
+                groups.append([(name, old, new)])
+            last = (array, position)
+    return [Text("  " + ", ".join(map(_group, groups)))] if groups else []
+
+
+def _group(cells: list[tuple[str, int | bool, int | bool]]) -> str:
+    """Changes of one variable, or of neighbouring cells of one array: ``a[0..2]: 1 2 0 → 2 0 0``."""
+    if len(cells) < _ARRAY_TOGETHER:
+        return ", ".join(f"{name}: {_value(old)} → {_value(new)}" for name, old, new in cells)
+    name = f"{cells[0][0][:-1]}..{cells[-1][0].rpartition('[')[2]}"
+    olds = " ".join(_value(old) for _, old, _ in cells)
+    news = " ".join(_value(new) for _, _, new in cells)
+    return f"{name}: {olds} → {news}"
 
 
 def _clock_line(clocks: tuple[tuple[str, Fraction], ...]) -> Text:

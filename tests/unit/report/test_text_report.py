@@ -7,7 +7,8 @@ from rich.console import Console
 
 from tachk.properties.verdict import Answer
 from tachk.report.record import RunRecord
-from tachk.report.text_report import print_run
+from tachk.report.text_report import print_run, print_trace
+from tachk.report.trace_view import Snapshot, TraceView, ViewStep
 
 
 def printed(record: RunRecord, **options: bool) -> str:
@@ -62,3 +63,18 @@ def test_success_of_a_record(record: RunRecord) -> None:
     assert replace(record, verdicts=record.verdicts[1:3]).met is None
     assert replace(record, verdicts=record.verdicts[1:2]).met is True
     assert record.verdicts[2].answer is Answer.UNKNOWN
+
+
+def test_neighbouring_cells_of_an_array_change_together() -> None:
+    before = Snapshot((), (("a[0]", 1), ("a[1]", 2), ("a[2]", 0), ("b[0]", 0), ("b[1]", 0), ("b[2]", 0), ("c", 0)))
+    after = Snapshot((), (("a[0]", 2), ("a[1]", 0), ("a[2]", 5), ("b[0]", 1), ("b[1]", 0), ("b[2]", 1), ("c", 1)))
+    out = StringIO()
+    print_trace(TraceView(before, (ViewStep(None, None, after),)), Console(file=out, width=200))
+    assert "a[0..2]: 1 2 0 → 2 0 5, b[0]: 0 → 1, b[2]: 0 → 1, c: 0 → 1" in out.getvalue()
+
+
+def test_only_some_of_many_constants_are_listed_those_from_outside_first(record: RunRecord) -> None:
+    network = replace(record.network, constants=tuple((f"C{i}", i) for i in range(20)))
+    text = printed(replace(record, network=network, definitions=("C17",)))
+    assert "lamp.ta   C17 = 17, C0 = 0, " in text
+    assert "and 12 more constants" in text
