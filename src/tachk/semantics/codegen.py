@@ -9,6 +9,8 @@ are not recursive.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import (
@@ -94,6 +96,19 @@ class CodeGenerator:
         """Code for a number: a bound, a condition (0 is false)."""
         start = len(self.assembler.code)
         self.value(fold(expression, known or self.known))
+        self.assembler.emit(Opcode.END)
+        return start
+
+    def conjunction_code(self, parts: Sequence[Expression], known: Known | None = None) -> int:
+        """Code for the truth of a conjunction, evaluated from left to right."""
+        start = len(self.assembler.code)
+        false = Label()
+        for part in parts:
+            self.jump(fold(part, known or self.known), False, false)
+        self.assembler.emit(Opcode.CONST, 1)
+        self.assembler.emit(Opcode.END)
+        self.assembler.place(false)
+        self.assembler.emit(Opcode.CONST, 0)
         self.assembler.emit(Opcode.END)
         return start
 

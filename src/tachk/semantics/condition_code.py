@@ -20,7 +20,7 @@ from tachk.model.expressions import (
 )
 from tachk.semantics.bounds import ConstraintRange
 from tachk.semantics.codegen import CodeGenerator
-from tachk.semantics.conditions import ClockAtom, Conjunction, both, conjuncts
+from tachk.semantics.conditions import ClockAtom, Conjunction, conjuncts
 from tachk.semantics.fold import COMPARISONS, Known, cannot_fail, fold, fold_place, is_integer
 from tachk.semantics.intervals import interval, possible_cells
 from tachk.semantics.layout import Layout, cell_range
@@ -73,11 +73,10 @@ class ConditionCompiler:
         constraints: list[ClockConstraint] = []
         ranges: list[ConstraintRange] = []
         code = NO_CODE
-        if remaining:
-            whole = remaining[0]
-            for part in remaining[1:]:
-                whole = both(whole, part)
-            code = self.generator.value_code(whole, known)
+        if len(remaining) == 1:
+            code = self.generator.value_code(remaining[0], known)
+        elif remaining:
+            code = self.generator.conjunction_code(remaining, known)
         for condition, atom in conjunction.clocks:
             constraint, range_ = self._constraint(condition, atom, known)
             if _always_true(constraint):

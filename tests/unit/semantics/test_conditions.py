@@ -221,6 +221,18 @@ def test_clock_comparisons_are_multiplied_out() -> None:
     ]
 
 
+def test_a_conjunction_of_thousands_of_parts_is_compiled() -> None:
+    m = Model()
+    everywhere = [(m.n * m.n < 100 + i) & (m.n * m.n != 50 + i) for i in range(2000)]
+    while len(everywhere) > 1:
+        everywhere = [a & b for a, b in zip(everywhere[::2], everywhere[1::2], strict=False)] + everywhere[
+            len(everywhere) // 2 * 2 :
+        ]
+    program, goal = m.goal(everywhere[0])
+    (disjunct,) = goal.disjuncts
+    assert Machine(program, initial_slots(program)).run(disjunct.condition.code) == 1
+
+
 def test_inequality_of_a_clock_has_two_disjuncts() -> None:
     m = Model()
     _, goal = m.goal(m.x != 4)
