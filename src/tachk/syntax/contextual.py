@@ -125,10 +125,9 @@ class _Resolver:
             elif token.text == "}" and stack:
                 self.inside = stack.pop()
             elif kind in ("NAME", "INIT", "URGENT"):
-                if self.at_start():
-                    if self.start_of_item(token):
-                        continue
-                else:
+                if self.at_start() and self.start_of_item(token):
+                    continue
+                if token.type == kind:
                     self.within(token)
             self.output.append(token)
             self.position += 1
@@ -236,16 +235,19 @@ class _Resolver:
             token.type = "HYBRID"
 
     def within(self, token: Token) -> None:
-        """Mark a word in the middle of an item."""
-        last = self.output[-1]
+        """Mark a word that is a keyword by its neighbours alone."""
         if self.resumes_after_omission(token):
             return
         if token.text == "sum" and self.text(1) == "(" and self.type(2) == "NAME" and self.text(3) == ":":
             token.type = "SUM"
+            return
+        if not self.output:
+            return
+        last = self.output[-1]
+        if token.text == "hybrid" and self.type(1) == "CLOCK":
+            token.type = "HYBRID"
         elif token.text == "priority" and last.type == "CHAN" and self.type(1) == "NAME":
             token.type = "PRIORITY"
-        elif token.text == "hybrid" and self.type(1) == "CLOCK":
-            token.type = "HYBRID"
         elif last.text in (")", "else", "do") or last.type == "DO":
             self.statement_word(token)
 

@@ -87,7 +87,8 @@ def _write_declaration(writer: Writer, item: ast.Declaration) -> None:
             writer.begin(item, doc)
             writer.condition(f"signal {name.name} = ", expression, ";", item)
         case ast.ForeignImport(library=library, span=span):
-            writer.line(span.text if span.text.startswith("import") else f'import "{library}" {{ }}', item)
+            text = span.text if span.text.startswith("import") else f'import "{library}" {{ }}'
+            writer.line(f"{text};", item)
 
 
 def _write_typed(
