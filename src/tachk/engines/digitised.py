@@ -25,7 +25,7 @@ from tachk.model.traversal import walk
 from tachk.model.types import ClockType
 from tachk.semantics.clock_constants import clock_constants, interval
 from tachk.semantics.discrete import Model, prepare
-from tachk.semantics.step import StepError, delay, enabled_transitions, fire, initial_state, satisfies
+from tachk.semantics.step import StepError, delay, initial_state, satisfies, successors
 from tachk.semantics.trace import TimedState, Transition
 
 Clocks = tuple[Fraction, ...]
@@ -130,9 +130,9 @@ def _explore(
         while waiting and len(found) < len(goals):
             state, path = waiting.popleft()
             explored += 1
-            for transition in enabled_transitions(model, state):
+            for transition, after in successors(model, state):
                 transitions += 1
-                add(fire(model, state, transition), (*path, transition))
+                add(after, (*path, transition))
             later = _delayed(model, state, next_delay(state.clocks))
             if later is not None:
                 add(later, path)

@@ -61,25 +61,27 @@ def _guarded_transitions(model: Model, state: TimedState) -> Iterator[Transition
     return combinations(model, state.discrete, offered, may_abstain=lambda receivers: not receivers)
 
 
-def possible_transitions(model: Model, state: TimedState) -> list[Transition]:
-    """The possible transitions, whatever their priorities, in the order of processes and edges."""
-    return [t for t in _guarded_transitions(model, state) if satisfies_invariants(model, _successor(model, state, t))]
+def possible(model: Model, state: TimedState) -> list[tuple[Transition, TimedState]]:
+    """The possible transitions with the states behind them, whatever their priorities."""
+    candidates = ((t, _successor(model, state, t)) for t in _guarded_transitions(model, state))
+    return [(t, after) for t, after in candidates if satisfies_invariants(model, after)]
 
 
-def enabled_transitions(model: Model, state: TimedState) -> list[Transition]:
-    """The possible transitions of the highest priority."""
-    possible = possible_transitions(model, state)
-    if not possible or not has_priorities(model):
-        return possible
-    highest = max(priority(model, state.discrete, t) for t in possible)
-    return [t for t in possible if priority(model, state.discrete, t) == highest]
+def successors(model: Model, state: TimedState) -> list[tuple[Transition, TimedState]]:
+    """The enabled transitions, those of the highest priority, with the states behind them. Raises EvaluationFault."""
+    found = possible(model, state)
+    if not found or not has_priorities(model):
+        return found
+    highest = max(priority(model, state.discrete, t) for t, _ in found)
+    return [(t, after) for t, after in found if priority(model, state.discrete, t) == highest]
 
 
 def fire(model: Model, state: TimedState, transition: Transition) -> TimedState:
-    """The state after an enabled transition. Raises StepError, and EvaluationFault if it goes wrong."""
-    if transition not in enabled_transitions(model, state):
-        raise StepError("the transition is not enabled")
-    return _successor(model, state, transition)
+    """The state after an enabled transition. Raises StepError if it is not enabled, and EvaluationFault."""
+    for enabled, after in successors(model, state):
+        if enabled == transition:
+            return after
+    raise StepError("the transition is not enabled")
 
 
 def _successor(model: Model, state: TimedState, transition: Transition) -> TimedState:
@@ -114,12 +116,16 @@ def urgent(model: Model, state: TimedState) -> bool:
 
 def deadlocked(model: Model, state: TimedState) -> bool:
     """Whether no transition is possible, now or after any delay that can pass."""
+    if possible(model, state):
+        return False
+    if not may_delay(model, state.discrete):
+        return True
     for moment in _telling_moments(model, state, before=None):
         try:
             after = delay(model, state, moment)
         except StepError:
             return True
-        if possible_transitions(model, after):
+        if possible(model, after):
             return False
     return True
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from fractions import Fraction
 
 from tachk.certify.replay import ReplayError, replay
@@ -28,9 +28,18 @@ VARIANTS = (
 )
 """Each option switched away from its default: none may change a verdict."""
 
-ZONE_LIMITS = Limits(states=20_000, seconds=10)
-REFERENCE_LIMITS = Limits(states=600, seconds=3)
-REGION_LIMITS = Limits(states=1500, seconds=2)
+ZONE_LIMITS = Limits(states=20_000)
+UNWIDENED_LIMITS = Limits(states=2000, depth=25)
+"""Without extrapolation a search need not end, even with a bounded number of stored states: ever larger zones replace
+each other."""
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How many states the oracles may store before they give up."""
+
+    reference: int = 600
+    sampled: int = 1500
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,14 +53,15 @@ class Agreement:
     problems: tuple[str, ...]
 
 
-def compare(case: Case, variants: Sequence[Options] = VARIANTS) -> Agreement:
+def compare(case: Case, variants: Sequence[Options] = VARIANTS, effort: Effort = Effort()) -> Agreement:
     """Runs the zone engine, with all variants of its options, and the oracles, and turns what they find into runs."""
-    outcomes = {"reference": reference.explore(case.network, case.predicates, REFERENCE_LIMITS)}
+    outcomes = {"reference": reference.explore(case.network, case.predicates, Limits(states=effort.reference))}
+    sampled = Limits(states=effort.sampled)
     stopwatches = any(location.rates for process in case.network.processes for location in process.locations)
     if stopwatches:
-        outcomes["grid"] = digitised.explore_grid(case.network, case.predicates, Fraction(1, 2), REGION_LIMITS)
+        outcomes["grid"] = digitised.explore_grid(case.network, case.predicates, Fraction(1, 2), sampled)
     else:
-        outcomes["regions"] = digitised.explore_regions(case.network, case.predicates, REGION_LIMITS)
+        outcomes["regions"] = digitised.explore_regions(case.network, case.predicates, sampled)
     outcomes |= _zone_outcomes(case, variants)
     problems = _over_approximation(outcomes) if stopwatches else _contradictions(outcomes)
     return Agreement(outcomes, (*problems, *_runs(case, outcomes, stopwatches)))
@@ -64,9 +74,7 @@ def _zone_outcomes(case: Case, variants: Sequence[Options]) -> dict[str, Outcome
         return {}
     outcomes = {"zone": zone.explore(program, goals, Options(), ZONE_LIMITS)}
     for options in variants:
-        limits = ZONE_LIMITS
-        if options.extrapolation is Extrapolation.NONE:
-            limits = replace(ZONE_LIMITS, states=2000)  # this search need not end
+        limits = UNWIDENED_LIMITS if options.extrapolation is Extrapolation.NONE else ZONE_LIMITS
         outcomes[_name(options)] = zone.explore(program, goals, options, limits)
     return outcomes
 
