@@ -32,7 +32,6 @@ from tachk.semantics.program import (
     DeadlockLiteral,
     Goal,
     Program,
-    ProgramEdge,
     ProgramLocation,
     Update,
 )
@@ -67,7 +66,7 @@ def explore(
         _encode(program, goals),
         order=_ORDERS[options.order],
         seed=options.seed,
-        extrapolation=_EXTRAPOLATIONS[_sound_extrapolation(program, goals, options.extrapolation)],
+        extrapolation=_EXTRAPOLATIONS[_sound_extrapolation(goals, options.extrapolation)],
         local_bounds=options.bounds is BoundScope.LOCAL,
         subsumption=options.subsumption,
         narrow=options.narrow,
@@ -109,22 +108,11 @@ def _run(
             slice_size = max(slice_size // 2, 1)
 
 
-def _sound_extrapolation(program: Program, goals: Sequence[Goal], wanted: Extrapolation) -> Extrapolation:
-    """LU bounds do not preserve where an action is impossible; where that matters MAX replaces them."""
-    negates_guards = (
-        program.has_priorities
-        or any(d.deadlock is not DeadlockLiteral.ABSENT for goal in goals for d in goal.disjuncts)
-        or any(
-            edge.guard.constraints and not edge.sends and _may_be_broadcast(program, edge) for edge in program.edges
-        )
-    )
-    return Extrapolation.MAX if wanted is Extrapolation.LU and negates_guards else wanted
-
-
-def _may_be_broadcast(program: Program, edge: ProgramEdge) -> bool:
-    if edge.channel_code >= 0:
-        return any(channel.broadcast for channel in program.channels)
-    return edge.channel >= 0 and program.channels[edge.channel].broadcast
+def _sound_extrapolation(goals: Sequence[Goal], wanted: Extrapolation) -> Extrapolation:
+    """LU bounds do not preserve deadlock; MAX does. Other places where it matters that an action is impossible are seen
+    to by the bounds themselves (`tachk.semantics.bounds`)."""
+    asks_for_deadlock = any(d.deadlock is not DeadlockLiteral.ABSENT for goal in goals for d in goal.disjuncts)
+    return Extrapolation.MAX if wanted is Extrapolation.LU and asks_for_deadlock else wanted
 
 
 def _statistics(explorer: _core.Explorer, start: float) -> Statistics:

@@ -77,7 +77,7 @@ class LocationBounds:
 
 
 def process_bounds(
-    invariants: Sequence[tuple[ConstraintRange, ...]],
+    invariants: Sequence[Sequence[ConstraintRange]],
     edges: Iterable[BoundEdge],
     everywhere: tuple[Mapping[int, int], Mapping[int, int]] = ({}, {}),
     symmetric: frozenset[int] | None = frozenset(),

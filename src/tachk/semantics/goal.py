@@ -1,10 +1,12 @@
 """Predicates as disjunctions of conditions with clock constraints and ``deadlock``.
 
-Only what contains clocks or ``deadlock`` is multiplied out; a part without them stays one piece of code.
+Only what contains clocks or ``deadlock`` is multiplied out; a part without them stays one piece of code, unless the
+whole predicate is a short disjunction of such parts: simple tests are faster than code.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
@@ -34,9 +36,10 @@ from tachk.semantics.conditions import (
 from tachk.semantics.fold import COMPARISONS, Known, cannot_fail, fold, negate
 from tachk.semantics.intervals import interval
 from tachk.semantics.layout import cell_range
-from tachk.semantics.program import DeadlockLiteral, Disjunct, Goal
+from tachk.semantics.program import Comparison, DeadlockLiteral, Disjunct, Goal
 
 MAXIMAL_DISJUNCTS = 4096
+MAXIMAL_ALTERNATIVES = 256
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,23 +55,76 @@ class _Literals:
         return not all(map(cannot_fail, self.integers)) or not all(cannot_fail(a.bound) for a in self.atoms)
 
 
+@dataclass(frozen=True, slots=True)
+class Observed:
+    """What a disjunct compares clocks with, and the pairs (process, location) that it asks for beside that."""
+
+    constraint: ConstraintRange
+    places: tuple[tuple[int, int], ...]
+
+
 def compile_goal(
     predicate: Expression, known: Known, compiler: ConditionCompiler
-) -> tuple[Goal, tuple[ConstraintRange, ...]]:
+) -> tuple[Goal, tuple[Observed, ...]]:
     """The goal, and what its constraints compare clocks with.
 
     Raises UnsupportedError for a clock comparison of another form than ``x - y < c`` and for a predicate with too many
     disjuncts.
     """
     disjuncts: list[Disjunct] = []
-    ranges: list[ConstraintRange] = []
-    for literals in _disjuncts(fold(predicate, known), True, known, predicate.span):
+    observed: list[Observed] = []
+    for literals in _top_level(fold(predicate, known), known):
         conjunction = Conjunction(literals.integers, tuple((None, atom) for atom in literals.atoms))
         compiled = compiler.compile(conjunction, known)
         if compiled is not None:
             disjuncts.append(Disjunct(compiled[0], literals.deadlock))
-            ranges.extend(compiled[1])
-    return Goal(tuple(disjuncts)), tuple(ranges)
+            places = tuple(
+                (test.slot, test.constant)
+                for test in compiled[0].tests
+                if test.slot < compiler.layout.processes and test.comparison is Comparison.EQUAL
+            )
+            observed.extend(Observed(constraint, places) for constraint in compiled[1])
+    return Goal(tuple(disjuncts)), tuple(observed)
+
+
+def _top_level(predicate: Expression, known: Known) -> tuple[_Literals, ...]:
+    if not _is_special(predicate) and cannot_fail(predicate):
+        alternatives = tuple(_alternatives(predicate, True, known))
+        if len(alternatives) <= MAXIMAL_ALTERNATIVES:
+            return tuple(_Literals(tuple(conjuncts(part, positive))) for part, positive in alternatives)
+    return _disjuncts(predicate, True, known, predicate.span)
+
+
+def _alternatives(expression: Expression, positive: bool, known: Known) -> Iterator[tuple[Expression, bool]]:
+    """The parts of a disjunction, each to be read as itself or (False) as its negation."""
+    match expression:
+        case Unary(UnaryOperator.NOT, operand):
+            yield from _alternatives(operand, not positive, known)
+        case Binary(BinaryOperator.OR, left, right) if positive:
+            yield from _alternatives(left, True, known)
+            yield from _alternatives(right, True, known)
+        case Binary(BinaryOperator.AND, left, right) if not positive:
+            yield from _alternatives(left, False, known)
+            yield from _alternatives(right, False, known)
+        case Binary(BinaryOperator.IMPLY, left, right) if positive:
+            yield from _alternatives(left, False, known)
+            yield from _alternatives(right, True, known)
+        case Quantifier(QuantifierKind.EXISTS) if positive:
+            yield from _instances(expression, True, known)
+        case Quantifier(QuantifierKind.FORALL) if not positive:
+            yield from _instances(expression, False, known)
+        case _:
+            yield expression, positive
+
+
+def _instances(expression: Quantifier, positive: bool, known: Known) -> Iterator[tuple[Expression, bool]]:
+    low, high = cell_range(expression.variable.type)
+    if high - low >= MAXIMAL_ALTERNATIVES:
+        yield expression, positive
+        return
+    for value in range(low, high + 1):
+        inner = known.with_bound(expression.variable, value)
+        yield from _alternatives(fold(expression.body, inner), positive, inner)
 
 
 def check_predicate(predicate: Expression, known: Known) -> None:

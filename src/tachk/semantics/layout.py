@@ -26,6 +26,7 @@ class Layout:
     """The slots of a network; frame slots are added while code is generated.
 
     Attributes:
+        processes: how many of the slots hold locations.
         slots: all slots so far (`Program.slots`).
         state_slots: how many of them are the state.
         clock_names, channels: by number; clock number ``i`` is entry ``i - 1``.
@@ -33,6 +34,7 @@ class Layout:
 
     def __init__(self, network: Network, known: Known) -> None:
         """Raises InputError for an initial value outside its variable's range."""
+        self.processes = len(network.processes)
         self.slots: list[Slot] = [
             Slot(process.name, 0, max(len(process.locations) - 1, 0), process.initial) for process in network.processes
         ]

@@ -24,7 +24,7 @@ from tachk.semantics.condition_code import ConditionCompiler, check_bound
 from tachk.semantics.conditions import Conjunction, split_conjunction
 from tachk.semantics.features import rate_of
 from tachk.semantics.fold import Known, fold, fold_place, is_integer, known_values, network_expressions
-from tachk.semantics.goal import compile_goal
+from tachk.semantics.goal import Observed, compile_goal
 from tachk.semantics.intervals import interval
 from tachk.semantics.layout import Layout, cell_range
 from tachk.semantics.program import (
@@ -55,13 +55,13 @@ def lower(network: Network, predicates: Sequence[Expression] = ()) -> tuple[Prog
     for number, process in enumerate(network.processes):
         lowering.add_process(number, process, known)
     goals = []
-    goal_ranges: list[ConstraintRange] = []
+    observed: list[Observed] = []
     for predicate in predicates:
-        goal, ranges = compile_goal(predicate, known, lowering.compiler)
+        goal, compared = compile_goal(predicate, known, lowering.compiler)
         goals.append(goal)
-        goal_ranges.extend(ranges)
+        observed.extend(compared)
     generator.finish()
-    return lowering.program(goal_ranges), tuple(goals)
+    return lowering.program(observed), tuple(goals)
 
 
 class _Lowering:
@@ -219,15 +219,15 @@ class _Lowering:
 
     # ---- the whole --------------------------------------------------------------------------------------------------
 
-    def program(self, goal_ranges: Sequence[ConstraintRange]) -> Program:
+    def program(self, observed: Sequence[Observed]) -> Program:
         """The finished program, with the clock bounds filled in."""
         network = self.network
         priorities = {network.default_priority, *(c.priority for c in self.layout.channels)}
         has_priorities = len(priorities) > 1 or len({p.priority for p in network.processes}) > 1
         model_ranges = [r for process in self.invariants for ranges in process for r in ranges]
         model_ranges += [r for process in self.bound_edges for edge in process for r in edge.constraints]
-        diagonals = _diagonals([*model_ranges, *goal_ranges])
-        bounds = self._bounds(goal_ranges, diagonals, has_priorities)
+        diagonals = _diagonals([*model_ranges, *(o.constraint for o in observed)])
+        bounds = self._bounds(observed, diagonals, has_priorities)
         maximum = [-1] * (len(self.layout.clock_names) + 1)
         for process in bounds:
             for location in process:
@@ -257,19 +257,33 @@ class _Lowering:
 
     def _bounds(
         self,
-        goal_ranges: Sequence[ConstraintRange],
+        observed: Sequence[Observed],
         diagonals: tuple[tuple[int, int, int], ...],
         has_priorities: bool,
     ) -> list[tuple[LocationBounds, ...]]:
         of_diagonals = diagonal_bounds(diagonals, self.reset_values)
         lower, upper = dict(of_diagonals), dict(of_diagonals)
-        for constraint in goal_ranges:
-            collect(constraint, lower, upper)
+        at_location = [[list(ranges) for ranges in process] for process in self.invariants]
+        for constraint, place in ((o.constraint, self._place(o)) for o in observed):
+            if place is None:
+                collect(constraint, lower, upper)
+            else:
+                at_location[place[0]][place[1]].append(constraint)
         symmetric = None if has_priorities else frozenset(of_diagonals)
         return [
             process_bounds(invariants, edges, (lower, upper), symmetric)
-            for invariants, edges in zip(self.invariants, self.bound_edges, strict=True)
+            for invariants, edges in zip(at_location, self.bound_edges, strict=True)
         ]
+
+    def _place(self, observed: Observed) -> tuple[int, int] | None:
+        """A location where the constraint can be counted instead of everywhere: the predicate looks at it only there,
+        and the process resets the clocks itself, so that they are free on the way there."""
+        constraint = observed.constraint
+        clocks = {*constraint.lefts, *constraint.rights} - {0}
+        for process, location in observed.places:
+            if clocks <= {clock for edge in self.bound_edges[process] for clock in edge.resets}:
+                return process, location
+        return None
 
 
 def _diagonals(ranges: Sequence[ConstraintRange]) -> tuple[tuple[int, int, int], ...]:

@@ -10,7 +10,7 @@ from tachk.model.expressions import Conditional
 from tachk.model.types import ArrayType, ClockType, IntType
 from tachk.semantics.bounds import BoundEdge, ConstraintRange, process_bounds
 from tachk.semantics.lower import lower
-from tachk.semantics.program import Program
+from tachk.semantics.program import NO_CODE, Program
 
 X, Y = 1, 2
 
@@ -158,9 +158,35 @@ def test_a_query_keeps_its_clocks_alive_everywhere() -> None:
     a, b = p.location("a"), p.location("b")
     p.edge(a, b, updates=[x.assign(0)])
     q.location("only")
-    program, _ = lower(network.build(), [(b.reached & (x > 12)).expression])
+    program, _ = lower(network.build(), [(x > 12).expression])
     assert [bounds_of(program, 0, i) for i in (0, 1)] == [({X: 12}, {})] * 2
     assert bounds_of(program, 1, 0) == ({X: 12}, {})
+
+
+def test_a_query_about_one_location_of_the_process_that_resets_the_clock_counts_there() -> None:
+    network = NetworkBuilder()
+    p, q = network.process("P"), network.process("Q")
+    x = p.clock("x")
+    a, b, c = p.location("a"), p.location("b"), p.location("c")
+    p.edge(a, b, updates=[x.assign(0)])
+    p.edge(b, c)
+    only = q.location("only")
+    program, _ = lower(network.build(), [(c.reached & (x > 12)).expression])
+    assert [bounds_of(program, 0, i) for i in (0, 1, 2)] == [({}, {}), ({X: 12}, {}), ({X: 12}, {})]
+    assert bounds_of(program, 1, 0) == ({}, {})
+    program, _ = lower(network.build(), [(only.reached & (x > 12)).expression])
+    assert bounds_of(program, 0, 0) == ({X: 12}, {})
+
+
+def test_a_short_disjunction_of_tests_becomes_disjuncts_without_code() -> None:
+    network = NetworkBuilder()
+    p, q = network.process("P"), network.process("Q")
+    a, b = p.location("a"), q.location("b")
+    p.edge(a, p.location("c"))
+    q.edge(b, q.location("d"))
+    _, (goal,) = lower(network.build(), [(a.reached | b.reached).expression])
+    assert [disjunct.condition.code for disjunct in goal.disjuncts] == [NO_CODE, NO_CODE]
+    assert [len(disjunct.condition.tests) for disjunct in goal.disjuncts] == [1, 1]
 
 
 def test_clocks_of_a_difference_have_equal_bounds_of_at_least_its_constant_everywhere() -> None:
