@@ -115,4 +115,12 @@ NAME_CODES: dict[str, Explanation] = {
         "-D and keyword arguments of load() set boolean and integer constants. Arrays and structs of constants can be "
         "computed from such constants in the model.",
     ),
+    "E0609": Explanation(
+        "quantifier with too many instances",
+        "A quantifier over clock comparisons, rates or processes is written out, one instance for each value. More "
+        "than 65536 instances in one model are taken for a mistake.",
+        "clock x[2];\nprocess P() { state s; init s;\n"
+        "    trans s -> s { guard forall (i : int[0,999999]) x[i % 2] <= 5; }; }",
+        "clock x[2];\nprocess P() { state s; init s; trans s -> s { guard forall (i : int[0,1]) x[i] <= 5; }; }",
+    ),
 }

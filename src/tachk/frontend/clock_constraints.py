@@ -216,6 +216,8 @@ def _convex(
             conjunctive = (kind is QuantifierKind.FORALL) is positive
             assert isinstance(variable.type, IntType | BoolType | ScalarType)
             low, high = bounds(variable.type)
+            if not context.allow_instances(high - low + 1, node.span):
+                return None
             result: Expression | None = None
             for number in range(low, high + 1):
                 instance = substitute(body, {variable: Constant(number, variable.type)}, context.constants)

@@ -44,6 +44,19 @@ class Effects:
 
 
 @dataclass(slots=True)
+class Budget:
+    """What one model may use up before it is taken for a mistake (or an attack).
+
+    Attributes:
+        instances: of quantifiers that are written out.
+        cells: of variables.
+    """
+
+    instances: int = 2**16
+    cells: int = 2**22
+
+
+@dataclass(slots=True)
 class Context:
     """Attributes:
     constants: the array and record constants; scalar constants are `Constant` expressions wherever they are used.
@@ -59,9 +72,26 @@ class Context:
     in_query: bool = False
     in_function: bool = False
     scalar_sets: int = 0
+    budget: Budget = field(default_factory=Budget)
 
     def error(self, code: str, span: Span, message: str, help: str | None = None) -> None:
         self.findings.add(code, span, message, help)
+
+    def allow_instances(self, count: int, span: Span) -> bool:
+        """Whether a quantifier may be written out that many times; reports if it may not."""
+        self.budget.instances -= count
+        if self.budget.instances >= 0:
+            return True
+        self.error("E0609", span, "this quantifier has too many instances", "quantify over a smaller type")
+        return False
+
+    def allow_cells(self, count: int, span: Span) -> bool:
+        """Whether a variable of that many cells may be declared; reports if it may not."""
+        self.budget.cells -= count
+        if self.budget.cells >= 0:
+            return True
+        self.error("E0606", span, "the variables of this model are too large", "use smaller arrays")
+        return False
 
     # ---- effects --------------------------------------------------------------------------------------------------
 

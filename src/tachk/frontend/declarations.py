@@ -107,6 +107,8 @@ def _variable(
     if meta and not is_data(type_):
         context.error("E0315", node.span, f"a {describe(type_)} cannot be meta")
         meta = False
+    if not context.allow_cells(cell_count(type_), node.span):
+        return None
     cells = default_cells(type_)
     if node.initialiser is not None:
         if _has_channel(type_):

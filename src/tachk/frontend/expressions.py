@@ -67,6 +67,11 @@ from tachk.model.types import (
 )
 from tachk.syntax import ast
 
+_CONNECTIVES = {
+    QuantifierKind.FORALL: BinaryOperator.AND,
+    QuantifierKind.EXISTS: BinaryOperator.OR,
+    QuantifierKind.SUM: BinaryOperator.ADD,
+}
 _LOGICAL = {BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY, BinaryOperator.XOR}
 
 
@@ -254,40 +259,31 @@ def _conditional(node: ast.ConditionalExpression, scope: Scope, context: Context
 
 
 def _quantifier(node: ast.QuantifierExpression, scope: Scope, context: Context) -> Expression | None:
-    what = f"the variable of `{node.kind}`"
-    type_ = type_reader(scope, context).bounded(node.type, what)
+    type_ = type_reader(scope, context).bounded(node.type, f"the variable of `{node.kind}`")
     if type_ is None:
         return None
-    variable = Variable(node.variable.name, type_, VariableKind.BOUND, span=node.variable.span)
-    if context.in_query and mentions_family(node.body, scope):
-        return _expanded(node, variable, scope, context)
-    inner = _bound_scope(node, Reference(variable), scope)
     kind = QuantifierKind(node.kind)
-    if kind is QuantifierKind.SUM:
-        body = integral(node.body, inner, context)
-        return None if body is None else Quantifier(kind, variable, body, INT, node.span)
-    body = condition(node.body, inner, context)
-    return None if body is None else Quantifier(kind, variable, body, BOOL, node.span)
+    result_type: Type = INT if kind is QuantifierKind.SUM else BOOL
+    checked = integral if kind is QuantifierKind.SUM else condition
+    if not (context.in_query and mentions_family(node.body, scope)):
+        variable = Variable(node.variable.name, type_, VariableKind.BOUND, span=node.variable.span)
+        body = checked(node.body, _bound_scope(node, Reference(variable), scope), context)
+        return None if body is None else Quantifier(kind, variable, body, result_type, node.span)
+    # Which process is meant depends on the variable, so the instances are written out.
+    low, high = bounds(type_)
+    if not context.allow_instances(high - low + 1, node.span):
+        return None
+    result: Expression | None = None
+    for value in range(low, high + 1):
+        part = checked(node.body, _bound_scope(node, Constant(value, type_), scope), context)
+        if part is None:
+            return None
+        result = part if result is None else fold.binary(_CONNECTIVES[kind], result, part, result_type, node.span)
+    return result
 
 
 def _bound_scope(node: ast.QuantifierExpression, value: Expression, scope: Scope) -> Scope:
     return Scope(scope, "", {node.variable.name: ValueSymbol(value, False, "bound variable", node.variable.span)})
-
-
-def _expanded(node: ast.QuantifierExpression, variable: Variable, scope: Scope, context: Context) -> Expression | None:
-    """A quantifier over processes: its instances, connected."""
-    operator = {"forall": BinaryOperator.AND, "exists": BinaryOperator.OR, "sum": BinaryOperator.ADD}[node.kind]
-    type_: Type = INT if node.kind == "sum" else BOOL
-    assert isinstance(variable.type, IntType | BoolType | ScalarType)
-    low, high = bounds(variable.type)
-    result: Expression | None = None
-    for value in range(low, high + 1):
-        inner = _bound_scope(node, Constant(value, variable.type), scope)
-        part = (integral if node.kind == "sum" else condition)(node.body, inner, context)
-        if part is None:
-            return None
-        result = part if result is None else fold.binary(operator, result, part, type_, node.span)
-    return result
 
 
 # ---- places ---------------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UsageError
 from tachk.diagnostics.span import Source
-from tachk.frontend.context import Context
+from tachk.frontend.context import Budget, Context
 from tachk.frontend.elaborate import Elaborated, elaborate
 from tachk.frontend.findings import Findings, did_you_mean
 from tachk.frontend.imports import Importer
@@ -22,6 +22,9 @@ from tachk.syntax.query_files import parse_queries
 from tachk.syntax.source_files import read_source
 
 __all__ = ["LoadedModel", "UncheckedQuery", "elaborate_queries", "load_model"]
+
+INSTANCES = 2**16
+"""Quantifiers are written out at most that many times in one model."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +66,7 @@ def load_model(
     if document is None or findings.has_errors:
         raise InputError(findings.sorted())
     overrides = _overrides(constants or {}, items, findings)
-    context = Context(findings)
+    context = Context(findings, budget=Budget(INSTANCES))
     result: Elaborated = elaborate(items, document.span, overrides, context)
     if findings.has_errors:
         raise InputError(findings.sorted())
@@ -82,7 +85,8 @@ def elaborate_queries(loaded: LoadedModel, text: str | Source) -> tuple[tuple[Qu
     findings = Findings()
     entries, diagnostics = parse_queries(source)
     findings.extend(diagnostics)
-    context = Context(findings, loaded._constants.constants, loaded._constants.effects)
+    known = loaded._constants
+    context = Context(findings, known.constants, known.effects, budget=Budget(INSTANCES))
     queries, unchecked = elaborate_entries(entries, loaded._scope, context)
     if findings.has_errors:
         raise InputError(findings.sorted())

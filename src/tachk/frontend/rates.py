@@ -56,6 +56,8 @@ def _conjuncts(node: ast.Expression, scope: Scope, context: Context) -> list[tup
                 bounded = type_reader(inner, context).bounded(type_, "the variable of `forall`")
                 if bounded is not None:
                     low, high = bounds(bounded)
+                    if not context.allow_instances(high - low + 1, current.span):
+                        continue
                     for value in range(high, low - 1, -1):
                         symbol = ValueSymbol(Constant(value, bounded), False, "bound variable", name.span)
                         pending.append((body, Scope(inner, "", {name.name: symbol})))

@@ -188,3 +188,14 @@ def test_findings_in_signals_and_properties(find: Any, text: str, expected: list
 def test_the_inside_of_a_process_is_hidden_from_the_model(find: Any) -> None:
     text = "process A() { int v; state s; init s; } process B() { state s; init s; trans s -> s { guard A.v > 1; }; }"
     assert find(text + "\nsystem A, B;") == [("E0206", "A")]
+
+
+def test_nested_quantifiers_over_processes_are_bounded(load: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tachk.frontend.load.INSTANCES", 1000)
+    loaded = load("process T(int[0,1] k) { state s; init s; }\nsystem T;")
+    shallow = "".join(f"forall (i{j} : int[0,0]) " for j in range(200))
+    deep = "".join(f"forall (i{j} : int[0,1]) " for j in range(30))
+    assert len(elaborate_queries(loaded, f"E<> {shallow} T(i0).s")[0]) == 1
+    with pytest.raises(InputError) as caught:
+        elaborate_queries(loaded, f"E<> {deep} T(i0).s")
+    assert [d.code for d in caught.value.diagnostics] == ["E0609"]
