@@ -10,6 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tachk.diagnostics.span import Source, Span
+from tachk.engines.protocol import Status
+from tachk.engines.zone import explore
 from tachk.model.evaluate import Environment, evaluate, execute
 from tachk.model.expressions import (
     BOOL,
@@ -442,3 +444,41 @@ def test_values_without_effects_agree_when_variables_are_known(expression: Expre
 @given(update_lists())
 def test_updates_agree_with_the_evaluator(updates: list[Expression]) -> None:
     compare_updates(updates)
+
+
+def leaf_places(place: Expression) -> list[Expression]:
+    """The cells of a place, as places."""
+    match place.type:
+        case ArrayType(element) as array:
+            numbers = range(array.low, array.low + array.size)
+            return [p for i in numbers for p in leaf_places(Index(place, Constant(i), element))]
+        case RecordType(_, fields):
+            return [p for name, type_ in fields for p in leaf_places(Field(place, name, type_))]
+    return [place]
+
+
+@RANDOM
+@given(update_lists())
+def test_updates_agree_with_the_engine(updates: list[Expression]) -> None:
+    plain = network(updates)
+    urgent = tuple(replace(location, urgent=True) for location in plain.processes[0].locations)
+    net = replace(plain, processes=(replace(plain.processes[0], locations=urgent),))
+    layout = cell_layout(net)
+    environment = Environment(layout, list(layout.initial), locations=(0,))
+    fault: tuple[RuntimeErrorKind, Span] | None = None
+    try:
+        execute(updates, environment)
+    except EvaluationFault as caught:
+        fault = (caught.kind, caught.span)
+    places = [p for v in VARIABLES for p in leaf_places(Reference(v))]
+    after: Expression = LocationTest(0, 1)
+    for place, value in zip(places, environment.values, strict=True):
+        expected = environment.resets.get(value, 0) if isinstance(place.type, ClockType) else value
+        equal = Binary(BinaryOperator.EQUAL, place, Constant(expected), BOOL)
+        after = Binary(BinaryOperator.AND, after, equal, BOOL)
+    outcome = explore(*lower(net, [after]))
+    if fault is None:
+        assert outcome.goals[0].status is Status.REACHED
+    else:
+        assert outcome.fault is not None
+        assert (outcome.fault.kind, outcome.fault.span) == fault
