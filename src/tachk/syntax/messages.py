@@ -69,7 +69,7 @@ def explain(situation: Situation) -> Diagnostic:
 
 
 def _foreign_format(situation: Situation) -> Diagnostic | None:
-    if situation.index == 0 and situation.token.text == "<":
+    if situation.index == 0 and situation.token.text in ("<", "<?"):
         return Diagnostic(
             "E0101",
             "this looks like XML; expected a model as text",

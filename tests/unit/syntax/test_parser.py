@@ -88,9 +88,7 @@ def test_postfix_operations() -> None:
             NOWHERE,
             ast.MemberExpression(
                 NOWHERE,
-                ast.CallExpression(
-                    NOWHERE, ast.NameExpression(NOWHERE, "P"), (ast.IntegerLiteral(NOWHERE, 1),)
-                ),
+                ast.CallExpression(NOWHERE, ast.NameExpression(NOWHERE, "P"), (ast.IntegerLiteral(NOWHERE, 1),)),
                 ast.Identifier(NOWHERE, "a"),
             ),
             ast.NameExpression(NOWHERE, "i"),
@@ -320,7 +318,9 @@ def test_no_contextual_keyword_is_reserved(word: str) -> None:
 
 @pytest.mark.parametrize("word", ["property", "signal", "location", "branchpoint", "hybrid", "assert", "to", "import"])
 def test_a_contextual_keyword_can_name_a_type(word: str) -> None:
-    items = document(f"typedef int[0,3] {word};\n{word} x = 1;\nprocess P({word} y) {{ {word} z; state A; init A; }}").items
+    items = document(
+        f"typedef int[0,3] {word};\n{word} x = 1;\nprocess P({word} y) {{ {word} z; state A; init A; }}"
+    ).items
     assert isinstance(items[1], ast.VariableDeclaration)
     assert isinstance(items[2], ast.Template)
     assert items[2].declarations == document(f"{word} z;").items
@@ -357,7 +357,7 @@ def test_deadlock_is_a_name_outside_queries_and_behind_a_dot() -> None:
         ("minE(cost)[<=10] : <> P.done", "learning"),
         ("strategy S = control: A<> P.win", "learning"),
         ("A[] P.ok under S", "learning"),
-        ("saveStrategy(\"f\", S)", "learning"),
+        ('saveStrategy("f", S)', "learning"),
         ("scenario: Obs", "scenario"),
     ],
 )

@@ -234,9 +234,7 @@ def _compound(inner: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
         _node(ast.IncrementExpression, st.sampled_from(["++", "--"]), st.booleans(), inner),
         _node(ast.AssignmentExpression, st.sampled_from(["=", "+=", "<<="]), inner, inner),
         _node(ast.ConditionalExpression, inner, inner, inner),
-        _node(
-            ast.QuantifierExpression, st.sampled_from(["forall", "exists", "sum"]), _identifiers, _types, inner
-        ),
+        _node(ast.QuantifierExpression, st.sampled_from(["forall", "exists", "sum"]), _identifiers, _types, inner),
         _node(ast.CallExpression, inner, st.lists(inner, max_size=2).map(tuple)),
         _node(ast.IndexExpression, inner, inner),
         _node(ast.MemberExpression, inner, _identifiers),

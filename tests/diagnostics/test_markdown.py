@@ -1,0 +1,84 @@
+"""Runs the documents of this folder: Markdown whose code blocks say which diagnostics they cause.
+
+A ``ta`` block is a model, a ``q`` block a query file. A comment ``// error: [E0102] "expected ';'"`` (or ``// warning:``)
+demands a diagnostic of that code on its line whose message contains the quoted text; several on one line are separated
+by blanks. Nothing else may be reported. A model is elaborated if it can be parsed.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tachk.diagnostics.codes import CODES
+from tachk.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.diagnostics.span import Source
+from tachk.frontend.load import load_model
+from tachk.syntax.query_files import parse_queries
+
+FOLDER = Path(__file__).parent
+MARK = re.compile(r'// (?:error|warning):((?: \[[EW]\d{4}\] "(?:[^"\\]|\\.)*")+)')
+DEMAND = re.compile(r'\[([EW]\d{4})\] "((?:[^"\\]|\\.)*)"')
+
+
+@dataclass(frozen=True)
+class Block:
+    """A code block: ``line`` is that of its opening fence."""
+
+    name: str
+    line: int
+    language: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.name}:{self.line}"
+
+
+def blocks() -> list[Block]:
+    found: list[Block] = []
+    for path in sorted(FOLDER.glob("*.md")):
+        text = path.read_text(encoding="utf-8")
+        for match in re.finditer(r"^```(ta|q)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+            line = text.count("\n", 0, match.start()) + 1
+            found.append(Block(path.stem, line, match.group(1), match.group(2)))
+    return found
+
+
+def demanded(block: Block) -> list[tuple[int, str, str]]:
+    return [
+        (number, code, text.replace('\\"', '"'))
+        for number, line in enumerate(block.text.splitlines(), 1)
+        for mark in MARK.findall(line)
+        for code, text in DEMAND.findall(mark)
+    ]
+
+
+def reported(block: Block) -> tuple[Diagnostic, ...]:
+    source = Source(block.name, block.text)
+    if block.language == "q":
+        return parse_queries(source)[1]
+    try:
+        return load_model(source).warnings
+    except InputError as error:
+        return error.diagnostics
+
+
+@pytest.mark.parametrize("block", blocks(), ids=str)
+def test_block(block: Block) -> None:
+    rest = [(d.span.source.line_column(d.span.start)[0], d.code, d.message) for d in reported(block)]
+    missing = []
+    for line, code, text in demanded(block):
+        found = next((r for r in rest if r[:2] == (line, code) and text in r[2]), None)
+        if found is None:
+            missing.append((line, code, text))
+        else:
+            rest.remove(found)
+    assert (missing, rest) == ([], [])
+
+
+@pytest.mark.parametrize("block", blocks(), ids=str)
+def test_codes_are_explained(block: Block) -> None:
+    assert {diagnostic.code for diagnostic in reported(block)} <= CODES.keys()

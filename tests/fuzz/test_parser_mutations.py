@@ -1,0 +1,153 @@
+"""Mutated models: whatever the text, the parser answers with a tree or with diagnostics inside the text."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from tachk.diagnostics.diagnostic import InputError, UsageError
+from tachk.diagnostics.render import render
+from tachk.diagnostics.render_json import diagnostic_to_json
+from tachk.diagnostics.span import Source
+from tachk.resources import data_root
+from tachk.syntax.canonical import canonical
+from tachk.syntax.parser import has_errors, parse_document
+from tachk.syntax.printer import print_document
+from tachk.syntax.query_files import parse_queries
+from tachk.syntax.source_files import read_source
+
+MUTANTS = 150
+
+WORDS = [
+    "process",
+    "location",
+    "to",
+    "guard",
+    "sync",
+    "assign",
+    "init",
+    "urgent",
+    "committed",
+    "branchpoint",
+    "{",
+    "}",
+    "(",
+    ")",
+    "[",
+    "]",
+    ";",
+    ",",
+    ":",
+    "=",
+    "==",
+    "!",
+    "?",
+    "->",
+    "-u->",
+    "A[]",
+    "E<>",
+    "-->",
+    "forall",
+    "sum",
+    "property",
+    "signal",
+    "import",
+    "gantt",
+    '"x"',
+    '"',
+    "/*",
+    "*/",
+    "//",
+    "///",
+    "\\",
+    "'",
+    "é",
+    "€",
+    "99999999999",
+    "1.5e3",
+    "const",
+    "int",
+    "struct",
+    "typedef",
+    "state",
+    "trans",
+    "commit",
+    "system",
+    "<",
+    "<=",
+    ":=",
+    "=<",
+    "chan",
+    "priority",
+    "default",
+    "expect",
+    "holds",
+    "time_unit",
+    "\x00",
+]
+
+
+def seeds() -> list[str]:
+    folder = data_root() / "models" / "classics"
+    return [path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.ta"))] + [
+        "const N 5;\nprocess P(int v; const c) { clock x; state A { x <= 5, v >= 1 }, B; init A;\n"
+        "trans A -> B { guard x > 1, v => N; sync a!; assign x := 0; }, -> A { }; }\nsystem P;"
+    ]
+
+
+def mutate(text: str, random: Random) -> str:
+    if random.random() < 0.7:
+        begin = random.randrange(len(text))
+        text = text[begin : begin + random.randrange(1, 800)]
+    for _ in range(random.randrange(1, 6)):
+        place = random.randrange(len(text) + 1)
+        end = place + random.choice([0, 0, 1, 3, 20])
+        piece = random.choice([f" {random.choice(WORDS)} ", "", text[random.randrange(len(text) + 1) :][:30]])
+        text = text[:place] + piece + text[end:]
+    return text
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_mutated_models(seed: int) -> None:
+    random = Random(seed)
+    originals = seeds()
+    for _ in range(MUTANTS):
+        text = mutate(random.choice(originals), random)
+        document, diagnostics = parse_document(Source("m.ta", text))
+        for diagnostic in diagnostics:
+            assert 0 <= diagnostic.span.start <= diagnostic.span.end <= len(text)
+            assert render(diagnostic)
+            assert diagnostic_to_json(diagnostic)
+        assert document is not None or has_errors(diagnostics)
+        if document is not None and not has_errors(diagnostics):
+            printed = print_document(document)
+            again, found = parse_document(Source("again.ta", printed))
+            assert not has_errors(found), printed
+            assert again == canonical(document)
+
+
+def test_mutated_queries() -> None:
+    random = Random(7)
+    original = (
+        "A[] forall (i : id_t) not P(i).bad imply x - y <= 3 \\\n and deadlock\n/* EXPECT:T */\nsup{p}: x, y\np --> q\n"
+    )
+    for _ in range(300):
+        text = mutate(original, random)
+        _, diagnostics = parse_queries(Source("m.q", text))
+        assert all(0 <= d.span.start <= d.span.end <= len(text) for d in diagnostics)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_random_bytes(seed: int, tmp_path: Path) -> None:
+    random = Random(seed)
+    alphabet = random.choice([bytes(range(256)), b"{}()[];,=<>!? \n", b"process { } state ;\"/*\\'"])
+    path = tmp_path / "m.ta"
+    path.write_bytes(bytes(random.choices(alphabet, k=random.randrange(2000))))
+    try:
+        source = read_source(path)
+    except (InputError, UsageError):
+        return
+    document, diagnostics = parse_document(source)
+    assert document is not None or has_errors(diagnostics)

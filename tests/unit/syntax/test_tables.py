@@ -1,0 +1,59 @@
+"""The cache of the grammar's tables."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tachk.diagnostics.span import Source
+from tachk.syntax import tables
+from tachk.syntax.driver import drive
+
+
+@pytest.fixture
+def cache_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    return tmp_path / "tachk"
+
+
+def build() -> object:
+    """The tables, made or loaded anew."""
+    return tables.parser_tables.__wrapped__()
+
+
+def test_the_second_run_loads_what_the_first_one_stored(cache_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    build()
+    (stored,) = cache_folder.iterdir()
+    assert stored.name.startswith("grammar-")
+    monkeypatch.setattr(tables.lark, "Lark", _OnlyLoading)
+    assert build() is not None
+
+
+class _OnlyLoading(tables.lark.Lark):
+    def __init__(self, *_: object, **__: object) -> None:
+        raise AssertionError("the tables were built again")
+
+
+@pytest.mark.parametrize("content", [b"", b"nonsense", b"\x80\x04N."])
+def test_a_damaged_cache_is_replaced(cache_folder: Path, content: bytes) -> None:
+    build()
+    (stored,) = cache_folder.iterdir()
+    good = stored.read_bytes()
+    stored.write_bytes(content)
+    build()
+    assert len(stored.read_bytes()) > len(good) // 2
+
+
+def test_a_cache_that_cannot_be_written_does_no_harm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(blocked))
+    assert build() is not None
+
+
+def test_every_start_symbol_works() -> None:
+    end = tables.lexer().cut(Source("t", "")).tokens
+    for start in tables.STARTS:
+        _, errors = drive(start, end)
+        assert (errors == ()) == (start not in ("query", "expression"))
