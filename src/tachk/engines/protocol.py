@@ -8,7 +8,7 @@ from enum import StrEnum
 
 from tachk.diagnostics.span import Span
 from tachk.model.fault import RuntimeErrorKind
-from tachk.semantics.trace import Transition
+from tachk.semantics.trace import TimedTrace, Transition
 
 
 class SearchOrder(StrEnum):
@@ -105,13 +105,20 @@ class GoalOutcome:
 
 @dataclass(frozen=True, slots=True)
 class RunTimeFault:
-    """The model went wrong: ``path`` leads to the state, ``transition`` (None: an invariant, an initial state or a
-    predicate) is what was being evaluated at ``span``."""
+    """The model went wrong: ``path`` leads to the state, ``transition`` (None: a guard, an invariant or a predicate) is
+    what was being evaluated at ``span``.
+
+    Attributes:
+        detail: the values involved: ``"4 is not in [0, 3]"``; empty where they are not known.
+        run: the path with its delays; an engine leaves it None.
+    """
 
     kind: RuntimeErrorKind
     span: Span
     path: tuple[Transition, ...]
     transition: Transition | None
+    detail: str = ""
+    run: TimedTrace | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -88,7 +88,7 @@ class Place:
         """Stores values; raises the fault RANGE, and then stores nothing, if one is outside its cell's range."""
         for value, (low, high) in zip(values, self.cells.ranges[self.offset :], strict=False):
             if not low <= value <= high:
-                raise EvaluationFault(RuntimeErrorKind.RANGE, span)
+                raise EvaluationFault(RuntimeErrorKind.RANGE, span, f"{value} is not in [{low}, {high}]")
         self.cells.values[self.offset : self.offset + len(values)] = values
 
 
@@ -266,7 +266,8 @@ def _place(expression: Expression, environment: Environment) -> Place:
             start = _place(base, environment)
             number = _scalar(index, environment) - base.type.low
             if not 0 <= number < base.type.size:
-                raise EvaluationFault(RuntimeErrorKind.INDEX, span)
+                low, high = base.type.low, base.type.low + base.type.size - 1
+                raise EvaluationFault(RuntimeErrorKind.INDEX, span, f"{number + low} is not in [{low}, {high}]")
             return Place(start.cells, start.offset + number * cell_count(base.type.element))
         case Field(base, name):
             assert isinstance(base.type, RecordType)
@@ -289,7 +290,7 @@ def _assign(expression: Assign, environment: Environment) -> tuple[int, ...]:
     if isinstance(target.type, ClockType):
         number = _scalar(value, environment)
         if number < 0:
-            raise EvaluationFault(RuntimeErrorKind.NEGATIVE_CLOCK, span)
+            raise EvaluationFault(RuntimeErrorKind.NEGATIVE_CLOCK, span, f"{number} is negative")
         environment.resets[place.read()[0]] = number
         return (number,)
     if expression.operator is None:
@@ -365,7 +366,7 @@ def _binary(expression: Binary, environment: Environment) -> int:
 
 def _fit(value: int, span: Span) -> int:
     if not -(2**31) <= value < 2**31:
-        raise EvaluationFault(RuntimeErrorKind.OVERFLOW, span)
+        raise EvaluationFault(RuntimeErrorKind.OVERFLOW, span, f"{value} needs more than 32 bits")
     return value
 
 
@@ -379,14 +380,14 @@ def _arithmetic(operator: BinaryOperator, left: int, right: int, span: Span = NO
             return _fit(left * right, span)
         case BinaryOperator.DIVIDE | BinaryOperator.MODULO:
             if right == 0:
-                raise EvaluationFault(RuntimeErrorKind.DIVISION, span)
+                raise EvaluationFault(RuntimeErrorKind.DIVISION, span, f"{left} divided by 0")
             quotient = abs(left) // abs(right)
             if (left < 0) != (right < 0):
                 quotient = -quotient
             return _fit(quotient if operator is BinaryOperator.DIVIDE else left - quotient * right, span)
         case BinaryOperator.POWER:
             if right < 0:
-                raise EvaluationFault(RuntimeErrorKind.NEGATIVE_EXPONENT, span)
+                raise EvaluationFault(RuntimeErrorKind.NEGATIVE_EXPONENT, span, f"the exponent is {right}")
             if abs(left) > 1 and right > 31:
                 raise EvaluationFault(RuntimeErrorKind.OVERFLOW, span)
             return _fit(int(left**right), span)
@@ -400,7 +401,7 @@ def _arithmetic(operator: BinaryOperator, left: int, right: int, span: Span = NO
             return int((left != 0) != (right != 0))
         case BinaryOperator.SHIFT_LEFT | BinaryOperator.SHIFT_RIGHT:
             if not 0 <= right <= 31:
-                raise EvaluationFault(RuntimeErrorKind.SHIFT, span)
+                raise EvaluationFault(RuntimeErrorKind.SHIFT, span, f"the distance is {right}")
             return _fit(left << right if operator is BinaryOperator.SHIFT_LEFT else left >> right, span)
         case BinaryOperator.MINIMUM:
             return min(left, right)

@@ -27,9 +27,10 @@ class RuntimeErrorKind(IntEnum):
 
 
 class EvaluationFault(Exception):
-    """Raised by the Python evaluator; ``span`` is the expression that failed."""
+    """Raised by the Python evaluator; ``span`` is the expression that failed, ``detail`` names the values involved."""
 
-    def __init__(self, kind: RuntimeErrorKind, span: Span) -> None:
+    def __init__(self, kind: RuntimeErrorKind, span: Span, detail: str = "") -> None:
         self.kind = kind
         self.span = span
-        super().__init__(f"{span}: {kind.name}")
+        self.detail = detail
+        super().__init__(f"{span}: {kind.name}" + (f": {detail}" if detail else ""))

@@ -12,6 +12,7 @@ from tachk.engines.protocol import GoalOutcome, Limits, Options, Outcome, Progre
 from tachk.engines.zone import explore
 from tachk.model.network import Network
 from tachk.model.query import Query, QueryKind
+from tachk.properties.fault import explain
 from tachk.properties.plan import Search, Task, plan
 from tachk.properties.verdict import Answer, Verdict
 from tachk.semantics.discrete import prepare
@@ -79,6 +80,8 @@ def _run(
 ) -> list[Verdict]:
     program, goals = lower(network, [task.target for task in search.tasks])
     outcome = explore(program, goals, options, limits, progress)
+    if outcome.fault is not None:
+        outcome = replace(outcome, fault=explain(network, outcome.fault))
     return [_verdict(network, task, goal, outcome, trace) for task, goal in zip(search.tasks, outcome.goals, strict=True)]
 
 

@@ -97,7 +97,10 @@ def _fault(network: Network, fault: RunTimeFault) -> dict[str, Json]:
         "kind": fault.kind.name.lower(),
         "position": str(fault.span),
         "text": fault.span.text,
-        "path": trace_to_json(view_path(network, fault.path)),
+        "detail": fault.detail,
+        "path": trace_to_json(
+            view_path(network, fault.path) if fault.run is None else view_trace(network, fault.run)
+        ),
         "transition": None
         if fault.transition is None
         else _transition(view_event(network, fault.path, fault.transition)),

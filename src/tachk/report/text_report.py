@@ -90,14 +90,16 @@ def print_trace(trace: TraceView, console: Console, time_unit: str = "", clocks:
 
 def print_fault(network: Network, fault: RunTimeFault, console: Console) -> None:
     """Prints a run-time error of the model: the place, what was going on, and the run that leads there."""
-    console.print(Text.assemble(("run-time error", "bold red"), f": {FAULT_MEANING[fault.kind]}"))
+    detail = f" ({fault.detail})" if fault.detail else ""
+    console.print(Text.assemble(("run-time error", "bold red"), f": {FAULT_MEANING[fault.kind]}{detail}"))
     console.print(Text(_excerpt(fault.span)), soft_wrap=True)
     if fault.transition is not None:
         console.print("while this was tried:")
         for line in _event_lines(view_event(network, fault.path, fault.transition)):
             console.print(Text.assemble("       ", line), soft_wrap=True)
     console.print("after:")
-    print_trace(view_path(network, fault.path), console)
+    run = view_path(network, fault.path) if fault.run is None else view_trace(network, fault.run)
+    print_trace(run, console, network.time_unit)
 
 
 def _title(record: RunRecord) -> Text:
