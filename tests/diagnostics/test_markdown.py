@@ -1,6 +1,6 @@
 """Runs the documents of this folder: Markdown whose code blocks say which diagnostics they cause.
 
-A ``ta`` block is a model, a ``q`` block a query file. A comment ``// error: [E0102] "expected ';'"`` (or ``// warning:``)
+A ``ta`` block is a model, a ``q`` block a query file. A comment ``// error: [E0102] "expected ';'"`` (or ``warning``)
 demands a diagnostic of that code on its line whose message contains the quoted text; several on one line are separated
 by blanks. Nothing else may be reported. A model is elaborated if it can be parsed.
 """

@@ -20,81 +20,27 @@ from tachk.syntax.source_files import read_source
 
 MUTANTS = 150
 
-WORDS = [
-    "process",
-    "location",
-    "to",
-    "guard",
-    "sync",
-    "assign",
-    "init",
-    "urgent",
-    "committed",
-    "branchpoint",
-    "{",
-    "}",
-    "(",
-    ")",
-    "[",
-    "]",
-    ";",
-    ",",
-    ":",
-    "=",
-    "==",
-    "!",
-    "?",
-    "->",
-    "-u->",
-    "A[]",
-    "E<>",
-    "-->",
-    "forall",
-    "sum",
-    "property",
-    "signal",
-    "import",
-    "gantt",
-    '"x"',
-    '"',
-    "/*",
-    "*/",
-    "//",
-    "///",
-    "\\",
-    "'",
-    "é",
-    "€",
-    "99999999999",
-    "1.5e3",
-    "const",
-    "int",
-    "struct",
-    "typedef",
-    "state",
-    "trans",
-    "commit",
-    "system",
-    "<",
-    "<=",
-    ":=",
-    "=<",
-    "chan",
-    "priority",
-    "default",
-    "expect",
-    "holds",
-    "time_unit",
-    "\x00",
-]
+WORDS = """
+process location to guard sync assign init urgent committed branchpoint { } ( ) [ ] ; , : = == ! ? -> -u-> A[] E<> -->
+forall sum property signal import gantt "x" " /* */ // /// \\ ' é € 99999999999 1.5e3 const int struct typedef
+state trans commit system < <= := =< chan priority default expect holds time_unit \0 \a
+"""
+
+OLD = """\
+const N 5;
+process P(int v; const c) {
+    clock x;
+    state A { x <= 5, v >= 1 }, B;
+    init A;
+    trans A -> B { guard x > 1, v => N; sync a!; assign x := 0; }, -> A { };
+}
+system P;
+"""
 
 
 def seeds() -> list[str]:
     folder = data_root() / "models" / "classics"
-    return [path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.ta"))] + [
-        "const N 5;\nprocess P(int v; const c) { clock x; state A { x <= 5, v >= 1 }, B; init A;\n"
-        "trans A -> B { guard x > 1, v => N; sync a!; assign x := 0; }, -> A { }; }\nsystem P;"
-    ]
+    return [path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.ta"))] + [OLD]
 
 
 def mutate(text: str, random: Random) -> str:
@@ -104,7 +50,7 @@ def mutate(text: str, random: Random) -> str:
     for _ in range(random.randrange(1, 6)):
         place = random.randrange(len(text) + 1)
         end = place + random.choice([0, 0, 1, 3, 20])
-        piece = random.choice([f" {random.choice(WORDS)} ", "", text[random.randrange(len(text) + 1) :][:30]])
+        piece = random.choice([f" {random.choice(WORDS.split())} ", "", text[random.randrange(len(text) + 1) :][:30]])
         text = text[:place] + piece + text[end:]
     return text
 

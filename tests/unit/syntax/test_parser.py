@@ -438,8 +438,13 @@ def test_fragments_of_uppaal_xml() -> None:
     assert read(parser.parse_rate, "3 : 4") == expression("3")
     for empty in (parser.parse_constraint, parser.parse_synchronisation, parser.parse_rate):
         assert read(empty, " // nothing\n") is None
-    for empty in (parser.parse_parameters, parser.parse_select, parser.parse_assignment, parser.parse_declarations):
-        assert read(empty, "") == ()
+    for empty_list in (
+        parser.parse_parameters,
+        parser.parse_select,
+        parser.parse_assignment,
+        parser.parse_declarations,
+    ):
+        assert read(empty_list, "") == ()
 
 
 def test_comments_line_ends_and_byte_order_marks_are_tolerated() -> None:

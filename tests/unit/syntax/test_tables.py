@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import lark
 import pytest
 
 from tachk.diagnostics.span import Source
@@ -26,11 +27,11 @@ def test_the_second_run_loads_what_the_first_one_stored(cache_folder: Path, monk
     build()
     (stored,) = cache_folder.iterdir()
     assert stored.name.startswith("grammar-")
-    monkeypatch.setattr(tables.lark, "Lark", _OnlyLoading)
+    monkeypatch.setattr(lark, "Lark", _OnlyLoading)
     assert build() is not None
 
 
-class _OnlyLoading(tables.lark.Lark):
+class _OnlyLoading(lark.Lark):
     def __init__(self, *_: object, **__: object) -> None:
         raise AssertionError("the tables were built again")
 
