@@ -90,13 +90,13 @@ def verify(
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write the report to a file.")
     ] = None,
     max_states: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Give up beyond so many stored states.")
+        int | None, typer.Option(metavar="N", min=1, help="Give up a search beyond so many stored states.")
     ] = None,
     max_seconds: Annotated[
-        float | None, typer.Option(metavar="SECONDS", min=0, help="Give up after this time.")
+        float | None, typer.Option(metavar="SECONDS", min=0, help="Give up a search after this time.")
     ] = None,
     max_memory: Annotated[
-        str | None, typer.Option(metavar="SIZE", help="Give up beyond this size of the search, such as 2G.")
+        str | None, typer.Option(metavar="SIZE", help="Give up a search beyond this size, such as 2G.")
     ] = None,
     max_depth: Annotated[
         int | None, typer.Option(metavar="N", min=0, help="Explore only so many transitions deep.")
