@@ -82,7 +82,11 @@ def _run(
     outcome = explore(program, goals, options, limits, progress)
     if outcome.fault is not None:
         outcome = replace(outcome, fault=explain(network, outcome.fault))
-    return [_verdict(network, task, goal, outcome, trace) for task, goal in zip(search.tasks, outcome.goals, strict=True)]
+    pairs = zip(search.tasks, outcome.goals, strict=True)
+    return [_verdict(network, task, goal, outcome, trace) for task, goal in pairs]
+
+
+_INEXACT = "the stopwatches make the search inexact, and the run it found is not possible"
 
 
 def _verdict(network: Network, task: Task, goal: GoalOutcome, outcome: Outcome, trace: bool) -> Verdict:
@@ -101,9 +105,11 @@ def _verdict(network: Network, task: Task, goal: GoalOutcome, outcome: Outcome, 
     if run is None:
         if outcome.exact:
             raise InternalError(f"the path found for {task.query.text!r} has no timed run")
-        return replace(verdict, reason="the stopwatches make the search inexact, and the run it found is not possible")
+        return replace(verdict, reason=_INEXACT)
     try:
         replay(network, run, task.target)
     except ReplayError as error:
+        if not outcome.exact:
+            return replace(verdict, reason=_INEXACT)
         raise InternalError(f"the run found for {task.query.text!r} does not replay: {error}") from error
     return replace(verdict, answer=on_reached, exact=True, reason="", trace=run)
