@@ -392,7 +392,7 @@ class Drawer:
             case "while":
                 step = Evaluate(Increment(Reference(COUNT), 1, True, INT, span()))
                 test = Binary(BinaryOperator.LESS, Reference(COUNT), self.read_only(0), BOOL, span())
-                return While(test, Block((step, *self.statements(depth - 1, result))), self.draw(st.booleans()))
+                return While(test, Block((step, self.block(depth - 1, result))), self.draw(st.booleans()))
             case "iterate":
                 variable = Variable("i", IntType(0, self.draw(st.integers(0, 3))), VariableKind.BOUND)
                 self.scope.append(variable)
