@@ -98,9 +98,7 @@ def _fault(network: Network, fault: RunTimeFault) -> dict[str, Json]:
         "position": str(fault.span),
         "text": fault.span.text,
         "detail": fault.detail,
-        "path": trace_to_json(
-            view_path(network, fault.path) if fault.run is None else view_trace(network, fault.run)
-        ),
+        "path": trace_to_json(view_path(network, fault.path) if fault.run is None else view_trace(network, fault.run)),
         "transition": None
         if fault.transition is None
         else _transition(view_event(network, fault.path, fault.transition)),

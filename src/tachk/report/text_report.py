@@ -53,21 +53,34 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, cl
         console.print(_table(record))
     for query in record.not_checked:
         console.print(Text(f"  not checked: {query.text} ({query.reason})", style="dim"))
+    _print_unknown(record, console)
     for verdict in record.verdicts:
-        if verdict.unsupported is not None:
-            console.print(Text(f"\n{verdict.query.name} cannot be checked:", style="yellow"))
-            console.print(Text(render(verdict.unsupported)), soft_wrap=True)
-        elif verdict.answer is Answer.UNKNOWN:
-            console.print(Text(f"\n{verdict.query.name} is unknown: {verdict.reason}", style="yellow"))
-        if verdict.fault is not None:
-            console.print()
-            print_fault(record.network, verdict.fault, console)
         if verdict.trace is not None and (every_trace or verdict.met is not True):
             console.print()
             console.print(Text(_trace_title(record.network, verdict), style="bold"))
             print_trace(view_trace(record.network, verdict.trace), console, record.network.time_unit, clocks)
     console.print()
     console.print(_summary(record))
+
+
+def _print_unknown(record: RunRecord, console: Console) -> None:
+    """Why answers are unknown: each reason, each run-time error once, with the names of all it concerns."""
+    unknown: dict[tuple[str, RunTimeFault | None], list[str]] = {}
+    for verdict in record.verdicts:
+        if verdict.unsupported is not None:
+            console.print(Text(f"\n{verdict.query.name} cannot be checked:", style="yellow"))
+            console.print(Text(render(verdict.unsupported)), soft_wrap=True)
+        elif verdict.answer is Answer.UNKNOWN:
+            unknown.setdefault((verdict.reason, verdict.fault), []).append(verdict.query.name)
+    for (reason, fault), names in unknown.items():
+        console.print(Text(f"\n{', '.join(names)} {_are(names)} unknown: {reason}", style="yellow"))
+        if fault is not None:
+            console.print()
+            print_fault(record.network, fault, console)
+
+
+def _are(names: list[str]) -> str:
+    return "is" if len(names) == 1 else "are"
 
 
 def print_trace(trace: TraceView, console: Console, time_unit: str = "", clocks: bool = False) -> None:

@@ -46,6 +46,14 @@ def test_a_run_time_error_shows_the_source_line(record: RunRecord) -> None:
     assert "2 |   n = n + 1;\n  |   ^^^^^^^^^\n" in text
 
 
+def test_one_reason_is_told_once(record: RunRecord) -> None:
+    bad = record.verdicts[3]
+    other = replace(bad, query=replace(bad.query, name="worse"))
+    text = printed(replace(record, verdicts=(bad, other)))
+    assert "bad, worse are unknown: run-time error" in text
+    assert text.count("a value is outside the declared range") == 1
+
+
 def test_summary_counts(record: RunRecord) -> None:
     assert printed(record).endswith("1 of 4 as expected, 1 not, 2 unknown\n")
     good = replace(record, verdicts=record.verdicts[1:2])
