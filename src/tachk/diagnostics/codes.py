@@ -10,8 +10,9 @@ from tachk.diagnostics.explanation import Explanation
 from tachk.diagnostics.lowering_codes import LOWERING_CODES
 from tachk.diagnostics.model_codes import MODEL_CODES
 from tachk.diagnostics.syntax_codes import SYNTAX_CODES
+from tachk.diagnostics.verification_codes import VERIFICATION_CODES
 
-CODES: dict[str, Explanation] = {**SYNTAX_CODES, **MODEL_CODES, **LOWERING_CODES}
+CODES: dict[str, Explanation] = {**SYNTAX_CODES, **MODEL_CODES, **LOWERING_CODES, **VERIFICATION_CODES}
 
 
 def explain(code: str) -> str | None:
