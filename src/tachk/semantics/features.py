@@ -27,7 +27,7 @@ from tachk.model.traversal import children, walk
 from tachk.model.types import ChannelType, ClockType
 from tachk.semantics.conditions import reads_clock
 from tachk.semantics.fold import COMPARISONS, Known, fold, known_values, negate
-from tachk.semantics.goal import check_predicate
+from tachk.semantics.goal import check_predicate, mentions_time
 from tachk.semantics.intervals import interval
 
 
@@ -96,19 +96,40 @@ def check_supported(network: Network, query: Query) -> None:
                 _ALTERNATIVES.get(query.kind),
             )
         )
-    for use in network_features(network).of(Feature.URGENT_CLOCK_GUARDS):
-        raise UnsupportedError(
-            Diagnostic(
-                "E0721",
-                f"{use.what} compares a clock in its guard and synchronises over an urgent channel",
-                use.span,
-                "put the clock condition on an edge of its own in front of it, "
-                "so that the process waits in a location until the synchronisation may happen",
-            )
-        )
-    if query.predicate is not None:
+    _check_urgency(network)
+    _check_rates(network)
+    if query.predicate is not None and mentions_time(query.predicate):
         target = negate(query.predicate) if query.kind is QueryKind.INVARIANTLY else query.predicate
         check_predicate(target, known_values(network, [target]))
+
+
+def _check_urgency(network: Network) -> None:
+    for process in network.processes:
+        for edge in process.edges:
+            for use in _edge_uses(process, edge) if _is_urgent(edge) else ():
+                if use.feature is Feature.URGENT_CLOCK_GUARDS:
+                    raise UnsupportedError(
+                        Diagnostic(
+                            "E0721",
+                            f"{use.what} compares a clock in its guard and synchronises over an urgent channel",
+                            use.span,
+                            "put the clock condition on an edge of its own in front of it, "
+                            "so that the process waits in a location until the synchronisation may happen",
+                        )
+                    )
+
+
+def _is_urgent(edge: Edge) -> bool:
+    channel = None if edge.synchronisation is None else edge.synchronisation.channel.type
+    return isinstance(channel, ChannelType) and channel.urgent
+
+
+def _check_rates(network: Network) -> None:
+    rates = [rate for p in network.processes for location in p.locations for _, rate in location.rates]
+    if rates:
+        known = known_values(network, [])
+        for rate in rates:
+            rate_of(rate, known)
 
 
 _ALTERNATIVES = {

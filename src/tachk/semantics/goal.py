@@ -63,9 +63,7 @@ class Observed:
     places: tuple[tuple[int, int], ...]
 
 
-def compile_goal(
-    predicate: Expression, known: Known, compiler: ConditionCompiler
-) -> tuple[Goal, tuple[Observed, ...]]:
+def compile_goal(predicate: Expression, known: Known, compiler: ConditionCompiler) -> tuple[Goal, tuple[Observed, ...]]:
     """The goal, and what its constraints compare clocks with.
 
     Raises UnsupportedError for a clock comparison of another form than ``x - y < c`` and for a predicate with too many
@@ -88,7 +86,7 @@ def compile_goal(
 
 
 def _top_level(predicate: Expression, known: Known) -> tuple[_Literals, ...]:
-    if not _is_special(predicate) and cannot_fail(predicate):
+    if not mentions_time(predicate) and cannot_fail(predicate):
         alternatives = tuple(_alternatives(predicate, True, known))
         if len(alternatives) <= MAXIMAL_ALTERNATIVES:
             return tuple(_Literals(tuple(conjuncts(part, positive))) for part, positive in alternatives)
@@ -136,7 +134,7 @@ def check_predicate(predicate: Expression, known: Known) -> None:
 
 def _disjuncts(expression: Expression, positive: bool, known: Known, whole: Span) -> tuple[_Literals, ...]:
     """The disjunctive normal form of an expression or of its negation."""
-    if not _is_special(expression):
+    if not mentions_time(expression):
         return (_Literals(tuple(conjuncts(expression, positive))),)
     match expression:
         case Deadlock():
@@ -186,7 +184,8 @@ def _quantifier(expression: Quantifier, positive: bool, known: Known, whole: Spa
     return result
 
 
-def _is_special(expression: Expression) -> bool:
+def mentions_time(expression: Expression) -> bool:
+    """Whether the expression compares clocks or contains ``deadlock``."""
     return reads_clock(expression) or any(isinstance(node, Deadlock) for node in walk(expression))
 
 
@@ -211,7 +210,7 @@ def _union(
     left: Expression, left_positive: bool, one: tuple[_Literals, ...], other: tuple[_Literals, ...], whole: Span
 ) -> tuple[_Literals, ...]:
     """A disjunction. The right side is evaluated only where the left one is false, if that can prevent an error."""
-    if not _is_special(left) and any(literals.can_fail for literals in other):
+    if not mentions_time(left) and any(literals.can_fail for literals in other):
         guard = _Literals((negate(left) if left_positive else left,))
         other = _product((guard,), other, whole)
     return _limited(one + other, whole)
