@@ -97,7 +97,8 @@ def _with_parameters(
     scope: Scope,
     context: Context,
 ) -> Function | None:
-    inner = Scope(scope, f"function `{node.name.name}`")
+    recursive = Scope(scope, "", {node.name.name: FunctionSymbol(None, node.name.span)})
+    inner = Scope(recursive, f"function `{node.name.name}`")
     for variable, parameter in zip(parameters, node.parameters, strict=True):
         symbol: Symbol = BrokenSymbol(parameter.name.span)
         if variable is not None:
@@ -106,7 +107,6 @@ def _with_parameters(
                 Reference(variable), not constant, "constant parameter" if constant else "parameter", variable.span
             )
         inner.declare(parameter.name, symbol, context.findings)
-    inner.symbols.setdefault(node.name.name, FunctionSymbol(None, node.name.span))
     before = context.in_function
     context.in_function = True
     try:
@@ -152,8 +152,8 @@ class _Body:
         self.scope = scope
         self.context = context
 
-    def block(self, node: ast.BlockStatement, scope: Scope) -> Block | None:
-        inner = Scope(scope)
+    def block(self, node: ast.BlockStatement, inner: Scope) -> Block | None:
+        """A block whose declarations go into the given scope."""
         done: list[Statement] = []
         broken = False
         for declaration in node.declarations:
@@ -208,7 +208,7 @@ class _Body:
     def statement(self, node: ast.Statement, scope: Scope) -> Statement | None:
         match node:
             case ast.BlockStatement():
-                return self.block(node, scope)
+                return self.block(node, Scope(scope))
             case ast.ExpressionStatement(_, inner):
                 value = expression(inner, scope, self.context)
                 return None if value is None else Evaluate(value)

@@ -262,7 +262,7 @@ def elaborate_process(
     Args:
         declared: what the parameters have declared already (array constants); gets the local variables.
     """
-    scope = Scope(parameters, f"process `{name}`")
+    scope = Scope(parameters.parent, f"process `{name}`", dict(parameters.symbols))
     declare(template.declarations, scope, declared, context)
     numbers: dict[str, int] = {}
     for location in template.locations:

@@ -58,7 +58,7 @@ def test_array_and_struct_parameters(load: Any) -> None:
     [
         ("int[1,3] i", ["T(1)", "T(2)", "T(3)"]),
         ("const int[1,2] i, id_t j", ["T(1,0)", "T(1,1)", "T(2,0)", "T(2,1)"]),
-        ("const sym_t s", ["T(0)", "T(1)"]),
+        ("const sym_t q", ["T(0)", "T(1)"]),
         ("int[0,1] i, int[0,i] j", ["T(0,0)", "T(1,0)", "T(1,1)"]),
     ],
 )

@@ -141,6 +141,7 @@ def test_a_receiver_may_ignore_the_value(load: Any) -> None:
         ("process P() { state s, s; init s; }", [("E0202", "s")]),
         ("process P() { int s; state s; init s; }", [("E0202", "s")]),
         ("int s; process P() { state s; init s; }", []),
+        ("process P(int[0,1] i) { int i; state s; init s; }", [("E0202", "i")]),
         ("process P() { state s; }", [("E0403", "P")]),
         ("process P() { init location a { to b; } init location b; }", [("E0403", "b")]),
         ("process P() { state idle; init idle; trans idel -> idle { }; }", [("E0209", "idel")]),
