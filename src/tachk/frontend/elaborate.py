@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from tachk.diagnostics.diagnostic import Label
@@ -58,6 +58,7 @@ def elaborate(
             | ast.ForeignImport,
         )
     ]
+    globals_.below = frozenset(_declared_names(declarations))
     priorities = declare(declarations, globals_, declared, context)
     default_priority = set_channel_priorities(priorities, globals_, declared, context)
     for item in items:
@@ -89,6 +90,15 @@ def elaborate(
         _time_unit(items, context),
     )
     return Elaborated(network, queries, unchecked, scope, context)
+
+
+def _declared_names(declarations: Iterable[ast.Declaration]) -> Iterator[str]:
+    for item in declarations:
+        match item:
+            case ast.VariableDeclaration() | ast.TypedefDeclaration():
+                yield from (declarator.name.name for declarator in item.declarators)
+            case ast.FunctionDeclaration():
+                yield item.name.name
 
 
 def _system_line(items: Sequence[ast.Item], whole: Span, context: Context) -> ast.SystemLine | None:

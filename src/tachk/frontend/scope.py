@@ -110,11 +110,13 @@ class Scope:
 
     Attributes:
         label: what the names of this level belong to, for messages: "the globals", "template `Train`".
+        below: every name that some declaration of this level introduces, even one that was not reached yet.
     """
 
     parent: Scope | None = None
     label: str = ""
     symbols: dict[str, Symbol] = field(default_factory=dict)
+    below: frozenset[str] = frozenset()
 
     def lookup(self, name: str) -> Symbol | None:
         scope: Scope | None = self
@@ -151,4 +153,13 @@ class Scope:
 
     def suggestion(self, name: str) -> str | None:
         """A help text for a name that is not known."""
-        return did_you_mean(name, self.names())
+        return self.declared_below(name) or did_you_mean(name, self.names())
+
+    def declared_below(self, name: str) -> str | None:
+        """A help text for a name whose declaration comes too late."""
+        scope: Scope | None = self
+        while scope is not None:
+            if name in scope.below:
+                return "it is declared further down: move the declaration above its first use"
+            scope = scope.parent
+        return None

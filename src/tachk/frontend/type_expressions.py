@@ -125,8 +125,10 @@ class TypeReader:
             case None:
                 if node.name in BUILTIN_TYPES:
                     return BUILTIN_TYPES[node.name]
-                types = (n for n in self.scope.names() if isinstance(self.scope.lookup(n), TypeSymbol))
-                help_ = did_you_mean(node.name, [*types, "int", "bool", "clock", "chan"])
+                types = [n for n in self.scope.names() if isinstance(self.scope.lookup(n), TypeSymbol)]
+                help_ = self.scope.declared_below(node.name) or did_you_mean(
+                    node.name, [*types, "int", "bool", "clock", "chan"]
+                )
                 self.context.error("E0204", node.span, f"unknown type `{node.name}`", help_)
             case _:
                 self.context.error("E0203", node.span, f"`{node.name}` is a {symbol.description}, not a type")

@@ -159,6 +159,13 @@ def test_a_misspelt_name_has_a_suggestion(load: Any) -> None:
     assert caught.value.diagnostics[0].help == "did you mean `heartbeat`?"
 
 
+@pytest.mark.parametrize("text", ["int a = N;\nconst int N = 1;", "id_t a;\ntypedef int[0,1] id_t;"])
+def test_a_declaration_that_comes_too_late(load: Any, text: str) -> None:
+    with pytest.raises(InputError) as caught:
+        load(text)
+    assert "further down" in str(caught.value.diagnostics[0].help)
+
+
 def test_an_endless_constant_computation_ends_in_a_finding(find: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("tachk.model.evaluate.STEP_LIMIT", 1000)
     assert find("int f() { int i; while (true) { i = 0; } return 1; }\nconst int n = f();")[0][0] == "E0602"
