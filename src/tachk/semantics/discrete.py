@@ -12,6 +12,7 @@ from fractions import Fraction
 from itertools import product
 
 from tachk.model.evaluate import Environment, channel_number, clock_number, evaluate, execute
+from tachk.model.expressions import Expression, Field, Index, Reference
 from tachk.model.layout import CellLayout, cell_layout
 from tachk.model.network import Direction, Edge, Location, Network
 from tachk.model.types import ChannelType, bounds, cell_count
@@ -82,40 +83,52 @@ def initial_discrete(model: Model) -> DiscreteState:
     return DiscreteState(tuple(p.initial for p in model.network.processes), model.layout.initial)
 
 
-def environment(
-    model: Model,
-    discrete: DiscreteState,
-    participant: Participant | None = None,
-    clocks: Sequence[Fraction] | None = None,
-) -> Environment:
-    """Where expressions are evaluated in a state, with the select variables of one participant bound."""
-    result = Environment(model.layout, list(discrete.values), discrete.locations, clocks)
-    if participant is not None:
-        for variable, value in zip(model.edge(participant).selects, participant.selects, strict=True):
-            result.bind(variable, value)
-    return result
+def environment(model: Model, discrete: DiscreteState, clocks: Sequence[Fraction] | None = None) -> Environment:
+    """Where the expressions of a state are evaluated."""
+    return Environment(model.layout, list(discrete.values), discrete.locations, clocks)
 
 
-def offers(
-    model: Model, discrete: DiscreteState, is_open: Callable[[Participant], bool]
-) -> tuple[tuple[Offer, ...], ...]:
-    """For each process the outgoing edges that ``is_open`` accepts, with their channels. Raises EvaluationFault."""
-    return tuple(
-        tuple(
-            _offer(model, discrete, participant)
-            for participant in model.instances[process][location]
-            if is_open(participant)
-        )
-        for process, location in enumerate(discrete.locations)
-    )
+def bind_selects(model: Model, participant: Participant, scratch: Environment) -> None:
+    """Gives the select variables of a participant their values."""
+    for variable, value in zip(model.edge(participant).selects, participant.selects, strict=True):
+        scratch.bind(variable, value)
 
 
-def _offer(model: Model, discrete: DiscreteState, participant: Participant) -> Offer:
+def offers(model: Model, scratch: Environment, is_open: Callable[[Participant], bool]) -> tuple[tuple[Offer, ...], ...]:
+    """For each process the outgoing edges that ``is_open`` accepts, with their channels. Raises EvaluationFault.
+
+    ``scratch`` is the environment of the state; ``is_open`` finds the select variables bound in it.
+    """
+
+    def of_process(process: int, location: int) -> Iterator[Offer]:
+        for participant in model.instances[process][location]:
+            bind_selects(model, participant, scratch)
+            if is_open(participant):
+                yield offer(model, participant, scratch)
+
+    return tuple(tuple(of_process(p, location)) for p, location in enumerate(scratch.locations))
+
+
+def offer(model: Model, participant: Participant, scratch: Environment) -> Offer:
+    """The offer that an edge makes, with its select variables bound in the environment. Raises EvaluationFault."""
     synchronisation = model.edge(participant).synchronisation
     if synchronisation is None:
         return Offer(participant, None, sends=False)
-    channel = channel_number(synchronisation.channel, environment(model, discrete, participant))
-    return Offer(participant, channel, synchronisation.direction is Direction.SEND)
+    return Offer(
+        participant, channel_number(synchronisation.channel, scratch), synchronisation.direction is Direction.SEND
+    )
+
+
+def may_denote(model: Model, place: Expression, channel: int) -> bool:
+    """Whether a channel expression can denote a channel in any state, judged by the variable it is built on."""
+    match place:
+        case Index(base) | Field(base):
+            return may_denote(model, base, channel)
+        case Reference(variable):
+            first = model.layout.first[variable]
+            return first <= model.layout.channel_cells[channel] < first + cell_count(variable.type)
+        case _:
+            return True
 
 
 def combinations(
@@ -128,15 +141,15 @@ def combinations(
 
     For a broadcast ``may_abstain`` says of a process's matching offers whether the process can also stay out.
     """
-    for offer in (o for of_process in offered for o in of_process):
-        if offer.channel is None:
-            candidates: Iterator[Transition] = iter([Transition((offer.participant,))])
-        elif not offer.sends:
+    for first in (o for of_process in offered for o in of_process):
+        if first.channel is None:
+            candidates: Iterator[Transition] = iter([Transition((first.participant,))])
+        elif not first.sends:
             continue
-        elif model.channels[offer.channel][0].broadcast:
-            candidates = _broadcasts(offer, offered, may_abstain)
+        elif model.channels[first.channel][0].broadcast:
+            candidates = _broadcasts(first, offered, may_abstain)
         else:
-            candidates = _handshakes(offer, offered)
+            candidates = _handshakes(first, offered)
         yield from (t for t in candidates if _admitted(model, discrete, t))
 
 
@@ -174,7 +187,9 @@ def _admitted(model: Model, discrete: DiscreteState, transition: Transition) -> 
 
 def channel_of(model: Model, discrete: DiscreteState, transition: Transition) -> int | None:
     """The channel of a transition that starts in a state; None for an internal one."""
-    return _offer(model, discrete, transition.participants[0]).channel
+    scratch = environment(model, discrete)
+    bind_selects(model, transition.participants[0], scratch)
+    return offer(model, transition.participants[0], scratch).channel
 
 
 def is_urgent(model: Model, discrete: DiscreteState, transition: Transition) -> bool:
@@ -206,10 +221,8 @@ def execute_updates(
     """
     scratch = environment(model, discrete)
     for participant in transition.participants:
-        edge = model.edge(participant)
-        for variable, value in zip(edge.selects, participant.selects, strict=True):
-            scratch.bind(variable, value)
-        execute(edge.updates, scratch)
+        bind_selects(model, participant, scratch)
+        execute(model.edge(participant).updates, scratch)
     locations = list(discrete.locations)
     for participant in transition.participants:
         locations[participant.process] = model.edge(participant).target

@@ -46,18 +46,14 @@ def initial_state(model: Model) -> TimedState:
 
 
 def satisfies_invariants(model: Model, state: TimedState) -> bool:
-    scratch = environment(model, state.discrete, clocks=state.clocks)
+    scratch = environment(model, state.discrete, state.clocks)
     return all(holds(location.invariant, scratch) for location in model.current(state.discrete))
 
 
 def _guarded_transitions(model: Model, state: TimedState) -> Iterator[Transition]:
     """The transitions whose guards hold and that the committed rule admits, in the order of processes and edges."""
-
-    def is_open(participant: Participant) -> bool:
-        scratch = environment(model, state.discrete, participant, state.clocks)
-        return holds(model.edge(participant).guard, scratch)
-
-    offered = offers(model, state.discrete, is_open)
+    scratch = environment(model, state.discrete, state.clocks)
+    offered = offers(model, scratch, lambda participant: holds(model.edge(participant).guard, scratch))
     return combinations(model, state.discrete, offered, may_abstain=lambda receivers: not receivers)
 
 
@@ -78,10 +74,14 @@ def successors(model: Model, state: TimedState) -> list[tuple[Transition, TimedS
 
 def fire(model: Model, state: TimedState, transition: Transition) -> TimedState:
     """The state after an enabled transition. Raises StepError if it is not enabled, and EvaluationFault."""
-    for enabled, after in successors(model, state):
-        if enabled == transition:
-            return after
-    raise StepError("the transition is not enabled")
+    if transition not in _guarded_transitions(model, state):
+        raise StepError("the transition is not enabled: a guard is false, or it is not a transition of this state")
+    after = _successor(model, state, transition)
+    if not satisfies_invariants(model, after):
+        raise StepError("the transition is not enabled: it would violate an invariant")
+    if has_priorities(model) and transition not in (t for t, _ in successors(model, state)):
+        raise StepError("the transition is not enabled: one of higher priority is possible")
+    return after
 
 
 def _successor(model: Model, state: TimedState, transition: Transition) -> TimedState:
@@ -132,7 +132,7 @@ def deadlocked(model: Model, state: TimedState) -> bool:
 
 def satisfies(model: Model, state: TimedState, predicate: Expression) -> bool:
     """Whether a state predicate, which may ask for deadlock, is true. Raises EvaluationFault."""
-    scratch = environment(model, state.discrete, clocks=state.clocks)
+    scratch = environment(model, state.discrete, state.clocks)
     scratch.deadlock = lambda: deadlocked(model, state)
     return holds(predicate, scratch)
 
@@ -165,16 +165,16 @@ def _telling_moments(model: Model, state: TimedState, before: Fraction | None) -
 
 def _constraints_in_sight(model: Model, discrete: DiscreteState) -> Iterator[Constraint]:
     """The clock constraints of all guards, and of the invariants behind all transitions that values do not rule out."""
-    conditions: dict[Participant, list[Constraint]] = {}
+    scratch = environment(model, discrete)
+    in_guards: list[Constraint] = []
 
     def is_open(participant: Participant) -> bool:
-        guard = disjunctive(model.edge(participant).guard, environment(model, discrete, participant))
-        conditions[participant] = [c for conjunction in guard for c in conjunction]
+        guard = disjunctive(model.edge(participant).guard, scratch)
+        in_guards.extend(c for conjunction in guard for c in conjunction)
         return bool(guard)
 
-    offered = offers(model, discrete, is_open)
-    for of_guard in conditions.values():
-        yield from of_guard
+    offered = offers(model, scratch, is_open)
+    yield from in_guards
     for transition in combinations(model, discrete, offered, may_abstain=lambda receivers: True):
         try:
             target, _ = execute_updates(model, discrete, transition)

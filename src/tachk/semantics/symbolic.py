@@ -16,12 +16,14 @@ from functools import reduce
 from tachk.model.evaluate import Environment
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
+from tachk.model.network import Direction
 from tachk.semantics import dbm
 from tachk.semantics.constraints import TRUE, Disjunction, conjunction, disjunctive
 from tachk.semantics.dbm import Federation, Zone
 from tachk.semantics.discrete import (
     Model,
     Offer,
+    bind_selects,
     channel_of,
     combinations,
     environment,
@@ -30,6 +32,8 @@ from tachk.semantics.discrete import (
     initial_discrete,
     is_urgent,
     may_delay,
+    may_denote,
+    offer,
     offers,
     priority,
     stopped_clocks,
@@ -126,19 +130,19 @@ def _part(zone: Zone, condition: Disjunction) -> Federation:
 
 def _guarded(model: Model, discrete: DiscreteState) -> list[tuple[Transition, Disjunction]]:
     """The transitions that the discrete state admits, each with the clock constraints of all its guards."""
+    scratch = environment(model, discrete)
     guards: dict[Participant, Disjunction] = {}
 
     def is_open(participant: Participant) -> bool:
-        edge = model.edge(participant)
-        guards[participant] = disjunctive(edge.guard, environment(model, discrete, participant))
+        guards[participant] = disjunctive(model.edge(participant).guard, scratch)
         return bool(guards[participant])
 
     def may_abstain(receivers: Iterable[Offer]) -> bool:
         return all(() not in guards[r.participant] for r in receivers)
 
-    offered = offers(model, discrete, is_open)
+    offered = offers(model, scratch, is_open)
     return [
-        (transition, _whole_guard(model, discrete, transition, offered, guards))
+        (transition, guard_of(model, discrete, transition))
         for transition in combinations(model, discrete, offered, may_abstain)
     ]
 
@@ -146,42 +150,36 @@ def _guarded(model: Model, discrete: DiscreteState) -> list[tuple[Transition, Di
 def guard_of(model: Model, discrete: DiscreteState, transition: Transition) -> Disjunction:
     """The clock constraints of all guards of one transition, those that keep others out of a broadcast included.
 
-    False if the discrete state rules the transition out; the committed rule is not looked at.
+    False if the guards rule the transition out in the discrete state. Its committed rule is not looked at.
     """
-    guards: dict[Participant, Disjunction] = {}
-    channel = channel_of(model, discrete, transition)
-    broadcast = channel is not None and model.channels[channel][0].broadcast
-
-    def is_open(participant: Participant) -> bool:
-        if participant not in transition.participants:
-            synchronisation = model.edge(participant).synchronisation
-            if not broadcast or synchronisation is None:
-                return False
-        guards[participant] = disjunctive(model.edge(participant).guard, environment(model, discrete, participant))
-        return bool(guards[participant])
-
-    offered = offers(model, discrete, is_open)
-    return _whole_guard(model, discrete, transition, offered, guards)
-
-
-def _whole_guard(
-    model: Model,
-    discrete: DiscreteState,
-    transition: Transition,
-    offered: Iterable[Iterable[Offer]],
-    guards: dict[Participant, Disjunction],
-) -> Disjunction:
-    whole = reduce(conjunction, (guards[p] for p in transition.participants), TRUE)
+    scratch = environment(model, discrete)
+    whole = TRUE
+    for participant in transition.participants:
+        bind_selects(model, participant, scratch)
+        whole = conjunction(whole, disjunctive(model.edge(participant).guard, scratch))
     channel = channel_of(model, discrete, transition)
     if channel is None or not model.channels[channel][0].broadcast:
         return whole
     joined = {p.process for p in transition.participants}
-    for offer in (o for of_process in offered for o in of_process):
-        if offer.channel == channel and not offer.sends and offer.participant.process not in joined:
-            edge = model.edge(offer.participant)
-            scratch = environment(model, discrete, offer.participant)
-            whole = conjunction(whole, disjunctive(edge.guard, scratch, negated=True))
+    for process, location in enumerate(discrete.locations):
+        if process not in joined:
+            for participant in model.instances[process][location]:
+                whole = conjunction(whole, _stays_out(model, participant, channel, scratch))
     return whole
+
+
+def _stays_out(model: Model, participant: Participant, channel: int, scratch: Environment) -> Disjunction:
+    """Where an edge does not receive a broadcast: where its guard is false, or everywhere if it does not listen."""
+    edge = model.edge(participant)
+    if edge.synchronisation is None or edge.synchronisation.direction is Direction.SEND:
+        return TRUE
+    if not may_denote(model, edge.synchronisation.channel, channel):
+        return TRUE
+    bind_selects(model, participant, scratch)
+    guard = disjunctive(edge.guard, scratch)
+    if not guard or offer(model, participant, scratch).channel != channel:
+        return TRUE
+    return disjunctive(edge.guard, scratch, negated=True)
 
 
 def _move(model: Model, discrete: DiscreteState, invariant: Zone, transition: Transition, guard: Disjunction) -> Move:

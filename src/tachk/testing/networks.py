@@ -44,7 +44,7 @@ class Shape:
         priorities: of channels and processes.
         stopwatches: locations that stop clocks.
         urgent_channels, broadcast, committed: whether they occur.
-        clocks_on_urgent: clock guards on edges over urgent channels.
+        clocks_on_urgent: clock guards on edges that decide when a synchronisation over an urgent channel is enabled.
         clocks_on_broadcast: clock guards on edges that receive a broadcast.
         lower_invariants: invariants with lower bounds.
         deadlocks: predicates that ask for deadlock.
@@ -169,18 +169,19 @@ def _edge(
 ) -> None:
     selects = [bound_variable("i", IntType(0, 1))] if random.random() < 0.2 else []
     send, receive, with_clocks = None, None, True
-    if random.random() < 0.55:
+    if random.random() < 0.5:
         channel, array, broadcast, urgent = random.choice(parts.channels)
         if array:
             index = selects[0] if selects and random.random() < 0.6 else random.randint(0, 1)
             channel = channel[index]
         if random.random() < 0.5:
             send = channel
+            with_clocks = shape.clocks_on_urgent or not urgent
         else:
             receive = channel
-            with_clocks = shape.clocks_on_broadcast or not broadcast
-        with_clocks = with_clocks and (shape.clocks_on_urgent or not urgent)
-    guard = _guard(random, shape, parts, selects, with_clocks)
+            # A broadcast over an urgent channel is urgent whoever receives it.
+            with_clocks = shape.clocks_on_broadcast if broadcast else shape.clocks_on_urgent or not urgent
+    guard = None if random.random() < 0.2 else _guard(random, shape, parts, selects, with_clocks)
     updates = [_update(random, shape, parts, selects) for _ in range(random.choice((0, 1, 1, 1, 2, 2)))]
     process.edge(source, target, guard=guard, send=send, receive=receive, updates=updates, selects=selects)
 
