@@ -118,7 +118,7 @@ SYNTAX_CODES: dict[str, Explanation] = {
     ),
     "E0114": Explanation(
         "reserved word without meaning",
-        "UPPAAL reserves switch, case, break, continue and enum and gives them no meaning.",
+        "UPPAAL reserves switch, break, continue and enum and gives them no meaning.",
         "void f() { while (true) { break; } }",
         "void f() { bool done = false; while (!done) { done = true; } }",
     ),

@@ -49,6 +49,9 @@ SPELLING = {
 }
 """How each contextual keyword is written."""
 
+_WITHOUT_MEANING = {"break": ";", "continue": ";", "switch": "(", "enum": "{"}
+"""Words of C that UPPAAL reserves and gives no meaning, with what follows them in C. Old models use them as names."""
+
 _FLAGS = {"init": "INIT_FLAG", "urgent": "URGENT_FLAG", "committed": "COMMITTED_FLAG"}
 _ARROWS = ("->", "-u->")
 _OPENING = {"{", "(", "["}
@@ -169,7 +172,9 @@ class _Resolver:
             return False
         if word in self.types:
             return False
-        if word == "hybrid" and following == "CLOCK":
+        if word == "enum" and "{" in (self.text(1), self.text(2)):
+            token.type = "RESERVED"
+        elif word == "hybrid" and following == "CLOCK":
             token.type = "HYBRID"
         elif word in ("before_update", "after_update") and self.text(1) == "{":
             token.type = word.upper()
@@ -228,6 +233,9 @@ class _Resolver:
     def statement_word(self, token: Token) -> None:
         word, following = token.text, self.type(1)
         if word in self.types:
+            return
+        if _WITHOUT_MEANING.get(word) == self.text(1):
+            token.type = "RESERVED"
             return
         if word == "assert" and (self.text(1) in ("(", "!", "-") or following in _BEGINS_OPERAND):
             token.type = "ASSERT"

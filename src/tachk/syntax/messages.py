@@ -57,6 +57,7 @@ def explain(situation: Situation) -> Diagnostic:
     """The diagnostic for a token that does not fit, by the most specific reason that applies."""
     return (
         _foreign_format(situation)
+        or _interface(situation)
         or _missing(situation)
         or _brackets(situation)
         or _no_query(situation)
@@ -77,6 +78,18 @@ def _foreign_format(situation: Situation) -> Diagnostic | None:
             "UPPAAL saves a model as text under the ending .xta",
         )
     return None
+
+
+def _interface(situation: Situation) -> Diagnostic | None:
+    item = situation.tokens[_item_start(situation)]
+    if item.text != "IO" or situation.token.text != "{" or situation.tokens[situation.index - 1].type != "NAME":
+        return None
+    return Diagnostic(
+        "E0101",
+        "'IO' declarations, which only refinement checking uses, are not supported",
+        item.span.to(situation.token.span),
+        "remove the declaration; it has no meaning for verification",
+    )
 
 
 def _missing(situation: Situation) -> Diagnostic | None:

@@ -20,9 +20,6 @@ Match = Callable[[str, int, int], re.Match[str] | None]
 END = "$END"
 LARGEST_LITERAL = 2**31
 
-RESERVED = frozenset({"switch", "case", "break", "continue", "enum"})
-"""Words that UPPAAL reserves and gives no meaning."""
-
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_$#]*")
 
 _OUTER = r"""
@@ -124,7 +121,7 @@ class Lexer:
                 word = found.group()
                 fresh = False
                 if kind == "NAME":
-                    kind = keywords.get(word, "RESERVED" if word in RESERVED else "NAME")
+                    kind = keywords.get(word, "NAME")
                 elif kind == "SYMBOL":
                     kind = symbols[word]
                 elif kind == "INTEGER" and (len(word) > 12 or int(word) > LARGEST_LITERAL):
