@@ -96,6 +96,8 @@ class Instances:
             process = self._make(node, full, bound, Declared(full), values, name, priority)
             if process is not None:
                 instances[values] = process
+        if not instances:
+            self.symbols[name.name] = BrokenSymbol(name.span)
 
     def _suggest(self, name: str) -> str | None:
         known = [n for n, s in self.globals.symbols.items() if isinstance(s, TemplateSymbol)]

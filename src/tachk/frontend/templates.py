@@ -304,9 +304,12 @@ def _initial(template: ast.Template, context: Context) -> int:
 
 
 def warn_unreachable(template: ast.Template, context: Context) -> None:
-    """Warns about locations that no path of edges leads to."""
+    """Warns about locations that no path of edges leads to, unless some edge leads to an unknown place."""
     successors: dict[str, list[str]] = {}
+    known = {node.name.name for node in template.locations} | {node.name.name for node in template.branchpoints}
     for branch in branches(template):
+        if branch.edge.target.name not in known:
+            return
         successors.setdefault(branch.source.name, []).append(branch.edge.target.name)
     pending = [location.name.name for location in template.locations if location.initial]
     if not pending:

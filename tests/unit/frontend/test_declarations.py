@@ -143,6 +143,14 @@ def test_a_broken_declaration_has_no_follow_up_errors(find: Any) -> None:
     assert find(text) == [("E0201", "M")]
 
 
+def test_a_template_with_a_broken_parameter_has_no_follow_up_errors(find: Any) -> None:
+    text = """
+        process T(int[0, M] i) { init location a { to c; } location b; }
+        system T;
+        property p : E<> T(0).a && forall (i : int[0,1]) T(i).b;"""
+    assert find(text) == [("E0201", "M"), ("E0209", "c")]
+
+
 def test_all_findings_are_reported_at_once(find: Any) -> None:
     assert [code for code, _ in find("int a = b;\nint c[d];\nfoo e;\nint f() { g = h; return 0; }")] == [
         "E0201",
