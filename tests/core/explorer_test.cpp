@@ -75,7 +75,8 @@ Program fischer(std::uint32_t n, Raw wait) {
     program.edges.push_back(edge(p, 2, 3, enter));
     program.edges.push_back(edge(p, 3, 0, {}, {{{n, 0}}, {}, no_code}));
     for (std::uint32_t q = 0; q < p; ++q)
-      both.disjuncts.push_back({tests({{p, Comparison::equal, 3}, {q, Comparison::equal, 3}}), DeadlockLiteral::absent});
+      both.disjuncts.push_back(
+          {tests({{p, Comparison::equal, 3}, {q, Comparison::equal, 3}}), DeadlockLiteral::absent});
   }
   program.goals.push_back(both);
   return program;
@@ -100,7 +101,8 @@ void test_known_state_counts() {
 
 void test_options_do_not_change_answers() {
   for (const Raw wait : {1, 2})
-    for (const SearchOrder order : {SearchOrder::breadth_first, SearchOrder::depth_first, SearchOrder::random_depth_first})
+    for (const SearchOrder order :
+         {SearchOrder::breadth_first, SearchOrder::depth_first, SearchOrder::random_depth_first})
       for (const Extrapolation extrapolation : {Extrapolation::lu, Extrapolation::max})
         for (int bits = 0; bits < 16; ++bits) {
           Options options;
@@ -150,7 +152,8 @@ Program two_locations() {
 
 void test_deadlock() {
   Program program = two_locations();
-  program.goals = {goal({}, DeadlockLiteral::required), goal(tests({{0, Comparison::equal, 0}}), DeadlockLiteral::required),
+  program.goals = {goal({}, DeadlockLiteral::required),
+                   goal(tests({{0, Comparison::equal, 0}}), DeadlockLiteral::required),
                    goal(tests({{0, Comparison::equal, 1}}), DeadlockLiteral::forbidden)};
   Options options;
   options.extrapolation = Extrapolation::max;
@@ -187,8 +190,7 @@ void test_broadcast_splits_on_the_receivers_clock() {
   program.largest_constant = 3;
   program.channels = {Channel{true, false, 0}};
   program.processes = {{0, {location(), location()}}, {0, {location({}, {{1, 3}}, {{1, 3}}), location()}}};
-  program.edges = {synchronised(edge(0, 0, 1), 0, true),
-                   synchronised(edge(1, 0, 1, atoms({at_most(1, 3)})), 0, false)};
+  program.edges = {synchronised(edge(0, 0, 1), 0, true), synchronised(edge(1, 0, 1, atoms({at_most(1, 3)})), 0, false)};
   Condition missed = tests({{0, Comparison::equal, 1}, {1, Comparison::equal, 0}});
   missed.atoms = {at_most(1, 3)};
   Condition late = tests({{0, Comparison::equal, 1}, {1, Comparison::equal, 0}});

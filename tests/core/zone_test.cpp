@@ -93,8 +93,10 @@ struct Matrix {
       for (int j = 0; j < n; ++j) {
         const std::int64_t c = old.at(i, j);
         if (i == j || c == infinity) continue;
-        if (value(c) > m(i)) at(i, j) = infinity;
-        else if (j != 0 && (m(j) < 0 || value(c) < -m(j))) at(i, j) = std::max(c, std::min<std::int64_t>(-2 * m(j), 1));
+        if (value(c) > m(i))
+          at(i, j) = infinity;
+        else if (j != 0 && (m(j) < 0 || value(c) < -m(j)))
+          at(i, j) = std::max(c, std::min<std::int64_t>(-2 * m(j), 1));
       }
     CHECK(close());
   }
@@ -163,7 +165,8 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
           const int j = below(n);
           if (i == j) continue;
           const int c = below(2 * static_cast<int>(constant) + 1) - static_cast<int>(constant);
-          atoms.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), tachk::raw_bound(c, below(2) == 0)});
+          atoms.push_back(
+              {static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), tachk::raw_bound(c, below(2) == 0)});
         }
         Matrix trial(matrix);
         Zone fast(zone);
@@ -213,7 +216,8 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
       }
       case 6: {
         std::vector<Raw> bound(static_cast<std::size_t>(n), static_cast<Raw>(below(static_cast<int>(constant) + 1)));
-        for (std::size_t c = 1; c < static_cast<std::size_t>(n); ++c) bound[c] = below(static_cast<int>(constant) + 2) - 1;
+        for (std::size_t c = 1; c < static_cast<std::size_t>(n); ++c)
+          bound[c] = below(static_cast<int>(constant) + 2) - 1;
         const AlignedRow b(ops, n, bound);
         const Zone before(zone);
         ops.extrapolate_max(zone.data, n, b.data);
@@ -250,7 +254,8 @@ int main() {
     for (const bool vector : {false, true}) {
       std::uint32_t seed = 1;
       for (const int n : {1, 2, 3, 4, 7, 8, 9, 15, 16, 17, 33, 65, 70})
-        for (const Raw constant : {2, 20, 400}) walk(n, width, vector, seed++, n < 10 ? 2000 : n < 20 ? 300 : 30, constant);
+        for (const Raw constant : {2, 20, 400})
+          walk(n, width, vector, seed++, n < 10 ? 2000 : n < 20 ? 300 : 30, constant);
     }
   std::puts("zone operations agree with the textbook");
 }

@@ -96,8 +96,7 @@ void Explorer::start() {
   if (!semantics_.invariant(effect_.slots.data(), effect_.invariant)) return;
   operations_.make_zero(guarded_.get(), dimension_);
   fresh_.clear();
-  finish(guarded_.get(), effect_,
-         [&](std::int32_t* slots, const void* zone) { add(slots, zone, no_node); });
+  finish(guarded_.get(), effect_, [&](std::int32_t* slots, const void* zone) { add(slots, zone, no_node); });
   if (options_.order != SearchOrder::breadth_first) stack_ = fresh_;
 }
 
@@ -221,7 +220,8 @@ void Explorer::abstract(Effect& effect, ZoneBuffer& zone, Sink&& sink) {
 
 // `sides`: for each diagonal seen so far the side on which the piece lies.
 template <class Sink>
-void Explorer::split(std::size_t diagonal, Effect& effect, const ZoneBuffer& zone, std::vector<Atom>& sides, Sink&& sink) {
+void Explorer::split(std::size_t diagonal, Effect& effect, const ZoneBuffer& zone, std::vector<Atom>& sides,
+                     Sink&& sink) {
   if (diagonal == program_.diagonals.size()) {
     ZoneBuffer piece(zone);
     operations_.extrapolate_max(piece.get(), dimension_, upper_.get());
@@ -292,7 +292,8 @@ void Explorer::check_goals(std::uint32_t node, std::int32_t* slots, const void* 
   current_node_ = parent;
 }
 
-// Deadlock: no action is possible now or after any delay. The zone is closed under the delays that its invariant admits.
+// Deadlock: no action is possible now or after any delay. The zone is closed under the delays that its invariant
+// admits.
 void Explorer::check_deadlock(std::uint32_t node, const void* zone) {
   std::vector<std::pair<std::size_t, const Disjunct*>> candidates;
   deadlock_open_ = false;
@@ -315,8 +316,8 @@ void Explorer::check_deadlock(std::uint32_t node, const void* zone) {
     if (!operations_.intersect(possible.get(), dimension_, action.guard.data(), action.guard.size())) return;
     current_edges_ = &action.edges;
     std::vector<Atom> atoms;
-    const bool fires = semantics_.apply(action.edges, source_.data(), effect_) &&
-                       semantics_.weakest_precondition(effect_, atoms);
+    const bool fires =
+        semantics_.apply(action.edges, source_.data(), effect_) && semantics_.weakest_precondition(effect_, atoms);
     current_edges_ = nullptr;
     if (!fires || !operations_.intersect(possible.get(), dimension_, atoms.data(), atoms.size())) return;
     if (delays) operations_.down(possible.get(), dimension_);

@@ -110,7 +110,8 @@ std::int64_t Machine::run(std::int32_t code, std::int32_t* memory, std::vector<C
         const std::int64_t clock = pop();
         if (value < 0) fault(FaultKind::negative_clock);
         if (value > largest_reset_) fault(FaultKind::bound);
-        if (resets == nullptr || clock < 1 || clock > program_.clocks) throw std::logic_error("reset outside an update");
+        if (resets == nullptr || clock < 1 || clock > program_.clocks)
+          throw std::logic_error("reset outside an update");
         resets->push_back({static_cast<std::uint16_t>(clock), static_cast<std::int32_t>(value)});
         break;
       }

@@ -88,7 +88,8 @@ class Decoder {
     program_.code = in_.sequence([this] { return in_.number(); });
     program_.has_computed_resets = resets_clocks(program_.code);
     program_.channels = in_.sequence([this] { return Channel{in_.flag(), in_.flag(), in_.number()}; });
-    program_.processes = in_.sequence([this] { return Process{in_.number(), in_.sequence([this] { return location(); })}; });
+    program_.processes =
+        in_.sequence([this] { return Process{in_.number(), in_.sequence([this] { return location(); })}; });
     program_.edges = in_.sequence([this] { return edge(); });
     program_.goals = in_.sequence([this] {
       return Goal{in_.sequence([this] {

@@ -137,7 +137,8 @@ bool Semantics::time_passes(std::int32_t* slots) {
   for (std::size_t p = 0; p < processes; ++p) {
     for (const std::uint32_t number : outgoing(p, slots).sends) {
       const Edge& sender = program_.edges[number];
-      if (sender.channel_code == no_code && !program_.channels[static_cast<std::size_t>(sender.channel)].urgent) continue;
+      if (sender.channel_code == no_code && !program_.channels[static_cast<std::size_t>(sender.channel)].urgent)
+        continue;
       if (!holds(sender.guard, slots)) continue;
       const std::int32_t channel = channel_of(sender, slots);
       const Channel& kind = program_.channels[static_cast<std::size_t>(channel)];
@@ -165,11 +166,12 @@ const std::uint8_t* Semantics::stopped_clocks(std::int32_t* slots) {
   return stopped_.data();
 }
 
-std::pair<std::int32_t, std::int32_t> Semantics::priority(const std::vector<std::uint32_t>& edges, std::int32_t* slots) {
+std::pair<std::int32_t, std::int32_t> Semantics::priority(const std::vector<std::uint32_t>& edges,
+                                                          std::int32_t* slots) {
   const Edge& first = program_.edges[edges.front()];
-  const std::int32_t channel =
-      first.internal() ? program_.default_priority
-                       : program_.channels[static_cast<std::size_t>(channel_of(first, slots))].priority;
+  const std::int32_t channel = first.internal()
+                                   ? program_.default_priority
+                                   : program_.channels[static_cast<std::size_t>(channel_of(first, slots))].priority;
   std::int32_t process = program_.processes[first.process].priority;
   for (const std::uint32_t number : edges)
     process = std::max(process, program_.processes[program_.edges[number].process].priority);

@@ -31,12 +31,12 @@ struct Options {
 
 enum class Status {
   running,
-  finished,         // every goal is reached, or there is nothing left to explore
+  finished,  // every goal is reached, or there is nothing left to explore
   state_limit,
   memory_limit,
-  depth_limit,      // finished, but some states were too deep to be explored
-  fault,            // the model has a run-time error
-  constant_limit,   // without extrapolation: clock values beyond what a bound can hold
+  depth_limit,     // finished, but some states were too deep to be explored
+  fault,           // the model has a run-time error
+  constant_limit,  // without extrapolation: clock values beyond what a bound can hold
 };
 
 struct Statistics {

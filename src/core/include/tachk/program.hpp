@@ -125,7 +125,7 @@ struct Program {
   std::vector<Goal> goals;
   bool has_priorities = false;
   bool has_stopwatches = false;
-  Raw largest_constant = 0;      // in any atom, reset or bound that is known before the search
+  Raw largest_constant = 0;          // in any atom, reset or bound that is known before the search
   bool has_computed_resets = false;  // some clock is set to a value that is not
 
   int dimension() const { return clocks + 1; }

@@ -21,7 +21,8 @@ class ZoneBuffer {
  public:
   explicit ZoneBuffer(const ZoneOperations& operations)
       : bytes_(operations.bytes), data_(static_cast<std::byte*>(::operator new(bytes_, alignment))) {}
-  ZoneBuffer(const ZoneBuffer& other) : bytes_(other.bytes_), data_(static_cast<std::byte*>(::operator new(bytes_, alignment))) {
+  ZoneBuffer(const ZoneBuffer& other)
+      : bytes_(other.bytes_), data_(static_cast<std::byte*>(::operator new(bytes_, alignment))) {
     assign(other.get());
   }
   ZoneBuffer(ZoneBuffer&& other) noexcept : bytes_(other.bytes_), data_(std::exchange(other.data_, nullptr)) {}
@@ -182,9 +183,9 @@ void Semantics::for_each_action(std::int32_t* slots, Visit&& visit) {
   }
 }
 
-// Extends the broadcast action by the receivers in process `receiver` and behind it. A process with an enabled receiving
-// edge must take part; where that depends on clocks the valuations are split. `participates`: a participant leaves a
-// committed location.
+// Extends the broadcast action by the receivers in process `receiver` and behind it. A process with an enabled
+// receiving edge must take part; where that depends on clocks the valuations are split. `participates`: a participant
+// leaves a committed location.
 template <class Visit>
 void Semantics::broadcast(std::size_t receiver, std::int32_t channel, bool committed, bool participates,
                           std::int32_t* slots, Visit&& visit) {

@@ -1,9 +1,9 @@
 // Zones: canonical, non-empty difference bound matrices in flat memory, and the operations on them.
 //
 // A zone of dimension n (n - 1 clocks and the reference clock 0) is n rows of `stride` entries; entry (i, j) bounds
-// x_i - x_j. Rows are padded to whole vectors; the padding always holds `infinity`, so that equal zones are equal bytes.
-// The operations are compiled once for each instruction set and reached through a table chosen at run time; one call
-// does as much as possible, so the indirection does not matter.
+// x_i - x_j. Rows are padded to whole vectors; the padding always holds `infinity`, so that equal zones are equal
+// bytes. The operations are compiled once for each instruction set and reached through a table chosen at run time; one
+// call does as much as possible, so the indirection does not matter.
 #pragma once
 
 #include <cstddef>
@@ -15,8 +15,8 @@ namespace tachk {
 
 struct ZoneOperations {
   const char* name;
-  int stride;          // entries in a row
-  std::size_t bytes;   // of a whole zone
+  int stride;            // entries in a row
+  std::size_t bytes;     // of a whole zone
   Raw largest_constant;  // that may occur in an atom, a reset or a bound
 
   // All clocks are zero.
@@ -34,9 +34,9 @@ struct ZoneOperations {
   void (*down)(void* zone, int dimension);
   // Whether `outer` contains `inner`.
   bool (*includes)(const void* outer, const void* inner, int dimension);
-  // Extra+LU (Behrmann, Bouyer, Larsen, Pelanek 2006, definition 7), closed again. `lower[i]` and `upper[i]` hold L(x_i)
-  // and U(x_i), -1 for minus infinity, in the entry type of the zone; `stride` entries, entry 0 and the padding are
-  // `no_bound`.
+  // Extra+LU (Behrmann, Bouyer, Larsen, Pelanek 2006, definition 7), closed again. `lower[i]` and `upper[i]` hold
+  // L(x_i) and U(x_i), -1 for minus infinity, in the entry type of the zone; `stride` entries, entry 0 and the padding
+  // are `no_bound`.
   void (*extrapolate_lu_plus)(void* zone, int dimension, const void* lower, const void* upper);
   // Extra_M of the same paper with M(x_i) in `bound[i]`, closed again.
   void (*extrapolate_max)(void* zone, int dimension, const void* bound);
@@ -53,7 +53,8 @@ inline constexpr Raw no_bound = 4095;  // larger than any lower bound that can b
 
 enum class Width { narrow, wide };
 
-// The operations for a dimension. `vector` asks for the widest instruction set of this machine instead of portable code.
+// The operations for a dimension. `vector` asks for the widest instruction set of this machine instead of portable
+// code.
 ZoneOperations select_operations(int dimension, Width width, bool vector);
 
 }  // namespace tachk
