@@ -1,6 +1,6 @@
 """How short may the waiting time of Fischer's protocol be? A sweep over a constant, as a table.
 
-    python examples/sweep.py
+python examples/sweep.py
 """
 
 from __future__ import annotations

@@ -82,9 +82,7 @@ def explore(
     return Outcome(outcomes, _statistics(explorer, start), reason, fault, exact=not program.has_stopwatches)
 
 
-def _run(
-    explorer: _core.Explorer, start: float, limits: Limits, progress: Progress | None
-) -> tuple[int, str]:
+def _run(explorer: _core.Explorer, start: float, limits: Limits, progress: Progress | None) -> tuple[int, str]:
     slice_size = 256
     while True:
         begun = time.perf_counter()
