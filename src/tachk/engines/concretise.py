@@ -29,8 +29,9 @@ from tachk.semantics.trace import DiscreteState, TimedState, TimedStep, TimedTra
 def concretise(network: Network, path: Sequence[Transition], predicate: Expression | None = None) -> TimedTrace | None:
     """A run that takes the transitions of a path, early, and ends in a state of the predicate; None if there is none.
 
-    The predicate may ask for deadlock. A delay after the last transition is added where the predicate needs it. Raises
-    ValueError if a transition cannot belong to the path for its edges and values alone.
+    The predicate may ask for deadlock. There is no run either where evaluating something goes wrong. A delay after the
+    last transition is added where the predicate needs it. Raises ValueError if a transition cannot belong to the path
+    for its edges and values alone.
     """
     model = prepare(network)
     try:

@@ -24,6 +24,10 @@ INFINITESIMAL_BITS = 40
 """A moment is an integer: time units shifted by this, plus the number of infinitesimals."""
 
 
+RETRIES = 2000
+"""Choices taken back before z3 is asked."""
+
+
 @dataclass(frozen=True, slots=True)
 class Moment:
     """A clock constraint at the beginning or the end of a phase."""
@@ -101,11 +105,12 @@ class _Moments:
 def earliest(phases: Sequence[Phase], requirements: Sequence[Requirement]) -> list[Fraction] | None:
     """The durations of the phases of an early run; None if there is no run.
 
-    Takes for each requirement the first conjunction with which a solution is left, and then the least moments.
+    Takes for each requirement the first conjunction with which a solution is left, and then the least moments. Where
+    choices have to be taken back too often, z3 finds some run instead.
     """
     moments = _Moments([0] * (len(phases) + 1), [[] for _ in range(len(phases) + 1)])
     choices: list[tuple[int, int, int]] = []  # requirement, next conjunction to try, length of the undo list before
-    number, alternative = 0, 0
+    number, alternative, taken_back = 0, 0, 0
     while number < len(requirements):
         mark = len(moments.undo)
         options = requirements[number]
@@ -119,6 +124,9 @@ def earliest(phases: Sequence[Phase], requirements: Sequence[Requirement]) -> li
                 choices.append((number, alternative + 1, mark))
             number, alternative = number + 1, 0
         elif choices:
+            if taken_back == RETRIES:
+                return any_solution(phases, requirements)
+            taken_back += 1
             number, alternative, mark = choices.pop()
             moments.back_to(mark)
         else:

@@ -133,6 +133,20 @@ def test_a_choice_that_fails_later_is_taken_back() -> None:
     assert times(checked(network, path(0, 1))) == [6, 7]
 
 
+@pytest.mark.parametrize(("latest", "exists"), [(9, True), (6, False)])
+def test_choices_in_between_do_not_multiply(latest: int, exists: bool) -> None:
+    """The wrong first choice shows only behind thirty others that do not matter."""
+    network = NetworkBuilder()
+    x, since = network.clock("x"), network.clock("since")
+    process = network.process("P")
+    a = process.location("A")
+    process.edge(a, a, guard=(x < 1) | (x > 7), updates=[since.assign(0)])
+    for _ in range(30):
+        process.edge(a, a, guard=(x <= 50) | (x <= 60))
+    process.edge(a, a, guard=(x >= 5) & (x <= latest) & (since <= 1))
+    assert (checked(network, path(*range(32))) is not None) == exists
+
+
 def test_no_time_passes_while_an_urgent_synchronisation_is_enabled() -> None:
     network = NetworkBuilder()
     x, n = network.clock("x"), network.integer("n", 0, 1)
