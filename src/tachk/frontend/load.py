@@ -33,6 +33,7 @@ class LoadedModel:
     queries: the properties the model states, in order.
     unchecked: properties that belong to another kind of analysis.
     document: the syntax tree of the file itself, imports not followed.
+    items: of the document, each import replaced by what the file declares.
     """
 
     network: Network
@@ -40,6 +41,7 @@ class LoadedModel:
     unchecked: tuple[UncheckedQuery, ...]
     warnings: tuple[Diagnostic, ...]
     document: ast.Document = field(repr=False)
+    items: tuple[ast.Item, ...] = field(repr=False)
     _scope: Scope = field(repr=False)
     _constants: Context = field(repr=False)
 
@@ -71,7 +73,14 @@ def load_model(
     if findings.has_errors:
         raise InputError(findings.sorted())
     return LoadedModel(
-        result.network, result.queries, result.unchecked, findings.sorted(), document, result.scope, context
+        result.network,
+        result.queries,
+        result.unchecked,
+        findings.sorted(),
+        document,
+        tuple(items),
+        result.scope,
+        context,
     )
 
 
