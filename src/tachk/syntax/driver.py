@@ -8,17 +8,14 @@ semicolon is supplied instead. At most `MOST_ERRORS` errors are reported, each a
 from __future__ import annotations
 
 from bisect import bisect_left
-from copy import copy
 from typing import Any
-
-from lark.exceptions import UnexpectedToken
-from lark.parsers.lalr_parser_state import ParserState
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Span
+from tachk.syntax.lalr import Stack, UnexpectedToken
 from tachk.syntax.messages import Situation, explain
 from tachk.syntax.misplaced import Misplaced
-from tachk.syntax.tables import lexer, parser_tables
+from tachk.syntax.tables import lexer, tables_for
 from tachk.syntax.tokens import END, Token
 
 MOST_ERRORS = 20
@@ -47,7 +44,7 @@ class _Run:
     def __init__(self, start: str, tokens: list[Token]) -> None:
         self.start = start
         self.tokens = tokens
-        self.state: ParserState[Any] = parser_tables().parse_interactive("", start=start).parser_state
+        self.stack = Stack(tables_for(start))
         self.inserted: list[Token] = []
         self.errors: list[Diagnostic] = []
         self.recoveries = 0
@@ -55,13 +52,12 @@ class _Run:
 
     def to_the_end(self) -> tuple[Any, tuple[Diagnostic, ...]]:
         tokens, inserted = self.tokens, self.inserted
-        feed: Any = self.state.feed_token
+        feed = self.stack.feed
         index = 0
         while True:
             token = inserted[-1] if inserted else tokens[index]
-            is_end = token.type == END
             try:
-                result = feed(token, is_end)
+                result = feed(token)
             except Misplaced as misplaced:
                 self.errors.append(misplaced.diagnostic)
                 if not self.replace_by_error(token):
@@ -73,7 +69,7 @@ class _Run:
                     return None, tuple(self.errors)
                 index = following
                 continue
-            if is_end:
+            if token.type == END:
                 return result, tuple(self.errors)
             if inserted:
                 inserted.pop()
@@ -85,8 +81,7 @@ class _Run:
         self.recoveries += 1
         supplied = self.missing_token(index)
         if index != self.resumed_at:
-            choices = self.state.parse_conf.states[self.state.position]
-            accepted = frozenset(name for name in choices if name.isupper() and self.would_accept(name))
+            accepted = frozenset(name for name in self.stack.choices() if self.stack.accepts([name]))
             begin = self.construct_start()
             self.errors.append(explain(Situation(self.tokens, index, accepted, supplied, begin, self.start)))
         if len(self.errors) >= MOST_ERRORS or self.recoveries >= _MOST_RECOVERIES:
@@ -115,22 +110,6 @@ class _Run:
 
     # ---- looking ahead ----
 
-    def would_accept(self, *kinds: str, levels: int | None = None) -> bool:
-        """Whether the parser, its stack cut to a height, could take these terminals next."""
-        trial = self.state.copy(deepcopy_values=False)
-        trial.parse_conf = copy(trial.parse_conf)
-        trial.parse_conf.callbacks = {}
-        if levels is not None:
-            del trial.state_stack[levels:]
-            del trial.value_stack[max(levels - 1, 0) :]
-        feed: Any = trial.feed_token
-        try:
-            for kind in kinds:
-                feed(Token(kind, "", Span(self.tokens[0].span.source, 0, 0)), kind == END)
-        except UnexpectedToken:
-            return False
-        return True
-
     def missing_token(self, index: int) -> Token | None:
         """A bracket or semicolon whose absence alone explains the error."""
         if index == 0:
@@ -142,7 +121,7 @@ class _Run:
                 continue
             if text != ";" and token.text not in (";", "{", ")", "]"):
                 continue
-            if self.would_accept(symbols[text], token.type):
+            if self.stack.accepts([symbols[text], token.type]):
                 return Token(symbols[text], text, Span(before.span.source, before.span.end, before.span.end))
         return None
 
@@ -150,13 +129,12 @@ class _Run:
 
     def construct_start(self) -> int | None:
         """The offset where the innermost construct that can be passed over began; None if it has not begun."""
-        states = self.state.parse_conf.states
         start = None
-        for level in range(len(self.state.state_stack) - 1, -1, -1):
-            if "ERROR" in states[self.state.state_stack[level]]:
+        for level in range(len(self.stack.states) - 1, -1, -1):
+            if self.stack.takes(level, "ERROR"):
                 break
             if level:
-                found = _start_of(self.state.value_stack[level - 1])
+                found = _start_of(self.stack.values[level - 1])
                 start = found if found is not None else start
         return start
 
@@ -190,16 +168,13 @@ class _Run:
     def unwind_for(self, following: str) -> bool:
         """Pop to the innermost state that accepts ERROR and then the given terminal, or else to the innermost that
         accepts ERROR. False if there is none."""
-        states = self.state.parse_conf.states
-        stack = self.state.state_stack
-        candidates = [level for level in range(len(stack), 0, -1) if "ERROR" in states[stack[level - 1]]]
+        stack = self.stack
+        candidates = [level for level in range(len(stack.states), 0, -1) if stack.takes(level - 1, "ERROR")]
         if not candidates:
             return False
         # Nesting this deep is absurd; looking at every level of it would take quadratic time.
         candidates = candidates[:30] + candidates[30:][-3:]
-        level = next((n for n in candidates if self.would_accept("ERROR", following, levels=n)), candidates[0])
-        del self.state.state_stack[level:]
-        del self.state.value_stack[level - 1 :]
+        stack.cut(next((n for n in candidates if stack.accepts(["ERROR", following], n)), candidates[0]))
         return True
 
     def insert_error(self, first: int, end: int) -> None:

@@ -22,6 +22,7 @@ from lark.lexer import Lexer as LarkLexer
 
 from tachk.resources import grammar_text
 from tachk.syntax.build import Builder
+from tachk.syntax.lalr import Tables
 from tachk.syntax.tokens import Lexer
 
 GRAMMAR_FILES = ("expression", "query", "tachk")
@@ -72,6 +73,12 @@ def parser_tables() -> lark.Lark:
         with suppress(OSError):
             _store(built, path)
     return built
+
+
+@cache
+def tables_for(start: str) -> Tables:
+    """The tables of one start symbol."""
+    return Tables(parser_tables().parse_interactive("", start=start).parser_state.parse_conf)
 
 
 @cache
