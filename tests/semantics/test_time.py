@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import pytest
 
+from tachk.certify.replay import replay
 from tachk.engines import digitised, reference, zone
 from tachk.engines.concretise import concretise
 from tachk.engines.protocol import Status
@@ -205,3 +206,23 @@ def test_a_committed_state_that_cannot_move_is_a_deadlock() -> None:
     q.edge(b, b)
     model = prepare(network.build())
     assert deadlocked(model, initial_state(model))
+
+
+def test_time_that_does_not_move_a_stopped_clock_does_not_end_a_deadlock() -> None:
+    network = NetworkBuilder()
+    x, y = network.clock("x"), network.clock("y")
+    process = network.process("P")
+    a, b, c = process.location("A"), process.location("B", rates=[(y, 0)]), process.location("C")
+    process.edge(a, b)
+    process.edge(b, c, guard=(y == 3) & (x >= 5))
+    goals = [
+        (deadlock() & b.reached & (y < 2)).expression,
+        (~deadlock() & b.reached & (y == 3) & (x < 5)).expression,
+    ]
+    program, lowered = lower(network.build(), goals)
+    for outcome in (reference.explore(network.build(), goals), zone.explore(program, lowered)):
+        for goal, found in zip(goals, outcome.goals, strict=True):
+            assert found.path is not None
+            run = concretise(network.build(), found.path, goal)
+            assert run is not None
+            replay(network.build(), run, goal)

@@ -306,6 +306,10 @@ void Explorer::check_deadlock(std::uint32_t node, const void* zone) {
   if (candidates.empty()) return;
 
   const bool delays = semantics_.time_passes(source_.data());
+  // Where clocks stand still the past of a zone is no zone: too few valuations count as live then, and too many as
+  // perhaps live, so that both literals stay over-approximated.
+  const std::uint8_t* stopped = semantics_.stopped_clocks(source_.data());
+  const bool stops = stopped != nullptr && std::find(stopped, stopped + dimension_, 1) != stopped + dimension_;
   std::vector<ZoneBuffer> dead;
   std::vector<ZoneBuffer> live;
   dead.emplace_back(operations_).assign(zone);
@@ -320,14 +324,14 @@ void Explorer::check_deadlock(std::uint32_t node, const void* zone) {
         semantics_.apply(action.edges, source_.data(), effect_) && semantics_.weakest_precondition(effect_, atoms);
     current_edges_ = nullptr;
     if (!fires || !operations_.intersect(possible.get(), dimension_, atoms.data(), atoms.size())) return;
-    if (delays) operations_.down(possible.get(), dimension_);
+    if (delays && !stops) operations_.down(possible.get(), dimension_);
     atoms = atoms_of(possible.get(), zone);
     std::vector<ZoneBuffer> rest;
     for (const ZoneBuffer& piece : dead) subtract(piece, atoms, rest);
     dead = std::move(rest);
     ZoneBuffer here(operations_);
     here.assign(zone);
-    operations_.intersect(here.get(), dimension_, atoms.data(), atoms.size());
+    if (!stops) operations_.intersect(here.get(), dimension_, atoms.data(), atoms.size());
     live.push_back(std::move(here));
   });
   for (const auto& [goal, disjunct] : candidates) {

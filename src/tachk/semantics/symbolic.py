@@ -4,7 +4,7 @@ What depends on the discrete state only is worked out once, as a `Situation`: fo
 valuations where it is possible, as a federation. Guards with disjunctions, processes that stay out of a broadcast
 because their guards are false, priorities, urgency and deadlock are all set operations on these federations.
 
-Exact without stopwatches; with them `elapse` and `alive` lean to the side that finds more states.
+Exact without stopwatches; with them `elapse` and `where` lean to the side that finds more states.
 """
 
 from __future__ import annotations
@@ -67,7 +67,8 @@ class Situation:
     invariant: the valuations that satisfy all invariants; None if there are none.
     delays: time may pass: no current location is urgent or committed.
     urgent: where the guards of a synchronisation over an urgent channel hold.
-    alive: the valuations from which some transition is possible, now or after a delay.
+    alive: valuations from which some transition is possible, now or after a delay; all of them if no clock stops.
+    perhaps_alive: all such valuations, and perhaps others if a clock stops.
     """
 
     discrete: DiscreteState
@@ -77,6 +78,7 @@ class Situation:
     moves: tuple[Move, ...]
     urgent: Federation
     alive: Federation
+    perhaps_alive: Federation
 
 
 def situation(model: Model, discrete: DiscreteState) -> Situation:
@@ -85,7 +87,7 @@ def situation(model: Model, discrete: DiscreteState) -> Situation:
     delays = may_delay(model, discrete)
     stopped = stopped_clocks(model, discrete)
     if invariant is None:
-        return Situation(discrete, None, delays, stopped, (), [], [])
+        return Situation(discrete, None, delays, stopped, (), [], [], [])
     guarded = _guarded(model, discrete)
     moves = [m for m in (_move(model, discrete, invariant, t, g) for t, g in guarded) if m.domain]
     if has_priorities(model):
@@ -102,17 +104,15 @@ def situation(model: Model, discrete: DiscreteState) -> Situation:
             for m, rank in zip(moves, ranks, strict=True)
         ]
     urgent = [z for t, g in guarded if is_urgent(model, discrete, t) for z in _part(invariant, g)]
-    alive = _alive(invariant, delays, stopped, urgent, [zone for m in moves for zone in m.domain])
-    return Situation(discrete, invariant, delays, stopped, tuple(moves), urgent, alive)
+    somewhere = [zone for m in moves for zone in m.domain]
+    alive = _alive(invariant, urgent, somewhere) if delays and not stopped else somewhere
+    # The past of a zone is a zone only if no clock stops.
+    perhaps_alive = [invariant] if somewhere and delays and stopped else alive
+    return Situation(discrete, invariant, delays, stopped, tuple(moves), urgent, alive, perhaps_alive)
 
 
-def _alive(
-    invariant: Zone, delays: bool, stopped: frozenset[int], urgent: Federation, somewhere: Federation
-) -> Federation:
-    """The valuations from which ``somewhere`` can be reached by a delay."""
-    # Into the past of a zone with stopped clocks there is no exact zone; without it fewer states count as alive.
-    if not delays or stopped:
-        return somewhere
+def _alive(invariant: Zone, urgent: Federation, somewhere: Federation) -> Federation:
+    """The valuations from which ``somewhere`` can be reached by a delay, all clocks running."""
     if not urgent:
         return [dbm.down(z) for z in somewhere]
     waiting = _before_and_after(dbm.subtract_all([invariant], urgent), urgent, invariant.dimension)
@@ -295,4 +295,4 @@ def where(model: Model, here: Situation, predicate: Expression) -> Federation:
     if_dead, if_alive = zones(assuming(True)), zones(assuming(False))
     if if_dead == if_alive:
         return if_dead
-    return dbm.subtract_all(if_dead, here.alive) + intersections(if_alive, here.alive)
+    return dbm.subtract_all(if_dead, here.alive) + intersections(if_alive, here.perhaps_alive)
