@@ -11,8 +11,9 @@ from tachk.diagnostics.lowering_codes import LOWERING_CODES
 from tachk.diagnostics.model_codes import MODEL_CODES
 from tachk.diagnostics.syntax_codes import SYNTAX_CODES
 from tachk.diagnostics.verification_codes import VERIFICATION_CODES
+from tachk.diagnostics.xml_codes import XML_CODES
 
-CODES: dict[str, Explanation] = {**SYNTAX_CODES, **MODEL_CODES, **LOWERING_CODES, **VERIFICATION_CODES}
+CODES: dict[str, Explanation] = {**SYNTAX_CODES, **XML_CODES, **MODEL_CODES, **LOWERING_CODES, **VERIFICATION_CODES}
 
 
 def explain(code: str) -> str | None:

@@ -44,6 +44,9 @@ def render(diagnostic: Diagnostic, colour: bool = False) -> str:
         snippet = _snippet(label.span, label.text, "-", _BLUE, paint)
         lines += snippet[1:] if snippet[:1] == shown else snippet
         shown = snippet[:1]
+    passage = diagnostic.span.passage
+    if passage is not None:
+        lines.append(paint("in: ", _CYAN) + f"{passage.names} ({passage.path})")
     if diagnostic.help:
         lines.append(paint("help: ", _CYAN) + diagnostic.help)
     return "\n".join(lines)
@@ -69,6 +72,7 @@ def _place(span: Span) -> str:
 
 def _snippet(span: Span, text: str, mark: str, tint: str, paint: Callable[[str, str], str]) -> list[str]:
     """The first line of a span with its range marked; nothing where there is no text."""
+    span = span.in_file
     source = span.source
     if not source.text:
         return []

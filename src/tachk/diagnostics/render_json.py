@@ -11,7 +11,8 @@ from tachk.diagnostics.span import Span
 def diagnostic_to_json(diagnostic: Diagnostic) -> dict[str, Any]:
     """A dictionary of strings, numbers and lists.
 
-    Lines and columns count from 1, the end column is the one behind the last character.
+    Lines and columns count from 1, the end column is the one behind the last character. Places in UPPAAL's XML say
+    also what they are about, by the names of the model (``names``) and as XPath (``path``).
     """
     return {
         "code": diagnostic.code,
@@ -24,12 +25,14 @@ def diagnostic_to_json(diagnostic: Diagnostic) -> dict[str, Any]:
 
 
 def _place(span: Span) -> dict[str, Any]:
-    line, column = span.source.line_column(span.start)
-    end_line, end_column = span.source.line_column(span.end)
+    place, passage = span.in_file, span.passage
+    line, column = place.source.line_column(place.start)
+    end_line, end_column = place.source.line_column(place.end)
     return {
-        "file": span.source.name,
+        "file": place.source.name,
         "line": line,
         "column": column,
         "end_line": end_line,
         "end_column": end_column,
+        **({} if passage is None else {"names": passage.names, "path": passage.path}),
     }

@@ -255,6 +255,7 @@ def _value(value: int | bool) -> str:
 
 
 def _excerpt(span: Span) -> str:
+    span = span.in_file
     line, column = span.source.line_column(span.start)
     text = span.source.line(line)
     length = max(1, min(span.end - span.start, len(text) - column + 1))

@@ -10,15 +10,20 @@ from tachk.diagnostics.span import Span
 from tachk.syntax.tokens import Token
 
 
-def as_legacy(tokens: list[Token], comparisons: dict[str, str], constraint: bool) -> list[Token]:
+def as_legacy(tokens: list[Token], comparisons: dict[str, str], start: str) -> list[Token]:
     """The tokens of an old text as the grammar wants them.
 
     Args:
         tokens: the tokens, contextual keywords marked.
         comparisons: the terminals of ``<=`` and ``>=``.
-        constraint: whether the whole text is a guard or an invariant.
+        start: the start symbol of the grammar, which tells what the whole text is.
     """
-    return _parameters(_constants(_conjunctions(_comparisons(tokens, comparisons), constraint)))
+    rewritten = _constants(_conjunctions(_comparisons(tokens, comparisons), start == "constraint_fragment"))
+    if start == "parameters_fragment":
+        output: list[Token] = []
+        _parameter_list(rewritten, 0, 1, output)
+        return output
+    return _parameters(rewritten)
 
 
 def _comparisons(tokens: list[Token], terminals: dict[str, str]) -> list[Token]:
@@ -69,7 +74,7 @@ def _constants(tokens: list[Token]) -> list[Token]:
     for index, token in enumerate(tokens):
         if token.type == "CONST" and index + 2 < len(tokens) and tokens[index + 1].type == "NAME":
             following = tokens[index + 2]
-            if following.type in ("INTEGER", "EQUALS", "MINUS") or following.text in ("[", "{", ";", ",", ")"):
+            if following.type in ("INTEGER", "EQUALS", "MINUS") or following.text in ("[", "{", ";", ",", ")", ""):
                 token = Token("LEGACY_CONST", token.text, token.span, token.doc)
         output.append(token)
     return output
@@ -85,27 +90,38 @@ def _parameters(tokens: list[Token]) -> list[Token]:
         index += 1
         if token.type != "PROCESS":
             continue
-        depth = 0
-        constant = False
-        while index < len(tokens) and tokens[index].text not in ("{", ""):
-            token = tokens[index]
-            index += 1
-            depth += (token.text in ("(", "[")) - (token.text in (")", "]"))
-            before = output[-1]
-            following = tokens[index].text if index < len(tokens) else ""
-            if depth == 1 and token.text == ";":
-                token = Token("COMMA", ",", token.span)
-                constant = False
-            elif token.type in ("CONST", "LEGACY_CONST"):
-                constant = True
-            elif depth == 1 and token.type == "NAME" and following in (",", ";", ")", "["):
-                if before.text == ",":
-                    if constant:
-                        output.append(Token("LEGACY_CONST", "const", token.span))
-                    else:
-                        token = Token("LEGACY_PARAMETER", token.text, token.span)
-                elif not constant and before.text not in ("&", "("):
-                    start = Span(token.span.source, token.span.start, token.span.start)
-                    output.append(Token("AMPERSAND", "&", start))
-            output.append(token)
+        index = _parameter_list(tokens, index, 0, output)
     return output
+
+
+def _parameter_list(tokens: list[Token], index: int, depth: int, output: list[Token]) -> int:
+    """Append the tokens of a parameter list as the grammar wants them; the index of the first token behind it.
+
+    Args:
+        depth: of brackets at the index: 1 within the parentheses of the list.
+    """
+    constant = False
+    while index < len(tokens) and tokens[index].text not in ("{", ""):
+        token = tokens[index]
+        index += 1
+        depth += (token.text in ("(", "[")) - (token.text in (")", "]"))
+        before = output[-1].text if output else "("
+        following = tokens[index].text if index < len(tokens) else ""
+        if depth == 1 and token.text == ";":
+            token = Token("COMMA", ",", token.span)
+            constant = False
+        elif token.type in ("CONST", "LEGACY_CONST"):
+            constant = True
+        elif depth == 1 and token.type == "NAME" and following in (",", ";", ")", "[", ""):
+            if before == ",":
+                if constant:
+                    output.append(Token("LEGACY_CONST", "const", token.span))
+                else:
+                    token = Token("LEGACY_PARAMETER", token.text, token.span)
+            elif not constant and before not in ("&", "("):
+                start = Span(token.span.source, token.span.start, token.span.start)
+                output.append(Token("AMPERSAND", "&", start))
+        output.append(token)
+    if depth == 1 and index < len(tokens):
+        output += tokens[index:]
+    return index

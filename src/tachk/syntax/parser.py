@@ -44,55 +44,55 @@ def parse_document(source: Source, strict_xta: bool = False) -> tuple[ast.Docume
     return document, diagnostics
 
 
-def parse_declarations(source: Source) -> tuple[tuple[Any, ...], Diagnostics]:
+def parse_declarations(source: Source | Span) -> tuple[tuple[Any, ...], Diagnostics]:
     """The text of a UPPAAL ``declaration`` or ``instantiation`` element."""
     items, _, diagnostics, _ = _read(source, "declarations_fragment", resolve_fragment)
     return items or (), diagnostics
 
 
-def parse_system(source: Source) -> tuple[tuple[Any, ...], Diagnostics]:
+def parse_system(source: Source | Span) -> tuple[tuple[Any, ...], Diagnostics]:
     """The text of a UPPAAL ``system`` element: declarations, instantiations, the system line, progress and gantt."""
     items, _, diagnostics, _ = _read(source, "document", resolve_document)
     return items or (), diagnostics
 
 
-def parse_parameters(source: Source) -> tuple[tuple[ast.Parameter, ...], Diagnostics]:
+def parse_parameters(source: Source | Span) -> tuple[tuple[ast.Parameter, ...], Diagnostics]:
     """A parameter list without its parentheses."""
     value, _, diagnostics, _ = _read(source, "parameters_fragment", resolve_fragment)
     return value or (), diagnostics
 
 
-def parse_select(source: Source) -> tuple[tuple[ast.SelectBinding, ...], Diagnostics]:
+def parse_select(source: Source | Span) -> tuple[tuple[ast.SelectBinding, ...], Diagnostics]:
     """A ``select`` label: ``i : int[0,3], j : id_t``."""
     value, _, diagnostics, _ = _read(source, "select_fragment", resolve_fragment)
     return value or (), diagnostics
 
 
-def parse_constraint(source: Source) -> tuple[ast.Expression | None, Diagnostics]:
+def parse_constraint(source: Source | Span) -> tuple[ast.Expression | None, Diagnostics]:
     """A ``guard`` or ``invariant`` label; None if it is empty."""
     value, _, diagnostics, _ = _read(source, "constraint_fragment", resolve_fragment)
     return value, diagnostics
 
 
-def parse_rate(source: Source) -> tuple[ast.Expression | None, Diagnostics]:
+def parse_rate(source: Source | Span) -> tuple[ast.Expression | None, Diagnostics]:
     """An ``exponentialrate`` label, ``r`` or ``r : q``, of which the first part is returned; None if it is empty."""
     value, _, diagnostics, _ = _read(source, "rate_fragment", resolve_fragment)
     return value, diagnostics
 
 
-def parse_synchronisation(source: Source) -> tuple[ast.SynchronisationLabel | None, Diagnostics]:
+def parse_synchronisation(source: Source | Span) -> tuple[ast.SynchronisationLabel | None, Diagnostics]:
     """A ``synchronisation`` label; None if it is empty."""
     value, _, diagnostics, _ = _read(source, "synchronisation_fragment", resolve_fragment)
     return value, diagnostics
 
 
-def parse_assignment(source: Source) -> tuple[tuple[ast.Expression, ...], Diagnostics]:
+def parse_assignment(source: Source | Span) -> tuple[tuple[ast.Expression, ...], Diagnostics]:
     """An ``assignment`` label: expressions separated by commas."""
     value, _, diagnostics, _ = _read(source, "assignment_fragment", resolve_fragment)
     return value or (), diagnostics
 
 
-def parse_expression(source: Source) -> tuple[ast.Expression | None, Diagnostics]:
+def parse_expression(source: Source | Span) -> tuple[ast.Expression | None, Diagnostics]:
     """One expression, such as the value of ``-D NAME=expr``."""
     value, _, diagnostics, _ = _read(source, "expression", resolve_fragment)
     return value, diagnostics
@@ -109,17 +109,17 @@ def parse_query(source: Source, start: int = 0, end: int | None = None) -> tuple
 
 
 def _read(
-    source: Source, start: str, resolve: Callable[[list[Token]], list[Token]]
+    source: Source | Span, start: str, resolve: Callable[[list[Token]], list[Token]]
 ) -> tuple[Any, Lexed, Diagnostics, bool]:
     """Value, tokens and comments, diagnostics, and whether the text could only be read as UPPAAL 3.x."""
-    lexed = lexer().cut(source)
+    lexed = lexer().cut(source.source, source.start, source.end) if isinstance(source, Span) else lexer().cut(source)
     deep = bracket_errors(lexed.tokens)
     if deep:
         return None, lexed, (*lexed.errors, *deep), False
     tokens = resolve(lexed.tokens)
     value, errors = drive(start, tokens)
     if errors and not lexed.errors:
-        old_tokens = as_legacy([replace(token) for token in tokens], lexer().symbols, start == "constraint_fragment")
+        old_tokens = as_legacy([replace(token) for token in tokens], lexer().symbols, start)
         old_value, old_errors = drive(start, old_tokens)
         if not old_errors:
             value, diagnostics = _unless_deep(old_value, lexed, ())

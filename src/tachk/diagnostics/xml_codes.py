@@ -1,0 +1,55 @@
+"""Explanations of what reading UPPAAL's XML and layout side files reports."""
+
+from __future__ import annotations
+
+from tachk.diagnostics.explanation import Explanation
+
+XML_CODES: dict[str, Explanation] = {
+    "E0120": Explanation(
+        "not well-formed XML",
+        "The file breaks a rule of XML itself: a tag is not closed, or `<` or `&` stands in a label as such instead of "
+        "as &lt; or &amp;. UPPAAL cannot open it either.",
+    ),
+    "E0121": Explanation(
+        "entity in XML",
+        "Entities let a file grow without bound or draw in other files, and no UPPAAL model needs them. Only &lt; &gt; "
+        "&amp; &quot; &apos; and characters by number are read.",
+    ),
+    "E0122": Explanation(
+        "XML too deep or too large",
+        "UPPAAL's format nests six levels. A file with far more is damaged or hostile.",
+    ),
+    "E0123": Explanation(
+        "not a UPPAAL model",
+        "The root of a UPPAAL model is the element <nta>. Other XML is not read.",
+    ),
+    "E0124": Explanation(
+        "incomplete element",
+        "An element lacks what it cannot do without: a template its name, an edge its source or target, or it refers "
+        "to a location that the template does not have.",
+    ),
+    "E0125": Explanation(
+        "broken layout file",
+        "The file NAME.layout.json beside NAME.ta keeps the picture of the model. It is written by tachk convert; "
+        "without it, the picture is laid out anew.",
+    ),
+    "W0120": Explanation(
+        "unknown kind of label",
+        "UPPAAL passes over labels of kinds that it does not know. A misspelt kind is read as what it was meant to be; "
+        "any other label is kept in the file and has no effect.",
+    ),
+    "W0121": Explanation(
+        "location renamed",
+        "Locations need names that are identifiers, no reserved words, and occur once in their template. In the text "
+        "and in queries the location has the name that the message tells; the XML keeps its own.",
+    ),
+    "W0122": Explanation(
+        "label given twice",
+        "An edge or location has one label of each kind. Of several, UPPAAL takes the last; so does tachk.",
+    ),
+    "W0123": Explanation(
+        "kept but not checked",
+        "The construct belongs to statistical model checking, games or scenarios. It is kept for the way back to "
+        "UPPAAL; queries that depend on it are not checked.",
+    ),
+}
