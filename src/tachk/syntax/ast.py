@@ -425,7 +425,8 @@ class EdgeDeclaration(Node):
 @dataclass(frozen=True, slots=True)
 class LocationDeclaration(Node):
     """``edges`` is empty in the classic form. ``initial``, ``urgent`` and ``committed`` are merged from the ``init``,
-    ``urgent`` and ``commit`` lines of the classic form."""
+    ``urgent`` and ``commit`` lines of the classic form. The rate of the exponential distribution, which only
+    statistical checking looks at, is ``exponential_rate`` divided by ``rate_divisor``, written ``rate : divisor``."""
 
     name: Identifier
     invariant: Expression | None = None
@@ -435,6 +436,7 @@ class LocationDeclaration(Node):
     committed: bool = False
     edges: tuple[EdgeDeclaration, ...] = ()
     doc: str = ""
+    rate_divisor: Expression | None = None
 
 
 @dataclass(frozen=True, slots=True)

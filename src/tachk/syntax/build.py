@@ -13,6 +13,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import Span
 from tachk.syntax import ast
 from tachk.syntax.build_template import Clause, Line, clauses_of, template
+from tachk.syntax.chains import chain
 from tachk.syntax.misplaced import Misplaced
 from tachk.syntax.tokens import Token
 from tachk.syntax.unchecked import unchecked_family
@@ -91,15 +92,17 @@ class Builder:
     def conditional(self, children: Children) -> ast.ConditionalExpression:
         return ast.ConditionalExpression(_span(children), children[0], children[2], children[4])
 
-    def binary(self, children: Children) -> ast.BinaryExpression:
-        left, operator, right = children
-        span = left.span
-        return ast.BinaryExpression(
-            Span(span.source, span.start, right.span.end),
-            _SYMBOLIC.get(operator.text, operator.text),
-            left,
-            right,
-        )
+    def binary(self, children: Children) -> Any:
+        """Operands with operators between them, which bind equally and to the left."""
+        operands = [children[0]]
+        joined = _SYMBOLIC.get(children[1].text, children[1].text)
+        for operator, operand in zip(children[1::2], children[2::2], strict=True):
+            symbol = _SYMBOLIC.get(operator.text, operator.text)
+            if symbol != joined:
+                operands = [chain(joined, operands)]
+                joined = symbol
+            operands.append(operand)
+        return chain(joined, operands)
 
     def unary(self, children: Children) -> ast.UnaryExpression:
         operator = children[0].text
@@ -362,9 +365,11 @@ class Builder:
         return template(_span(children), keyword.doc, name, tuple(parameters or ()), items)
 
     def state(self, children: Children) -> ast.LocationDeclaration:
-        token, _, invariant, _, rate, _ = children
+        token, _, invariant, _, rate, _, divisor, _ = children
         identifier = ast.Identifier(token.span, token.text)
-        return ast.LocationDeclaration(_span(children), identifier, invariant, rate, doc=token.doc)
+        return ast.LocationDeclaration(
+            _span(children), identifier, invariant, rate, doc=token.doc, rate_divisor=divisor
+        )
 
     def state_line(self, children: Children) -> Line:
         return Line("state", _span(children), _nodes(children))
@@ -417,7 +422,7 @@ class Builder:
             if flag.text in words[:place]:
                 raise Misplaced(Diagnostic("E0107", f"'{flag.text}' is written twice", flag.span, "remove one"))
         name = next(child for child in children if isinstance(child, ast.Identifier))
-        given: dict[str, ast.Expression] = {}
+        given: dict[str, Any] = {}
         for clause in _only(children, Clause):
             if clause.kind in given:
                 raise Misplaced(
@@ -429,16 +434,18 @@ class Builder:
                     )
                 )
             given[clause.kind] = clause.value
+        rate, divisor = given.get("exponential_rate", (None, None))
         return ast.LocationDeclaration(
             _span(children),
             name,
             given.get("invariant"),
-            given.get("exponential_rate"),
+            rate,
             "init" in words,
             "urgent" in words,
             "committed" in words,
             _only(children, ast.EdgeDeclaration),
             children[0].doc,
+            divisor,
         )
 
     def branchpoint(self, children: Children) -> ast.Branchpoint:
@@ -447,7 +454,11 @@ class Builder:
     def _clause(self, children: Children) -> Clause:
         return Clause(children[0].text, _span(children), children[1])
 
-    invariant = exponential_rate = select = guard = sync = assign = probability = _clause
+    def exponential_rate(self, children: Children) -> Clause:
+        keyword, rate, _, divisor, _ = children
+        return Clause(keyword.text, _span(children), (rate, divisor))
+
+    invariant = select = guard = sync = assign = probability = _clause
 
     def bindings(self, children: Children) -> _List:
         return _List(_nodes(children))
@@ -463,10 +474,7 @@ class Builder:
 
     def conjunction_list(self, children: Children) -> Any:
         """Conjuncts separated by commas, as in UPPAAL 3.x."""
-        first, *others = _nodes(children)
-        for other in others:
-            first = ast.BinaryExpression(first.span.to(other.span), "&&", first, other)
-        return first
+        return chain("&&", _nodes(children))
 
     # ---- fragments ----
 

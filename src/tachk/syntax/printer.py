@@ -193,7 +193,8 @@ def _write_location(writer: Writer, node: ast.LocationDeclaration | ast.Branchpo
             writer.begin(node.invariant)
             writer.condition("invariant ", node.invariant, ";", node.invariant)
         if node.exponential_rate is not None:
-            writer.line(f"exponential_rate {print_expression(node.exponential_rate)};", node.exponential_rate)
+            divisor = "" if node.rate_divisor is None else f" : {print_expression(node.rate_divisor)}"
+            writer.line(f"exponential_rate {print_expression(node.exponential_rate)}{divisor};", node.exponential_rate)
     previous: Any = None
     for edge in node.edges:
         if previous is not None:

@@ -185,7 +185,7 @@ def test_classic_template() -> None:
     classic = template(
         """
         clock x;
-        state A { x <= 5 && x' == 0 }, B, C { x < 3; 4 }, D { ; 2 };
+        state A { x <= 5 && x' == 0 }, B, C { x < 3; 4 }, D { ; 1 + n : n * n };
         branchpoint P;
         commit B; urgent C, D; init A;
         trans A -> B { select i : int[0,3]; guard x > i; sync c[i]!; assign x = 0, n++; },
@@ -203,6 +203,8 @@ def test_classic_template() -> None:
         ("D", False, True, False),
     ]
     assert classic.locations[2].exponential_rate == expression("4")
+    assert classic.locations[3].exponential_rate == expression("1 + n")
+    assert classic.locations[3].rate_divisor == expression("n * n")
     assert [(e.source and e.source.name, e.target.name, e.controllable) for e in classic.edges] == [
         ("A", "B", True),
         ("A", "P", True),
@@ -220,7 +222,7 @@ def test_location_blocks() -> None:
         /// where it
         /// begins
         init location A {
-            invariant x <= 20; exponential_rate 3;
+            invariant x <= 20; exponential_rate 3 : 4;
             to B { guard x >= 10; }
             /// leave
             uncontrollable to C { select i : T; sync c[i]!v + 1; assign x = 0; }
@@ -231,6 +233,7 @@ def test_location_blocks() -> None:
         """
     )
     first, _, third = blocks.locations
+    assert (first.exponential_rate, first.rate_divisor) == (expression("3"), expression("4"))
     assert not blocks.classic
     assert first.doc == "where it\nbegins"
     assert [edge.doc for edge in first.edges] == ["", "leave"]

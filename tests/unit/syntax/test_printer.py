@@ -48,7 +48,7 @@ process Train(const int id, chan &c){
 clock x; // its clock
 state Safe{x<=20&&x'==0},
   // crossing
-  Cross { x<5;2 }, P1;
+  Cross { x<5;2:n+1 }, P1;
 branchpoint Choice;
 commit P1; urgent Cross; init Safe;
 trans
@@ -79,7 +79,7 @@ process Train(const int id, chan &c) {
     // crossing
     urgent location Cross {
         invariant x < 5;
-        exponential_rate 2;
+        exponential_rate 2 : n + 1;
         uncontrollable to P1;
     }
 
