@@ -163,15 +163,15 @@ def checked_cells(value: Expression, type_: Type, what: str, context: Context) -
     return cells
 
 
-def _widened(type_: Type) -> Type:
+def widened(type_: Type) -> Type:
     """The type with plain ``int`` replaced by the full 32 bits, which constants may use."""
     match type_:
         case IntType():
             return WIDE if type_ == IntType() else type_
         case ArrayType(element, index):
-            return ArrayType(_widened(element), index)
+            return ArrayType(widened(element), index)
         case RecordType(name, fields):
-            return RecordType(name, tuple((f, _widened(t)) for f, t in fields))
+            return RecordType(name, tuple((f, widened(t)) for f, t in fields))
         case _:
             return type_
 
@@ -194,7 +194,7 @@ def _constant(node: ast.Declarator, type_: Type, scope: Scope, declared: Declare
     if given is None:
         context.error("E0607", node.name.span, f"constant `{name}` needs a value")
         return None
-    wide = _widened(type_)
+    wide = widened(type_)
     cells = _initial_cells(given, wide, f"the value of `{name}`", scope, context)
     if cells is None:
         return None

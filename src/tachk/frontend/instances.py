@@ -9,7 +9,7 @@ from tachk.diagnostics.diagnostic import Label
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.frontend.channels import ChannelTable
 from tachk.frontend.context import Context
-from tachk.frontend.declarations import Declared, argument_value, constant_symbol
+from tachk.frontend.declarations import Declared, argument_value, constant_symbol, widened
 from tachk.frontend.expressions import expression, type_reader
 from tachk.frontend.findings import did_you_mean
 from tachk.frontend.places import assignable, is_place
@@ -228,10 +228,11 @@ class Instances:
                 "E0309", argument.span, f"parameter `{name}` needs {describe(type_)}, not {describe(value.type)}"
             )
             return None
-        cells = argument_value(value, type_, f"the argument for `{name}`", self.context)
+        wide = widened(type_)
+        cells = argument_value(value, wide, f"the argument for `{name}`", self.context)
         if cells is None:
             return None
-        return constant_symbol(name, type_, cells, "parameter", parameter.name, declared, self.context)
+        return constant_symbol(name, wide, cells, "parameter", parameter.name, declared, self.context)
 
     def _bind_reference(
         self, parameter: ast.Parameter, argument: ast.Expression, type_: Type, value: Expression, outer: Scope

@@ -31,9 +31,20 @@ def test_parameters_are_replaced_by_their_arguments(load: Any) -> None:
     assert process.variables[0].initial == (4,)
     assert isinstance(edge.synchronisation.channel, Index)
     assert edge.synchronisation.channel.index == Constant(1)
-    assert edge.updates[0].value == Constant(3)
+    assert edge.updates[0].value.value == 3
     assert edge.updates[0].target.base.base.variable.name == "o"
     assert process.locations[0].invariant.right == Reference(model.network.variables[0])
+
+
+def test_plain_integer_parameters_are_as_wide_as_constants(load: Any) -> None:
+    text = """
+        process T(const int n, int a[2]) { clock x; state s { x <= n + a[1] }; init s; }
+        const int A[2] = {0, 50000};
+        P = T(240000, A);
+        system P;
+    """
+    (process,) = load(text).network.processes
+    assert process.locations[0].invariant.right.value == 290000
 
 
 def test_constant_reference_takes_a_value(load: Any) -> None:
