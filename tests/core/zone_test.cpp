@@ -191,8 +191,26 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
         const bool some = below(4) == 0;
         if (some)
           for (int c = 1; c < n; ++c) stopped[static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(below(2));
+        // An invariant that the zone satisfies already somewhere: its own upper bounds, made a little looser.
+        std::vector<Atom> invariant;
+        for (int c = 1; c < n; ++c) {
+          if (below(3) != 0) continue;
+          const Raw least = -tachk::raw_value(ops.entry(zone.data, n, 0, c));
+          const Raw bound = std::min(constant, least + 1 + below(4));
+          if (bound > least)
+            invariant.push_back({static_cast<std::uint16_t>(c), 0, tachk::raw_bound(bound, below(2) == 0)});
+        }
+        Matrix before(matrix);
+        if (!before.intersect(invariant)) invariant.clear();
+        if (!invariant.empty()) CHECK(ops.intersect(zone.data, n, invariant.data(), invariant.size()));
+        matrix.intersect(invariant);
+        Zone within(zone);
         ops.up(zone.data, n, some ? stopped.data() : nullptr);
+        ops.intersect(zone.data, n, invariant.data(), invariant.size());
+        ops.up_within(within.data, n, some ? stopped.data() : nullptr, invariant.data(), invariant.size());
+        CHECK(std::equal(zone.data, zone.data + ops.bytes, within.data));
         matrix.up(stopped);
+        matrix.intersect(invariant);
         break;
       }
       case 4:

@@ -41,7 +41,36 @@ Explorer::Explorer(Program program, const Options& options)
       deadlock_open_ |= disjunct.deadlock != DeadlockLiteral::absent;
   }
   prepare_bounds();
+  watch_goals();
 }
+
+// ---- what becomes of successors -------------------------------------------------------------------------------------
+
+// Stores them.
+struct Explorer::Collector {
+  Explorer& explorer;
+  std::uint32_t parent;
+  std::uint32_t discrete = 0;
+
+  bool wants(std::int32_t* slots, const void* zone) {
+    if (parent != no_node) ++explorer.transitions_;
+    discrete = explorer.passed_.locate(slots);
+    return !explorer.options_.subsumption || !explorer.passed_.covers(discrete, zone);
+  }
+  void take(std::int32_t* slots, const void* zone) { explorer.add(discrete, slots, zone, parent); }
+};
+
+// Looks for the action that leads to a node.
+struct Explorer::Recogniser {
+  Explorer& explorer;
+  const Node& child;
+  std::optional<std::vector<std::uint32_t>>& found;
+
+  bool wants(std::int32_t*, const void*) const { return !found; }
+  void take(std::int32_t* slots, const void* zone) const {
+    if (explorer.passed_.equals(child, slots, zone)) found = *explorer.current_edges_;
+  }
+};
 
 // ---- the loop -------------------------------------------------------------------------------------------------------
 
@@ -76,10 +105,7 @@ Status Explorer::explore(std::uint64_t expansions) {
     ++explored_;
     if (deadlock_open_) check_deadlock(number, zone);
     fresh_.clear();
-    expand(zone, [&](std::int32_t* slots, const void* successor) {
-      ++transitions_;
-      add(slots, successor, number);
-    });
+    expand(zone, Collector{*this, number});
     if (options_.order == SearchOrder::random_depth_first) std::shuffle(fresh_.begin(), fresh_.end(), random_);
     if (options_.order != SearchOrder::breadth_first) stack_.insert(stack_.end(), fresh_.begin(), fresh_.end());
     if (passed_.stored() > options_.state_limit) return Status::state_limit;
@@ -96,7 +122,7 @@ void Explorer::start() {
   if (!semantics_.invariant(effect_.slots.data(), effect_.invariant)) return;
   operations_.make_zero(guarded_.get(), dimension_);
   fresh_.clear();
-  finish(guarded_.get(), effect_, [&](std::int32_t* slots, const void* zone) { add(slots, zone, no_node); });
+  finish(guarded_.get(), effect_, Collector{*this, no_node});
   if (options_.order != SearchOrder::breadth_first) stack_ = fresh_;
 }
 
@@ -108,8 +134,8 @@ std::uint32_t Explorer::next_waiting() {
   return number;
 }
 
-void Explorer::add(std::int32_t* slots, const void* zone, std::uint32_t parent) {
-  const std::uint32_t number = passed_.add(slots, zone, parent, options_.subsumption);
+void Explorer::add(std::uint32_t discrete, std::int32_t* slots, const void* zone, std::uint32_t parent) {
+  const std::uint32_t number = passed_.add(discrete, zone, parent, options_.subsumption);
   if (number == no_node) return;
   if (options_.depth_limit != UINT32_MAX) depth_.push_back(parent == no_node ? 0 : depth_[parent] + 1);
   fresh_.push_back(number);
@@ -194,18 +220,18 @@ void Explorer::finish(const void* zone, Effect& effect, Sink&& sink) {
   target_.assign(zone);
   operations_.reset(target_.get(), dimension_, effect.resets.data(), effect.resets.size());
   if (!operations_.intersect(target_.get(), dimension_, invariant.data(), invariant.size())) return;
-  if (semantics_.time_passes(effect.slots.data())) {
-    operations_.up(target_.get(), dimension_, semantics_.stopped_clocks(effect.slots.data()));
-    operations_.intersect(target_.get(), dimension_, invariant.data(), invariant.size());
-  }
-  abstract(effect, target_, sink);
+  if (semantics_.time_passes(effect.slots.data()))
+    operations_.up_within(target_.get(), dimension_, semantics_.stopped_clocks(effect.slots.data()), invariant.data(),
+                          invariant.size());
+  // A zone that is covered as it is need not be abstracted first: most successors end here.
+  if (sink.wants(effect.slots.data(), target_.get())) abstract(effect, target_, sink);
 }
 
 template <class Sink>
 void Explorer::abstract(Effect& effect, ZoneBuffer& zone, Sink&& sink) {
   if (options_.extrapolation == Extrapolation::none) {
     check_magnitude(zone.get());
-    sink(effect.slots.data(), zone.get());
+    sink.take(effect.slots.data(), zone.get());
     return;
   }
   collect_bounds(effect.slots.data());
@@ -215,7 +241,7 @@ void Explorer::abstract(Effect& effect, ZoneBuffer& zone, Sink&& sink) {
     return;
   }
   operations_.extrapolate_lu_plus(zone.get(), dimension_, lower_.get(), upper_.get());
-  sink(effect.slots.data(), zone.get());
+  sink.take(effect.slots.data(), zone.get());
 }
 
 // `sides`: for each diagonal seen so far the side on which the piece lies.
@@ -227,7 +253,7 @@ void Explorer::split(std::size_t diagonal, Effect& effect, const ZoneBuffer& zon
     operations_.extrapolate_max(piece.get(), dimension_, upper_.get());
     if (!operations_.intersect(piece.get(), dimension_, sides.data(), sides.size()))
       throw std::logic_error("extrapolation lost a zone");
-    sink(effect.slots.data(), piece.get());
+    sink.take(effect.slots.data(), piece.get());
     return;
   }
   const Atom inside = program_.diagonals[diagonal];
@@ -248,9 +274,7 @@ std::vector<std::vector<std::uint32_t>> Explorer::path(std::uint32_t node) {
     passed_.unpack(parent, source_.data());
     std::optional<std::vector<std::uint32_t>> found;
     try {
-      expand(passed_.zone(parent), [&](std::int32_t* slots, const void* zone) {
-        if (!found && passed_.equals(child, slots, zone)) found = *current_edges_;
-      });
+      expand(passed_.zone(parent), Recogniser{*this, child, found});
     } catch (const ModelFault&) {
       // The search stopped at this fault, in an action behind the one looked for.
     }
@@ -275,21 +299,39 @@ bool Explorer::meets(const Condition& condition, std::int32_t* slots, const void
   return operations_.intersect(scratch_.get(), dimension_, atoms.data(), atoms.size());
 }
 
+// Sorts the disjuncts of the goals by a location they ask for, so that most states need to look at none of them.
+void Explorer::watch_goals() {
+  watches_at_.resize(semantics_.location_count());
+  for (std::size_t goal = 0; goal < program_.goals.size(); ++goal)
+    for (const Disjunct& disjunct : program_.goals[goal].disjuncts) {
+      if (disjunct.deadlock != DeadlockLiteral::absent) continue;
+      const std::vector<Test>& tests = disjunct.condition.tests;
+      const auto place = std::find_if(tests.begin(), tests.end(), [&](const Test& test) {
+        return test.slot < program_.processes.size() && test.comparison == Comparison::equal;
+      });
+      std::vector<Watch>& watches = place == tests.end()
+                                        ? watches_anywhere_
+                                        : watches_at_[semantics_.location_number(place->slot, place->constant)];
+      watches.push_back({goal, &disjunct.condition});
+    }
+}
+
 void Explorer::check_goals(std::uint32_t node, std::int32_t* slots, const void* zone) {
   if (open_goals_.empty()) return;
   const std::vector<std::uint32_t>* edges = std::exchange(current_edges_, nullptr);
   const std::uint32_t parent = std::exchange(current_node_, node);
-  std::erase_if(open_goals_, [&](std::size_t goal) {
-    for (const Disjunct& disjunct : program_.goals[goal].disjuncts) {
-      if (disjunct.deadlock != DeadlockLiteral::absent) continue;
-      if (!meets(disjunct.condition, slots, zone, goal_atoms_)) continue;
-      reached_[goal] = node;
-      return true;
-    }
-    return false;
-  });
+  for (const Watch& watch : watches_anywhere_) check(watch, node, slots, zone);
+  for (std::size_t process = 0; process < program_.processes.size(); ++process)
+    for (const Watch& watch : watches_at_[semantics_.location_number(process, slots[process])])
+      check(watch, node, slots, zone);
   current_edges_ = edges;
   current_node_ = parent;
+}
+
+void Explorer::check(const Watch& watch, std::uint32_t node, std::int32_t* slots, const void* zone) {
+  if (reached_[watch.goal] != no_node || !meets(*watch.condition, slots, zone, goal_atoms_)) return;
+  reached_[watch.goal] = node;
+  std::erase(open_goals_, watch.goal);
 }
 
 // Deadlock: no action is possible now or after any delay. The zone is closed under the delays that its invariant
@@ -411,22 +453,21 @@ void Explorer::prepare_bounds() {
       bounds_.upper.push_back(std::move(upper_row));
       bounds_.present.push_back(present);
     }
+  bounds_.lower.push_back(blank());
+  bounds_.upper.push_back(blank());
 }
 
 void Explorer::collect_bounds(const std::int32_t* slots) {
-  bool first = true;
+  lower_rows_.assign(1, bounds_.lower.back().get());
+  upper_rows_.assign(1, bounds_.upper.back().get());
   for (std::size_t p = 0; p < program_.processes.size(); ++p) {
     const std::size_t number = semantics_.location_number(p, slots[p]);
-    if (first) {
-      const std::size_t row = operations_.bytes / static_cast<std::size_t>(dimension_);
-      std::memcpy(lower_.get(), bounds_.lower[number].get(), row);
-      std::memcpy(upper_.get(), bounds_.upper[number].get(), row);
-      first = false;
-    } else if (bounds_.present[number]) {
-      operations_.maximise_bounds(lower_.get(), bounds_.lower[number].get(), dimension_);
-      operations_.maximise_bounds(upper_.get(), bounds_.upper[number].get(), dimension_);
-    }
+    if (!bounds_.present[number]) continue;
+    lower_rows_.push_back(bounds_.lower[number].get());
+    upper_rows_.push_back(bounds_.upper[number].get());
   }
+  operations_.maximise_bounds(lower_.get(), lower_rows_.data(), lower_rows_.size(), dimension_);
+  operations_.maximise_bounds(upper_.get(), upper_rows_.data(), upper_rows_.size(), dimension_);
 }
 
 }  // namespace tachk

@@ -58,7 +58,7 @@ PassedList::PassedList(const Program& program, const ZoneOperations& zones)
       zones_(zones.bytes),
       nodes_(sizeof(Node)) {}
 
-std::uint32_t PassedList::intern_discrete(const std::int32_t* slots) {
+std::uint32_t PassedList::locate(const std::int32_t* slots) {
   const std::size_t count = layout_.words();
   layout_.pack(slots, packed_.data());
   const auto words = [&](std::uint32_t number) { return reinterpret_cast<const std::uint64_t*>(discretes_[number]); };
@@ -85,12 +85,16 @@ std::uint32_t PassedList::intern_zone(const void* zone) {
   return fresh;
 }
 
-std::uint32_t PassedList::add(const std::int32_t* slots, const void* zone, std::uint32_t parent, bool subsumption) {
-  const std::uint32_t discrete = intern_discrete(slots);
+bool PassedList::covers(std::uint32_t discrete, const void* zone) const {
+  for (std::uint32_t number = head(discrete); number != no_node; number = node(number).next)
+    if (operations_.includes(zones_[node(number).zone], zone, dimension_)) return true;
+  return false;
+}
+
+std::uint32_t PassedList::add(std::uint32_t discrete, const void* zone, std::uint32_t parent, bool subsumption) {
   std::uint32_t* link = &head(discrete);
   if (subsumption) {
-    for (std::uint32_t number = *link; number != no_node; number = node(number).next)
-      if (operations_.includes(zones_[node(number).zone], zone, dimension_)) return no_node;
+    if (covers(discrete, zone)) return no_node;
     while (*link != no_node) {
       Node& old = entry(*link);
       if (operations_.includes(zone, zones_[old.zone], dimension_)) {

@@ -157,6 +157,40 @@ struct Kernel {
     }
   }
 
+  // Upper bounds x_i <= b, the usual invariants, are added all at once: after `up` no other way leads to 0 than through
+  // one of them, so the new distance of r to 0 is the smallest of D[r][i] + b, and one pass over the rows closes the
+  // matrix again.
+  static void up_within(void* zone, int dimension, const std::uint8_t* stopped, const Atom* atoms, std::size_t count) {
+    up(zone, dimension, stopped);
+    bool simple = stopped == nullptr && Stride != 0;
+    for (std::size_t a = 0; a < count; ++a) simple &= atoms[a].right == 0;
+    if (!simple || count == 0) {
+      intersect(zone, dimension, atoms, count);
+      return;
+    }
+    if constexpr (Stride != 0) {
+      Vector weak[Stride / lanes];
+      Vector strict[Stride / lanes];
+      const T* first = row(zone, dimension, 0);
+      for (int v = 0; v < Stride / lanes; ++v) {
+        weak[v] = prepared_weak(vector(first, v));
+        strict[v] = prepared_strict(vector(first, v));
+      }
+      for (int r = 1; r < dimension; ++r) {
+        T* row_r = row(zone, dimension, r);
+        T to_zero = infinity;
+        for (std::size_t a = 0; a < count; ++a) {
+          const T way = add(row_r[atoms[a].left], static_cast<T>(atoms[a].raw));
+          if (way < to_zero) to_zero = way;
+        }
+        if (to_zero == infinity) continue;
+        const Vector* prepared = (to_zero & 1) != 0 ? weak : strict;
+        for (int v = 0; v < Stride / lanes; ++v)
+          vector(row_r, v) = minimum(vector(row_r, v), all(to_zero) + prepared[v]);
+      }
+    }
+  }
+
   static void down(void* zone, int dimension) {
     // x_0 - x_j: the least value of x_j is lowered to 0, but not below what the differences to other clocks ask for.
     T* first = row(zone, dimension, 0);
@@ -317,14 +351,17 @@ struct Table {
     table.meets_each = K::meets_each;
     table.reset = K::reset;
     table.up = K::up;
+    table.up_within = K::up_within;
     table.down = K::down;
     table.includes = K::includes;
     table.extrapolate_lu_plus = K::extrapolate_lu_plus;
     table.extrapolate_max = K::extrapolate_max;
-    table.maximise_bounds = [](void* target, const void* source, int dim) {
+    table.maximise_bounds = [](void* target, const void* const* rows, std::size_t count, int dim) {
       for (int v = 0; v < K::vectors(dim); ++v) {
-        auto& t = K::vector(static_cast<T*>(target), v);
-        t = K::maximum(t, K::vector(static_cast<const T*>(source), v));
+        auto largest = K::vector(static_cast<const T*>(rows[0]), v);
+        for (std::size_t k = 1; k < count; ++k)
+          largest = K::maximum(largest, K::vector(static_cast<const T*>(rows[k]), v));
+        K::vector(static_cast<T*>(target), v) = largest;
       }
     };
     table.hash = K::hash;

@@ -74,22 +74,34 @@ class Explorer {
   std::vector<std::vector<std::uint32_t>> path(std::uint32_t node);
 
  private:
+  // The clock bounds of the locations, each row in a buffer of its own, and a last row without any bound.
   struct Bounds {
-    std::vector<ZoneBuffer> lower;  // a row for each location; the first row of a zone buffer
+    std::vector<ZoneBuffer> lower;
     std::vector<ZoneBuffer> upper;
     std::vector<bool> present;
   };
+  // A disjunct of an open goal without deadlock.
+  struct Watch {
+    std::size_t goal;
+    const Condition* condition;
+  };
+
+  struct Collector;
+  struct Recogniser;
 
   Status explore(std::uint64_t expansions);
   void start();
   std::uint32_t next_waiting();
-  void add(std::int32_t* slots, const void* zone, std::uint32_t parent);
+  void add(std::uint32_t discrete, std::int32_t* slots, const void* zone, std::uint32_t parent);
+  void watch_goals();
+  void check(const Watch& watch, std::uint32_t node, std::int32_t* slots, const void* zone);
   void check_goals(std::uint32_t node, std::int32_t* slots, const void* zone);
   bool meets(const Condition& condition, std::int32_t* slots, const void* zone, std::vector<Atom>& atoms);
   void check_deadlock(std::uint32_t node, const void* zone);
   bool all_reached() const;
 
-  // Calls sink(slots, zone) for every successor of the state in source_ with this zone.
+  // Calls sink.take(slots, zone) for every successor of the state in source_ with this zone, unless sink.wants(slots,
+  // zone) has said no to the zone before its abstraction.
   template <class Sink>
   void expand(const void* zone, Sink&& sink);
   template <class Sink>
@@ -126,6 +138,8 @@ class Explorer {
   std::vector<std::uint32_t> reached_;
   std::vector<std::size_t> open_goals_;
   bool deadlock_open_ = false;
+  std::vector<std::vector<Watch>> watches_at_;  // for each location, the disjuncts that ask for it
+  std::vector<Watch> watches_anywhere_;
 
   Bounds bounds_;
   ZoneBuffer lower_;
@@ -137,6 +151,8 @@ class Explorer {
   ZoneBuffer target_;
   ZoneBuffer scratch_;
   std::vector<Atom> goal_atoms_;
+  std::vector<const void*> lower_rows_;
+  std::vector<const void*> upper_rows_;
   const std::vector<std::uint32_t>* current_edges_ = nullptr;
   std::uint32_t current_node_ = no_node;
 

@@ -51,9 +51,15 @@ class PassedList {
  public:
   PassedList(const Program& program, const ZoneOperations& zones);
 
+  // The number of a discrete state, which is new if nobody has asked for it before.
+  std::uint32_t locate(const std::int32_t* slots);
+
+  // Whether a stored zone of this discrete state contains the zone.
+  bool covers(std::uint32_t discrete, const void* zone) const;
+
   // Adds a state unless it is covered; removes the states that it covers. The number of the new node, or no_node.
   // With `subsumption` a state is covered by a state with a zone that contains its own, without by an equal one only.
-  std::uint32_t add(const std::int32_t* slots, const void* zone, std::uint32_t parent, bool subsumption);
+  std::uint32_t add(std::uint32_t discrete, const void* zone, std::uint32_t parent, bool subsumption);
 
   std::uint32_t size() const { return nodes_.size(); }
   std::uint32_t stored() const { return stored_; }
@@ -69,10 +75,12 @@ class PassedList {
 
  private:
   // A discrete part is its packed words followed by the head of its antichain.
-  std::uint32_t intern_discrete(const std::int32_t* slots);
   std::uint32_t intern_zone(const void* zone);
   std::uint32_t& head(std::uint32_t discrete) {
     return *reinterpret_cast<std::uint32_t*>(discretes_[discrete] + layout_.words() * sizeof(std::uint64_t));
+  }
+  std::uint32_t head(std::uint32_t discrete) const {
+    return *reinterpret_cast<const std::uint32_t*>(discretes_[discrete] + layout_.words() * sizeof(std::uint64_t));
   }
   Node& entry(std::uint32_t number) { return *reinterpret_cast<Node*>(nodes_[number]); }
 

@@ -30,6 +30,8 @@ struct ZoneOperations {
   // All clocks run for any time, except where `stopped` (may be null) is nonzero. With stopped clocks the result is the
   // smallest zone that contains the reached valuations.
   void (*up)(void* zone, int dimension, const std::uint8_t* stopped);
+  // `up` within the atoms, which must hold of some valuation of the zone: what `up` and then `intersect` give.
+  void (*up_within)(void* zone, int dimension, const std::uint8_t* stopped, const Atom* atoms, std::size_t count);
   // All valuations from which the zone is reached by letting time pass.
   void (*down)(void* zone, int dimension);
   // Whether `outer` contains `inner`.
@@ -40,8 +42,8 @@ struct ZoneOperations {
   void (*extrapolate_lu_plus)(void* zone, int dimension, const void* lower, const void* upper);
   // Extra_M of the same paper with M(x_i) in `bound[i]`, closed again.
   void (*extrapolate_max)(void* zone, int dimension, const void* bound);
-  // target[i] = max(target[i], source[i]) over a row of bounds.
-  void (*maximise_bounds)(void* target, const void* source, int dimension);
+  // target[i] = the largest rows[k][i] over all rows of bounds; count > 0.
+  void (*maximise_bounds)(void* target, const void* const* rows, std::size_t count, int dimension);
   std::uint64_t (*hash)(const void* zone, int dimension);
   // Reads entry (i, j); infinity is reported as INT32_MAX.
   Raw (*entry)(const void* zone, int dimension, int i, int j);
