@@ -65,10 +65,11 @@ def _write_item(writer: Writer, item: ast.Item) -> None:
         case ast.PropertyDeclaration():
             _write_property(writer, item)
         case _:
-            _write_declaration(writer, item)
+            write_declaration(writer, item)
 
 
-def _write_declaration(writer: Writer, item: ast.Declaration) -> None:
+def write_declaration(writer: Writer, item: ast.Declaration) -> None:
+    """A declaration with the comments that belong to it."""
     match item:
         case ast.VariableDeclaration(type=type_, declarators=declarators):
             assert type_ is not None, "the canonical form types every constant"
@@ -104,7 +105,7 @@ def _write_typed(
     writer.begin(item)
     writer.open(" ".join((*([word.strip()] if word else []), *type_.prefixes, "struct")) + " {", item)
     for field in base.fields:
-        _write_declaration(writer, field)
+        write_declaration(writer, field)
     writer.close(f"}} {names};", item)
 
 
@@ -157,7 +158,7 @@ def _write_template(writer: Writer, template: ast.Template) -> None:
     for declaration in template.declarations:
         apart = _stands_apart(previous) or _stands_apart(declaration)
         writer.separate(previous, declaration, apart)
-        _write_declaration(writer, declaration)
+        write_declaration(writer, declaration)
         previous = declaration
     owners: list[ast.LocationDeclaration | ast.Branchpoint] = [*template.locations, *template.branchpoints]
     for node in owners:

@@ -1,0 +1,30 @@
+"""UPPAAL's .q files.
+
+A block comment describes the query below it. The expectation stands in a comment of its own on the line after the
+query, in the words that UPPAAL's parser understands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from tachk.export.plain import PlainQuery
+from tachk.syntax.expression_printer import print_formula
+
+_OUTCOMES = {"holds": "T", "fails": "F"}
+
+
+def print_queries(queries: Iterable[PlainQuery]) -> str:
+    """The text of a query file."""
+    return "\n".join(_query(query) for query in queries)
+
+
+def _query(query: PlainQuery) -> str:
+    lines = []
+    comment = ": ".join(part for part in (query.name, query.comment) if part)
+    if comment:
+        lines += ["/*", *comment.replace("*/", "* /").split("\n"), "*/"]
+    lines.append(" \\\n".join(line.strip() for line in print_formula(query.formula).splitlines() if line.strip()))
+    if query.expectation is not None:
+        lines.append(f"/* EXPECT:{_OUTCOMES[query.expectation]} */")
+    return "\n".join(lines) + "\n"
