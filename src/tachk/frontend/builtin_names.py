@@ -2,6 +2,23 @@
 
 from __future__ import annotations
 
+from tachk.frontend.typing import WIDE
+from tachk.model.expressions import (
+    BOOL,
+    INT,
+    Binary,
+    BinaryOperator,
+    Block,
+    Conditional,
+    Constant,
+    Function,
+    Reference,
+    Return,
+    Unary,
+    UnaryOperator,
+    Variable,
+    VariableKind,
+)
 from tachk.model.types import IntType, Type
 
 BUILTIN_TYPES: dict[str, Type] = {
@@ -22,6 +39,17 @@ BUILTIN_CONSTANTS = {
     "INT32_MIN": -(2**31),
     "INT32_MAX": 2**31 - 1,
 }
+
+
+def _absolute_value() -> Function:
+    number = Variable("number", WIDE, VariableKind.FRAME)
+    value = Reference(number)
+    negative = Binary(BinaryOperator.LESS, value, Constant(0, INT), BOOL)
+    result = Conditional(negative, Unary(UnaryOperator.MINUS, value, WIDE), value, WIDE)
+    return Function("abs", (number,), WIDE, Block((Return(result),)))
+
+
+BUILTIN_FUNCTIONS = {"abs": _absolute_value()}
 
 # fmt: off
 FLOATING_FUNCTIONS = frozenset(

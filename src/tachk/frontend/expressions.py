@@ -10,7 +10,7 @@ from typing import assert_never
 
 from tachk.diagnostics.span import Span
 from tachk.frontend import fold
-from tachk.frontend.builtin_names import BUILTIN_CONSTANTS, FLOATING_FUNCTIONS
+from tachk.frontend.builtin_names import BUILTIN_CONSTANTS, BUILTIN_FUNCTIONS, FLOATING_FUNCTIONS
 from tachk.frontend.context import Context
 from tachk.frontend.findings import did_you_mean
 from tachk.frontend.operators import choose, combine
@@ -445,6 +445,10 @@ def _called(node: ast.Expression, scope: Scope, context: Context) -> Symbol | No
         return None
     symbol = scope.lookup(node.name)
     if symbol is None:
+        builtin = BUILTIN_FUNCTIONS.get(node.name)
+        if builtin is not None:
+            context.record_function(builtin)
+            return FunctionSymbol(builtin, node.span)
         if node.name in FLOATING_FUNCTIONS:
             context.error("E0750", node.span, f"the function `{node.name}` on floating point numbers is not supported")
         else:

@@ -87,6 +87,8 @@ def after(load: Any, update: str) -> tuple[dict[str, int], dict[int, int]]:
         ("both()", 5),
         ("nothing()", 1),
         ("-2147483648 + 1", -2147483647),
+        ("abs(3 - n) + abs(n)", 5),
+        ("abs(INT32_MAX)", 2**31 - 1),
     ],
 )
 def test_values(load: Any, written: str, value: int) -> None:
@@ -115,6 +117,7 @@ def test_values(load: Any, written: str, value: int) -> None:
         ("rs[1] = bump(rs[1])", {"rs[1].a": 4, "rs[1].c[0]": 0}),
         ("local = n, n = local + 1", {"P.local": 4, "n": 5}),
         ("m = shadow()", {"m": 1, "n": 4}),
+        ("m = abs(1 - n++)", {"m": 3, "n": 5}),
         ("n = m = 2", {"n": 2, "m": 2}),
     ],
 )
@@ -197,6 +200,8 @@ def test_parameters_and_constants_fold(load: Any) -> None:
         ("clock x; void f() { x++; }", [("E0301", "x")]),
         ("int f() { return deadlock; }", [("E0501", "deadlock")]),
         ("int f() { return random(3); }", [("E0750", "random")]),
+        ("bool abs(int k) { return k > 1; } const int two[2] = {1, 2}; bool b = abs(1) == false;", []),
+        ("clock x; int f() { return abs(x); }", [("E0309", "x")]),
         ("int n; int f() { return n'; }", [("E0334", "n'")]),
         ("bool f() { return forall (i : int[0,1]) i; }", []),
         ("int f(int &n) { n = 1; return n; } bool g() { int k; return forall (i : int[0,1]) f(k) == i; }", []),
