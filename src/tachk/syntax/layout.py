@@ -142,7 +142,8 @@ def keyed_edges(template: ast.Template) -> Iterator[tuple[EdgeKey, ast.EdgeDecla
 
 
 def _edges(template: ast.Template) -> Iterable[tuple[str, ast.EdgeDeclaration]]:
-    for owner in (*template.locations, *template.branchpoints):
+    owners: tuple[ast.LocationDeclaration | ast.Branchpoint, ...] = (*template.locations, *template.branchpoints)
+    for owner in owners:
         for edge in owner.edges:
             yield owner.name.name, edge
     for edge in template.edges:

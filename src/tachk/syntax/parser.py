@@ -145,6 +145,13 @@ def _unless_deep(value: Any, lexed: Lexed, diagnostics: Diagnostics) -> tuple[An
     return (None, diagnostics + deep) if deep else (value, diagnostics)
 
 
+def comments_within(span: Span) -> tuple[ast.Comment, ...]:
+    """All comments of a part of a text, in order."""
+    lexed = lexer().cut(span.source, span.start, span.end)
+    comments = (*lexed.comments, *(comment for docs in lexed.docs.values() for comment in docs))
+    return tuple(sorted(comments, key=lambda comment: comment.span.start))
+
+
 def _comments_beside(items: tuple[ast.Item, ...], lexed: Lexed) -> tuple[ast.Comment, ...]:
     """The comments that no node holds: not the documentation of a node, not inside a block that is kept as text."""
     documented = {node.span.start for item in items for node in _documented(item) if node.doc}

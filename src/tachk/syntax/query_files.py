@@ -52,11 +52,10 @@ def _places(text: str) -> list[_Place]:
         kind = piece.lastgroup
         if kind == "comment":
             comment = piece.group()
-            outcome = _EXPECT.search(comment)
-            if outcome is not None and comment.startswith("/*"):
+            if comment.startswith("/*") and _EXPECT.search(comment):
                 target = current or (places[-1] if places else None)
                 if target is not None:
-                    target.expectation = _expectation(outcome.group(1)) or target.expectation
+                    target.expectation = expectation_in(comment) or target.expectation
             elif current is not None:
                 current.comments.append(_plain(comment))
             else:
@@ -75,10 +74,11 @@ def _places(text: str) -> list[_Place]:
     return places
 
 
-def _expectation(words: str) -> str | None:
+def expectation_in(comment: str) -> str | None:
     """The outcome among the comma-separated words of an ``EXPECT:``; limits and "may be" outcomes say nothing."""
-    outcomes = [_OUTCOMES[word] for word in words.split(",") if word in _OUTCOMES]
-    return outcomes[0] if outcomes else None
+    found = _EXPECT.search(comment)
+    words = found.group(1).split(",") if found else []
+    return next((_OUTCOMES[word] for word in words if word in _OUTCOMES), None)
 
 
 def _plain(comment: str) -> str:

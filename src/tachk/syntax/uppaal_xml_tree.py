@@ -118,12 +118,15 @@ class _Reader:
         what = expat.ErrorString(error.code)
         start = min(self.offsets.character(max(self.parser.ErrorByteIndex, 0)), len(self.source.text))
         message = f"this is no well-formed XML: {what}"
+        place = Span(self.source, start, start + 1)
         if error.code == expat.errors.codes[expat.errors.XML_ERROR_TAG_MISMATCH] and self.open:
             message = f"this is no well-formed XML: <{self.open[-1].name}> is not closed"
         elif error.code == expat.errors.codes[expat.errors.XML_ERROR_UNDEFINED_ENTITY]:
-            return _refuse("E0121", "this entity is not defined in XML", Span(self.source, start, start + 1), _ONLY_FIVE)
+            return _refuse(
+                "E0121", "this entity is not defined in XML", Span(self.source, start, start + 1), _ONLY_FIVE
+            )
         help_ = "in XML, `<` is written &lt; and `&` is written &amp;" if "invalid token" in what else None
-        return _refuse("E0120", message, Span(self.source, start, start + 1), help_)
+        return _refuse("E0120", message, place, help_)
 
     def doctype(self, _name: str, _system: str | None, public: str | None, _internal: bool) -> None:
         self.public_id = public or ""

@@ -1,0 +1,183 @@
+"""The ``<queries>`` of a UPPAAL document: properties, expectations, and what is kept for the way back.
+
+The comment of a query names its property where its first line is ``name: title`` or a single word; so properties that
+were written as text keep their names in UPPAAL.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.diagnostics.span import Span
+from tachk.syntax import ast
+from tachk.syntax.expression_printer import print_formula
+from tachk.syntax.layout import QueryLayout
+from tachk.syntax.parser import parse_query
+from tachk.syntax.query_files import expectation_in
+from tachk.syntax.tables import lexer
+from tachk.syntax.tokens import END
+from tachk.syntax.uppaal_xml_template import plain_text
+from tachk.syntax.uppaal_xml_text import Extract, Extracted
+from tachk.syntax.uppaal_xml_tree import Element
+
+_NAMED = re.compile(r"(?P<name>[A-Za-z_]\w*)(?::[ \t]+(?P<title>[^\n\"]*[^\s\"]))?(?:\n|\Z)", re.ASCII)
+_AUTOMATIC = re.compile(r"q[0-9]+")
+_OUTCOMES = {"success": "holds", "failure": "fails"}
+_MEASURES = ("sup", "inf", "bounds")
+
+
+@dataclass(frozen=True, slots=True)
+class BrokenQuery:
+    """A query that cannot be read, with the reasons."""
+
+    name: str
+    text: str
+    comment: str
+    span: Span
+    diagnostics: tuple[Diagnostic, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Described:
+    """What the comment of a query says."""
+
+    name: str
+    title: str
+    doc: str
+
+
+class QueriesReader:
+    """Reads the queries in two steps, as `TemplateReader` does templates.
+
+    Attributes:
+        broken: queries that cannot be read.
+        layouts: of all entries, in order.
+        options: of the whole list.
+    """
+
+    def __init__(self, elements: Sequence[Element]) -> None:
+        self.elements = [element for element in elements if element.name == "query"]
+        self.options = _options(elements)
+        self.broken: list[BrokenQuery] = []
+        self.layouts: list[QueryLayout] = []
+
+    def outline(self, extract: Extract) -> None:
+        for number, element in enumerate(self.elements, 1):
+            extract.mark(element, f"query {number}")
+            for formula in element.all("formula"):
+                extract.add(formula, f"query {number}")
+            extract.end_line(element)
+
+    def formulas(self, texts: Extracted) -> list[Span]:
+        """The places of all formulas."""
+        return [texts.text(formula) for element in self.elements for formula in element.all("formula")]
+
+    def build(self, texts: Extracted) -> list[ast.PropertyDeclaration]:
+        """The properties; `broken` and `layouts` are filled."""
+        found: list[ast.PropertyDeclaration] = []
+        described = [describe(_child_text(element, "comment")) for element in self.elements]
+        taken = {d.name for d in described if d.name}
+        used: set[str] = set()
+        for number, (element, said) in enumerate(zip(self.elements, described, strict=True), 1):
+            formula = element.first("formula")
+            results = tuple(child.span.text for child in element.children if child.name in ("expect", "result"))
+            kept = QueryLayout("", options=_options(element.children), results=results)
+            comment = _child_text(element, "comment")
+            if formula is None or _is_empty(texts.text(formula)):
+                text = formula.text if formula is not None and formula.text.strip() else None
+                if comment.strip() or text:
+                    self.layouts.append(_with(kept, "", comment, text))
+                continue
+            if not said.name or said.name in used:
+                name = _automatic_name(number, taken | used)
+                said = Described(name, "", plain_text(comment))
+            used.add(said.name)
+            span = texts.text(formula)
+            entry, diagnostics = parse_query(span.source, span.start, span.end)
+            if entry is None or diagnostics:
+                self.layouts.append(_with(kept, "", comment, formula.text))
+                self.broken.append(BrokenQuery(said.name, formula.text.strip(), plain_text(comment), span, diagnostics))
+                continue
+            place = texts.tag(element)
+            expectation = entry.expectation or expectation_in(formula.text) or expectation_in(comment)
+            if isinstance(entry.formula, ast.QueryFormula) and entry.formula.kind in _MEASURES:
+                expectation = None
+            else:
+                expectation = expectation or _outcome(element)
+            node = ast.PropertyDeclaration(
+                Span(span.source, place.start, span.end),
+                ast.Identifier(place, said.name),
+                said.title,
+                entry.formula,
+                expectation,
+                said.doc,
+            )
+            found.append(node)
+            self.layouts.append(
+                _with(
+                    kept,
+                    said.name,
+                    None if comment == comment_of(node) else comment,
+                    None if formula.text == print_formula(node.formula) else formula.text,
+                )
+            )
+        return found
+
+
+def comment_of(node: ast.PropertyDeclaration) -> str:
+    """The comment from which `describe` gets back name, title and documentation of a property."""
+    automatic = _AUTOMATIC.fullmatch(node.name.name) and not node.title
+    head = "" if automatic else f"{node.name.name}: {node.title}" if node.title else node.name.name
+    return "\n".join(part for part in (head, node.doc) if part)
+
+
+def describe(comment: str) -> Described:
+    """Name, title and documentation that the comment of a query gives; the name is empty if it gives none."""
+    text = plain_text(comment)
+    found = _NAMED.match(text)
+    if found is None or found["name"] in lexer().keywords:
+        return Described("", "", text)
+    return Described(found["name"], found["title"] or "", text[found.end() :])
+
+
+def _automatic_name(number: int, taken: set[str]) -> str:
+    name = f"q{number}"
+    while name in taken:
+        number += 1
+        name = f"q{number}"
+    return name
+
+
+def _outcome(element: Element) -> str | None:
+    """The expectation that the elements ``expect`` or ``result`` of a query state; what is meant comes first."""
+    for name in ("expect", "result"):
+        for child in element.all(name):
+            outcome = _OUTCOMES.get(child.attributes.get("outcome", ""))
+            if outcome is not None and child.attributes.get("type", "quality") in ("quality", "symbolic"):
+                return outcome
+    return None
+
+
+def _is_empty(span: Span) -> bool:
+    """Whether a formula consists of blanks and comments."""
+    return not span.text.strip() or lexer().cut(span.source, span.start, span.end).tokens[0].type == END
+
+
+def _options(elements: Sequence[Element]) -> tuple[tuple[str, str], ...]:
+    return tuple(
+        (element.attributes.get("key", ""), element.attributes.get("value", ""))
+        for element in elements
+        if element.name == "option"
+    )
+
+
+def _child_text(element: Element, name: str) -> str:
+    child = element.first(name)
+    return "" if child is None else child.text
+
+
+def _with(kept: QueryLayout, name: str, comment: str | None, formula: str | None) -> QueryLayout:
+    return QueryLayout(name, comment, formula, kept.options, kept.results)
