@@ -38,8 +38,8 @@ SYSTEM_CODES: dict[str, Explanation] = {
     ),
     "E0404": Explanation(
         "branchpoint",
-        "An edge to a branchpoint carries select, guard and synchronisation; the branches that leave it have updates "
-        "and weights only, and lead to locations.",
+        "An edge to a branchpoint carries select, guard and synchronisation; the branches that leave it have selects, "
+        "updates and weights only, and lead to locations.",
         _branches("guard true;"),
         _branches("probability 3;"),
     ),

@@ -86,10 +86,16 @@ class Body:
                 result.append(edge)
                 continue
             for node, target in outgoing[point]:
-                updates = self._updates(node, inner)
-                spans = (*edge.spans, node.span)
-                doc = edge.doc or node.doc
-                result.append(replace(edge, target=target, updates=edge.updates + updates, spans=spans, doc=doc))
+                selects, scope = self._selects(node, inner)
+                joined = replace(
+                    edge,
+                    target=target,
+                    selects=edge.selects + selects,
+                    updates=edge.updates + self._updates(node, scope),
+                    spans=(*edge.spans, node.span),
+                    doc=edge.doc or node.doc,
+                )
+                result.append(joined)
         self._dead_branchpoints(outgoing)
         return tuple(result)
 
@@ -116,8 +122,6 @@ class Body:
                     f"an edge that leaves a branchpoint cannot have a {what}",
                     "put it on the edges that lead to the branchpoint",
                 )
-        if edge.selects:
-            self.context.error("E0404", edge.selects[0].span, "an edge that leaves a branchpoint cannot have a select")
         if edge.target.name in points:
             self.context.error(
                 "E0404", edge.target.span, "an edge cannot lead from a branchpoint to a branchpoint", "join the two"
@@ -139,16 +143,7 @@ class Body:
         return number
 
     def _edge(self, node: ast.EdgeDeclaration, source: int, target: int) -> tuple[Edge, Scope]:
-        inner = Scope(self.scope)
-        selects = []
-        for binding in node.selects:
-            type_ = type_reader(inner, self.context).bounded(binding.type, "a select")
-            symbol: Symbol = BrokenSymbol(binding.name.span)
-            if type_ is not None:
-                variable = Variable(binding.name.name, type_, VariableKind.BOUND, span=binding.name.span)
-                selects.append(variable)
-                symbol = ValueSymbol(Reference(variable), False, "select variable", binding.name.span)
-            inner.declare(binding.name, symbol, self.context.findings)
+        selects, inner = self._selects(node, self.scope)
         guard = None
         if node.guard is not None:
             guard = self._guard(node.guard, inner)
@@ -159,10 +154,21 @@ class Body:
         updates = self._updates(node, inner)
         if first is not None:
             updates = (first, *updates)
-        return (
-            Edge(source, target, tuple(selects), guard, synchronisation, updates, node.doc, (node.span,)),
-            inner,
-        )
+        return Edge(source, target, selects, guard, synchronisation, updates, node.doc, (node.span,)), inner
+
+    def _selects(self, node: ast.EdgeDeclaration, scope: Scope) -> tuple[tuple[Variable, ...], Scope]:
+        """The select variables of an edge, and the scope in which they are known."""
+        inner = Scope(scope)
+        selects = []
+        for binding in node.selects:
+            type_ = type_reader(inner, self.context).bounded(binding.type, "a select")
+            symbol: Symbol = BrokenSymbol(binding.name.span)
+            if type_ is not None:
+                variable = Variable(binding.name.name, type_, VariableKind.BOUND, span=binding.name.span)
+                selects.append(variable)
+                symbol = ValueSymbol(Reference(variable), False, "select variable", binding.name.span)
+            inner.declare(binding.name, symbol, self.context.findings)
+        return tuple(selects), inner
 
     def _guard(self, node: ast.Expression, scope: Scope) -> Expression | None:
         value = condition(node, scope, self.context)

@@ -103,6 +103,20 @@ def test_branchpoints_join_every_way_in_with_every_way_out(load: Any) -> None:
     assert process(model).edges[2].synchronisation is None
 
 
+def test_a_branch_selects_for_itself(load: Any) -> None:
+    text = """
+        int n; const int W[3] = {1, 2, 3};
+        process P() {
+            init location A { to choice { select i : int[0,1]; assign n = i; } }
+            branchpoint choice { to A { select i : int[0,2]; assign n = n + i; probability W[i]; } }
+        }"""
+    (joined,) = process(load(text)).edges
+    first, second = joined.selects
+    assert (first.type, second.type) == (IntType(0, 1), IntType(0, 2))
+    assert joined.updates[0].value.variable is first
+    assert joined.updates[1].value.right.variable is second
+
+
 def test_values_are_passed_through_a_hidden_meta_variable(load: Any) -> None:
     text = """
         typedef struct { int a; bool b; } msg_t;
@@ -156,7 +170,10 @@ def test_a_receiver_may_ignore_the_value(load: Any) -> None:
         ("process P() { state s; init s; trans s -> s { select i : int[0,1]; assign i = 0; }; }", [("E0303", "i")]),
         ("process P() { state s; branchpoint b; init s; trans s -> b { }; }", [("E0404", "b")]),
         ("process P() { state s; branchpoint b, d; init s; trans s -> b { }, b -> d { }, d -> s { }; }", None),
-        ("process P() { state s; branchpoint b; init s; trans s -> b { }, b -> s { select i : int[0,1]; }; }", None),
+        (
+            "process P() { state s; branchpoint b; init s; trans s -> b { }, b -> s { select i : int; }; }",
+            [("E0316", "int")],
+        ),
         (
             "broadcast chan c; int c_value; process P() { state s; init s; trans s -> s { sync c!1; }; }",
             [("E0402", "1")],
