@@ -137,5 +137,8 @@ class Outcome:
     exact: bool = True
 
 
+INTERRUPTED = "interrupted"
+"""The reason of a search that Ctrl-C ended."""
+
 Progress = Callable[[Statistics], None]
 """Called now and then during long searches."""

@@ -13,6 +13,7 @@ from tachk import _core
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.engines.protocol import (
+    INTERRUPTED,
     BoundScope,
     Extrapolation,
     GoalOutcome,
@@ -60,7 +61,7 @@ def explore(
 ) -> Outcome:
     """Search the zone graph until every goal is decided or a limit is hit.
 
-    Ctrl-C ends the search with the reason ``"interrupted"``. ``progress`` is called a few times a second.
+    Ctrl-C ends the search with the reason INTERRUPTED. ``progress`` is called a few times a second.
     """
     explorer = _core.Explorer(
         _encode(program, goals),
@@ -89,7 +90,7 @@ def _run(explorer: _core.Explorer, start: float, limits: Limits, progress: Progr
         try:
             status = explorer.run(slice_size)
         except KeyboardInterrupt:
-            return _RUNNING, "interrupted"
+            return _RUNNING, INTERRUPTED
         if status != _RUNNING:
             return status, _REASONS.get(status, "")
         now = time.perf_counter()
@@ -99,7 +100,7 @@ def _run(explorer: _core.Explorer, start: float, limits: Limits, progress: Progr
             if progress is not None:
                 progress(_statistics(explorer, start))
         except KeyboardInterrupt:
-            return _RUNNING, "interrupted"
+            return _RUNNING, INTERRUPTED
         if now - begun < _SLICE_SECONDS / 2:
             slice_size *= 2
         elif now - begun > 2 * _SLICE_SECONDS:

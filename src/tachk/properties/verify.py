@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import replace
 
 from tachk.certify.replay import ReplayError, replay
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, InternalError, UnsupportedError
 from tachk.engines.concretise import concretise
-from tachk.engines.protocol import GoalOutcome, Limits, Options, Outcome, Progress, Statistics, Status
+from tachk.engines.protocol import INTERRUPTED, GoalOutcome, Limits, Options, Outcome, Progress, Statistics, Status
 from tachk.engines.zone import explore
 from tachk.model.network import Network
 from tachk.model.query import Query, QueryKind
@@ -33,7 +34,8 @@ def verify(
 
     A query that cannot be checked gets the answer UNKNOWN with the diagnostic that says why; the others are not
     affected. Every trace has been replayed by `tachk.certify` before it is returned; without ``trace`` none is made
-    except where it is needed to decide. The limits hold for each search, of which there may be several.
+    except where it is needed to decide. Several searches may be needed: they share the limit on seconds, while the
+    other limits hold for each.
 
     Raises:
         InputError: the initial state violates an invariant.
@@ -49,10 +51,26 @@ def verify(
             verdicts[id(query)] = _unsupported(query, error.diagnostic)
         else:
             supported.append(query)
+    started = time.monotonic()
+    interrupted = False
     for search in plan(supported):
-        for task, verdict in zip(search.tasks, _run(network, search, options, limits, progress, trace), strict=True):
-            verdicts[id(task.query)] = verdict
+        if interrupted:
+            found = [_not_begun(task) for task in search.tasks]
+        else:
+            found = _run(network, search, options, _remaining(limits, started), progress, trace)
+            interrupted = any(verdict.reason == INTERRUPTED for verdict in found)
+        verdicts |= {id(verdict.query): verdict for verdict in found}
     return tuple(verdicts[id(query)] for query in queries)
+
+
+def _remaining(limits: Limits, started: float) -> Limits:
+    if limits.seconds is None:
+        return limits
+    return replace(limits, seconds=max(limits.seconds - (time.monotonic() - started), 0.0))
+
+
+def _not_begun(task: Task) -> Verdict:
+    return Verdict(task.query, Answer.UNKNOWN, True, INTERRUPTED, Statistics())
 
 
 def _check_initial_state(network: Network) -> None:
