@@ -84,7 +84,10 @@ def verify(
     ] = None,
     search: Annotated[Search, typer.Option(help="Which state is explored next.")] = Search.bfs,
     seed: Annotated[int, typer.Option(metavar="N", help="For --search rdfs.")] = 1,
-    trace: Annotated[Trace, typer.Option(help="Which run to give as evidence.")] = Trace.some,
+    trace: Annotated[
+        Trace | None,
+        typer.Option(help="Which run to give as evidence; without this option only unexpected answers get one."),
+    ] = None,
     format: Annotated[Format, typer.Option(help="Form of the report.")] = Format.text,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write the report to a file.")
@@ -93,7 +96,7 @@ def verify(
         int | None, typer.Option(metavar="N", min=1, help="Give up a search beyond so many stored states.")
     ] = None,
     max_seconds: Annotated[
-        float | None, typer.Option(metavar="SECONDS", min=0, help="Give up a search after this time.")
+        float | None, typer.Option(metavar="SECONDS", min=0, help="Give up after this time.")
     ] = None,
     max_memory: Annotated[
         str | None, typer.Option(metavar="SIZE", help="Give up a search beyond this size, such as 2G.")
@@ -121,7 +124,7 @@ def verify(
         properties=tuple(properties or ()),
         search=search.value,
         seed=seed,
-        trace=trace.value,
+        trace=(trace or Trace.some).value,
         format=format.value,
         output=output,
         max_states=max_states,
@@ -129,7 +132,7 @@ def verify(
         max_memory=max_memory,
         max_depth=max_depth,
         extrapolation=extrapolation.value,
-        every_trace=every_trace,
+        every_trace=every_trace or trace is not None,
         clocks=clocks,
         quiet=quiet,
     )
