@@ -218,20 +218,17 @@ def _convex(
             low, high = bounds(variable.type)
             if not context.allow_instances(high - low + 1, node.span):
                 return None
-            result: Expression | None = None
+            parts: list[Expression] = []
             for number in range(low, high + 1):
                 instance = substitute(body, {variable: Constant(number, variable.type)}, context.constants)
                 part = _convex(instance, positive, where, {}, context)
                 if part is None:
                     return None
-                if result is None:
-                    result = part
-                elif conjunctive:
-                    result = fold.binary(BinaryOperator.AND, result, part, BOOL, node.span)
-                else:
+                if parts and not conjunctive:
                     _not_convex(node.span, where, context)
                     return None
-            return result
+                parts.append(part)
+            return fold.joined(BinaryOperator.AND, parts, BOOL, node.span)
         case _:
             context.error(
                 "E0331",

@@ -273,13 +273,13 @@ def _quantifier(node: ast.QuantifierExpression, scope: Scope, context: Context) 
     low, high = bounds(type_)
     if not context.allow_instances(high - low + 1, node.span):
         return None
-    result: Expression | None = None
+    parts: list[Expression] = []
     for value in range(low, high + 1):
         part = checked(node.body, _bound_scope(node, Constant(value, type_), scope), context)
         if part is None:
             return None
-        result = part if result is None else fold.binary(_CONNECTIVES[kind], result, part, result_type, node.span)
-    return result
+        parts.append(part)
+    return fold.joined(_CONNECTIVES[kind], parts, result_type, node.span)
 
 
 def _bound_scope(node: ast.QuantifierExpression, value: Expression, scope: Scope) -> Scope:

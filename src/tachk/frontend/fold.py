@@ -6,7 +6,7 @@ only if, it is evaluated.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import assert_never
 
@@ -67,6 +67,15 @@ def binary(operator: BinaryOperator, left: Expression, right: Expression, type_:
             case BinaryOperator.ADD, False:
                 return right
     return result
+
+
+def joined(operator: BinaryOperator, parts: Sequence[Expression], type_: Type, span: Span) -> Expression:
+    """One or more parts joined by an associative operator, as a balanced tree: there may be thousands."""
+    if len(parts) == 1:
+        return parts[0]
+    middle = (len(parts) + 1) // 2
+    first, second = joined(operator, parts[:middle], type_, span), joined(operator, parts[middle:], type_, span)
+    return binary(operator, first, second, type_, span)
 
 
 def _is_bool(expression: Expression) -> bool:

@@ -21,7 +21,7 @@ def invariant_parts(node: ast.Expression | None, scope: Scope, context: Context)
     """The condition of an invariant (None where there is none, or after a report) and its rates."""
     if node is None:
         return None, ()
-    condition_: Expression | None = None
+    conditions: list[Expression] = []
     rates: list[tuple[Expression, Expression]] = []
     for part, inner in _conjuncts(node, scope, context):
         rate = _rate_sides(part)
@@ -36,11 +36,10 @@ def invariant_parts(node: ast.Expression | None, scope: Scope, context: Context)
         checked = convex(value, "invariant", context)
         if checked is None:
             continue
-        if condition_ is None:
-            condition_ = checked
-        else:
-            condition_ = fold.binary(BinaryOperator.AND, fold.truth(condition_), fold.truth(checked), BOOL, node.span)
-    return condition_, tuple(rates)
+        conditions.append(checked)
+    if len(conditions) > 1:
+        conditions = [fold.joined(BinaryOperator.AND, [*map(fold.truth, conditions)], BOOL, node.span)]
+    return (conditions[0] if conditions else None), tuple(rates)
 
 
 def _conjuncts(node: ast.Expression, scope: Scope, context: Context) -> list[tuple[ast.Expression, Scope]]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import assert_never
 
 from tachk.syntax import ast
+from tachk.syntax.chains import ASSOCIATIVE, operands_of
 
 _QUANTIFIED, _ASSIGNED, _CONDITIONAL = 0, 1, 2
 _PREFIXED, _POSTFIXED = 15, 16
@@ -88,9 +89,16 @@ def _text(expression: ast.Expression, open_right: bool) -> str:
         case ast.UnaryExpression(operator=operator, operand=operand):
             inner = _print(operand, _PREFIXED, open_right)
             return f"{operator}({inner})" if inner.startswith(operator) and operator != "!" else operator + inner
-        case ast.BinaryExpression(operator=operator, left=left, right=right):
+        case ast.BinaryExpression(operator=operator):
             level = BINARY_LEVEL[operator]
-            return f"{_print(left, level, False)} {operator} {_print(right, level + 1, open_right)}"
+            first, *others, last = operands_of(expression)
+            return f" {operator} ".join(
+                (
+                    _print(first, level + needs_parentheses(first, operator), False),
+                    *(_print(operand, level + 1, False) for operand in others),
+                    _print(last, level + 1, open_right),
+                )
+            )
         case ast.AssignmentExpression(operator=operator, target=target, value=value):
             return f"{_print(target, _CONDITIONAL, False)} {operator} {_print(value, _ASSIGNED, open_right)}"
         case ast.IncrementExpression(operator=operator, prefix=True, target=target):
@@ -115,6 +123,11 @@ def _text(expression: ast.Expression, open_right: bool) -> str:
             return "{ " + ", ".join(_initialiser(name, value) for name, value in items) + " }"
         case _:
             assert_never(expression)
+
+
+def needs_parentheses(first: ast.Expression, operator: str) -> bool:
+    """Whether the first operand of a chain must not become a part of it."""
+    return operator in ASSOCIATIVE and isinstance(first, ast.BinaryExpression) and first.operator == operator
 
 
 def _initialiser(name: ast.Identifier | None, value: ast.Expression) -> str:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from tachk.syntax import ast
+from tachk.syntax.chains import operands_of
 from tachk.syntax.comment_placement import Placement, line_nodes
-from tachk.syntax.expression_printer import BINARY_LEVEL, print_expression
+from tachk.syntax.expression_printer import BINARY_LEVEL, needs_parentheses, print_expression
 
 WIDTH = 100
 """Columns after which the formatter breaks a line where it can."""
@@ -177,11 +178,14 @@ def _chain(expression: ast.Expression) -> list[str]:
     level = BINARY_LEVEL[expression.operator]
     operands: list[tuple[str, ast.Expression]] = []
     rest: ast.Expression = expression
-    while isinstance(rest, ast.BinaryExpression) and BINARY_LEVEL[rest.operator] == level:
-        operands.append((rest.operator, rest.right))
-        rest = rest.left
+    grouped = False
+    while isinstance(rest, ast.BinaryExpression) and BINARY_LEVEL[rest.operator] == level and not grouped:
+        operator = rest.operator
+        rest, *others = operands_of(rest)
+        operands += ((operator, operand) for operand in reversed(others))
+        grouped = needs_parentheses(rest, operator)
     return [
-        _operand(rest, level, False),
+        _operand(rest, level + grouped, False),
         *(
             f"{operator} {_operand(right, level + 1, place == len(operands) - 1)}"
             for place, (operator, right) in enumerate(reversed(operands))
