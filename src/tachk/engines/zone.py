@@ -91,6 +91,8 @@ def _run(explorer: _core.Explorer, start: float, limits: Limits, progress: Progr
             status = explorer.run(slice_size)
         except KeyboardInterrupt:
             return _RUNNING, INTERRUPTED
+        except MemoryError:
+            return _RUNNING, "the machine is out of memory"
         if status != _RUNNING:
             return status, _REASONS.get(status, "")
         now = time.perf_counter()
