@@ -14,13 +14,17 @@ from tachk.export.label_text import edge_labels, location_labels, text_height, w
 from tachk.export.placement_arrangement import Direction, arrange
 from tachk.export.placement_geometry import Box, segments_cross
 from tachk.export.placement_layers import Traversal
-from tachk.export.placement_routing import place_texts, straighten
+from tachk.export.placement_polish import polish
+from tachk.export.placement_routing import clear_texts, straighten
 from tachk.export.placement_sketch import Drawing, Sketch, sketch
 from tachk.syntax import ast
 from tachk.syntax.layout import EdgeLayout, LabelLayout, Layout, NodeLayout, Point, TemplateLayout, keyed_edges
 
 _WIDE_ENOUGH = 1.4
 """The width of a picture over its height that suits a screen."""
+
+_FEW = 150
+"""Templates with more edges than this get a simpler drawing."""
 
 
 def place(document: ast.Document) -> Layout:
@@ -31,6 +35,8 @@ def place(document: ast.Document) -> Layout:
 def place_template(template: ast.Template) -> TemplateLayout:
     outline = sketch(template)
     drawing = min((_drawn(outline, *way) for way in _ways(outline)), key=lambda found: _ugliness(outline, found))
+    if len(outline.edges) <= _FEW:
+        drawing = clear_texts(outline, polish(outline, drawing))
     return _layout(template, outline, drawing)
 
 
@@ -43,7 +49,7 @@ def _ways(outline: Sketch) -> Iterator[tuple[Direction, Traversal]]:
 
 
 def _drawn(outline: Sketch, direction: Direction, traversal: Traversal) -> Drawing:
-    return place_texts(outline, straighten(outline, arrange(outline, direction, traversal)))
+    return clear_texts(outline, straighten(outline, arrange(outline, direction, traversal)))
 
 
 def _ugliness(outline: Sketch, drawing: Drawing) -> float:
@@ -53,14 +59,12 @@ def _ugliness(outline: Sketch, drawing: Drawing) -> float:
     width, height = extent.right - extent.left + 40, extent.bottom - extent.top + 40
     shape = width / height / _WIDE_ENOUGH
     size = max(width / _WIDE_ENOUGH, height) + 0.3 * (width + height) * max(shape, 1 / shape, 1.5) / 1.5
-    if len(outline.edges) > 150:
+    if len(outline.edges) > _FEW:
         return size
     crossings = 0
     lines = [list(pairwise(route)) for route in drawing.routes]
     for at, line in enumerate(lines):
-        crossings += sum(
-            segments_cross(a, b, c, d) for a, b in line for other in lines[at + 1 :] for c, d in other
-        )
+        crossings += sum(segments_cross(a, b, c, d) for a, b in line for other in lines[at + 1 :] for c, d in other)
     nails = sum(len(route) - 2 for route in drawing.routes)
     return size + 90 * crossings + 8 * nails
 

@@ -11,7 +11,6 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
-from itertools import pairwise
 
 import networkx as nx
 
@@ -44,12 +43,12 @@ class Stop:
     Attributes:
         rank: the layer.
         labels_size: of the labels that stand here; None if none do.
-        loop: whether the edge turns back here.
+        loop: 0 where the edge goes on; 1 where it comes from the layer before and turns back, -1 from the layer after.
     """
 
     rank: int
     labels_size: Size | None = None
-    loop: bool = False
+    loop: int = 0
 
 
 def arrange(sketch: Sketch, direction: Direction, traversal: Traversal) -> Drawing:
@@ -58,7 +57,7 @@ def arrange(sketch: Sketch, direction: Direction, traversal: Traversal) -> Drawi
     layering = Layering(plan.layers, plan.links)
     effort = len(plan.extents)
     layering.reduce_crossings(24 if effort < 400 else 8 if effort < 4000 else 2)
-    cross = across(layering, plan.extents, plan.weight, _GAP, 40 if effort < 1000 else 12)
+    cross = across(layering, plan.extents, plan.weight, _GAP, 60 if effort < 1000 else 12)
     return _Canvas(plan, layering, cross).drawing()
 
 
@@ -76,23 +75,26 @@ class _Plan:
         arcs = [(edge.source, edge.target) for edge in sketch.edges]
         turned = flow(len(sketch.nodes), arcs, sketch.root, traversal)
         self.rank = [2 * rank for rank in ranks(len(sketch.nodes), turned, sketch.root)]
+        self.side = _loop_sides(turned)
+        if any(self.side[at] < 0 and self.rank[a] == 0 for at, (a, b) in enumerate(turned) if a == b):
+            self.rank = [rank + 1 for rank in self.rank]
         self.against = {at for at, (arc, turn) in enumerate(zip(arcs, turned, strict=True)) if arc != turn}
-        self.extents: dict[int, Extent] = {
-            at: _node_extent(node, direction) for at, node in enumerate(sketch.nodes)
-        }
+        self.extents: dict[int, Extent] = {at: _node_extent(node, direction) for at, node in enumerate(sketch.nodes)}
         self.links: list[tuple[int, int]] = []
         self.stops: list[list[tuple[int, Stop]]] = []
         self.stop_of: dict[int, Stop] = {}
         load: dict[int, float] = defaultdict(float)
-        for edge, (start, end) in zip(sketch.edges, turned, strict=True):
+        self.edge_of: dict[int, int] = {}
+        for at, (edge, (start, end)) in enumerate(zip(sketch.edges, turned, strict=True)):
             chain = []
             previous = start
-            for stop in self._stops(edge, start, end, load):
+            for stop in self._stops(edge, start, end, self.side[at], load):
                 number = len(self.extents)
                 self.extents[number] = extent = _stop_extent(stop, direction)
                 self.stop_of[number] = stop
+                self.edge_of[number] = at
                 load[stop.rank] += sum(extent)
-                self.links.append((previous, number))
+                self.links.append((number, previous) if stop.loop < 0 else (previous, number))
                 chain.append((number, stop))
                 previous = number
             if start != end and chain[-1][1].rank == self.rank[end] - 1:
@@ -100,11 +102,11 @@ class _Plan:
             self.stops.append(chain)
         self.layers = self._first_order()
 
-    def _stops(self, edge: SketchEdge, start: int, end: int, load: dict[int, float]) -> list[Stop]:
+    def _stops(self, edge: SketchEdge, start: int, end: int, side: int, load: dict[int, float]) -> list[Stop]:
         size = edge.labels_size if edge.labels_size != (0, 0) else None
         first, last = self.rank[start] + 1, self.rank[end] - 1
         if start == end:
-            return [Stop(first, size, loop=True)]
+            return [Stop(self.rank[start] + side, size, loop=side)]
         if last - first > _LONGEST_CHAIN:
             return [Stop(first, size)]
         middle = min(range(first, last + 1, 2), key=lambda rank: (load[rank], abs(2 * rank - first - last)))
@@ -126,11 +128,26 @@ class _Plan:
         return layers
 
     def weight(self, a: int, b: int) -> float:
-        """How much it matters that two linked numbers stand level: lines inside long edges most."""
-        ends = [self.stop_of.get(a), self.stop_of.get(b)]
-        if any(stop is not None and stop.loop for stop in ends):
-            return 4
-        return (1, 2, 8)[sum(stop is not None for stop in ends)] if None in ends else 8
+        """How much it matters that two linked numbers stand level: lines inside long edges most, then edges along the
+        flow."""
+        if a in self.stop_of and b in self.stop_of:
+            return 8
+        edge = self.edge_of[max(a, b)]
+        return 1 if edge in self.against else 2 if self.stop_of[max(a, b)].loop else 3
+
+
+def _loop_sides(arcs: Sequence[tuple[int, int]]) -> list[int]:
+    """For each arc from a node to itself the side of the node that has less: 1 along the flow, -1 against it."""
+    balance: dict[int, int] = defaultdict(int)
+    for a, b in arcs:
+        balance[a] += 1
+        balance[b] -= 1
+    sides = []
+    for a, b in arcs:
+        sides.append(-1 if balance[a] > 0 else 1)
+        if a == b:
+            balance[a] += 2 * sides[-1]
+    return sides
 
 
 def _node_extent(node: SketchNode, direction: Direction) -> Extent:
@@ -222,22 +239,24 @@ class _Canvas:
     def _passage(self, number: int, stop: Stop) -> list[Point]:
         across = self.cross[number]
         if stop.loop:
-            return [self._point(self.start[stop.rank], across - GRID), self._point(self.start[stop.rank], across + GRID)]
+            tip = self.start[stop.rank] if stop.loop > 0 else self.end[stop.rank]
+            return [self._point(tip, across - GRID), self._point(tip, across + GRID)]
         ends = self._point(self.start[stop.rank], across), self._point(self.end[stop.rank], across)
         return list(dict.fromkeys(ends))
 
     def _label(self, number: int, size: Size, stop: Stop) -> Box:
         across = self.cross[number]
         width, height = size
-        if self.plan.direction is Direction.RIGHT:
-            if stop.loop:
-                corner = self._point(self.start[stop.rank] + 4, across - height / 2)
-            else:
-                corner = self._point(self.middle[stop.rank] - width / 2, across - height - _LABEL_TO_LINE)
-        elif stop.loop:
-            corner = self._point(self.start[stop.rank] + 4, across - 8)
+        middle = self.middle[stop.rank]
+        along = self._along(size)
+        if stop.loop:
+            start = self.start[stop.rank] + 4 if stop.loop > 0 else self.end[stop.rank] - 4 - along
         else:
-            corner = self._point(self.middle[stop.rank] - height / 2, across + 2 * _LABEL_TO_LINE)
+            start = round(middle - along / 2)
+        if self.plan.direction is Direction.RIGHT:
+            corner = self._point(start, across - (height / 2 if stop.loop else height + _LABEL_TO_LINE))
+        else:
+            corner = self._point(start, across - 8 if stop.loop else across + 2 * _LABEL_TO_LINE)
         return Box(corner.x, corner.y, corner.x + width, corner.y + height)
 
     def _texts(self, node: SketchNode, centre: Point) -> tuple[Box, Box | None]:

@@ -60,6 +60,10 @@ def segment_meets_box(a: Point, b: Point, box: Box) -> bool:
 
 def segments_cross(a: Point, b: Point, c: Point, d: Point) -> bool:
     """Whether two segments cross in one point that is an end of neither."""
+    if max(a.x, b.x) < min(c.x, d.x) or max(c.x, d.x) < min(a.x, b.x):
+        return False
+    if max(a.y, b.y) < min(c.y, d.y) or max(c.y, d.y) < min(a.y, b.y):
+        return False
     return _side(a, b, c) * _side(a, b, d) < 0 and _side(c, d, a) * _side(c, d, b) < 0
 
 

@@ -46,7 +46,9 @@ def _order(count: int, arcs: Sequence[Arc], root: int, traversal: Traversal) -> 
         sequence: dict[int, None] = {}
         for start in graph:
             if start not in sequence:
-                sequence.update(dict.fromkeys((start, *(b for _, b in nx.bfs_edges(graph, start) if b not in sequence))))
+                sequence.update(
+                    dict.fromkeys((start, *(b for _, b in nx.bfs_edges(graph, start) if b not in sequence)))
+                )
     else:
         sequence = dict.fromkeys(reversed(list(nx.dfs_postorder_nodes(graph))))
     position = [0] * count

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
+from math import hypot
+from typing import Generic, TypeVar
 
 from tachk.export.placement_geometry import (
     RADIUS,
@@ -21,23 +23,27 @@ from tachk.syntax.layout import Point
 
 _CLEARANCE = 6
 _FARTHEST_FROM_LABEL = 14
+_FAN = 60
 _CELL = 128
+_MANY = 150
+"""With more edges than this, crossings are not counted."""
 
 Segment = tuple[Point, Point]
+Thing = TypeVar("Thing")
 
 
-class _Index:
+class _Index(Generic[Thing]):
     """Things by the cells of a coarse grid that their boxes touch."""
 
     def __init__(self) -> None:
-        self.cells: dict[tuple[int, int], list[tuple[int, Box]]] = defaultdict(list)
+        self.cells: dict[tuple[int, int], dict[Thing, None]] = defaultdict(dict)
 
-    def add(self, owner: int, box: Box) -> None:
+    def add(self, thing: Thing, box: Box) -> None:
         for cell in _cells(box):
-            self.cells[cell].append((owner, box))
+            self.cells[cell][thing] = None
 
-    def near(self, box: Box) -> set[tuple[int, Box]]:
-        return {found for cell in _cells(box) for found in self.cells.get(cell, ())}
+    def near(self, box: Box) -> Iterable[Thing]:
+        return dict.fromkeys(thing for cell in _cells(box) for thing in self.cells.get(cell, ()))
 
 
 def _cells(box: Box) -> Iterator[tuple[int, int]]:
@@ -53,46 +59,51 @@ def _span(a: Point, b: Point) -> Box:
 def straighten(sketch: Sketch, drawing: Drawing) -> Drawing:
     """Takes out each nail whose edge is as well off without it: it meets no text and no node then, crosses no more edges
     than before and stays with its labels and away from edges between the same nodes."""
-    obstacles = _Index()
-    for at, centre in enumerate(drawing.centres):
-        obstacles.add(at, node_box(centre).grown(_CLEARANCE))
-    for at, boxes in enumerate(zip(drawing.names, drawing.node_labels, strict=True)):
-        for box in boxes:
+    obstacles: _Index[tuple[int, Box]] = _Index()
+    for at, boxes in enumerate(zip(map(node_box, drawing.centres), drawing.names, drawing.node_labels, strict=True)):
+        for margin, box in zip((_CLEARANCE, 0, 0), boxes, strict=True):
             if box is not None:
-                obstacles.add(at, box)
+                wide = box.grown(margin)
+                obstacles.add((at, wide), wide)
     for label in drawing.edge_labels:
         if label is not None:
-            obstacles.add(-1, label.grown(1))
-    routes = [list(route) for route in drawing.routes]
-    together: dict[frozenset[int], list[int]] = defaultdict(list)
+            wide = label.grown(1)
+            obstacles.add((-1, wide), wide)
+    routes = list(drawing.routes)
     for at, edge in enumerate(sketch.edges):
-        together[frozenset((edge.source, edge.target))].append(at)
-    careful = len(routes) <= 150
-    for at, edge in enumerate(sketch.edges):
-        if edge.source == edge.target:
-            continue
-        ends = {edge.source, edge.target}
-        rivals = [other for other in together[frozenset(ends)] if other != at]
-        label = drawing.edge_labels[at]
-        others = [other for other in range(len(routes)) if other != at] if careful else []
+        if edge.source != edge.target:
+            ends = {edge.source, edge.target}
 
-        def free(a: Point, b: Point, ends: set[int] = ends) -> bool:
-            return not any(
-                owner not in ends and segment_meets_box(a, b, box) for owner, box in obstacles.near(_span(a, b))
-            )
+            def free(a: Point, b: Point, ends: set[int] = ends) -> bool:
+                near = obstacles.near(_span(a, b))
+                return not any(owner not in ends and segment_meets_box(a, b, box) for owner, box in near)
 
-        routes[at] = _shortened(routes[at], label, free, [routes[r] for r in rivals], [routes[o] for o in others])
-    return replace(drawing, routes=tuple(map(tuple, routes)))
+            routes[at] = shortened(sketch, routes, at, free, drawing.edge_labels[at])
+    return replace(drawing, routes=tuple(routes))
 
 
-def _shortened(
-    route: list[Point],
+def shortened(
+    sketch: Sketch,
+    routes: Sequence[Sequence[Point]],
+    at: int,
+    free: Callable[[Point, Point], bool],
     label: Box | None,
-    free: object,
-    rivals: Sequence[Sequence[Point]],
-    others: Sequence[Sequence[Point]],
-) -> list[Point]:
-    assert callable(free)
+) -> tuple[Point, ...]:
+    """An edge without the nails that it can do without.
+
+    Args:
+        at: the number of the edge.
+        free: whether a line meets nothing that it must not meet.
+        label: with which the edge must stay; None if there is no need.
+    """
+    edge = sketch.edges[at]
+    route = list(routes[at])
+    others = [routes[other] for other in range(len(routes)) if other != at] if len(routes) <= _MANY else []
+    rivals = [
+        routes[number]
+        for number, other in enumerate(sketch.edges)
+        if number != at and {other.source, other.target} == {edge.source, edge.target}
+    ]
     start = 0
     while start < len(route) - 2:
         for end in range(len(route) - 1, start + 1, -1):
@@ -102,12 +113,14 @@ def _shortened(
                 free(a, b)
                 and _keeps_to_label(route, shorter, label)
                 and all(_apart(shorter, rival) for rival in rivals)
-                and _crossings(((a, b),), others) <= _crossings(tuple(pairwise(route[start : end + 1])), others)
+                and (start > 0 or spread(a, b, others))
+                and (end < len(route) - 1 or spread(b, a, others))
+                and crossings(((a, b),), others) <= crossings(tuple(pairwise(route[start : end + 1])), others)
             ):
                 route = shorter
                 break
         start += 1
-    return route
+    return tuple(route)
 
 
 def _keeps_to_label(route: Sequence[Point], shorter: Sequence[Point], label: Box | None) -> bool:
@@ -121,81 +134,65 @@ def _to_label(route: Sequence[Point], label: Box) -> float:
     """How far the nearest of a few points on the rim of a label is from a line, at most, along its nearest side."""
     middle_x, middle_y = (label.left + label.right) / 2, (label.top + label.bottom) / 2
     corners = ((middle_x, label.bottom), (middle_x, label.top), (label.left, middle_y), (label.right, middle_y))
-    return min(
-        distance_to_segment(Point(round(x), round(y)), a, b) for x, y in corners for a, b in pairwise(route)
-    )
+    return min(distance_to_segment(Point(round(x), round(y)), a, b) for x, y in corners for a, b in pairwise(route))
 
 
 def _apart(route: Sequence[Point], rival: Sequence[Point]) -> bool:
     """Whether two edges between the same nodes can be told apart: one has a nail off the other's line."""
     inner = [(point, rival) for point in route[1:-1]] + [(point, route) for point in rival[1:-1]]
-    return any(min(distance_to_segment(point, a, b) for a, b in pairwise(line)) >= 2 * _CLEARANCE for point, line in inner)
-
-
-def _crossings(segments: Iterable[Segment], others: Sequence[Sequence[Point]]) -> int:
-    return sum(
-        segments_cross(a, b, c, d)
-        for a, b in segments
-        for other in others
-        for c, d in pairwise(other)
+    return any(
+        min(distance_to_segment(point, a, b) for a, b in pairwise(line)) >= 2 * _CLEARANCE for point, line in inner
     )
 
 
-def place_texts(sketch: Sketch, drawing: Drawing) -> Drawing:
+def spread(node: Point, nail: Point, others: Sequence[Sequence[Point]]) -> bool:
+    """Whether a line from a node can be told apart from the other lines there, a little way from it."""
+    length = hypot(nail.x - node.x, nail.y - node.y)
+    along = min(1.0, _FAN / length) if length else 0.0
+    point = Point(round(node.x + along * (nail.x - node.x)), round(node.y + along * (nail.y - node.y)))
+    for other in others:
+        for start, end in ((other[0], other[1]), (other[-1], other[-2])):
+            if start == node and distance_to_segment(point, start, end) < _CLEARANCE:
+                return False
+    return True
+
+
+def crossings(segments: Iterable[Segment], others: Sequence[Sequence[Point]]) -> int:
+    return sum(segments_cross(a, b, c, d) for a, b in segments for other in others for c, d in pairwise(other))
+
+
+def clear_texts(sketch: Sketch, drawing: Drawing) -> Drawing:
     """Moves the name and the labels of each node to where the fewest edges pass."""
-    segments = _Index()
-    for at, route in enumerate(drawing.routes):
+    segments: _Index[Segment] = _Index()
+    for route in drawing.routes:
         for a, b in pairwise(route):
-            segments.add(at, _span(a, b))
-    lines = {(at, _span(a, b)): (a, b) for at, route in enumerate(drawing.routes) for a, b in pairwise(route)}
-    taken = _Index()
-    boxes = drawing.boxes()
-    for number, box in enumerate(boxes):
-        taken.add(number, box)
-    count = len(drawing.centres)
-    places: dict[int, Box] = dict(enumerate(boxes))
+            segments.add((a, b), _span(a, b))
+    taken: _Index[Box] = _Index()
+    for box in drawing.boxes():
+        taken.add(box, box)
     names, labels = list(drawing.names), list(drawing.node_labels)
     for at, centre in enumerate(drawing.centres):
-        own = {id(names[at]), id(labels[at])}
-        best: tuple[float, int, Box, Box | None] | None = None
-        now = (names[at], labels[at])
-        candidates = [now, *_candidates(centre, sketch.nodes[at].name_size, sketch.nodes[at].labels_size)]
-        for preference, (name, label) in enumerate(candidates):
-            cost = 0.0 if preference else 0.5
-            for box in (name, label):
-                if box is None:
-                    continue
-                if preference and any(
-                    box.grown(2).overlaps(other)
-                    for other in _others(taken, box, boxes, own, names, labels, at)
-                ):
-                    cost += 1000
-                cost += 10 * sum(
-                    segment_meets_box(*lines[found], box.grown(1)) for found in segments.near(box.grown(1))
-                )
-            if best is None or cost + 0.2 * preference < best[0]:
-                best = cost + 0.2 * preference, preference, name, label
-        assert best is not None
-        names[at], labels[at] = best[2], best[3]
-        for box in (best[2], best[3]):
-            if box is not None and best[1]:
-                taken.add(-1 - at, box)
-    del count, places
+        own = names[at], labels[at]
+
+        def cost(choice: tuple[int, tuple[Box, Box | None]], own: tuple[Box, Box | None] = own) -> float:
+            preference, boxes = choice
+            total = 0.2 * preference
+            for box in boxes:
+                if box is not None:
+                    wide = box.grown(2)
+                    total += 10 * sum(segment_meets_box(a, b, wide) for a, b in segments.near(wide))
+                    if preference:
+                        total += 1000 * any(other not in own and wide.overlaps(other) for other in taken.near(wide))
+            return total
+
+        node = sketch.nodes[at]
+        choices = enumerate((own, *_candidates(centre, node.name_size, node.labels_size)))
+        _, (names[at], label) = min(choices, key=cost)
+        labels[at] = label
+        for box in (names[at], label):
+            if box is not None:
+                taken.add(box, box)
     return replace(drawing, names=tuple(names), node_labels=tuple(labels))
-
-
-def _others(
-    taken: _Index,
-    box: Box,
-    boxes: Sequence[Box],
-    own: set[int],
-    names: Sequence[Box],
-    labels: Sequence[Box | None],
-    at: int,
-) -> Iterator[Box]:
-    for _, other in taken.near(box.grown(2)):
-        if other not in (names[at], labels[at]):
-            yield other
 
 
 def _candidates(
@@ -212,21 +209,26 @@ def _candidates(
             return name, None
         return name, box_at(Point(round(labels_left), round(labels_top)), labels_width, labels_height)
 
-    above, below = y - 17 - height, y + 17
     stacked = height + labels_height
-    lefts = ((x - 10, x - 10), (x - width / 2, x - labels_width / 2), (x + 10 - width, x + 10 - labels_width))
-    for left, labels_left in lefts:
-        yield boxes(left, above, labels_left, below)
-    for left, labels_left in lefts:
-        yield boxes(left, below, labels_left, below + height)
-        yield boxes(left, above - labels_height, labels_left, above)
-    for shift in (near, 0):
-        yield boxes(x + near, y - stacked / 2 - shift, x + near, y - stacked / 2 - shift + height)
-        yield boxes(x + near, y - stacked / 2 + shift, x + near, y - stacked / 2 + shift + height)
-        yield boxes(x - near - width, y - stacked / 2 - shift, x - near - labels_width, y - stacked / 2 - shift + height)
-        yield boxes(x - near - width, y - stacked / 2 + shift, x - near - labels_width, y - stacked / 2 + shift + height)
-    for left, _ in lefts:
+    for far in (0, 14, 28):
+        above, below = y - 17 - far - height, y + 17 + far
+        for left, labels_left in (
+            (x - 10, x - 10),
+            (x - width / 2, x - labels_width / 2),
+            (x + 10 - width, x + 10 - labels_width),
+        ):
+            if far == 0:
+                yield boxes(left, above, labels_left, below)
+            yield boxes(left, below, labels_left, below + height)
+            yield boxes(left, above - labels_height, labels_left, above)
+        for shift in (-near, near, 0, -2 * near, 2 * near):
+            top = y - stacked / 2 + shift
+            yield boxes(x + near + far, top, x + near + far, top + height)
+            yield boxes(x - near - far - width, top, x - near - far - labels_width, top + height)
+    if not labels_height:
+        return
+    for left in (x - 10, x - width / 2, x + 10 - width):
         for labels_left in (x + near, x - near - labels_width):
             for labels_top in (y - labels_height / 2, y - labels_height - 4, y + 4):
-                yield boxes(left, above, labels_left, labels_top)
-                yield boxes(left, below, labels_left, labels_top)
+                yield boxes(left, y - 17 - height, labels_left, labels_top)
+                yield boxes(left, y + 17, labels_left, labels_top)

@@ -25,7 +25,7 @@ text{font:12px "DejaVu Sans",Verdana,Arial,sans-serif;white-space:pre}
 .uncontrollable{stroke-dasharray:6 4}
 .head{fill:#222}
 .nail{fill:#222}
-.name{fill:#8b1a1a;font-weight:bold}
+.name{fill:#8b1a1a}
 .invariant{fill:#a020f0}
 .exponentialrate{fill:#c71585}
 .mark{text-anchor:middle;fill:#1f3b63;font-size:12px}
