@@ -23,7 +23,7 @@ from rich.console import Console
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
 from tachk.engines.protocol import Extrapolation, Limits, Options, Progress, SearchOrder
-from tachk.frontend.load import LoadedModel, UncheckedQuery, elaborate_queries, load_model
+from tachk.frontend.load import LoadedModel, UncheckedQuery, elaborate_queries, elaborate_query_file, load_model
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.verdict import Answer, Verdict
@@ -54,7 +54,7 @@ def load(path: str | os.PathLike[str], **constants: int | bool | str) -> Model:
     """Reads and instantiates a model.
 
     Args:
-        path: a file in tachk's language (``.ta``, ``.xta``).
+        path: a file in tachk's language (``.ta``, ``.xta``) or UPPAAL's XML.
         constants: other values for global constants of the model; a string is an expression of the language.
 
     Raises:
@@ -116,27 +116,36 @@ class Model:
             progress: called now and then during a long search.
 
         Raises:
-            InputError: a query is wrong.
+            InputError: one of ``queries`` is wrong. A wrong query of a file is listed as not checked.
             UsageError: there is no property of that name.
             UnsupportedError: the model uses a feature that the query cannot be decided with.
         """
         names = (property,) if isinstance(property, str) else tuple(property)
-        sources = [*map(read_source, query_files), *(Source("<query>", text) for text in queries)]
-        if not names and not sources:
+        sources = [Source("<query>", text) for text in queries]
+        files = [read_source(path) for path in query_files]
+        if not names and not sources and not files:
             checked, unchecked = self.properties, self.loaded.unchecked
         else:
-            given, unchecked = self._given(sources)
+            given, unchecked = self._given(files, sources)
             checked = (*(self._property(name) for name in names), *given)
         options, limits = options or Options(), limits or Limits()
         verdicts = verify_queries(self.network, checked, options, limits, progress, trace)
-        not_checked = tuple(NotChecked(query.name, query.text, f"{query.family} query") for query in unchecked)
+        not_checked = tuple(
+            NotChecked(query.name, query.text, _why_not(query), query.diagnostics) for query in unchecked
+        )
         return Report(RunRecord(self.path, self.network, verdicts, not_checked, options, limits, self.definitions))
 
-    def _given(self, sources: Iterable[Source]) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
-        """The queries of several texts, numbered through."""
+    def _given(
+        self, files: Iterable[Source], sources: Iterable[Source]
+    ) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
+        """The queries of several texts, those that are checked numbered through."""
         checked: list[Query] = []
         unchecked: list[UncheckedQuery] = []
         diagnostics: list[Diagnostic] = []
+        for source in files:
+            found, others = elaborate_query_file(self.loaded, source)
+            checked += found
+            unchecked += others
         for source in sources:
             try:
                 found, others = elaborate_queries(self.loaded, source)
@@ -159,6 +168,12 @@ class Model:
             f"{self.path} has no property {name!r}",
             f"did you mean {close[0]}?" if close else f"it has: {', '.join(names) or 'none'}",
         )
+
+
+def _why_not(query: UncheckedQuery) -> str:
+    if query.diagnostics:
+        return f"cannot be checked: {query.diagnostics[0].message}"
+    return f"{query.family} query"
 
 
 @dataclass(frozen=True, slots=True)

@@ -139,6 +139,8 @@ def _check_model(
 
 
 def _status(record: RunRecord) -> ExitStatus:
+    if any(query.diagnostics for query in record.not_checked):
+        return ExitStatus.BAD_INPUT
     if any(verdict.unsupported is not None for verdict in record.verdicts):
         return ExitStatus.UNSUPPORTED
     match record.met:

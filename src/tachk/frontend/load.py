@@ -12,16 +12,19 @@ from tachk.frontend.context import Budget, Context
 from tachk.frontend.elaborate import Elaborated, elaborate
 from tachk.frontend.findings import Findings, did_you_mean
 from tachk.frontend.imports import Importer
-from tachk.frontend.queries import UncheckedQuery, elaborate_entries
+from tachk.frontend.queries import UncheckedQuery, elaborate_each, elaborate_entries, wrong_query
 from tachk.frontend.scope import Scope
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.syntax import ast
+from tachk.syntax.layout import Layout
 from tachk.syntax.parser import parse_expression
-from tachk.syntax.query_files import parse_queries
+from tachk.syntax.query_files import parse_each_query
 from tachk.syntax.source_files import read_source
+from tachk.syntax.strict import additions
+from tachk.syntax.uppaal_xml import XmlModel, is_xml, parse_uppaal_xml
 
-__all__ = ["LoadedModel", "UncheckedQuery", "elaborate_queries", "load_model"]
+__all__ = ["LoadedModel", "UncheckedQuery", "elaborate_queries", "elaborate_query_file", "load_model"]
 
 INSTANCES = 2**16
 """Quantifiers are written out at most that many times in one model."""
@@ -31,9 +34,10 @@ INSTANCES = 2**16
 class LoadedModel:
     """Attributes:
     queries: the properties the model states, in order.
-    unchecked: properties that belong to another kind of analysis.
+    unchecked: properties that belong to another kind of analysis; of UPPAAL's XML also queries that are wrong.
     document: the syntax tree of the file itself, imports not followed.
     items: of the document, each import replaced by what the file declares.
+    layout: the picture, if the file has one (UPPAAL's XML).
     """
 
     network: Network
@@ -44,6 +48,7 @@ class LoadedModel:
     items: tuple[ast.Item, ...] = field(repr=False)
     _scope: Scope = field(repr=False)
     _constants: Context = field(repr=False)
+    layout: Layout | None = field(default=None, repr=False)
 
 
 def load_model(
@@ -54,7 +59,7 @@ def load_model(
     """Reads and elaborates a model.
 
     Args:
-        model: the path of a file, or a text. Imports are relative to its folder.
+        model: the path of a file, or a text, in tachk's language or UPPAAL's XML. Imports are relative to its folder.
         constants: other values for global constants; a string is an expression of the language.
         strict_xta: refuse what tachk adds to XTA.
 
@@ -64,7 +69,10 @@ def load_model(
     """
     source = model if isinstance(model, Source) else read_source(model)
     findings = Findings()
+    if is_xml(source):
+        return _load_xml(parse_uppaal_xml(source), constants or {}, strict_xta)
     document, items = Importer(findings, strict_xta).read(source)
+    _refuse_dynamic_templates(items, findings)
     if document is None or findings.has_errors:
         raise InputError(findings.sorted())
     overrides = _overrides(constants or {}, items, findings)
@@ -84,22 +92,72 @@ def load_model(
     )
 
 
+def _load_xml(read: XmlModel, constants: Mapping[str, int | bool | str], strict_xta: bool) -> LoadedModel:
+    """As `load_model`; a wrong query is an unchecked one, for the file is another program's."""
+    findings = Findings()
+    findings.extend(read.diagnostics)
+    if strict_xta:
+        findings.extend(additions(read.document))
+    if findings.has_errors:
+        raise InputError(findings.sorted())
+    items = read.document.items
+    properties = [item for item in items if isinstance(item, ast.PropertyDeclaration)]
+    overrides = _overrides(constants, items, findings)
+    context = Context(findings, budget=Budget(INSTANCES))
+    others = [item for item in items if not isinstance(item, ast.PropertyDeclaration)]
+    result = elaborate(others, read.document.span, overrides, context)
+    queries, unchecked = elaborate_each(properties, result.scope, context)
+    if findings.has_errors:
+        raise InputError(findings.sorted())
+    broken = []
+    for query in read.broken:
+        own = Findings()
+        own.extend(query.diagnostics)
+        broken.append(wrong_query(query.name, query.text, query.comment, query.span, own))
+    return LoadedModel(
+        result.network,
+        queries,
+        tuple(sorted((*unchecked, *broken), key=lambda query: query.span.start)),
+        findings.sorted(),
+        read.document,
+        items,
+        result.scope,
+        context,
+        read.layout,
+    )
+
+
 def elaborate_queries(loaded: LoadedModel, text: str | Source) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
-    """The queries of a .q file or of the command line, named ``q1``, ``q2``, ... in order.
+    """The queries of the command line, named ``q1``, ``q2``, ... in order.
 
     Raises:
         InputError: with every diagnostic that was found.
     """
     source = text if isinstance(text, Source) else Source("<query>", text)
-    findings = Findings()
-    entries, diagnostics = parse_queries(source)
-    findings.extend(diagnostics)
-    known = loaded._constants
-    context = Context(findings, known.constants, known.effects, budget=Budget(INSTANCES))
-    queries, unchecked = elaborate_entries(entries, loaded._scope, context)
-    if findings.has_errors:
-        raise InputError(findings.sorted())
+    queries, unchecked = elaborate_query_file(loaded, source)
+    diagnostics = [diagnostic for query in unchecked for diagnostic in query.diagnostics]
+    if diagnostics:
+        raise InputError(diagnostics)
     return queries, unchecked
+
+
+def elaborate_query_file(loaded: LoadedModel, source: Source) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
+    """The queries of a .q file, named as by `elaborate_queries`; a wrong one is unchecked and harms no other."""
+    known = loaded._constants
+    context = Context(Findings(), known.constants, known.effects, budget=Budget(INSTANCES))
+    return elaborate_entries(parse_each_query(source), loaded._scope, context)
+
+
+def _refuse_dynamic_templates(items: Iterable[ast.Item], findings: Findings) -> None:
+    """Reported alone: what else such a model says about its processes could only be misunderstood."""
+    for item in items:
+        if isinstance(item, ast.DynamicTemplate):
+            findings.add(
+                "E0750",
+                item.span,
+                f"the dynamic template `{item.name.name}` is not supported",
+                "name a fixed number of processes in the system line",
+            )
 
 
 def _overrides(

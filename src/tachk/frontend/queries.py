@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from tachk.diagnostics.diagnostic import Label
+from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.frontend.clock_constraints import compares_clocks
 from tachk.frontend.context import Context
 from tachk.frontend.expressions import condition, expression
+from tachk.frontend.findings import Findings
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.frontend.typing import describe, is_integral
 from tachk.model.expressions import Binary, BinaryOperator, Deadlock, Expression, Unary
@@ -18,14 +19,17 @@ from tachk.model.query import Expectation, Query, QueryKind
 from tachk.model.traversal import walk
 from tachk.model.types import ClockType, ScalarType
 from tachk.syntax import ast
+from tachk.syntax.query_files import BrokenQuery
 
 
 @dataclass(frozen=True, slots=True)
 class UncheckedQuery:
-    """A query that belongs to another kind of analysis; it is listed, never silently dropped.
+    """A query that is not checked: it belongs to another kind of analysis, or it is wrong and stands where it must not
+    keep others from being checked. It is listed, never silently dropped.
 
     Attributes:
-        family: ``statistical``, ``game``, ``learning`` or ``scenario``.
+        family: ``statistical``, ``game``, ``learning`` or ``scenario``; empty if the query is wrong.
+        diagnostics: what is wrong with it.
     """
 
     name: str
@@ -34,6 +38,7 @@ class UncheckedQuery:
     title: str = ""
     expectation: Expectation | None = None
     span: Span = NOWHERE
+    diagnostics: tuple[Diagnostic, ...] = ()
 
 
 def elaborate_query(
@@ -161,18 +166,52 @@ def elaborate_properties(
     return tuple(queries), tuple(unchecked)
 
 
-def elaborate_entries(
-    entries: Iterable[ast.QueryEntry], scope: Scope, context: Context
+def elaborate_each(
+    nodes: Iterable[ast.PropertyDeclaration], scope: Scope, context: Context
 ) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
-    """The queries of a .q file or command line, named ``q1``, ``q2``, ... in order."""
+    """As `elaborate_properties`, but a property that is wrong is an unchecked query and no finding of the context."""
+    queries: list[Query] = []
+    unchecked: list[UncheckedQuery] = []
+    for node in nodes:
+        own = Findings()
+        found, others = elaborate_properties([node], scope, replace(context, findings=own))
+        if own.has_errors:
+            title = node.title or node.doc
+            unchecked.append(wrong_query(node.name.name, node.formula.span.text, title, node.formula.span, own))
+        else:
+            context.findings.extend(own.sorted())
+            queries += found
+            unchecked += others
+    return tuple(queries), tuple(unchecked)
+
+
+def wrong_query(name: str, text: str, title: str, span: Span, findings: Findings) -> UncheckedQuery:
+    return UncheckedQuery(name, text, "", title, None, span, findings.sorted())
+
+
+def elaborate_entries(
+    entries: Iterable[ast.QueryEntry | BrokenQuery], scope: Scope, context: Context
+) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
+    """The queries of a .q file or command line, named ``q1``, ``q2``, ... in order. A wrong one is an unchecked query
+    and no finding of the context."""
     queries, unchecked = [], []
     for number, entry in enumerate(entries, 1):
         name = f"q{number}"
+        own = Findings()
+        if isinstance(entry, BrokenQuery):
+            own.extend(entry.diagnostics)
+            unchecked.append(wrong_query(name, entry.text, entry.comment, entry.span, own))
+            continue
         if isinstance(entry.formula, ast.UncheckedFormula):
             unchecked.append(_unchecked(entry.formula, name, entry.comment, entry.expectation))
             continue
-        query = elaborate_query(entry.formula, name, scope, context, entry.comment, entry.expectation)
-        if query is not None:
+        inner = replace(context, findings=own)
+        query = elaborate_query(entry.formula, name, scope, inner, entry.comment, entry.expectation)
+        if query is None or own.has_errors:
+            span = entry.formula.span
+            unchecked.append(wrong_query(name, span.text, entry.comment, span, own))
+        else:
+            context.findings.extend(own.sorted())
             queries.append(query)
     return tuple(queries), tuple(unchecked)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.engines.protocol import Limits, Options
 from tachk.model.network import Network
 from tachk.properties.verdict import Answer, Verdict
@@ -11,11 +12,16 @@ from tachk.properties.verdict import Answer, Verdict
 
 @dataclass(frozen=True, slots=True)
 class NotChecked:
-    """A formula of the model or the query file that tachk does not check, and why."""
+    """A formula of the model or the query file that tachk does not check, and why.
+
+    Attributes:
+        diagnostics: what is wrong with it; empty if it belongs to another kind of analysis.
+    """
 
     name: str
     text: str
     reason: str
+    diagnostics: tuple[Diagnostic, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +30,8 @@ class RunRecord:
     model: the path of the model as the user gave it.
     verdicts: one for each query, in order.
     definitions: the names of the constants that were set from outside.
-    not_checked: the statistical, game and scenario queries met; they have no influence on success.
+    not_checked: the statistical, game and scenario queries met, which have no influence on success, and wrong queries
+        of other programs' files.
     """
 
     model: str

@@ -52,7 +52,8 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, cl
         console.print()
         console.print(_table(record))
     for query in record.not_checked:
-        console.print(Text(f"  not checked: {query.text} ({query.reason})", style="dim"))
+        text = " ".join(query.text.split())
+        console.print(Text(f"  not checked: {text} ({query.reason})", style="dim"))
     _print_unknown(record, console)
     for verdict in record.verdicts:
         if verdict.trace is not None and (every_trace or verdict.met is not True):
@@ -65,6 +66,10 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, cl
 
 def _print_unknown(record: RunRecord, console: Console) -> None:
     """Why answers are unknown: each reason, each run-time error once, with the names of all it concerns."""
+    for query in record.not_checked:
+        for diagnostic in query.diagnostics:
+            console.print(Text(f"\n{query.name} cannot be checked:", style="yellow"))
+            console.print(Text(render(diagnostic)), soft_wrap=True)
     unknown: dict[tuple[str, RunTimeFault | None], list[str]] = {}
     for verdict in record.verdicts:
         if verdict.unsupported is not None:

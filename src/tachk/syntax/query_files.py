@@ -10,7 +10,7 @@ import re
 from dataclasses import dataclass, field, replace
 
 from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.span import Source
+from tachk.diagnostics.span import Source, Span
 from tachk.syntax import ast
 from tachk.syntax.parser import parse_query
 
@@ -31,17 +31,40 @@ class _Place:
     expectation: str | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class BrokenQuery:
+    """A query that cannot be read, with the reasons.
+
+    Attributes:
+        name: of the property that it was to be; empty in a .q file.
+    """
+
+    name: str
+    text: str
+    comment: str
+    span: Span
+    diagnostics: tuple[Diagnostic, ...]
+
+
 def parse_queries(source: Source) -> tuple[tuple[ast.QueryEntry, ...], tuple[Diagnostic, ...]]:
-    """All queries of a file, and what is wrong with those that could not be read."""
-    entries: list[ast.QueryEntry] = []
-    diagnostics: list[Diagnostic] = []
+    """The queries of a file, and what is wrong with those that could not be read."""
+    entries = parse_each_query(source)
+    diagnostics = [found for entry in entries if isinstance(entry, BrokenQuery) for found in entry.diagnostics]
+    return tuple(entry for entry in entries if isinstance(entry, ast.QueryEntry)), tuple(diagnostics)
+
+
+def parse_each_query(source: Source) -> tuple[ast.QueryEntry | BrokenQuery, ...]:
+    """All queries of a file in order, readable or not."""
+    entries: list[ast.QueryEntry | BrokenQuery] = []
     for place in _places(source.text):
         entry, found = parse_query(source, place.start, place.end)
-        diagnostics += found
-        if entry is not None:
-            expectation = entry.expectation or place.expectation
-            entries.append(replace(entry, comment="\n".join(place.comments), expectation=expectation))
-    return tuple(entries), tuple(diagnostics)
+        comment = "\n".join(place.comments)
+        if entry is None or found:
+            span = Span(source, place.start, place.end)
+            entries.append(BrokenQuery("", span.text, comment, span, found))
+        else:
+            entries.append(replace(entry, comment=comment, expectation=entry.expectation or place.expectation))
+    return tuple(entries)
 
 
 def _places(text: str) -> list[_Place]:

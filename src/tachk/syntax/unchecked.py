@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 _PREFIXES = {
@@ -33,6 +34,11 @@ _AFTER_PREFIX = {
 }
 
 
+def words_of(text: str) -> list[str]:
+    """A text cut into words and single characters."""
+    return re.findall(r"\w+|\S", text)
+
+
 def unchecked_family(words: Sequence[str]) -> str | None:
     """The family of a query given as its words, or None if it is a symbolic one."""
     first, second = words[0], words[1] if len(words) > 1 else ""
@@ -45,7 +51,7 @@ def unchecked_family(words: Sequence[str]) -> str | None:
             return _PREFIXES[first]
     if first == "E" and second == "[" and ";" in words[2:] and ("max" in words or "min" in words):
         return "statistical"
-    if first == "E" and second == "[" and len(words) > 2 and words[2] in ("<=", "#"):
+    if first == "E" and second == "[" and len(words) > 2 and words[2] in ("<", "#"):
         return "statistical"
     if first == "{" and "control" in words:
         return "game"

@@ -16,7 +16,8 @@ from tachk.diagnostics.span import Source, Span
 from tachk.syntax import ast
 from tachk.syntax.layout import Layout, TemplateLayout
 from tachk.syntax.parser import comments_within, parse_declarations, parse_system
-from tachk.syntax.uppaal_xml_queries import BrokenQuery, QueriesReader
+from tachk.syntax.query_files import BrokenQuery
+from tachk.syntax.uppaal_xml_queries import QueriesReader
 from tachk.syntax.uppaal_xml_template import TemplateReader
 from tachk.syntax.uppaal_xml_text import Extract, Extracted
 from tachk.syntax.uppaal_xml_tree import Element, parse_xml

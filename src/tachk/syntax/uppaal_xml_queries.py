@@ -10,13 +10,12 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Span
 from tachk.syntax import ast
 from tachk.syntax.expression_printer import print_formula
 from tachk.syntax.layout import QueryLayout
 from tachk.syntax.parser import parse_query
-from tachk.syntax.query_files import expectation_in
+from tachk.syntax.query_files import BrokenQuery, expectation_in
 from tachk.syntax.tables import lexer
 from tachk.syntax.tokens import END
 from tachk.syntax.uppaal_xml_template import plain_text
@@ -27,17 +26,6 @@ _NAMED = re.compile(r"(?P<name>[A-Za-z_]\w*)(?::[ \t]+(?P<title>[^\n\"]*[^\s\"])
 _AUTOMATIC = re.compile(r"q[0-9]+")
 _OUTCOMES = {"success": "holds", "failure": "fails"}
 _MEASURES = ("sup", "inf", "bounds")
-
-
-@dataclass(frozen=True, slots=True)
-class BrokenQuery:
-    """A query that cannot be read, with the reasons."""
-
-    name: str
-    text: str
-    comment: str
-    span: Span
-    diagnostics: tuple[Diagnostic, ...]
 
 
 @dataclass(frozen=True, slots=True)
