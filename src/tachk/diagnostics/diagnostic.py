@@ -9,6 +9,10 @@ from enum import StrEnum
 from tachk.diagnostics.span import Span
 
 
+UNSUPPORTED = frozenset({"E0750"})
+"""The codes of what is refused although it is no mistake."""
+
+
 class Severity(StrEnum):
     ERROR = "error"
     WARNING = "warning"
@@ -43,6 +47,11 @@ class Diagnostic:
     @property
     def severity(self) -> Severity:
         return Severity.WARNING if self.code.startswith("W") else Severity.ERROR
+
+    @property
+    def is_unsupported(self) -> bool:
+        """Whether this is about a construct that tachk knows and refuses, not about a mistake."""
+        return self.code in UNSUPPORTED
 
 
 class TachkError(Exception):

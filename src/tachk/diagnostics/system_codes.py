@@ -129,7 +129,9 @@ SYSTEM_CODES: dict[str, Explanation] = {
     "E0750": Explanation(
         "construct that is not supported",
         "tachk reads all of UPPAAL's language for symbolic checking. Floating point numbers, hybrid clocks, strings, "
-        "foreign functions and before_update/after_update belong to simulation and statistical checking.",
+        "foreign functions, processes that appear and vanish while the system runs (dynamic, spawn, exit, numOf, "
+        "foreach) and before_update/after_update belong to simulation and statistical checking, IO declarations to "
+        "refinement checking. Where a model has no other errors, the exit status is 3.",
         "double level;",
         "int level;",
     ),

@@ -64,3 +64,8 @@ FLOATING_FUNCTIONS = frozenset(
 )
 # fmt: on
 """Functions on floating point numbers, which only statistical checking can evaluate."""
+
+DYNAMIC_FUNCTIONS = frozenset({"exit", "numOf"})
+"""Functions about processes that appear and vanish while the system runs, which only statistical checking knows."""
+
+DYNAMIC_HELP = "processes cannot appear or vanish while the system runs; name all of them in the system line"

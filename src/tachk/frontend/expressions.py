@@ -10,7 +10,13 @@ from typing import assert_never
 
 from tachk.diagnostics.span import Span
 from tachk.frontend import fold
-from tachk.frontend.builtin_names import BUILTIN_CONSTANTS, BUILTIN_FUNCTIONS, FLOATING_FUNCTIONS
+from tachk.frontend.builtin_names import (
+    BUILTIN_CONSTANTS,
+    BUILTIN_FUNCTIONS,
+    DYNAMIC_FUNCTIONS,
+    DYNAMIC_HELP,
+    FLOATING_FUNCTIONS,
+)
 from tachk.frontend.context import Context
 from tachk.frontend.findings import did_you_mean
 from tachk.frontend.operators import choose, combine
@@ -171,6 +177,9 @@ def expression(node: ast.Expression, scope: Scope, context: Context) -> Expressi
                 context.error("E0501", span, "`deadlock` can only be used in queries")
                 return None
             return Deadlock(span=span)
+        case ast.SpawnExpression(span):
+            context.error("E0750", span, "`spawn` is not supported", DYNAMIC_HELP)
+            return None
         case ast.InitialiserList(span):
             context.error("E0318", span, "a list in braces can only initialise an array or a struct")
             return None
@@ -259,6 +268,9 @@ def _conditional(node: ast.ConditionalExpression, scope: Scope, context: Context
 
 
 def _quantifier(node: ast.QuantifierExpression, scope: Scope, context: Context) -> Expression | None:
+    if node.kind == "foreach":
+        context.error("E0750", node.span, "`foreach` over dynamic processes is not supported", DYNAMIC_HELP)
+        return None
     type_ = type_reader(scope, context).bounded(node.type, f"the variable of `{node.kind}`")
     if type_ is None:
         return None
@@ -449,7 +461,9 @@ def _called(node: ast.Expression, scope: Scope, context: Context) -> Symbol | No
         if builtin is not None:
             context.record_function(builtin)
             return FunctionSymbol(builtin, node.span)
-        if node.name in FLOATING_FUNCTIONS:
+        if node.name in DYNAMIC_FUNCTIONS:
+            context.error("E0750", node.span, f"`{node.name}` is not supported", DYNAMIC_HELP)
+        elif node.name in FLOATING_FUNCTIONS:
             context.error("E0750", node.span, f"the function `{node.name}` on floating point numbers is not supported")
         else:
             context.error("E0201", node.span, f"unknown function `{node.name}`", scope.suggestion(node.name))

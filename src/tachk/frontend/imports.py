@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.diagnostics.span import Source
 from tachk.frontend.findings import Findings
 from tachk.syntax import ast
+from tachk.syntax.contextual import CONTEXTUAL_KEYWORDS
 from tachk.syntax.parser import parse_document
 from tachk.syntax.source_files import read_source
 
@@ -32,11 +34,18 @@ class Importer:
         path = Path(source.name).absolute()
         self.reading.append(path.resolve())
         document, diagnostics = parse_document(source, self.strict_xta)
+        imported: dict[str, list[ast.Item]] = {}
+        for item in _imports(document):
+            imported.setdefault(item.path, []).extend(self._import(item, path.parent))
+        words = _keywords_as_types(item for items in imported.values() for item in items)
+        if words:
+            # What the text says depends on these words not being keywords, so it is read again.
+            document, diagnostics = parse_document(source, self.strict_xta, words)
         self.findings.extend(diagnostics)
         items: list[ast.Item] = []
         for item in () if document is None else document.items:
             if isinstance(item, ast.ImportDeclaration):
-                items.extend(self._import(item, path.parent))
+                items.extend(imported.pop(item.path, ()))
             else:
                 items.append(item)
         self.done.add(self.reading.pop())
@@ -72,6 +81,21 @@ class Importer:
             elif not isinstance(item, ast.ProgressDeclaration | ast.GanttDeclaration):
                 kept.append(item)
         return kept
+
+
+def _imports(document: ast.Document | None) -> list[ast.ImportDeclaration]:
+    return [item for item in document.items if isinstance(item, ast.ImportDeclaration)] if document else []
+
+
+def _keywords_as_types(items: Iterable[ast.Item]) -> frozenset[str]:
+    """Contextual keywords that are names of types."""
+    return frozenset(
+        declarator.name.name
+        for item in items
+        if isinstance(item, ast.TypedefDeclaration)
+        for declarator in item.declarators
+        if declarator.name.name in CONTEXTUAL_KEYWORDS
+    )
 
 
 def _shown(path: Path) -> str:

@@ -125,7 +125,7 @@ class RateExpression(Node):
 
 @dataclass(frozen=True, slots=True)
 class QuantifierExpression(Node):
-    """``kind`` is ``forall``, ``exists`` or ``sum``."""
+    """``kind`` is ``forall``, ``exists``, ``sum`` or, over the processes of a dynamic template, ``foreach``."""
 
     kind: str
     variable: Identifier
@@ -136,6 +136,14 @@ class QuantifierExpression(Node):
 @dataclass(frozen=True, slots=True)
 class DeadlockExpression(Node):
     pass
+
+
+@dataclass(frozen=True, slots=True)
+class SpawnExpression(Node):
+    """``spawn Template(1)`` of statistical models; parsed so that it can be refused by name."""
+
+    template: Identifier
+    arguments: tuple[Expression, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,6 +170,7 @@ Expression = (
     | RateExpression
     | QuantifierExpression
     | DeadlockExpression
+    | SpawnExpression
     | InitialiserList
 )
 
@@ -294,6 +303,14 @@ class ForeignImport(Node):
     library: str
 
 
+@dataclass(frozen=True, slots=True)
+class DynamicTemplate(Node):
+    """``dynamic Template(int a);`` of statistical models; parsed so that it can be refused by name."""
+
+    name: Identifier
+    parameters: tuple[Parameter, ...]
+
+
 Declaration = (
     VariableDeclaration
     | TypedefDeclaration
@@ -302,6 +319,7 @@ Declaration = (
     | UpdateHook
     | SignalDeclaration
     | ForeignImport
+    | DynamicTemplate
 )
 
 
@@ -485,10 +503,18 @@ class SystemLine(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class ProgressDeclaration(Node):
-    """``progress { e; }``; no semantics."""
+class ProgressMeasure(Node):
+    """``e;`` or ``guard : e;``."""
 
-    expressions: tuple[Expression, ...]
+    guard: Expression | None
+    expression: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class ProgressDeclaration(Node):
+    """``progress { e; guard : e; }``; a hint to other tools, without meaning for the behaviour."""
+
+    measures: tuple[ProgressMeasure, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -118,6 +118,9 @@ class Builder:
         kind, _, variable, _, type_, _, body = children
         return ast.QuantifierExpression(_span(children), kind.text, variable, type_, body)
 
+    def spawn(self, children: Children) -> ast.SpawnExpression:
+        return ast.SpawnExpression(_span(children), children[1], tuple(children[3] or ()))
+
     def index(self, children: Children) -> ast.IndexExpression:
         return ast.IndexExpression(_span(children), children[0], children[2])
 
@@ -310,8 +313,11 @@ class Builder:
     def system_line(self, children: Children) -> ast.SystemLine:
         return ast.SystemLine(_span(children), tuple(tuple(group) for group in _only(children, _List)))
 
-    def progress_measure(self, children: Children) -> Any:
-        return children[0]
+    def dynamic_template(self, children: Children) -> ast.DynamicTemplate:
+        return ast.DynamicTemplate(_span(children), children[1], tuple(children[3] or ()))
+
+    def progress_measure(self, children: Children) -> ast.ProgressMeasure:
+        return ast.ProgressMeasure(_span(children), children[0], children[2])
 
     def progress(self, children: Children) -> ast.ProgressDeclaration:
         return ast.ProgressDeclaration(_span(children), _nodes(children))

@@ -7,16 +7,17 @@ open braces. A name that the text defines as a type is never taken for a keyword
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from enum import Enum, auto
 from itertools import pairwise
 
 from tachk.syntax.tokens import END, Token
-from tachk.syntax.unchecked import unchecked_family
+from tachk.syntax.unchecked import unchecked_family, words_of
 
 SPELLING = {
     "SUM": "sum",
+    "FOREACH": "foreach",
+    "SPAWN": "spawn",
     "HYBRID": "hybrid",
     "ASSERT": "assert",
     "DEADLOCK": "deadlock",
@@ -35,6 +36,7 @@ SPELLING = {
     "PRIORITY": "priority",
     "BEFORE_UPDATE": "before_update",
     "AFTER_UPDATE": "after_update",
+    "DYNAMIC": "dynamic",
     "BRANCHPOINT": "branchpoint",
     "URGENT_LOCATIONS": "urgent",
     "LOCATION": "location",
@@ -48,6 +50,8 @@ SPELLING = {
     "PROBABILITY": "probability",
 }
 """How each contextual keyword is written."""
+
+CONTEXTUAL_KEYWORDS = frozenset(SPELLING.values())
 
 _WITHOUT_MEANING = {"break": ";", "continue": ";", "switch": "(", "enum": "{"}
 """Words of C that UPPAAL reserves and gives no meaning, with what follows them in C. Old models use them as names."""
@@ -68,9 +72,14 @@ class _Inside(Enum):
     OTHER = auto()
 
 
-def resolve_document(tokens: list[Token]) -> list[Token]:
-    """The tokens of a model with its contextual keywords marked."""
-    return _Resolver(tokens, _Inside.TOP).run()
+def resolve_document(tokens: list[Token], types: frozenset[str] = frozenset()) -> list[Token]:
+    """The tokens of a model with its contextual keywords marked.
+
+    Args:
+        tokens: of the whole text.
+        types: words that name types defined in other files.
+    """
+    return _Resolver(tokens, _Inside.TOP, types).run()
 
 
 def resolve_fragment(tokens: list[Token]) -> list[Token]:
@@ -94,12 +103,12 @@ class _Resolver:
     position: int
     types: frozenset[str]
 
-    def __init__(self, tokens: list[Token], inside: _Inside) -> None:
+    def __init__(self, tokens: list[Token], inside: _Inside, types: frozenset[str] = frozenset()) -> None:
         self.tokens = tokens
         self.inside = inside
         self.output = []
         self.position = 0
-        self.types = _type_names(tokens)
+        self.types = types | _type_names(tokens)
 
     def text(self, ahead: int) -> str:
         index = self.position + ahead
@@ -203,6 +212,8 @@ class _Resolver:
             self.position += 1
             self.opaque_block()
             return True
+        elif word == "dynamic" and following == "NAME" and self.text(2) == "(" and self.declares():
+            token.type = "DYNAMIC"
         elif word == "time_unit" and self.text(1) in ("=", ":=") and third == "INTEGER":
             token.type = "TIME_UNIT"
         elif word == "property" and following == "NAME" and (third == "STRING" or self.text(2) == ":"):
@@ -213,6 +224,15 @@ class _Resolver:
             self.query(self.end_of_property(), expectation=True)
             return True
         return False
+
+    def declares(self) -> bool:
+        """Whether a name and parentheses, but no function body, follow."""
+        depth = 0
+        for index in range(self.position + 2, len(self.tokens) - 1):
+            depth += (self.tokens[index].text == "(") - (self.tokens[index].text == ")")
+            if depth == 0:
+                return self.tokens[index + 1].text != "{"
+        return True
 
     def start_of_body_item(self, token: Token, following: str) -> None:
         word = token.text
@@ -246,8 +266,11 @@ class _Resolver:
         """Mark a word that is a keyword by its neighbours alone."""
         if self.resumes_after_omission(token):
             return
-        if token.text == "sum" and self.text(1) == "(" and self.type(2) == "NAME" and self.text(3) == ":":
-            token.type = "SUM"
+        if token.text in ("sum", "foreach") and [self.text(1), self.type(2), self.text(3)] == ["(", "NAME", ":"]:
+            token.type = token.text.upper()
+            return
+        if token.text == "spawn" and self.type(1) == "NAME" and self.text(2) == "(" and "spawn" not in self.types:
+            token.type = "SPAWN"
             return
         if not self.output:
             return
@@ -314,7 +337,7 @@ class _Resolver:
             tokens[end - 2].type = "EXPECT"
             tokens[end - 1].type = tokens[end - 1].text.upper()
         formula = tokens[self.position : suffix]
-        if formula and unchecked_family(re.findall(r"\w+|\S", " ".join(token.text for token in formula))):
+        if formula and unchecked_family(words_of(" ".join(token.text for token in formula))):
             self.output.append(_joined("UNCHECKED", formula))
         else:
             self.symbolic(formula)
@@ -355,7 +378,6 @@ def _joined(kind: str, tokens: list[Token]) -> Token:
 
 def _type_names(tokens: list[Token]) -> frozenset[str]:
     """Contextual keywords that the text defines as types."""
-    words = set(SPELLING.values())
     found: set[str] = set()
     for index, token in enumerate(tokens):
         if token.type != "TYPEDEF":
@@ -364,7 +386,7 @@ def _type_names(tokens: list[Token]) -> frozenset[str]:
         for place in range(index + 1, len(tokens)):
             text = tokens[place].text
             depth += (text in _OPENING) - (text in _CLOSING)
-            if depth <= 0 and text in words and tokens[place + 1].text in (";", ",", "["):
+            if depth <= 0 and text in CONTEXTUAL_KEYWORDS and tokens[place + 1].text in (";", ",", "["):
                 found.add(text)
             if (depth <= 0 and text == ";") or tokens[place].type == "TYPEDEF":
                 break

@@ -62,7 +62,7 @@ def _level(expression: ast.Expression) -> tuple[int, bool]:
             return _CONDITIONAL, False
         case ast.BinaryExpression():
             return BINARY_LEVEL[expression.operator], False
-        case ast.UnaryExpression():
+        case ast.UnaryExpression() | ast.SpawnExpression():
             return _PREFIXED, False
         case ast.IncrementExpression():
             return (_PREFIXED if expression.prefix else _POSTFIXED), False
@@ -119,6 +119,8 @@ def _text(expression: ast.Expression, open_right: bool) -> str:
             return f"{_print(clock, _POSTFIXED, False)}'"
         case ast.QuantifierExpression(kind=kind, variable=variable, type=type_, body=body):
             return f"{kind} ({variable.name} : {print_type(type_)}) {_print(body, _QUANTIFIED, open_right)}"
+        case ast.SpawnExpression(template=template, arguments=arguments):
+            return f"spawn {template.name}({print_expressions(arguments)})"
         case ast.InitialiserList(items=items):
             return "{ " + ", ".join(_initialiser(name, value) for name, value in items) + " }"
         case _:

@@ -85,7 +85,7 @@ def _interface(situation: Situation) -> Diagnostic | None:
     if item.text != "IO" or situation.token.text != "{" or situation.tokens[situation.index - 1].type != "NAME":
         return None
     return Diagnostic(
-        "E0101",
+        "E0750",
         "'IO' declarations, which only refinement checking uses, are not supported",
         item.span.to(situation.token.span),
         "remove the declaration; it has no meaning for verification",
@@ -281,14 +281,17 @@ def expectations(accepted: frozenset[str]) -> str | None:
 def _begins_expression() -> set[str]:
     symbols = lexer().symbols
     prefixes = {symbols[text] for text in ("-", "+", "!", "++", "--", "(")}
-    words = {"NAME", "INTEGER", "FLOAT", "STRING", "TRUE", "FALSE", "NOT", "FORALL", "EXISTS", "SUM", "DEADLOCK"}
+    words = {
+        *("NAME", "INTEGER", "FLOAT", "STRING", "TRUE", "FALSE", "NOT", "DEADLOCK"),
+        *("FORALL", "EXISTS", "SUM", "FOREACH", "SPAWN"),
+    }
     return prefixes | words
 
 
 def _begins_type() -> set[str]:
     return {
         *("NAME", "INT", "BOOL", "CLOCK", "CHAN", "VOID", "SCALAR", "STRUCT", "CONST", "META", "URGENT", "BROADCAST"),
-        *("HYBRID", "TYPEDEF"),
+        *("HYBRID", "TYPEDEF", "DYNAMIC"),
     }
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from tachk.diagnostics.diagnostic import Diagnostic, Severity
@@ -21,11 +22,14 @@ from tachk.syntax.legacy import as_legacy
 from tachk.syntax.strict import additions
 from tachk.syntax.tables import lexer
 from tachk.syntax.tokens import Lexed, Token
+from tachk.syntax.unchecked import unchecked_family, words_of
 
 Diagnostics = tuple[Diagnostic, ...]
 
 
-def parse_document(source: Source, strict_xta: bool = False) -> tuple[ast.Document | None, Diagnostics]:
+def parse_document(
+    source: Source, strict_xta: bool = False, types: frozenset[str] = frozenset()
+) -> tuple[ast.Document | None, Diagnostics]:
     """Read a model.
 
     A text that is no modern XTA but is UPPAAL 3.x is read as that, with warning W0101 and ``Document.legacy`` set.
@@ -33,8 +37,9 @@ def parse_document(source: Source, strict_xta: bool = False) -> tuple[ast.Docume
     Args:
         source: the text.
         strict_xta: report everything that is not plain XTA.
+        types: names of types that the text uses but other files define; they are no contextual keywords here.
     """
-    items, lexed, diagnostics, legacy = _read(source, "document", resolve_document)
+    items, lexed, diagnostics, legacy = _read(source, "document", partial(resolve_document, types=types))
     if items is None:
         return None, diagnostics
     span = Span(source, 0, len(source.text))
@@ -104,6 +109,12 @@ def parse_query(source: Source, start: int = 0, end: int | None = None) -> tuple
     deep = bracket_errors(lexed.tokens)
     if deep:
         return None, (*lexed.errors, *deep)
+    if any(error.code == "E0002" for error in lexed.errors):
+        span = Span(source, start, len(source.text) if end is None else end)
+        words = words_of(span.text)
+        family = unchecked_family(words) if words else None
+        if family is not None:  # such as Pr[#<=10]: the languages of other analyses have more characters
+            return ast.QueryEntry(span, ast.UncheckedFormula(span, span.text.strip(), family)), ()
     value, errors = drive("query", resolve_query(lexed.tokens))
     return _unless_deep(value, lexed, _all_errors(lexed, errors))
 

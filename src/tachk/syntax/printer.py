@@ -34,7 +34,7 @@ def print_document(document: ast.Document) -> str:
     previous: ast.Item | None = None
     for item in settled.items:
         writer.separate(previous, item, _stands_apart(previous) or _stands_apart(item))
-        _write_item(writer, item)
+        write_item(writer, item)
         previous = item
     writer.finish(settled)
     return writer.text()
@@ -44,7 +44,8 @@ def _stands_apart(item: Any) -> bool:
     return isinstance(item, ast.Template | ast.FunctionDeclaration)
 
 
-def _write_item(writer: Writer, item: ast.Item) -> None:
+def write_item(writer: Writer, item: ast.Item) -> None:
+    """One item with its comments."""
     match item:
         case ast.Template():
             _write_template(writer, item)
@@ -54,8 +55,8 @@ def _write_item(writer: Writer, item: ast.Item) -> None:
         case ast.SystemLine(groups=groups):
             text = " < ".join(", ".join(identifier.name for identifier in group) for group in groups)
             writer.line(f"system {text};", item)
-        case ast.ProgressDeclaration(expressions=expressions):
-            writer.line("progress { " + "".join(f"{print_expression(e)}; " for e in expressions) + "}", item)
+        case ast.ProgressDeclaration(measures=measures):
+            writer.line("progress { " + "".join(f"{_measure(measure)}; " for measure in measures) + "}", item)
         case ast.GanttDeclaration(text=text):
             writer.line(f"gantt {text}", item)
         case ast.ImportDeclaration(path=path):
@@ -66,6 +67,11 @@ def _write_item(writer: Writer, item: ast.Item) -> None:
             _write_property(writer, item)
         case _:
             write_declaration(writer, item)
+
+
+def _measure(measure: ast.ProgressMeasure) -> str:
+    guard = "" if measure.guard is None else f"{print_expression(measure.guard)} : "
+    return guard + print_expression(measure.expression)
 
 
 def write_declaration(writer: Writer, item: ast.Declaration) -> None:
@@ -87,6 +93,8 @@ def write_declaration(writer: Writer, item: ast.Declaration) -> None:
         case ast.SignalDeclaration(name=name, expression=expression, doc=doc):
             writer.begin(item, doc)
             writer.condition(f"signal {name.name} = ", expression, ";", item)
+        case ast.DynamicTemplate(name=name, parameters=parameters):
+            writer.line(f"dynamic {name.name}({print_parameters(parameters)});", item)
         case ast.ForeignImport(library=library, span=span):
             text = span.text if span.text.startswith("import") else f'import "{library}" {{ }}'
             writer.line(f"{text};", item)

@@ -10,6 +10,8 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedErro
 from tachk.diagnostics.span import Source, Span
 
 FINDING = Diagnostic("E0101", "something is odd", Span(Source("m.ta", "chan c\n"), 0, 4))
+REFUSED = Diagnostic("E0750", "floating point is refused", FINDING.span)
+WARNING = Diagnostic("W0401", "something is unusual", FINDING.span)
 
 
 def raising(error: BaseException) -> ExitStatus:
@@ -20,6 +22,8 @@ def raising(error: BaseException) -> ExitStatus:
     ("error", "status", "said"),
     [
         (InputError([FINDING]), ExitStatus.BAD_INPUT, "m.ta:1:1: error[E0101]: something is odd"),
+        (InputError([REFUSED, WARNING]), ExitStatus.UNSUPPORTED, "error[E0750]: floating point is refused"),
+        (InputError([REFUSED, FINDING]), ExitStatus.BAD_INPUT, "error[E0101]: something is odd"),
         (UnsupportedError(FINDING), ExitStatus.UNSUPPORTED, "m.ta:1:1: error[E0101]: something is odd"),
         (UsageError("no such thing", "look elsewhere"), ExitStatus.BAD_INPUT, "help: look elsewhere"),
         (FileNotFoundError(2, "No such file", "gone"), ExitStatus.BAD_INPUT, "error: gone: No such file"),
@@ -43,8 +47,7 @@ def test_a_usage_error_names_the_model_it_is_about(capsys: pytest.CaptureFixture
 
 
 def test_too_many_findings_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
-    warning = Diagnostic("W0401", "something is unusual", FINDING.span)
-    guarded(lambda: raising(InputError([warning] * 30 + [FINDING])))
+    guarded(lambda: raising(InputError([WARNING] * 30 + [FINDING])))
     lines = capsys.readouterr().err.splitlines()
     assert lines[0].endswith("something is odd")
     assert lines[-1] == "... and 11 more"

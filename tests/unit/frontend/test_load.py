@@ -154,3 +154,18 @@ def test_words_of_the_additions_stay_names(load: Any) -> None:
 
 def test_progress_and_gantt_have_no_meaning(load: Any) -> None:
     assert load(f"int n; {PROCESS} progress {{ n; }}\nsystem P;\n").warnings == ()
+
+
+def test_a_contextual_keyword_may_name_a_type_of_an_imported_file(tmp_path: Path) -> None:
+    path = write(
+        tmp_path,
+        main='import "middle.ta";\nsignal x = 3;\nlocation there = 1;\nspawn more(int a) { return 2; }\n'
+        "process P() { location here; state s; init s; trans s -> s { assign here = there, x = more(1); }; }\n"
+        "system P;\nproperty p : A[] x <= 3;",
+        middle='import "types.ta";',
+        types="typedef int[0,5] signal, location, spawn;",
+    )
+    network = load_model(path).network
+    assert network.signals == ()
+    assert [variable.name for variable in network.variables] == ["x", "there"]
+    assert [location.name for location in network.processes[0].locations] == ["s"]
