@@ -19,6 +19,7 @@ from tachk.syntax.layout import Point
 _LOOP_LENGTH, _LOOP_HALF_WIDTH = 44, 10
 _LABEL_GAP = 3
 _MARGIN = 3
+_STEEP = 0.3
 
 _DIAGONAL = 0.7071
 _DIRECTIONS = (
@@ -87,7 +88,8 @@ class _Scene:
             return not any(segment_meets_box(a, b, box) for box in boxes)
 
         route = shortened(self.sketch, self.routes, at, free, None)
-        if len(route) == len(self.routes[at]):
+        # Two nails hold a level line under its labels, which is tidier than one nail.
+        if len(route) == len(self.routes[at]) or (len(route) > 2 and len(self.routes[at]) == 4):
             return
         if self.labels[at] is None:
             self.routes[at] = route
@@ -131,7 +133,7 @@ def _beyond(nails: Sequence[Point], direction: tuple[float, float], size: Size) 
 
 
 def _beside(route: Sequence[Point], size: Size) -> Iterator[Box]:
-    """Boxes of this size that touch a line: first in its middle, above or right of it."""
+    """Boxes of this size that touch a line: first in its middle, right of it or above."""
     width, height = size
     length = sum(hypot(b.x - a.x, b.y - a.y) for a, b in pairwise(route))
     for part in (0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74):
@@ -144,7 +146,7 @@ def _beside(route: Sequence[Point], size: Size) -> Iterator[Box]:
         along = rest / step if step else 0.0
         x, y = a.x + along * (b.x - a.x), a.y + along * (b.y - a.y)
         across_x, across_y = (b.y - a.y) / (step or 1.0), (a.x - b.x) / (step or 1.0)
-        if (round(across_y, 3), -across_x) > (0, 0):
+        if across_x < -_STEEP or (across_x < _STEEP and across_y > 0):
             across_x, across_y = -across_x, -across_y
         reach = abs(across_x) * width / 2 + abs(across_y) * height / 2 + _LABEL_GAP
         for side in (1, -1):
