@@ -88,12 +88,16 @@ class TemplateLayout:
     name: the position of the template's name.
     nodes: locations and branchpoints by name.
     extra: elements that tachk does not know, as they stood in the file.
+    parameter, declaration: the text of the sections, used again only while it still means the same. They are no part of
+        a side file: there the text of the model itself holds every comment and line break.
     """
 
     name: Point | None = None
     nodes: Mapping[str, NodeLayout] = field(default_factory=dict)
     edges: Mapping[EdgeKey, EdgeLayout] = field(default_factory=dict)
     extra: tuple[str, ...] = ()
+    parameter: str | None = None
+    declaration: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +127,7 @@ class Layout:
     options: of the whole list of queries.
     queries: in the order of the file, headings included.
     extra: elements that tachk does not know, as they stood in the file, such as message sequence charts.
+    declaration, system: the text of the sections, as in `TemplateLayout`.
     """
 
     templates: Mapping[str, TemplateLayout] = field(default_factory=dict)
@@ -130,6 +135,13 @@ class Layout:
     options: tuple[tuple[str, str], ...] = ()
     queries: tuple[QueryLayout, ...] = ()
     extra: tuple[str, ...] = ()
+    declaration: str | None = None
+    system: str | None = None
+
+
+def nodes_of(template: ast.Template) -> tuple[ast.LocationDeclaration | ast.Branchpoint, ...]:
+    """The locations of a template, then its branchpoints."""
+    return (*template.locations, *template.branchpoints)
 
 
 def keyed_edges(template: ast.Template) -> Iterator[tuple[EdgeKey, ast.EdgeDeclaration]]:
@@ -142,8 +154,7 @@ def keyed_edges(template: ast.Template) -> Iterator[tuple[EdgeKey, ast.EdgeDecla
 
 
 def _edges(template: ast.Template) -> Iterable[tuple[str, ast.EdgeDeclaration]]:
-    owners: tuple[ast.LocationDeclaration | ast.Branchpoint, ...] = (*template.locations, *template.branchpoints)
-    for owner in owners:
+    for owner in nodes_of(template):
         for edge in owner.edges:
             yield owner.name.name, edge
     for edge in template.edges:

@@ -18,7 +18,7 @@ from tachk.syntax.layout import Layout, TemplateLayout
 from tachk.syntax.parser import comments_within, parse_declarations, parse_system
 from tachk.syntax.query_files import BrokenQuery
 from tachk.syntax.uppaal_xml_queries import QueriesReader
-from tachk.syntax.uppaal_xml_template import TemplateReader
+from tachk.syntax.uppaal_xml_template import TemplateReader, section
 from tachk.syntax.uppaal_xml_text import Extract, Extracted
 from tachk.syntax.uppaal_xml_tree import Element, parse_xml
 
@@ -102,7 +102,15 @@ class _Reader:
         for element in self.root.all("system"):
             items += self._parsed(parse_system, texts.text(element))
         items += self.queries.build(texts)
-        layout = Layout(pictures, self.dtd, self.queries.options, tuple(self.queries.layouts), self._extra())
+        layout = Layout(
+            pictures,
+            self.dtd,
+            self.queries.options,
+            tuple(self.queries.layouts),
+            self._extra(),
+            section(self.root, "declaration"),
+            section(self.root, "instantiation", "system"),
+        )
         whole = Span(texts.source, 0, len(texts.source.text))
         document = ast.Document(whole, tuple(items), self._comments(texts, items))
         return XmlModel(document, layout, tuple(self.queries.broken), _one_legacy_warning(self.diagnostics))

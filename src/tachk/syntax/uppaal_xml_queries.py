@@ -25,7 +25,8 @@ from tachk.syntax.uppaal_xml_tree import Element
 _NAMED = re.compile(r"(?P<name>[A-Za-z_]\w*)(?::[ \t]+(?P<title>[^\n\"]*[^\s\"]))?(?:\n|\Z)", re.ASCII)
 _AUTOMATIC = re.compile(r"q[0-9]+")
 _OUTCOMES = {"success": "holds", "failure": "fails"}
-_MEASURES = ("sup", "inf", "bounds")
+_EXPECT_LINE = re.compile(r"(?:\A|\n)EXPECT:\S+\Z")
+MEASURES = ("sup", "inf", "bounds")
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +82,7 @@ class QueriesReader:
                 continue
             if not said.name or said.name in used:
                 name = _automatic_name(number, taken | used)
-                said = Described(name, "", plain_text(comment))
+                said = Described(name, "", _described(comment))
             used.add(said.name)
             span = texts.text(formula)
             entry, diagnostics = parse_query(span.source, span.start, span.end)
@@ -91,10 +92,10 @@ class QueriesReader:
                 continue
             place = texts.tag(element)
             expectation = entry.expectation or expectation_in(formula.text) or expectation_in(comment)
-            if isinstance(entry.formula, ast.QueryFormula) and entry.formula.kind in _MEASURES:
+            if isinstance(entry.formula, ast.QueryFormula) and entry.formula.kind in MEASURES:
                 expectation = None
             else:
-                expectation = expectation or _outcome(element)
+                expectation = expectation or outcome(element.children)
             node = ast.PropertyDeclaration(
                 Span(span.source, place.start, span.end),
                 ast.Identifier(place, said.name),
@@ -109,7 +110,7 @@ class QueriesReader:
                     kept,
                     said.name,
                     None if comment == comment_of(node) else comment,
-                    None if formula.text == print_formula(node.formula) else formula.text,
+                    None if formula.text == print_formula(node.formula) and not results else formula.text,
                 )
             )
         return found
@@ -124,11 +125,23 @@ def comment_of(node: ast.PropertyDeclaration) -> str:
 
 def describe(comment: str) -> Described:
     """Name, title and documentation that the comment of a query gives; the name is empty if it gives none."""
-    text = plain_text(comment)
+    text = _described(comment)
     found = _NAMED.match(text)
     if found is None or found["name"] in lexer().keywords:
         return Described("", "", text)
     return Described(found["name"], found["title"] or "", text[found.end() :])
+
+
+def says(comment: str, node: ast.PropertyDeclaration) -> bool:
+    """Whether a comment gives the title and the documentation of a property."""
+    said = describe(comment)
+    named = (said.name, said.title, said.doc) == (node.name.name, node.title, node.doc)
+    return named or (not node.title and node.doc == _described(comment))
+
+
+def _described(comment: str) -> str:
+    """A comment without the line that states an expectation."""
+    return _EXPECT_LINE.sub("", plain_text(comment))
 
 
 def _automatic_name(number: int, taken: set[str]) -> str:
@@ -139,13 +152,13 @@ def _automatic_name(number: int, taken: set[str]) -> str:
     return name
 
 
-def _outcome(element: Element) -> str | None:
-    """The expectation that the elements ``expect`` or ``result`` of a query state; what is meant comes first."""
+def outcome(elements: Sequence[Element]) -> str | None:
+    """The expectation that ``expect`` or ``result`` among some elements states; what is meant comes first."""
     for name in ("expect", "result"):
-        for child in element.all(name):
-            outcome = _OUTCOMES.get(child.attributes.get("outcome", ""))
-            if outcome is not None and child.attributes.get("type", "quality") in ("quality", "symbolic"):
-                return outcome
+        for element in elements:
+            stated = _OUTCOMES.get(element.attributes.get("outcome", ""))
+            if element.name == name and stated and element.attributes.get("type", "quality") in ("quality", "symbolic"):
+                return stated
     return None
 
 

@@ -273,6 +273,8 @@ class TemplateReader:
             nodes,
             dict(zip((key for key, _ in keyed_edges(template)), pictures, strict=True)),
             extra,
+            section(self.element, "parameter"),
+            section(self.element, "declaration"),
         )
         return template, picture
 
@@ -399,6 +401,12 @@ def _label_layouts(labels: Mapping[str, Element], printed: Mapping[str, str]) ->
 def _comment(labels: Mapping[str, Element]) -> str:
     label = labels.get("comments")
     return "" if label is None else plain_text(label.text)
+
+
+def section(element: Element, *names: str) -> str | None:
+    """The text of the children with certain names, None if there is none of them."""
+    texts = [child.text for name in names for child in element.all(name)]
+    return "\n".join(texts) if texts else None
 
 
 def plain_text(text: str) -> str:

@@ -1,0 +1,71 @@
+"""The queries of a UPPAAL document: in the order of the file they came from, headings and saved results included."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from tachk.diagnostics.span import Source
+from tachk.export.plain import PlainQuery
+from tachk.frontend.load import LoadedModel
+from tachk.syntax import ast
+from tachk.syntax.expression_printer import print_formula
+from tachk.syntax.layout import QueryLayout
+from tachk.syntax.parser import parse_query
+from tachk.syntax.query_files import expectation_in
+from tachk.syntax.uppaal_xml_queries import MEASURES, comment_of, outcome, says
+from tachk.syntax.uppaal_xml_tree import parse_xml
+
+_WORDS = {"holds": "EXPECT:T", "fails": "EXPECT:F"}
+
+
+@dataclass(frozen=True, slots=True)
+class QueryView:
+    formula: str
+    comment: str
+    options: tuple[tuple[str, str], ...] = ()
+    results: tuple[str, ...] = ()
+
+
+def query_views(
+    model: LoadedModel, queries: Sequence[PlainQuery], layouts: Sequence[QueryLayout]
+) -> tuple[QueryView, ...]:
+    """All entries of the list of queries. What the layout does not know comes last."""
+    properties = {item.name.name: item for item in model.items if isinstance(item, ast.PropertyDeclaration)}
+    known = {query.name: query for query in queries}
+    views = []
+    for layout in layouts:
+        if not layout.name:
+            views.append(QueryView(layout.formula or "", layout.comment or "", layout.options, layout.results))
+        elif layout.name in known:
+            views.append(_view(known.pop(layout.name), properties[layout.name], layout))
+    views += [_view(query, properties[query.name], QueryLayout(query.name)) for query in known.values()]
+    return tuple(views)
+
+
+def _view(query: PlainQuery, node: ast.PropertyDeclaration, layout: QueryLayout) -> QueryView:
+    formula = print_formula(query.formula)
+    results = layout.results
+    if layout.formula is not None:
+        entry, diagnostics = parse_query(Source("", layout.formula))
+        if entry is not None and not diagnostics and entry.formula == query.formula:
+            formula = layout.formula
+        else:
+            results = ()
+    comment = comment_of(node)
+    if layout.comment is not None and says(layout.comment, node):
+        comment = layout.comment
+    stated = expectation_in(formula) or expectation_in(comment) or _outcome(query, results)
+    if query.expectation != stated:
+        results = ()
+        stated = expectation_in(formula) or expectation_in(comment)
+        if query.expectation is not None and query.expectation != stated:
+            comment = "\n".join(part for part in (comment, _WORDS[query.expectation]) if part)
+    return QueryView(formula, comment, layout.options, results)
+
+
+def _outcome(query: PlainQuery, results: Sequence[str]) -> str | None:
+    """The expectation that will be read from saved results; a formula that measures has none."""
+    if isinstance(query.formula, ast.QueryFormula) and query.formula.kind in MEASURES:
+        return None
+    return outcome([parse_xml(Source("", text)).root for text in results])

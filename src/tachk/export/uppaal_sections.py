@@ -1,0 +1,165 @@
+"""The sections of code in a UPPAAL document: as they were written where they still say the same, else formatted, with
+their comments."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.diagnostics.span import Source, Span
+from tachk.export.plain import PlainModel
+from tachk.frontend.load import LoadedModel
+from tachk.syntax import ast
+from tachk.syntax.comment_placement import Placement, line_nodes, place_comments
+from tachk.syntax.expression_printer import print_parameters
+from tachk.syntax.parser import parse_declarations, parse_document, parse_parameters, parse_system
+from tachk.syntax.printer import write_item
+from tachk.syntax.writer import Writer
+
+_BESIDE = ast.PropertyDeclaration | ast.SignalDeclaration | ast.TimeUnitDeclaration | ast.ImportDeclaration
+_DECLARED = (
+    ast.VariableDeclaration
+    | ast.TypedefDeclaration
+    | ast.FunctionDeclaration
+    | ast.ChannelPriorityDeclaration
+    | ast.UpdateHook
+    | ast.ForeignImport
+)
+
+Parse = Callable[[Source], tuple[Any, tuple[Diagnostic, ...]]]
+
+
+@dataclass(frozen=True, slots=True)
+class Sections:
+    """Writes the sections of one model."""
+
+    plain: PlainModel
+    before: tuple[ast.Item, ...]
+    after: tuple[ast.Item, ...]
+    placement: Placement
+    last_comments: tuple[str, ...] = ()
+
+    def declaration(self, written: str | None) -> str:
+        """The global declarations."""
+        if not self.plain.time_unit and same(written, parse_declarations, self.before):
+            return written or ""
+        unit = [f"// one time unit is {self.plain.time_unit}"] if self.plain.time_unit else []
+        return self._text(self.before, unit)
+
+    def system(self, written: str | None) -> str:
+        """The instantiations and the system line with what stands beside it."""
+        return (
+            written or "" if same(written, parse_system, self.after) else self._text(self.after, [], self.last_comments)
+        )
+
+    def parameter(self, template: ast.Template, written: str | None) -> str:
+        if same(written, parse_parameters, template.parameters):
+            return written or ""
+        return print_parameters(template.parameters)
+
+    def template_declaration(self, template: ast.Template, written: str | None) -> str:
+        """The local declarations, after the documentation of the template."""
+        doc = [f"/// {line}".rstrip() for line in template.doc.split("\n")] if template.doc else []
+        if same(written, parse_declarations, template.declarations) and (not doc or "\n".join(doc) in (written or "")):
+            return written or ""
+        placed = self.placement
+        head = [c.text for table in (placed.before, placed.opening) for c in table.get(id(template), [])]
+        last = [c.text for table in (placed.closing, placed.behind) for c in table.get(id(template), [])]
+        return self._text(template.declarations, [*doc, *([""] if doc else []), *head], last)
+
+    def comments_beside(self, node: ast.LocationDeclaration | ast.Branchpoint | ast.EdgeDeclaration) -> list[str]:
+        """The comments that stand before, in or behind a location or edge, as plain text."""
+        found = []
+        for part in (node, *line_nodes(node)):
+            if isinstance(part, ast.EdgeDeclaration) and part is not node:
+                continue
+            tables = self.placement.before, self.placement.opening, self.placement.behind, self.placement.closing
+            found += [comment for table in tables for comment in table.get(id(part), [])]
+        found.sort(key=lambda comment: comment.span.start)
+        return [_bare(comment.text) for comment in found]
+
+    def _text(self, items: Sequence[Any], head: Sequence[str], tail: Sequence[str] = ()) -> str:
+        writer = Writer(ast.Document(self.plain.span, tuple(items)), self.placement)
+        for line in head:
+            writer.raw(line)
+        previous: Any = None
+        for item in items:
+            writer.separate(previous, item, isinstance(item, ast.FunctionDeclaration))
+            write_item(writer, item)
+            previous = item
+        for line in tail:
+            writer.raw(line)
+        return writer.text()
+
+
+def sections(model: LoadedModel, plain: PlainModel) -> Sections:
+    """The sections of a model; what its text declares behind the last template goes to the system section."""
+    declarations, instantiations = iter(plain.declarations), iter(plain.instantiations)
+    progress, gantt = iter(plain.progress), iter(plain.gantt)
+    last = max((at for at, item in enumerate(model.items) if isinstance(item, ast.Template)), default=-1)
+    before: list[ast.Item] = []
+    after: list[ast.Item] = []
+    for at, item in enumerate(model.items):
+        match item:
+            case _ if isinstance(item, _DECLARED):
+                (before if at < last else after).append(next(declarations))
+            case ast.Instantiation():
+                after.append(next(instantiations))
+            case ast.SystemLine():
+                after.append(plain.system)
+            case ast.ProgressDeclaration():
+                after.append(next(progress))
+            case ast.GanttDeclaration():
+                after.append(next(gantt))
+            case _:
+                pass
+    before += declarations  # what the expansion declares
+    placement = _placement(model, plain)
+    last_comments = tuple(comment.text for comment in placement.closing.get(id(model.document), []))
+    return Sections(plain, tuple(before), tuple(after), placement, last_comments)
+
+
+def same(written: str | None, parse: Parse, meant: object) -> bool:
+    """Whether a text says exactly what is meant, in today's syntax."""
+    if written is None:
+        return not meant
+    value, diagnostics = parse(Source("", written))
+    return not diagnostics and value == meant
+
+
+def _placement(model: LoadedModel, plain: PlainModel) -> Placement:
+    """Where the comments of all files of a model stand."""
+    placement = Placement()
+    items = plain.items()
+    roots = {id(item.span.source): item.span.source for item in (*items, model.document)}
+    for source in roots.values():
+        whole = Span(source, 0, len(source.text))
+        beside = tuple(i for i in (*model.document.items, *model.items) if isinstance(i, _BESIDE))
+        document = ast.Document(whole, (*items, *beside), tuple(_comments(source, model)))
+        found = place_comments(document)
+        if source is model.document.span.source and id(document) in found.closing:
+            placement.closing[id(model.document)] = found.closing.pop(id(document))
+        for name in ("before", "behind", "opening", "closing"):
+            getattr(placement, name).update(getattr(found, name))
+    return placement
+
+
+def _comments(source: Source, model: LoadedModel) -> Iterable[ast.Comment]:
+    if source is model.document.span.source:
+        return model.document.comments
+    document, _ = parse_document(source) if source.text else (None, ())
+    return () if document is None else document.comments
+
+
+def _bare(comment: str) -> str:
+    """A comment without its delimiters."""
+    if comment.startswith("//"):
+        return comment.lstrip("/").strip()
+    return "\n".join(_starless(comment[2:].removesuffix("*/").splitlines())).strip()
+
+
+def _starless(lines: Iterable[str]) -> Iterator[str]:
+    for line in lines:
+        yield line.strip().removeprefix("*").strip()
