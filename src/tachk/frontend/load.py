@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UsageError
 from tachk.diagnostics.span import Source
 from tachk.frontend.context import Budget, Context
+from tachk.frontend.damage import beyond_damage
 from tachk.frontend.elaborate import Elaborated, elaborate
 from tachk.frontend.findings import Findings, did_you_mean
 from tachk.frontend.imports import Importer
@@ -73,11 +74,15 @@ def load_model(
         return _load_xml(parse_uppaal_xml(source), constants or {}, strict_xta)
     document, items = Importer(findings, strict_xta).read(source)
     _refuse_dynamic_templates(items, findings)
-    if document is None or findings.has_errors:
+    if document is None or any(isinstance(item, ast.DynamicTemplate) for item in items):
         raise InputError(findings.sorted())
+    unreadable = findings.sorted() if findings.has_errors else ()
     overrides = _overrides(constants or {}, items, findings)
     context = Context(findings, budget=Budget(INSTANCES))
     result: Elaborated = elaborate(items, document.span, overrides, context)
+    if unreadable:
+        further = [diagnostic for diagnostic in findings.sorted() if diagnostic not in unreadable]
+        raise InputError((*unreadable, *beyond_damage(unreadable, further, items)))
     if findings.has_errors:
         raise InputError(findings.sorted())
     return LoadedModel(
