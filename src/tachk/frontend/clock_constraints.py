@@ -27,7 +27,7 @@ from tachk.model.expressions import (
     Unary,
     UnaryOperator,
 )
-from tachk.model.traversal import children
+from tachk.model.traversal import children, walk
 from tachk.model.types import BoolType, ClockType, IntType, ScalarType, bounds
 
 COMPARISONS = {
@@ -135,13 +135,18 @@ def compare(
     return None
 
 
+def mentions_comparison(expression: Expression) -> bool:
+    """Whether clocks are compared anywhere in an expression."""
+    return any(isinstance(node, Binary) and _is_comparison(node) for node in walk(expression))
+
+
 def compares_clocks(expression: Expression, known: dict[int, bool]) -> bool:
     """Whether the value depends on a comparison of clocks; ``known`` keeps the answers by the identity of nodes."""
     answer = known.get(id(expression))
     if answer is None:
-        answer = isinstance(expression, Binary) and _is_comparison(expression)
-        for child in children(expression):
-            answer = compares_clocks(child, known) or answer
+        answer = (isinstance(expression, Binary) and _is_comparison(expression)) or any(
+            compares_clocks(child, known) for child in children(expression)
+        )
         known[id(expression)] = answer
     return answer
 
@@ -152,9 +157,9 @@ def _is_comparison(expression: Binary) -> bool:
 
 def forbid(expression: Expression, where: str, context: Context) -> bool:
     """Reports a comparison of clocks where none may stand; ``where`` reads like "an update"."""
-    known: dict[int, bool] = {}
-    if not compares_clocks(expression, known):
+    if not mentions_comparison(expression):
         return True
+    known: dict[int, bool] = {}
     node = expression
     while True:
         inner = next((child for child in children(node) if compares_clocks(child, known)), None)
@@ -173,10 +178,9 @@ def forbid(expression: Expression, where: str, context: Context) -> bool:
 def convex(condition: Expression, where: str, context: Context) -> Expression | None:
     """The condition of a guard or invariant in convex form, or None after a report; ``where`` is "guard" or
     "invariant"."""
-    known: dict[int, bool] = {}
-    if not compares_clocks(condition, known):
+    if not mentions_comparison(condition):
         return condition
-    return _convex(condition, True, where, known, context)
+    return _convex(condition, True, where, {}, context)
 
 
 def _convex(

@@ -13,6 +13,7 @@ from tachk.syntax import ast
 from tachk.syntax.contextual import CONTEXTUAL_KEYWORDS
 from tachk.syntax.parser import parse_document
 from tachk.syntax.source_files import read_source
+from tachk.syntax.tchecker_text import is_tchecker, parse_tchecker
 
 
 @dataclass(slots=True)
@@ -33,10 +34,13 @@ class Importer:
         """The document, and its items with the imported ones in the places of their imports."""
         path = Path(source.name).absolute()
         self.reading.append(path.resolve())
-        document, diagnostics = parse_document(source, self.strict_xta)
+        if is_tchecker(source):
+            document, diagnostics = parse_tchecker(source)
+        else:
+            document, diagnostics = parse_document(source, self.strict_xta)
         imported: dict[str, list[ast.Item]] = {}
-        for item in _imports(document):
-            imported.setdefault(item.path, []).extend(self._import(item, path.parent))
+        for node in _imports(document):
+            imported.setdefault(node.path, []).extend(self._import(node, path.parent))
         words = _keywords_as_types(item for items in imported.values() for item in items)
         if words:
             # What the text says depends on these words not being keywords, so it is read again.

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import NOWHERE, Span
-from tachk.frontend.clock_constraints import compares_clocks
+from tachk.frontend.clock_constraints import mentions_comparison
 from tachk.frontend.context import Context
 from tachk.frontend.expressions import condition, expression
 from tachk.frontend.findings import Findings
@@ -93,7 +93,7 @@ def _measured(node: ast.Expression, scope: Scope, context: Context) -> Expressio
             return value
         context.error("E0503", node.span, "only a clock, a difference of two clocks or an integer can be measured")
         return None
-    if not is_integral(value.type) or compares_clocks(value, {}):
+    if not is_integral(value.type) or mentions_comparison(value):
         context.error(
             "E0503",
             node.span,

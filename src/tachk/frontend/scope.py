@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from tachk.diagnostics.diagnostic import Label
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.frontend.findings import Findings, did_you_mean
-from tachk.model.expressions import Expression, Function
+from tachk.model.expressions import Constant, Expression, Function, Reference
 from tachk.model.types import Type
 from tachk.syntax import ast
 
@@ -30,7 +30,13 @@ class ValueSymbol:
 
     def use(self, span: Span) -> Expression:
         """The expression with the place where the name is used."""
-        return replace(self.expression, span=span)
+        match self.expression:
+            case Reference(variable):
+                return Reference(variable, span)
+            case Constant(value, type_):
+                return Constant(value, type_, span)
+            case other:
+                return replace(other, span=span)
 
 
 @dataclass(frozen=True, slots=True)

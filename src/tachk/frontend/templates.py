@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from tachk.frontend.channels import ChannelTable
-from tachk.frontend.clock_constraints import compares_clocks, convex, forbid
+from tachk.frontend.clock_constraints import convex, forbid, mentions_comparison
 from tachk.frontend.context import Context
 from tachk.frontend.declarations import Declared, declare
 from tachk.frontend.expressions import condition, expression, type_reader
@@ -177,7 +177,7 @@ class Body:
         return convex(value, "guard", self.context)
 
     def _urgent_guard(self, synchronisation: Synchronisation | None, guard: Expression | None) -> None:
-        if synchronisation is None or guard is None or not compares_clocks(guard, {}):
+        if synchronisation is None or guard is None or not mentions_comparison(guard):
             return
         type_ = synchronisation.channel.type
         if isinstance(type_, ChannelType) and type_.urgent:

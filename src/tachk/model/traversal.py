@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from operator import attrgetter
+from typing import Any
 
 from tachk.model.expressions import (
     Aggregate,
@@ -34,32 +36,24 @@ from tachk.model.expressions import (
     While,
 )
 
+_CHILDREN: dict[type, Callable[[Any], tuple[Expression, ...]]] = {
+    **dict.fromkeys((Constant, Reference, LocationTest, Deadlock), lambda _: ()),
+    **dict.fromkeys((Aggregate, Comma), attrgetter("items")),
+    Index: attrgetter("base", "index"),
+    Field: lambda field: (field.base,),
+    Unary: lambda unary: (unary.operand,),
+    Binary: attrgetter("left", "right"),
+    Conditional: attrgetter("condition", "then", "otherwise"),
+    Quantifier: lambda quantifier: (quantifier.body,),
+    Assign: attrgetter("target", "value"),
+    Increment: lambda increment: (increment.target,),
+    Call: attrgetter("arguments"),
+}
+
 
 def children(expression: Expression) -> tuple[Expression, ...]:
     """The direct subexpressions, in order of evaluation."""
-    match expression:
-        case Constant() | Reference() | LocationTest() | Deadlock():
-            return ()
-        case Index(base, index):
-            return base, index
-        case Field(base):
-            return (base,)
-        case Aggregate(items) | Comma(items):
-            return items
-        case Unary(_, operand):
-            return (operand,)
-        case Binary(_, left, right):
-            return left, right
-        case Conditional(condition, then, otherwise):
-            return condition, then, otherwise
-        case Quantifier(_, _, body):
-            return (body,)
-        case Assign(target, value):
-            return target, value
-        case Increment(target):
-            return (target,)
-        case Call(_, arguments):
-            return arguments
+    return _CHILDREN[type(expression)](expression)
 
 
 def walk(expression: Expression) -> Iterator[Expression]:
@@ -68,7 +62,9 @@ def walk(expression: Expression) -> Iterator[Expression]:
     while pending:
         current = pending.pop()
         yield current
-        pending.extend(reversed(children(current)))
+        inner = children(current)
+        if inner:
+            pending.extend(reversed(inner))
 
 
 def statement_expressions(statement: Statement) -> Iterator[Expression]:

@@ -52,8 +52,8 @@ def target_of(query: Query) -> Expression:
 
 def _demands(target: Expression) -> tuple[bool, frozenset[Variable]]:
     parts = list(walk(target))
-    clocks = (part.variable for part in parts if isinstance(part, Reference) and _has_clock(part.variable))
-    return any(isinstance(part, Deadlock) for part in parts), frozenset(clocks)
+    variables = {part.variable for part in parts if isinstance(part, Reference)}
+    return any(isinstance(part, Deadlock) for part in parts), frozenset(filter(_has_clock, variables))
 
 
 def _has_clock(variable: Variable) -> bool:

@@ -91,10 +91,10 @@ def _text(expression: ast.Expression, open_right: bool) -> str:
             return f"{operator}({inner})" if inner.startswith(operator) and operator != "!" else operator + inner
         case ast.BinaryExpression(operator=operator):
             level = BINARY_LEVEL[operator]
-            first, *others, last = operands_of(expression)
+            head, *others, last = operands_of(expression)
             return f" {operator} ".join(
                 (
-                    _print(first, level + needs_parentheses(first, operator), False),
+                    _print(head, level + needs_parentheses(head, operator), False),
                     *(_print(operand, level + 1, False) for operand in others),
                     _print(last, level + 1, open_right),
                 )

@@ -36,7 +36,7 @@ def test_it_is_named_and_is_the_only_error(text: str, named: str) -> None:
         load_model(Source("m.ta", text))
     errors = [found for found in caught.value.diagnostics if found.severity is Severity.ERROR]
     assert all(found.is_unsupported for found in errors)
-    assert [found.span.text for found in errors][0] in (named, named.split("(")[0])
+    assert next(found.span.text for found in errors) in (named, named.split("(")[0])
 
 
 def test_io_declarations_are_named() -> None:
