@@ -30,7 +30,7 @@ _GAP = 120
 def complete(template: ast.Template, known: TemplateLayout | None) -> TemplateLayout:
     """The layout with a position for every location, name and label that may be written.
 
-    A template none of whose locations has a position is placed as a whole; single new ones are placed beside the others.
+    A template without any position is placed as a whole; single new locations are placed beside the others.
     """
     names = [node.name.name for node in nodes_of(template)]
     layout = known or TemplateLayout()
