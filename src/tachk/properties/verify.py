@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
+from fractions import Fraction
 
 from tachk.certify.replay import ReplayError, replay
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, InternalError, UnsupportedError
 from tachk.engines.concretise import concretise
 from tachk.engines.protocol import INTERRUPTED, GoalOutcome, Limits, Options, Outcome, Progress, Statistics, Status
 from tachk.engines.zone import explore
+from tachk.model.evaluate import holds
+from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query, QueryKind
 from tachk.properties.fault import explain
 from tachk.properties.plan import Search, Task, plan
 from tachk.properties.verdict import Answer, Verdict
-from tachk.semantics.discrete import prepare
+from tachk.semantics.discrete import environment, initial_discrete, prepare
 from tachk.semantics.features import check_supported
 from tachk.semantics.lower import lower
-from tachk.semantics.step import initial_state, satisfies_invariants
 
 
 def verify(
@@ -75,18 +78,24 @@ def _not_begun(task: Task) -> Verdict:
 
 def _check_initial_state(network: Network) -> None:
     model = prepare(network)
-    if satisfies_invariants(model, initial_state(model)):
-        return
-    raise InputError(
-        Diagnostic(
-            "E0409",
-            f"the invariant of the initial location {process.name}.{location.name} does not hold in the initial state",
-            location.span,
-            "every clock starts at 0 and every variable at its initial value",
+    start = environment(model, initial_discrete(model), (Fraction(0),) * (model.dimension - 1))
+    violated = []
+    for process in network.processes:
+        location = process.locations[process.initial]
+        # An invariant that cannot be evaluated is a run-time error, which the search reports.
+        with suppress(EvaluationFault):
+            if not holds(location.invariant, start):
+                violated.append((process.name, location))
+    if violated:
+        raise InputError(
+            Diagnostic(
+                "E0409",
+                f"the invariant of the initial location {name}.{location.name} does not hold in the initial state",
+                location.span,
+                "every clock starts at 0 and every variable at its initial value",
+            )
+            for name, location in violated
         )
-        for process in network.processes
-        if (location := process.locations[process.initial]).invariant is not None
-    )
 
 
 def _unsupported(query: Query, diagnostic: Diagnostic) -> Verdict:

@@ -1,0 +1,24 @@
+"""A short way from a text to verdicts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from tachk.diagnostics.span import Source
+from tachk.frontend.load import load_model
+from tachk.properties.verdict import Verdict
+from tachk.properties.verify import verify
+
+
+@pytest.fixture
+def verdicts() -> Callable[..., dict[str, Verdict]]:
+    """The verdicts of all properties of a model, by name; keywords go to `verify`."""
+
+    def answer(text: str, **options: Any) -> dict[str, Verdict]:
+        loaded = load_model(Source("model.ta", text))
+        return {v.query.name: v for v in verify(loaded.network, loaded.queries, **options)}
+
+    return answer

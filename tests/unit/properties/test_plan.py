@@ -1,0 +1,61 @@
+"""Which queries share a search."""
+
+from __future__ import annotations
+
+import pytest
+
+from tachk.diagnostics.span import Source
+from tachk.frontend.load import load_model
+from tachk.model.query import Query
+from tachk.properties.plan import plan, target_of
+
+MODEL = """
+int n;
+clock g;
+clock many[2];
+process P() { clock x; init location a { to b; } location b; }
+system P;
+property first : E<> P.b;
+property on_clock : E<> P.x > 3;
+property second : A[] n == 0;
+property deadlock_free : A[] not deadlock;
+property same_clock : A[] P.b imply P.x >= 0;
+property other_clock : E<> g > 3;
+property stuck_late : E<> deadlock && P.x > 1;
+property stuck : E<> deadlock && P.b;
+property all_clocks : A[] forall (i : int[0,1]) many[i] <= many[i] + n;
+property live : A<> P.b;
+property most : sup: n;
+"""
+
+
+def queries() -> dict[str, Query]:
+    return {query.name: query for query in load_model(Source("m.ta", MODEL)).queries}
+
+
+def test_queries_about_the_same_clocks_and_deadlock_share_a_search() -> None:
+    known = queries()
+    chosen = [known[name] for name in list(known)[:8]]
+    assert [[task.query.name for task in search.tasks] for search in plan(chosen)] == [
+        ["first", "second"],
+        ["on_clock", "same_clock"],
+        ["deadlock_free", "stuck"],
+        ["other_clock"],
+        ["stuck_late"],
+    ]
+
+
+def test_no_queries_need_no_search() -> None:
+    assert plan([]) == ()
+
+
+def test_the_target_of_an_invariant_is_its_violation() -> None:
+    known = queries()
+    assert target_of(known["first"]) is known["first"].predicate
+    assert str(target_of(known["second"])) != str(known["second"].predicate)
+
+
+@pytest.mark.parametrize("name", ["live", "most"])
+def test_what_reachability_cannot_decide_is_no_task(name: str) -> None:
+    with pytest.raises(ValueError):
+        plan([queries()[name]])
