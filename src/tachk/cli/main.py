@@ -163,6 +163,20 @@ def fmt(
 
 
 @app.command()
+def draw(
+    model: Annotated[str, typer.Argument(metavar="MODEL", help="A model file.")],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="DIR|FILE.svg", help="A folder, or one file for all templates.")
+    ] = Path(),
+    template: Annotated[str | None, typer.Option(metavar="NAME", help="Draw this template only.")] = None,
+) -> None:
+    """Draw the templates of a model as SVG, with the picture that a UPPAAL file has or an automatic one."""
+    from tachk.cli.draw import run_draw
+
+    raise typer.Exit(guarded(lambda: run_draw(model, output, template)))
+
+
+@app.command()
 def explain(code: Annotated[str, typer.Argument(help="The code of a message, such as E0214.")]) -> None:
     """Explain a message: what it means, an example, how to mend it."""
     from tachk.cli.explain import run_explain

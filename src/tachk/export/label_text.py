@@ -1,4 +1,4 @@
-"""The texts that stand in a picture: how a label is written, where it is broken into lines, and how much room it takes."""
+"""The texts in a picture: how a label is written, where it is broken into lines, and how much room it takes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _LONGEST_LINE = 36
 _BREAK = re.compile(r"(?:,|&&|\|\||\bimply|\bor|\band) ")
 _WIDTHS = {
     **dict.fromkeys("ijl'|!.,:;I ", 4.2),
-    **dict.fromkeys("frt()[]{}-\"/\\", 5.2),
+    **dict.fromkeys('frt()[]{}-"/\\', 5.2),
     **dict.fromkeys("mwMW@%", 11.6),
     **dict.fromkeys("+<>=~^#", 10.0),
     **dict.fromkeys("ABCDEFGHJKLNOPQRSTUVXYZ&", 8.6),

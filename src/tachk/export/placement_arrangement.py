@@ -1,8 +1,8 @@
 """A first drawing of a sketch in layers: without overlaps, but with more nails than it needs.
 
-Labels of edges stand on layers of their own between the layers of the nodes, as if each were a node in the middle of its
-edge (E. R. Gansner and others, A technique for drawing directed graphs, IEEE Trans. Software Eng. 19, 1993). So there is
-room for every label, and edges with common ends or against the flow lie apart.
+Labels of edges stand on layers of their own between the layers of the nodes, as if each were a node in the middle of
+its edge (E. R. Gansner and others, A technique for drawing directed graphs, IEEE Trans. Software Eng. 19, 1993). So
+there is room for every label, and edges with common ends or against the flow lie apart.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import networkx as nx
 from tachk.export.placement_coordinates import Extent, across
 from tachk.export.placement_geometry import RADIUS, Box
 from tachk.export.placement_layers import Layering, Traversal, flow, ranks
-from tachk.export.placement_sketch import Drawing, Sketch, SketchEdge, SketchNode, Size
+from tachk.export.placement_sketch import Drawing, Size, Sketch, SketchEdge, SketchNode
 from tachk.syntax.layout import Point
 
 GRID = 8
@@ -273,7 +273,7 @@ class _Canvas:
 
 def _snapped(layering: Layering, plan: _Plan, cross: dict[int, float]) -> dict[int, int]:
     """The coordinates on the grid, still without overlap."""
-    snapped = {}
+    snapped: dict[int, int] = {}
     for layer in layering.layers:
         for at, number in enumerate(layer):
             least = -float("inf")

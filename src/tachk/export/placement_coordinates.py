@@ -36,7 +36,7 @@ def across(
         gap: the room between two nodes of a layer.
         sweeps: how often the layers are gone through, down and up by turns.
     """
-    offsets = {}
+    offsets: dict[int, float] = {}
     for layer in layering.layers:
         steps = (extents[a][1] + gap + extents[b][0] for a, b in pairwise(layer))
         offsets.update(zip(layer, accumulate(steps, initial=0.0), strict=bool(layer)))
@@ -55,7 +55,8 @@ def across(
                     near = [*layering.above[node], *layering.below[node]]
                 pulls = [weight(node, other) for other in near]
                 if straightening:
-                    pulls = [pull / max(_LEVEL, abs(at[node] - at[other])) for pull, other in zip(pulls, near, strict=True)]
+                    distances = (max(_LEVEL, abs(at[node] - at[other])) for other in near)
+                    pulls = [pull / distance for pull, distance in zip(pulls, distances, strict=True)]
                 total = sum(pulls)
                 place = sum(p * at[other] for p, other in zip(pulls, near, strict=True)) / total if total else at[node]
                 wanted.append(place - offsets[node])
@@ -91,7 +92,7 @@ class _Blocks:
     def settle(self) -> None:
         """Moves blocks as long as the sum of the distances gets smaller, a few times at most."""
         for _ in range(12):
-            if not any([self._move(block) for block in self._blocks()]):
+            if not sum(self._move(block) for block in self._blocks()):
                 break
 
     def _blocks(self) -> list[list[int]]:

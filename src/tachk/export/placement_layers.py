@@ -32,8 +32,8 @@ def flow(count: int, arcs: Sequence[Arc], root: int, traversal: Traversal) -> li
 def _order(count: int, arcs: Sequence[Arc], root: int, traversal: Traversal) -> list[int]:
     """A number for each node, along which the flow runs.
 
-    Breadth first: the order in which nodes are met. Depth first: the reverse of the order in which they are left, so that
-    exactly the arcs back to a node whose visit is under way run against it.
+    Breadth first: the order in which nodes are met. Depth first: the reverse of the order in which they are left, so
+    that exactly the arcs back to a node whose visit is under way run against it.
     """
     ordered = arcs if traversal is not Traversal.DEPTH_LAST_FIRST else tuple(reversed(arcs))
     entered = {b for a, b in arcs if a != b}

@@ -1,7 +1,7 @@
 """Short self-loops and straight edges, where their labels find another place beside them.
 
-The drawing in layers keeps a place for every label, which can be far from where a person would put it. Here each edge is
-drawn anew where that leaves everything free of overlaps and adds no crossing.
+The drawing in layers keeps a place for every label, which can be far from where a person would put it. Here each edge
+is drawn anew where that leaves everything free of overlaps and adds no crossing.
 """
 
 from __future__ import annotations
@@ -114,6 +114,8 @@ class _Scene:
         if any(segment_meets_box(a, b, label) for a, b in pairwise(route)):
             return False
         others = (line for number, line in enumerate(self.routes) if number != at)
+        # Further from other edges than from its own, so that one sees whose label it is.
+        wide = label.grown(3 * _MARGIN)
         return not any(segment_meets_box(a, b, wide) for line in others for a, b in pairwise(line))
 
 
@@ -123,6 +125,7 @@ def _beyond(nails: Sequence[Point], direction: tuple[float, float], size: Size) 
     width, height = size
     left, right = min(nail.x for nail in nails), max(nail.x for nail in nails)
     top, bottom = min(nail.y for nail in nails), max(nail.y for nail in nails)
+    corner_x: float
     if abs(x) > 0.1:
         corner_x = right + _LABEL_GAP if x > 0 else left - _LABEL_GAP - width
         corner_y = (top + bottom) / 2 - height / 2 + (0 if abs(y) < 0.1 else height / 3 if y > 0 else -height / 3)

@@ -57,8 +57,8 @@ def _span(a: Point, b: Point) -> Box:
 
 
 def straighten(sketch: Sketch, drawing: Drawing) -> Drawing:
-    """Takes out each nail whose edge is as well off without it: it meets no text and no node then, crosses no more edges
-    than before and stays with its labels and away from edges between the same nodes."""
+    """Takes out each nail whose edge is as well off without it: it meets no text and no node then, crosses no more
+    edges than before and stays with its labels and away from edges between the same nodes."""
     obstacles: _Index[tuple[int, Box]] = _Index()
     for at, boxes in enumerate(zip(map(node_box, drawing.centres), drawing.names, drawing.node_labels, strict=True)):
         for margin, box in zip((_CLEARANCE, 0, 0), boxes, strict=True):
@@ -189,9 +189,9 @@ def clear_texts(sketch: Sketch, drawing: Drawing) -> Drawing:
         choices = enumerate((own, *_candidates(centre, node.name_size, node.labels_size)))
         _, (names[at], label) = min(choices, key=cost)
         labels[at] = label
-        for box in (names[at], label):
-            if box is not None:
-                taken.add(box, box)
+        taken.add(names[at], names[at])
+        if label is not None:
+            taken.add(label, label)
     return replace(drawing, names=tuple(names), node_labels=tuple(labels))
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from html import escape
 from math import hypot
 
@@ -36,13 +37,55 @@ text{font:12px "DejaVu Sans",Verdana,Arial,sans-serif;white-space:pre}
 .probability{fill:#8b4513}"""
 
 
-def template_svg(template: ast.Template, layout: TemplateLayout) -> str:
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A drawing; a notebook shows it.
+
+    Attributes:
+        name: of the template, or of the model where several are drawn together.
+        title: what a viewer calls it.
+        left, top, width, height: the part of the plane that is shown.
+        content: SVG elements.
+    """
+
+    name: str
+    title: str
+    left: int
+    top: int
+    width: int
+    height: int
+    content: str = field(repr=False)
+
+    @property
+    def view(self) -> str:
+        return f'viewBox="{self.left} {self.top} {self.width} {self.height}"'
+
+    @property
+    def svg(self) -> str:
+        """The picture as the text of a file that needs no other file."""
+        return "\n".join(
+            (
+                f'<svg xmlns="http://www.w3.org/2000/svg" width="{self.width}" height="{self.height}" {self.view}>',
+                f"<title>{escape(self.title)}</title>",
+                f"<style>{_STYLE}</style>",
+                f'<rect x="{self.left}" y="{self.top}" width="{self.width}" height="{self.height}" fill="#fff"/>',
+                self.content,
+                "</svg>",
+                "",
+            )
+        )
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+
+def draw_template(template: ast.Template, layout: TemplateLayout) -> Picture:
     """The picture of a template; what has no place in the layout is left out.
 
-    Colours of labels and the marks of locations are UPPAAL's: a double circle for the initial location, C for committed, U
-    for urgent, a dashed line for an edge that the environment controls.
+    Colours and marks are UPPAAL's: a double circle for the initial location, C for committed, U for urgent, a dashed
+    line for an edge that the environment controls.
     """
-    picture = _Picture()
+    picture = _Canvas()
     for key, edge in keyed_edges(template):
         _draw_edge(picture, template, layout, edge, layout.edges.get(key, EdgeLayout()), key.source)
     for location in template.locations:
@@ -52,10 +95,22 @@ def template_svg(template: ast.Template, layout: TemplateLayout) -> str:
         if centre is not None:
             picture.see(centre.x, centre.y)
             picture.add(f'<circle class="head" cx="{centre.x}" cy="{centre.y}" r="{_BRANCHPOINT_RADIUS}"/>')
-    return picture.finish(f"{template.name.name}({print_parameters(template.parameters)})")
+    return picture.finish(template.name.name, f"{template.name.name}({print_parameters(template.parameters)})")
 
 
-class _Picture:
+def together(name: str, pictures: Sequence[Picture]) -> Picture:
+    """Pictures one below the other."""
+    content = []
+    top = 0
+    for picture in pictures:
+        place = f'x="0" y="{top}" width="{picture.width}" height="{picture.height}"'
+        content += [f"<svg {place} {picture.view}>", picture.content, "</svg>"]
+        top += picture.height
+    width = max((picture.width for picture in pictures), default=0)
+    return Picture(name, name, 0, 0, width, top, "\n".join(content))
+
+
+class _Canvas:
     """The elements of a picture and the box around them."""
 
     def __init__(self) -> None:
@@ -78,28 +133,16 @@ class _Picture:
             baseline = position.y + _BASELINE + at * LINE_HEIGHT
             self.add(f'<text class="{kind}" x="{position.x}" y="{baseline}">{escape(line)}</text>')
 
-    def finish(self, title: str) -> str:
+    def finish(self, name: str, title: str) -> Picture:
         if not self.elements:
             self.see(0, 0)
-        corner = Point(round(self.left), round(self.top - 32))
-        self.text("title", corner, title)
-        left, top = self.left - _MARGIN, self.top - _MARGIN
-        width, height = self.right + _MARGIN - left, self.bottom + _MARGIN - top
-        return "\n".join(
-            (
-                f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}" height="{height:g}" '
-                f'viewBox="{left:g} {top:g} {width:g} {height:g}">',
-                f"<title>{escape(title)}</title>",
-                f"<style>{_STYLE}</style>",
-                f'<rect x="{left:g}" y="{top:g}" width="{width:g}" height="{height:g}" fill="#fff"/>',
-                *self.elements,
-                "</svg>",
-                "",
-            )
-        )
+        self.text("title", Point(round(self.left), round(self.top - 32)), title)
+        left, top = round(self.left) - _MARGIN, round(self.top) - _MARGIN
+        width, height = round(self.right) + _MARGIN - left, round(self.bottom) + _MARGIN - top
+        return Picture(name, title, left, top, width, height, "\n".join(self.elements))
 
 
-def _draw_location(picture: _Picture, location: ast.LocationDeclaration, layout: NodeLayout) -> None:
+def _draw_location(picture: _Canvas, location: ast.LocationDeclaration, layout: NodeLayout) -> None:
     if layout.position is None:
         return
     x, y = layout.position
@@ -118,8 +161,7 @@ def _draw_location(picture: _Picture, location: ast.LocationDeclaration, layout:
     _draw_labels(picture, location_labels(location), layout.labels)
 
 
-def _draw_labels(picture: _Picture, texts: dict[str, str], layout: object) -> None:
-    assert isinstance(layout, dict)
+def _draw_labels(picture: _Canvas, texts: Mapping[str, str], layout: Mapping[str, LabelLayout]) -> None:
     for kind, text in texts.items():
         label = layout.get(kind, LabelLayout())
         if label.position is not None:
@@ -127,7 +169,7 @@ def _draw_labels(picture: _Picture, texts: dict[str, str], layout: object) -> No
 
 
 def _draw_edge(
-    picture: _Picture,
+    picture: _Canvas,
     template: ast.Template,
     layout: TemplateLayout,
     edge: ast.EdgeDeclaration,

@@ -9,11 +9,9 @@ from random import Random
 import pytest
 
 from tachk.diagnostics.span import Source
-from tachk.export.label_text import edge_labels
 from tachk.export.placement import place, place_template
 from tachk.syntax import ast
-from tachk.syntax.layout import EdgeKey, Point
-from tachk.syntax.parser import parse_document, parse_expression
+from tachk.syntax.parser import parse_document
 from tachk.syntax.source_files import read_source
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -38,7 +36,9 @@ def random_template(random: Random, locations: int, edges: int) -> ast.Template:
     names = [random.choice("ABCD") + "x" * random.randrange(12) + str(i) for i in range(locations)]
     body = []
     for number, name in enumerate(names):
-        invariant = f"{{ invariant x <= {number} && {'y' * random.randrange(1, 20)} > 1; }}" if random.random() < 0.4 else ";"
+        invariant = (
+            f"{{ invariant x <= {number} && {'y' * random.randrange(1, 20)} > 1; }}" if random.random() < 0.4 else ";"
+        )
         kind = "init " if number == 0 else random.choice(("", "urgent ", "committed "))
         lines = []
         for _ in range(edges // locations + (number < edges % locations)):
@@ -49,9 +49,7 @@ def random_template(random: Random, locations: int, edges: int) -> ast.Template:
                 f"assign x = 0{', y = 0, n = n + 1' * random.randrange(4)};" if random.random() < 0.5 else "",
             )
             lines.append(f"to {random.choice(names)} {{ {' '.join(clauses)} }}")
-        inner = invariant.strip("{};") if invariant != ";" else ""
-        inner = f"{inner};" if inner else ""
-        body.append(f"{kind}location {name} {{ {inner} {' '.join(lines)} }}")
+        body.append(f"{kind}location {name} {{ {random.choice((invariant, ''))} {' '.join(lines)} }}")
     return templates(parsed(f"process P() {{ {' '.join(body)} }}"))[0]
 
 

@@ -1,0 +1,68 @@
+"""Pictures of the templates of a model file, with the layout that the file has or an automatic one."""
+
+from __future__ import annotations
+
+import os
+
+from tachk.diagnostics.diagnostic import InputError, UsageError
+from tachk.export.svg import Picture, draw_template, together
+from tachk.export.uppaal_picture import complete
+from tachk.frontend.findings import Findings
+from tachk.frontend.imports import Importer
+from tachk.syntax import ast
+from tachk.syntax.layout import Layout
+from tachk.syntax.model_files import read_model
+from tachk.syntax.source_files import read_source
+
+
+def draw_file(path: str | os.PathLike[str]) -> tuple[Picture, ...]:
+    """A picture of each template of a model file and of what it imports, in order.
+
+    The file need not be a complete model: only its text is read.
+
+    Raises:
+        InputError: the text is wrong; carries every finding.
+        UsageError: the file cannot be read, or has no template.
+    """
+    source = read_source(path)
+    read = read_model(source)
+    items = read.document.items
+    if any(isinstance(item, ast.ImportDeclaration) for item in items):
+        findings = Findings()
+        _, imported = Importer(findings).read(source)
+        if findings.has_errors:
+            raise InputError(findings.sorted())
+        items = tuple(imported)
+    templates = [item for item in items if isinstance(item, ast.Template)]
+    if not templates:
+        raise UsageError(f"{source.name} has no template to draw")
+    layout = read.layout or Layout()
+    return tuple(
+        draw_template(template, complete(template, layout.templates.get(template.name.name))) for template in templates
+    )
+
+
+def draw(path: str | os.PathLike[str], template: str | None = None) -> Picture:
+    """The picture of one template of a model file, or of all of them together.
+
+    Raises:
+        InputError: the text is wrong; carries every finding.
+        UsageError: the file cannot be read, or has no such template.
+    """
+    pictures = draw_file(path)
+    if template is None:
+        return pictures[0] if len(pictures) == 1 else together(os.path.basename(path), pictures)
+    return named(pictures, template)
+
+
+def named(pictures: tuple[Picture, ...], template: str) -> Picture:
+    """The picture of a template.
+
+    Raises:
+        UsageError: there is none.
+    """
+    for picture in pictures:
+        if picture.name == template:
+            return picture
+    names = ", ".join(picture.name for picture in pictures)
+    raise UsageError(f"there is no template `{template}`", f"the templates are {names}")
