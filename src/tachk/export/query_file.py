@@ -9,21 +9,29 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from tachk.export.plain import PlainQuery
+from tachk.export.uppaal_limits import refused
 from tachk.syntax.expression_printer import print_formula
+from tachk.syntax.uppaal_xml_queries import set_aside
 
 _OUTCOMES = {"holds": "T", "fails": "F"}
 
 
-def print_queries(queries: Iterable[PlainQuery]) -> str:
-    """The text of a query file."""
-    return "\n".join(_query(query) for query in queries)
+def print_queries(queries: Iterable[PlainQuery], without_deadlock: bool = False) -> str:
+    """The text of a query file.
+
+    Args:
+        without_deadlock: UPPAAL refuses every query about deadlocks of the model. What it refuses is a comment.
+    """
+    return "\n".join(_query(query, refused(query.formula, without_deadlock)) for query in queries)
 
 
-def _query(query: PlainQuery) -> str:
+def _query(query: PlainQuery, is_refused: bool) -> str:
     lines = []
     comment = ": ".join(part for part in (query.name, query.comment) if part)
     if comment:
         lines += ["/*", *comment.replace("*/", "* /").split("\n"), "*/"]
+    if is_refused:
+        return "\n".join([*lines, set_aside(print_formula(query.formula))]) + "\n"
     lines.append(" \\\n".join(line.strip() for line in print_formula(query.formula).splitlines() if line.strip()))
     if query.expectation is not None:
         lines.append(f"/* EXPECT:{_OUTCOMES[query.expectation]} */")

@@ -140,7 +140,7 @@ def _view(model: LoadedModel, plain: PlainModel, layout: Layout) -> ModelView:
         _template(original, template, layout.templates.get(original.name.name), written, ids)
         for original, template in zip(originals, plain.templates, strict=True)
     ]
-    queries = query_views(model, plain.queries, layout.queries)
+    queries = query_views(model, plain, layout.queries)
     newer = (
         bool(layout.options)
         or any(query.results or query.options for query in queries)

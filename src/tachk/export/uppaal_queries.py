@@ -6,14 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from tachk.diagnostics.span import Source
-from tachk.export.plain import PlainQuery
+from tachk.export.plain import PlainModel, PlainQuery
+from tachk.export.uppaal_limits import refused, refuses_deadlock
 from tachk.frontend.load import LoadedModel
 from tachk.syntax import ast
 from tachk.syntax.expression_printer import print_formula
 from tachk.syntax.layout import QueryLayout
 from tachk.syntax.parser import parse_query
 from tachk.syntax.query_files import expectation_in
-from tachk.syntax.uppaal_xml_queries import MEASURES, comment_of, outcome, says
+from tachk.syntax.uppaal_xml_queries import MEASURES, comment_of, outcome, says, set_aside
 from tachk.syntax.uppaal_xml_tree import parse_xml
 
 _WORDS = {"holds": "EXPECT:T", "fails": "EXPECT:F"}
@@ -27,24 +28,26 @@ class QueryView:
     results: tuple[str, ...] = ()
 
 
-def query_views(
-    model: LoadedModel, queries: Sequence[PlainQuery], layouts: Sequence[QueryLayout]
-) -> tuple[QueryView, ...]:
-    """All entries of the list of queries. What the layout does not know comes last."""
+def query_views(model: LoadedModel, plain: PlainModel, layouts: Sequence[QueryLayout]) -> tuple[QueryView, ...]:
+    """All entries of the list of queries. What the layout does not know comes last, what UPPAAL would refuse to check
+    is a comment."""
+    refuses = refuses_deadlock(plain)
     properties = {item.name.name: item for item in model.items if isinstance(item, ast.PropertyDeclaration)}
-    known = {query.name: query for query in queries}
+    known = {query.name: query for query in plain.queries}
     views = []
     for layout in layouts:
         if not layout.name:
             views.append(QueryView(layout.formula or "", layout.comment or "", layout.options, layout.results))
         elif layout.name in known:
-            views.append(_view(known.pop(layout.name), properties[layout.name], layout))
-    views += [_view(query, properties[query.name], QueryLayout(query.name)) for query in known.values()]
+            views.append(_view(known.pop(layout.name), properties[layout.name], layout, refuses))
+    views += [_view(query, properties[query.name], QueryLayout(query.name), refuses) for query in known.values()]
     return tuple(views)
 
 
-def _view(query: PlainQuery, node: ast.PropertyDeclaration, layout: QueryLayout) -> QueryView:
+def _view(query: PlainQuery, node: ast.PropertyDeclaration, layout: QueryLayout, refuses: bool) -> QueryView:
     formula = print_formula(query.formula)
+    if refused(query.formula, refuses):
+        formula = set_aside(formula)
     results = layout.results
     if layout.formula is not None:
         entry, diagnostics = parse_query(Source("", layout.formula))

@@ -26,6 +26,7 @@ _NAMED = re.compile(r"(?P<name>[A-Za-z_]\w*)(?::[ \t]+(?P<title>[^\n\"]*[^\s\"])
 _AUTOMATIC = re.compile(r"q[0-9]+")
 _OUTCOMES = {"success": "holds", "failure": "fails"}
 _EXPECT_LINE = re.compile(r"(?:\A|\n)EXPECT:\S+\Z")
+_SET_ASIDE = re.compile(r"\s*/\* UPPAAL does not check: (?P<formula>.*\S)\s*\*/\s*", re.DOTALL)
 MEASURES = ("sup", "inf", "bounds")
 
 
@@ -72,10 +73,11 @@ class QueriesReader:
         used: set[str] = set()
         for number, (element, said) in enumerate(zip(self.elements, described, strict=True), 1):
             formula = element.first("formula")
+            place = None if formula is None else _formula_place(texts.text(formula))
             results = tuple(child.span.text for child in element.children if child.name in ("expect", "result"))
             kept = QueryLayout("", options=_options(element.children), results=results)
             comment = _child_text(element, "comment")
-            if formula is None or _is_empty(texts.text(formula)):
+            if formula is None or place is None or _is_empty(place):
                 text = formula.text if formula is not None and formula.text.strip() else None
                 if comment.strip() or text:
                     self.layouts.append(_with(kept, "", comment, text))
@@ -85,20 +87,20 @@ class QueriesReader:
                 said = Described(name, "", _described(comment))
             used.add(said.name)
             span = texts.text(formula)
-            entry, diagnostics = parse_query(span.source, span.start, span.end)
+            entry, diagnostics = parse_query(span.source, place.start, place.end)
             if entry is None or diagnostics:
                 self.layouts.append(_with(kept, "", comment, formula.text))
                 self.broken.append(BrokenQuery(said.name, formula.text.strip(), plain_text(comment), span, diagnostics))
                 continue
-            place = texts.tag(element)
+            tag = texts.tag(element)
             expectation = entry.expectation or expectation_in(formula.text) or expectation_in(comment)
             if isinstance(entry.formula, ast.QueryFormula) and entry.formula.kind in MEASURES:
                 expectation = None
             else:
                 expectation = expectation or outcome(element.children)
             node = ast.PropertyDeclaration(
-                Span(span.source, place.start, span.end),
-                ast.Identifier(place, said.name),
+                Span(span.source, tag.start, span.end),
+                ast.Identifier(tag, said.name),
                 said.title,
                 entry.formula,
                 expectation,
@@ -114,6 +116,17 @@ class QueriesReader:
                 )
             )
         return found
+
+
+def set_aside(formula: str) -> str:
+    """A formula that UPPAAL refuses, as a comment from which it can be read again."""
+    return f"/* UPPAAL does not check: {formula} */"
+
+
+def _formula_place(span: Span) -> Span:
+    """The place of the formula itself, also of one that `set_aside` made a comment."""
+    found = _SET_ASIDE.fullmatch(span.text)
+    return span if found is None else Span(span.source, span.start + found.start(1), span.start + found.end(1))
 
 
 def comment_of(node: ast.PropertyDeclaration) -> str:
