@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tachk.diagnostics.diagnostic import UsageError
 
-MODEL_SUFFIXES = (".ta", ".xta", ".xml")
+MODEL_SUFFIXES = (".ta", ".xta", ".xml", ".tck")
 QUERY_SUFFIXES = (".q",)
 
 _QUERY_OPERATOR = re.compile(r"[AE]\s*(\[\]|<>)|-->|\b(sup|inf|bounds)\b|[\s{}()<>=!&|]")

@@ -7,10 +7,13 @@ from enum import IntEnum
 
 
 class ExitStatus(IntEnum):
-    """1 is not used: it is what an uncaught Python exception gives, and a build server must tell them apart."""
+    """1 is used by `diff` alone, as by all programs of that name: it is also what an uncaught Python exception gives,
+    and a build server must tell them apart."""
 
     AS_EXPECTED = 0
     """every expectation is met; without an expectation: the query holds"""
+    DIFFERENT = 1
+    """`diff`: the models differ"""
     BAD_INPUT = 2
     """a model, a query or an option is wrong"""
     UNSUPPORTED = 3
@@ -28,6 +31,7 @@ _GRAVITY = (
     ExitStatus.BAD_INPUT,
     ExitStatus.UNSUPPORTED,
     ExitStatus.NOT_AS_EXPECTED,
+    ExitStatus.DIFFERENT,
     ExitStatus.UNKNOWN,
 )
 

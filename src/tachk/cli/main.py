@@ -37,6 +37,21 @@ class Format(StrEnum):
     text = "text"
     json = "json"
     junit = "junit"
+    verifyta = "verifyta"
+
+
+class ExportFormat(StrEnum):
+    xta = "xta"
+    xml = "xml"
+    q = "q"
+    tchecker = "tchecker"
+    dot = "dot"
+    json = "json"
+
+
+class Uppaal(StrEnum):
+    uppaal_4_1 = "uppaal-4.1"
+    uppaal_5_0 = "uppaal-5.0"
 
 
 class Extrapolation(StrEnum):
@@ -143,11 +158,15 @@ def verify(
 def check(
     models: Annotated[list[str], typer.Argument(metavar="MODEL...", help="Model files.")],
     definitions: Definitions = None,
+    version: Annotated[
+        Uppaal | None, typer.Option("--for", help="Report what this version of UPPAAL would refuse or do otherwise.")
+    ] = None,
 ) -> None:
     """Read models and report every mistake and warning, without checking a property."""
     from tachk.cli.check import run_check
 
-    raise typer.Exit(guarded(lambda: run_check(tuple(models), tuple(definitions or ()))))
+    wanted = None if version is None else version.value
+    raise typer.Exit(guarded(lambda: run_check(tuple(models), tuple(definitions or ()), wanted)))
 
 
 @app.command()
@@ -160,6 +179,58 @@ def fmt(
     from tachk.cli.fmt import run_fmt
 
     raise typer.Exit(guarded(lambda: run_fmt(tuple(files), check_only, to_stdout)))
+
+
+@app.command()
+def convert(
+    source: Annotated[str, typer.Argument(metavar="IN", help="A model, or a file of queries.")],
+    output: Annotated[Path, typer.Argument(metavar="OUT", help="Its ending says the format; - prints tachk's own.")],
+    query_files: Annotated[
+        list[Path] | None, typer.Option("-q", "--queries", metavar="FILE", help="Take these queries into a .ta file.")
+    ] = None,
+    fix: Annotated[bool, typer.Option("--fix", help="Replace names that some version of UPPAAL refuses.")] = False,
+) -> None:
+    """Write a model in another form: .ta, .xta, .xml, .q, .tck, .dot or .json.
+
+    Formats but .ta are written in full: imports are followed, and what tachk adds to UPPAAL's language is expanded.
+    """
+    from tachk.cli.convert import run_convert
+
+    raise typer.Exit(guarded(lambda: run_convert(source, output, tuple(query_files or ()), fix)))
+
+
+@app.command()
+def export(
+    model: Annotated[str, typer.Argument(metavar="MODEL", help="A model file.")],
+    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="Where to write it.")] = None,
+    format: Annotated[
+        ExportFormat | None, typer.Option(help="The format; without it, what the ending of FILE says.")
+    ] = None,
+    definitions: Definitions = None,
+    explain: Annotated[bool, typer.Option("--explain", help="Print what is written differently, and where.")] = False,
+    keep_names: Annotated[
+        bool, typer.Option("--keep-names", help="Keep names that some version of UPPAAL refuses.")
+    ] = False,
+) -> None:
+    """Write a model for UPPAAL, TChecker, Graphviz or other programs, with its queries beside it."""
+    from tachk.cli.export import run_export
+
+    name = None if format is None else format.value
+    raise typer.Exit(guarded(lambda: run_export(model, output, name, tuple(definitions or ()), explain, keep_names)))
+
+
+@app.command()
+def diff(
+    before: Annotated[str, typer.Argument(metavar="A", help="A model.")],
+    after: Annotated[str, typer.Argument(metavar="B", help="The same model, changed.")],
+) -> None:
+    """Tell what is different in the behaviour of two models; layout, comments and most order do not count.
+
+    Exit status: 0 nothing, 1 something.
+    """
+    from tachk.cli.diff import run_diff
+
+    raise typer.Exit(guarded(lambda: run_diff(before, after)))
 
 
 @app.command()

@@ -24,6 +24,7 @@ from tachk.report.json_report import run_to_json
 from tachk.report.junit_report import runs_to_junit
 from tachk.report.record import RunRecord
 from tachk.report.text_report import print_run
+from tachk.report.verifyta_report import run_to_verifyta
 
 _WIDTH = 1000
 """Columns of a report that does not go to a terminal: wide enough for no line to be broken."""
@@ -70,6 +71,8 @@ def run_verify(request: VerifyRequest) -> ExitStatus:
             record = _check_model(path, queries, constants, options, limits, request)
             if request.format == "text" and out is not None:
                 _print_text(record, out, request, first=not records)
+            elif request.format == "verifyta" and out is not None:
+                out.write(run_to_verifyta(record))
             records.append(record)
             return _status(record)
 

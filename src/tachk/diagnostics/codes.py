@@ -1,19 +1,28 @@
 """Every diagnostic code with its explanation, for ``tachk explain CODE`` and the documentation.
 
 The numbers: E00xx files and characters, E01xx syntax, E02xx names, E03xx types, E04xx templates and systems, E05xx
-queries and properties, E06xx constants, E07xx unsupported features, W0xxx warnings.
+queries and properties, E06xx constants, E07xx unsupported features, E08xx the formats and versions of other tools,
+W0xxx warnings.
 """
 
 from __future__ import annotations
 
 from tachk.diagnostics.explanation import Explanation
+from tachk.diagnostics.export_codes import EXPORT_CODES
 from tachk.diagnostics.lowering_codes import LOWERING_CODES
 from tachk.diagnostics.model_codes import MODEL_CODES
 from tachk.diagnostics.syntax_codes import SYNTAX_CODES
 from tachk.diagnostics.verification_codes import VERIFICATION_CODES
 from tachk.diagnostics.xml_codes import XML_CODES
 
-CODES: dict[str, Explanation] = {**SYNTAX_CODES, **XML_CODES, **MODEL_CODES, **LOWERING_CODES, **VERIFICATION_CODES}
+CODES: dict[str, Explanation] = {
+    **SYNTAX_CODES,
+    **XML_CODES,
+    **MODEL_CODES,
+    **LOWERING_CODES,
+    **VERIFICATION_CODES,
+    **EXPORT_CODES,
+}
 
 
 def explain(code: str) -> str | None:

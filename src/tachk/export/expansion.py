@@ -9,7 +9,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
+from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError, UsageError
+from tachk.diagnostics.span import NOWHERE
 from tachk.export.builtins import without_builtins
 from tachk.export.names import name_repairs
 from tachk.export.plain import PlainModel, PlainQuery, Step
@@ -66,15 +67,28 @@ def expand(model: LoadedModel, definitions: Iterable[str] = (), repair_names: bo
     return with_repaired_names(plain) if repair_names else plain
 
 
+def expand_document(document: ast.Document | None) -> PlainModel:
+    """A document by itself, as far as it can be told without elaboration: imports are not followed, and values on
+    channels stay as they are. No document is an empty model."""
+    items: tuple[ast.Item, ...] = () if document is None else _ordered_prefixes(document.items)
+    span = NOWHERE if document is None else document.span
+    steps: list[Step] = []
+    typed = tuple(_typed(item, steps) for item in items)
+    systems = [item for item in typed if isinstance(item, ast.SystemLine)]
+    return PlainModel(
+        span,
+        tuple(item for item in typed if isinstance(item, _DECLARATIONS)),
+        tuple(_classic(item, steps) for item in typed if isinstance(item, ast.Template)),
+        tuple(item for item in typed if isinstance(item, ast.Instantiation)),
+        systems[0] if systems else ast.SystemLine(span, ()),
+        queries=_queries(typed, steps),
+        time_unit=_time_unit(typed, steps),
+    )
+
+
 def with_repaired_names(plain: PlainModel) -> PlainModel:
     """The model with every name that a version of UPPAAL refuses replaced, everywhere it is used."""
-    formulas = tuple(query.formula for query in plain.queries)
-    used = names_in((*plain.items(), *formulas))
-    repairs: dict[str, str] = {}
-    steps = list(plain.steps)
-    for name, reason in name_repairs(plain.items(), formulas).items():
-        repairs[name] = fresh_name(f"{name}_1", {*used, *repairs.values()})
-        steps.append(Step("name", used[name], f"`{name}` is `{repairs[name]}`: {reason}"))
+    repairs, steps = _repairs(plain.items(), [query.formula for query in plain.queries])
     if not repairs:
         return plain
     return replace(
@@ -86,8 +100,35 @@ def with_repaired_names(plain: PlainModel) -> PlainModel:
         progress=renamed(plain.progress, repairs),
         gantt=renamed(plain.gantt, repairs),
         queries=tuple(replace(query, formula=renamed(query.formula, repairs)) for query in plain.queries),
-        steps=tuple(steps),
+        steps=(*plain.steps, *steps),
     )
+
+
+def document_repairs(document: ast.Document) -> tuple[ast.Document, list[Step]]:
+    """A document, imports not followed, with the same replacements.
+
+    Raises:
+        UsageError: a name that must change may be used in a file that the document imports.
+    """
+    properties = [item for item in document.items if isinstance(item, ast.PropertyDeclaration)]
+    repairs, steps = _repairs(document.items, [item.formula for item in properties])
+    imports = [item.path for item in document.items if isinstance(item, ast.ImportDeclaration)]
+    if repairs and imports:
+        raise UsageError(
+            f"{', '.join(repairs)} must be renamed, but {', '.join(imports)} may use the name as well",
+            "rename by hand, or write the whole model as .xta or .xml",
+        )
+    return replace(document, items=renamed(document.items, repairs)), steps
+
+
+def _repairs(items: Sequence[ast.Item], formulas: Sequence[object]) -> tuple[dict[str, str], list[Step]]:
+    used = names_in((*items, *formulas))
+    repairs: dict[str, str] = {}
+    steps = []
+    for name, reason in name_repairs(items, formulas).items():
+        repairs[name] = fresh_name(f"{name}_1", {*used, *repairs.values()})
+        steps.append(Step("name", used[name], f"`{name}` is `{repairs[name]}`: {reason}"))
+    return repairs, steps
 
 
 def _imports(model: LoadedModel) -> list[Step]:

@@ -92,13 +92,13 @@ def _node(expression: Expression, network: Network, prefix: str) -> ast.Expressi
         case Increment(target, delta, before):
             return ast.IncrementExpression(at, "++" if delta > 0 else "--", before, inner(target))
         case Call(function, arguments):
-            name = ast.NameExpression(at, function.name)
-            return ast.CallExpression(at, name, tuple(inner(argument) for argument in arguments))
+            called = ast.NameExpression(at, function.name)
+            return ast.CallExpression(at, called, tuple(inner(argument) for argument in arguments))
         case Comma(items):
             return ast.CallExpression(at, ast.NameExpression(at, ""), tuple(inner(item) for item in items))
         case LocationTest(process, location):
             owner = network.processes[process]
-            name = ast.NameExpression(at, owner.name)
-            return ast.MemberExpression(at, name, ast.Identifier(at, owner.locations[location].name))
+            whole = ast.NameExpression(at, owner.name)
+            return ast.MemberExpression(at, whole, ast.Identifier(at, owner.locations[location].name))
         case Deadlock():
             return ast.DeadlockExpression(at)

@@ -17,7 +17,7 @@ from tachk.syntax.expression_printer import (
     print_synchronisation,
     print_type,
 )
-from tachk.syntax.printer import write_declaration
+from tachk.syntax.printer import write_declaration, write_item
 from tachk.syntax.writer import Writer
 
 
@@ -31,7 +31,10 @@ def print_xta(plain: PlainModel) -> str:
     previous: ast.Item | None = None
     for item in document.items:
         writer.separate(previous, item, _stands_apart(previous) or _stands_apart(item))
-        _write_item(writer, item)
+        if isinstance(item, ast.Template):
+            _write_template(writer, item)
+        else:
+            write_item(writer, item)
         previous = item
     writer.finish(document)
     return writer.text()
@@ -39,26 +42,6 @@ def print_xta(plain: PlainModel) -> str:
 
 def _stands_apart(item: Any) -> bool:
     return isinstance(item, ast.Template | ast.FunctionDeclaration)
-
-
-def _write_item(writer: Writer, item: ast.Item) -> None:
-    match item:
-        case ast.Template():
-            _write_template(writer, item)
-        case ast.Instantiation(name=name, parameters=parameters, template=template, arguments=arguments):
-            taken = f"({print_parameters(parameters)})" if parameters else ""
-            writer.line(f"{name.name}{taken} = {template.name}({print_expressions(arguments)});", item)
-        case ast.SystemLine(groups=groups):
-            text = " < ".join(", ".join(identifier.name for identifier in group) for group in groups)
-            writer.line(f"system {text};", item)
-        case ast.ProgressDeclaration(expressions=expressions):
-            writer.line("progress { " + "".join(f"{print_expression(e)}; " for e in expressions) + "}", item)
-        case ast.GanttDeclaration(text=text):
-            writer.line(f"gantt {text}", item)
-        case ast.ImportDeclaration() | ast.TimeUnitDeclaration() | ast.PropertyDeclaration():
-            raise AssertionError("a plain model has none of these")
-        case _:
-            write_declaration(writer, item)
 
 
 def _write_template(writer: Writer, template: ast.Template) -> None:

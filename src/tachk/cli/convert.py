@@ -1,0 +1,106 @@
+"""`tachk convert`."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+from tachk import api
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.export import write_exported
+from tachk.cli.guard import print_diagnostics
+from tachk.diagnostics.diagnostic import InputError, UsageError
+from tachk.diagnostics.span import Span
+from tachk.export.expansion import document_repairs
+from tachk.export.formats import export_model, format_of
+from tachk.export.plain import PlainQuery, Step
+from tachk.export.query_file import print_queries
+from tachk.syntax import ast
+from tachk.syntax.model_files import read_model
+from tachk.syntax.parser import has_errors
+from tachk.syntax.printer import print_document
+from tachk.syntax.query_files import parse_queries
+from tachk.syntax.source_files import read_source
+
+
+def run_convert(source: str, output: Path, query_files: tuple[Path, ...], fix: bool) -> ExitStatus:
+    """Writes a file in another form.
+
+    To tachk's own language nothing but the text is read, so an incomplete model can be converted too; ``-`` as output
+    prints canonical text, for `git diff` and the like.
+    """
+    target = output.suffix.lower()
+    to_text = str(output) == "-" or target == ".ta"
+    if source.endswith(".q"):
+        _convert_queries(Path(source), output)
+    elif to_text:
+        _convert_to_text(Path(source), None if str(output) == "-" else output, query_files, fix)
+    else:
+        if query_files:
+            raise UsageError("-q goes with a .ta file as output", "convert to .ta first, then to the other format")
+        model = api.load(source)
+        print_diagnostics(model.warnings)
+        exported = export_model(model.loaded, format_of(output), (), fix)
+        _tell([step for step in exported.steps if step.kind == "name"])
+        write_exported(exported, output)
+    return ExitStatus.AS_EXPECTED
+
+
+def _convert_to_text(source: Path, output: Path | None, query_files: tuple[Path, ...], fix: bool) -> None:
+    read = read_model(read_source(source))
+    print_diagnostics(read.warnings)
+    document = read.document
+    properties = [item for path in query_files for item in _properties(path, document.span)]
+    if properties:
+        document = replace(document, items=(*document.items, *properties))
+    if fix:
+        document, steps = document_repairs(document)
+        _tell(steps)
+    text = print_document(document) + "".join(
+        f"\n// a query that cannot be read: {' '.join(query.text.split())}\n" for query in read.broken
+    )
+    if output is None:
+        sys.stdout.write(text)
+        return
+    output.write_text(text, encoding="utf-8")
+    print(f"written: {output}")
+
+
+def _tell(steps: list[Step]) -> None:
+    for step in steps:
+        print(step, file=sys.stderr)
+
+
+def _properties(path: Path, at: Span) -> list[ast.PropertyDeclaration]:
+    """The queries of a file as properties named after it."""
+    source = read_source(path)
+    entries, diagnostics = parse_queries(source)
+    if has_errors(diagnostics):
+        raise InputError(diagnostics)
+    return [
+        ast.PropertyDeclaration(
+            entry.span,
+            ast.Identifier(at, f"q{number}"),
+            " ".join(entry.comment.replace('"', "'").split()),
+            entry.formula,
+            entry.expectation,
+        )
+        for number, entry in enumerate(entries, 1)
+    ]
+
+
+def _convert_queries(source: Path, output: Path) -> None:
+    if output.suffix.lower() != ".q" and str(output) != "-":
+        raise UsageError(
+            f"{source} is a file of queries", "give it with -q beside a model, or convert it to another .q"
+        )
+    entries, diagnostics = parse_queries(read_source(source))
+    if has_errors(diagnostics):
+        raise InputError(diagnostics)
+    text = print_queries([PlainQuery("", e.formula, e.comment, e.expectation) for e in entries])
+    if str(output) == "-":
+        sys.stdout.write(text)
+    else:
+        output.write_text(text, encoding="utf-8")
+        print(f"written: {output}")

@@ -1,0 +1,62 @@
+"""`tachk export`."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from pathlib import Path
+
+from tachk import api
+from tachk.cli.arguments import parse_definitions
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.guard import print_diagnostics
+from tachk.export.formats import Exported, ExportFormat, export_model, format_of
+
+
+def run_export(
+    path: str,
+    output: Path | None,
+    format_name: str | None,
+    definitions: tuple[str, ...],
+    explain: bool,
+    keep_names: bool,
+) -> ExitStatus:
+    """Writes a model in another format, with its queries beside it where the format has no place for them."""
+    constants = parse_definitions(definitions)
+    format_ = _format(output, format_name)
+    model = api.load(path, **constants)
+    print_diagnostics(model.warnings)
+    exported = export_model(model.loaded, format_, tuple(constants), not keep_names)
+    write_exported(exported, output)
+    if explain:
+        _explain(exported)
+    return ExitStatus.AS_EXPECTED
+
+
+def _format(output: Path | None, name: str | None) -> ExportFormat:
+    if name is not None:
+        return ExportFormat(name)
+    return ExportFormat.XTA if output is None else format_of(output)
+
+
+def write_exported(exported: Exported, output: Path | None) -> None:
+    """Writes the file and what belongs beside it; without a name only the text, to standard output."""
+    if output is None:
+        sys.stdout.write(exported.text)
+        return
+    output.write_text(exported.text, encoding="utf-8")
+    written = [str(output)]
+    if exported.queries:
+        beside = output.with_suffix(".q")
+        beside.write_text(exported.queries, encoding="utf-8")
+        written.append(str(beside))
+    print(f"written: {', '.join(written)}")
+
+
+def _explain(exported: Exported) -> None:
+    """What was written differently, each step with its place, then the number of each kind."""
+    for step in exported.steps:
+        print(step, file=sys.stderr)
+    counts = Counter(step.kind for step in exported.steps)
+    summary = ", ".join(f"{kind} {count}" for kind, count in counts.items()) or "nothing was written differently"
+    print(f"expanded: {summary}", file=sys.stderr)

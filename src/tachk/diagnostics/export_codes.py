@@ -1,0 +1,89 @@
+"""Explanations of what reading and writing the formats of other tools reports."""
+
+from __future__ import annotations
+
+from tachk.diagnostics.explanation import Explanation
+
+EXPORT_CODES: dict[str, Explanation] = {
+    "E0130": Explanation(
+        "not readable as TChecker's format",
+        "A .tck file has one declaration on each line: a word, its arguments between colons, and attributes in braces. "
+        "The first is `system:NAME`.",
+        "clock:x",
+        "clock:1:x",
+    ),
+    "E0131": Explanation(
+        "vector of events without a counterpart",
+        "Two events become a channel from the first process to the second; one event followed by weak ones (`P@e?`) "
+        "becomes a broadcast channel. Vectors of three or more events that all must happen, and vectors of weak events "
+        "alone, are no synchronisation over channels.",
+        "sync:P@a:Q@a:R@a",
+        "sync:P@a:Q@a?:R@a?",
+    ),
+    "W0130": Explanation(
+        "attribute that is not read",
+        "Locations have the attributes initial, urgent, committed, invariant and labels, edges provided and do. "
+        "Others are tolerated, as TChecker does, and have no influence.",
+    ),
+    "E0801": Explanation(
+        "no expansion into UPPAAL's language",
+        "Everything that tachk adds to UPPAAL's language is written out for UPPAAL in one fixed way (see "
+        "docs/uppaal.md). Values on channels that are declared inside a template, or of types without a name, have "
+        "none.",
+        "process P() { chan c; init location A { to A { sync c!1; } } }",
+        "chan c; process P() { init location A { to A { sync c!1; } } }",
+    ),
+    "E0802": Explanation(
+        "TChecker cannot say this",
+        "TChecker has no urgent channels, no priorities, no clocks that stand still, no functions, no comparison of "
+        "two clocks, no guards on edges that receive a broadcast, and arrays with one initial value for all elements. "
+        "Nothing of this is dropped: the model is not written. All places are listed.",
+    ),
+    "E0810": Explanation(
+        "addition of tachk",
+        "The text uses something that UPPAAL does not know. Write the model with `tachk export`, which expands it.",
+        "process P() { init location A; }",
+        "process P() { state A; init A; }",
+    ),
+    "E0811": Explanation(
+        "name that UPPAAL refuses",
+        "UPPAAL reserves words that older versions and tachk do not, and version 5 declares types and constants before "
+        "the model begins. `tachk convert --fix` renames them everywhere.",
+        "process P() { state exit; init exit; }",
+        "process P() { state exit_1; init exit_1; }",
+    ),
+    "E0812": Explanation(
+        "name that only newer versions declare",
+        "int8_t, INT16_MAX and their like are declared by UPPAAL 5. `tachk export` writes the ranges and numbers.",
+        "int8_t n;",
+        "int[-128, 127] n;",
+    ),
+    "E0813": Explanation(
+        "construct of newer versions",
+        "This came into UPPAAL's language after the version that was asked for.",
+        "bool a = b xor c;",
+        "bool a = b != c;",
+    ),
+    "E0814": Explanation(
+        "order of words in a type",
+        "UPPAAL reads `urgent broadcast chan`, in this order, and one prefix for any other type.",
+        "broadcast urgent chan c;",
+        "urgent broadcast chan c;",
+    ),
+    "E0815": Explanation(
+        "query that UPPAAL refuses",
+        "UPPAAL takes `deadlock` in E<> and A[] only, and not at all in models with priorities or in which a receiver "
+        "of a broadcast has a clock in its guard. tachk checks these.",
+    ),
+    "E0816": Explanation(
+        "type name used for something else",
+        "Where UPPAAL reads the name of a location, a template, a parameter or a process, the name of a visible type "
+        "is a syntax error.",
+        "typedef int[0,3] slot; process P() { state slot; init slot; }",
+        "typedef int[0,3] slot_t; process P() { state slot; init slot; }",
+    ),
+    "W0501": Explanation(
+        "UPPAAL treats this otherwise",
+        "The model loads, but UPPAAL warns about it, gives it another meaning, or answers less precisely.",
+    ),
+}

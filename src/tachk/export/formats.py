@@ -1,0 +1,102 @@
+"""The formats a model can be written in, and which file name means which."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.export.dot import to_dot
+from tachk.export.expansion import expand
+from tachk.export.network_json import network_to_json
+from tachk.export.plain import PlainModel, Step
+from tachk.export.query_file import print_queries
+from tachk.export.tchecker import to_tchecker
+from tachk.export.uppaal import print_uppaal
+from tachk.export.uppaal_limits import refuses_deadlock
+from tachk.export.xta import print_xta
+from tachk.frontend.load import LoadedModel
+from tachk.syntax.layout import Layout
+
+
+class ExportFormat(StrEnum):
+    XTA = "xta"
+    XML = "xml"
+    QUERIES = "q"
+    TCHECKER = "tchecker"
+    DOT = "dot"
+    JSON = "json"
+
+
+_SUFFIXES = {
+    ".xta": ExportFormat.XTA,
+    ".xml": ExportFormat.XML,
+    ".q": ExportFormat.QUERIES,
+    ".tck": ExportFormat.TCHECKER,
+    ".dot": ExportFormat.DOT,
+    ".json": ExportFormat.JSON,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Exported:
+    """Attributes:
+    text: the content of the file.
+    queries: the content of a .q file beside it; empty if there is none.
+    steps: what was written differently than in the model.
+    """
+
+    text: str
+    queries: str = ""
+    steps: tuple[Step, ...] = ()
+
+
+def format_of(path: Path) -> ExportFormat:
+    """The format a file name means. Raises UsageError if it means none."""
+    found = _SUFFIXES.get(path.suffix.lower())
+    if found is None:
+        raise UsageError(
+            f"{path}: the name does not say in which format to write", f"end it with {', '.join(_SUFFIXES)}"
+        )
+    return found
+
+
+def export_model(
+    model: LoadedModel,
+    format_: ExportFormat,
+    definitions: Iterable[str] = (),
+    repair_names: bool = True,
+    layout: Layout | None = None,
+) -> Exported:
+    """A model in another format.
+
+    Args:
+        definitions: the names of the constants that were given another value when the model was loaded.
+        repair_names: rename what a version of UPPAAL would not take as a name.
+        layout: the picture for XML, where the model has none of its own.
+
+    Raises:
+        UnsupportedError: something in the model cannot be said in the format (E0801, E0802).
+    """
+    match format_:
+        case ExportFormat.DOT:
+            return Exported(to_dot(model.network))
+        case ExportFormat.JSON:
+            return Exported(json.dumps(network_to_json(model.network), indent=1) + "\n")
+        case ExportFormat.TCHECKER:
+            name = Path(model.document.span.source.name).stem
+            return Exported(to_tchecker(model.network, model.queries, name).text)
+        case ExportFormat.XTA | ExportFormat.QUERIES | ExportFormat.XML:
+            return _plain(model, format_, expand(model, definitions, repair_names), layout)
+
+
+def _plain(model: LoadedModel, format_: ExportFormat, plain: PlainModel, layout: Layout | None) -> Exported:
+    queries = print_queries(plain.queries, refuses_deadlock(plain))
+    if format_ is ExportFormat.QUERIES:
+        return Exported(queries, "", plain.steps)
+    if format_ is ExportFormat.XTA:
+        return Exported(print_xta(plain), queries, plain.steps)
+    return Exported(print_uppaal(model, plain, layout), queries, plain.steps)

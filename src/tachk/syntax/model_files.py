@@ -1,0 +1,48 @@
+"""Reading any kind of model file as a syntax tree, without asking what it means."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from tachk.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.diagnostics.span import Source
+from tachk.syntax import ast
+from tachk.syntax.layout import Layout
+from tachk.syntax.parser import has_errors, parse_document
+from tachk.syntax.query_files import BrokenQuery
+from tachk.syntax.tchecker_text import is_tchecker, parse_tchecker
+from tachk.syntax.uppaal_xml import is_xml, parse_uppaal_xml
+
+
+@dataclass(frozen=True, slots=True)
+class ReadModel:
+    """Attributes:
+    layout: the picture, where the file has one.
+    broken: queries that cannot be read.
+    warnings: what else is to be said.
+    """
+
+    document: ast.Document
+    layout: Layout | None = None
+    broken: tuple[BrokenQuery, ...] = ()
+    warnings: tuple[Diagnostic, ...] = ()
+
+
+def read_model(source: Source) -> ReadModel:
+    """A model in tachk's language, UPPAAL's XML or TChecker's format; imports are not followed.
+
+    Raises:
+        InputError: with everything that is wrong.
+    """
+    if is_xml(source):
+        read = parse_uppaal_xml(source)
+        if has_errors(read.diagnostics):
+            raise InputError(read.diagnostics)
+        return ReadModel(read.document, read.layout, read.broken, read.diagnostics)
+    if is_tchecker(source):
+        document, diagnostics = parse_tchecker(source)
+    else:
+        document, diagnostics = parse_document(source)
+    if document is None or has_errors(diagnostics):
+        raise InputError(diagnostics)
+    return ReadModel(document, None, (), diagnostics)

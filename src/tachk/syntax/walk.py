@@ -1,0 +1,22 @@
+"""Finding nodes in syntax trees."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields
+from typing import Any
+
+from tachk.syntax import ast
+
+
+def nodes_of_kind(tree: object, *kinds: type[Any]) -> Iterator[Any]:
+    """The nodes of some kinds in a tree or a sequence of trees, in the order of the text."""
+    pending: list[object] = [tree]
+    while pending:
+        node = pending.pop()
+        if isinstance(node, tuple | list):
+            pending += reversed(node)
+        elif isinstance(node, ast.Node):
+            if isinstance(node, kinds):
+                yield node
+            pending += [getattr(node, field.name) for field in reversed(fields(node)) if field.name != "span"]
