@@ -8,7 +8,7 @@ from tachk.resources import data_root
 PUBLICATION = data_root() / "models" / "micro_xrce_dds" / "publication.ta"
 
 STEADY, REARMED, DOUBLING = 0, 1, 2
-LONG = 60
+LONG = 20
 
 
 def answer(name: str, **constants: int | bool) -> str:

@@ -1,0 +1,34 @@
+"""The subscribing half of Micro XRCE-DDS with links that take time."""
+
+import pytest
+
+import tachk
+from tachk.resources import data_root
+
+SUBSCRIPTION = data_root() / "models" / "micro_xrce_dds" / "subscription.ta"
+
+PULL, PUSH_PING = 1, 2
+
+
+def answer(name: str, **constants: int | bool) -> str:
+    report = tachk.load(SUBSCRIPTION, **constants).verify(
+        property=name, trace=False, limits=tachk.Limits(states=300_000)
+    )
+    return report[name].answer.value
+
+
+def test_the_half_answers_as_it_expects() -> None:
+    assert tachk.load(SUBSCRIPTION).verify(trace=False).met is True
+
+
+def test_the_longest_sleep_follows_from_the_dead_time() -> None:
+    """q + SLEEP + HBA < DEAD with q = LINGER = 2, HBA = 2, DEAD = 8."""
+    assert answer("complete", SLEEP=3) == "holds"
+    assert answer("complete", SLEEP=4) == "fails"
+    assert answer("complete", SLEEP=4, SUBSCRIPTION=PUSH_PING) == "holds"
+
+
+@pytest.mark.parametrize(("losses", "linger", "expected"), [(0, 2, "fails"), (0, 3, "holds"), (2, 3, "fails")])
+def test_a_pull_subscriber_lingers_longer_the_more_can_be_lost(losses: int, linger: int, expected: str) -> None:
+    found = answer("NIWS", SUBSCRIPTION=PULL, AGENT_HEARTBEAT=1, DEAD=6, SLEEP=10, LINGER=linger, LOSSES=losses)
+    assert found == expected
