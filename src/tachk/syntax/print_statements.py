@@ -43,14 +43,8 @@ def _write_statement(writer: Writer, node: ast.Statement) -> None:
     match node:
         case ast.BlockStatement():
             write_block(writer, "", node, None)
-        case ast.ExpressionStatement(expression=expression):
-            writer.line(f"{print_expression(expression)};", node)
-        case ast.EmptyStatement():
-            writer.line(";", node)
-        case ast.ReturnStatement(value=value):
-            writer.line(f"return {print_expression(value)};" if value is not None else "return;", node)
-        case ast.AssertStatement(condition=condition):
-            writer.line(f"assert {print_expression(condition)};", node)
+        case ast.ExpressionStatement() | ast.EmptyStatement() | ast.ReturnStatement() | ast.AssertStatement():
+            writer.line(_simple(node) or "", node)
         case ast.IfStatement():
             writer.begin(node)
             _write_if(writer, node, "")
@@ -80,10 +74,29 @@ def _write_body(writer: Writer, header: str, body: ast.Statement) -> None:
     if isinstance(body, ast.BlockStatement):
         write_block(writer, header, body, None)
         return
+    simple = _simple(body)
+    if simple is not None and id(body) not in writer.comments.before and writer.fits(f"{header} {simple}"):
+        writer.ending(f"{header} {simple}", body)
+        return
     writer.raw(header)
     writer.deeper(1)
     _write_statement(writer, body)
     writer.deeper(-1)
+
+
+def _simple(node: ast.Statement) -> str | None:
+    """The text of a statement that has no other inside."""
+    match node:
+        case ast.ExpressionStatement(expression=expression):
+            return f"{print_expression(expression)};"
+        case ast.EmptyStatement():
+            return ";"
+        case ast.ReturnStatement(value=value):
+            return f"return {print_expression(value)};" if value is not None else "return;"
+        case ast.AssertStatement(condition=condition):
+            return f"assert {print_expression(condition)};"
+        case _:
+            return None
 
 
 def _write_if(writer: Writer, node: ast.IfStatement, word: str) -> None:

@@ -54,7 +54,9 @@ def write_item(writer: Writer, item: ast.Item) -> None:
             writer.line(f"{name.name}{taken} = {template.name}({print_expressions(arguments)});", item)
         case ast.SystemLine(groups=groups):
             text = " < ".join(", ".join(identifier.name for identifier in group) for group in groups)
-            writer.line(f"system {text};", item)
+            writer.begin(item)
+            writer.filled("system", f"{text};".split(" "))
+            writer.behind(item)
         case ast.ProgressDeclaration(measures=measures):
             writer.line("progress { " + "".join(f"{_measure(measure)}; " for measure in measures) + "}", item)
         case ast.GanttDeclaration(text=text):
@@ -126,15 +128,7 @@ def _write_list(writer: Writer, line: str, head: str, declarators: Sequence[ast.
     parts = [print_expression(ast.InitialiserList(last.span, (entry,)))[2:-2] for entry in last.initialiser.items]
     writer.begin(item)
     writer.open(f"{head}{last.name.name}{print_dimensions(last.dimensions)} = {{", item)
-    row = ""
-    for index, part in enumerate(parts):
-        text = part + ("," if index + 1 < len(parts) else "")
-        if row and not writer.fits(f"{row} {text}"):
-            writer.raw(row)
-            row = text
-        else:
-            row = f"{row} {text}" if row else text
-    writer.raw(row)
+    writer.filled("", [*(f"{part}," for part in parts[:-1]), parts[-1]])
     writer.close("};", item)
 
 

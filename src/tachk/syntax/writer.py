@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from tachk.syntax import ast
@@ -11,6 +12,9 @@ from tachk.syntax.expression_printer import BINARY_LEVEL, needs_parentheses, pri
 
 WIDTH = 100
 """Columns after which the formatter breaks a line where it can."""
+
+ALIGNED = 60
+"""Comments behind neighbouring lines of code that are no longer than this begin in one column."""
 
 INDENT = "    "
 
@@ -27,9 +31,32 @@ class Writer:
         self._source = document.span.source
         self._lines: list[str] = []
         self._depth = 0
+        self._code_ends: dict[int, int] = {}
 
     def text(self) -> str:
+        for run in self._neighbours():
+            column = max(self._code_ends[index] for index in run)
+            for index in run:
+                line, end = self._lines[index], self._code_ends[index]
+                self._lines[index] = line[:end] + " " * (column - end) + line[end:]
+        self._code_ends.clear()
         return "\n".join(self._lines) + "\n" if self._lines else ""
+
+    def _neighbours(self) -> Iterator[list[int]]:
+        """Runs of lines with equal indentation and a comment behind short code."""
+        run: list[int] = []
+        indent = -1
+        for index, end in sorted(self._code_ends.items()):
+            line = self._lines[index]
+            deep = len(line) - len(line.lstrip())
+            if run and (index > run[-1] + 1 or deep != indent or end > ALIGNED):
+                yield run
+                run = []
+            if end <= ALIGNED:
+                run.append(index)
+            indent = deep
+        if run:
+            yield run
 
     def fits(self, line: str) -> bool:
         return len(INDENT) * self._depth + len(line) <= WIDTH
@@ -114,6 +141,22 @@ class Writer:
         self.ending(parts[-1] + tail, node)
         self._depth -= 1
 
+    def filled(self, head: str, parts: Sequence[str]) -> None:
+        """Rows of as many parts as fit; further rows are indented. No comments."""
+        row = head
+        indented = False
+        for part in parts:
+            if row and row != head and not self.fits(f"{row} {part}"):
+                self.raw(row)
+                row = part
+                if head and not indented:
+                    self._depth += 1
+                    indented = True
+            else:
+                row = f"{row} {part}" if row else part
+        self.raw(row)
+        self._depth -= indented
+
     def _own_lines(self, comments: list[ast.Comment]) -> None:
         previous: ast.Comment | None = None
         for comment in comments:
@@ -129,6 +172,8 @@ class Writer:
             if "//" in self._last_comment():
                 self.raw(_text(comment))
             else:
+                if "\n" not in self._lines[-1] and comment.text.startswith("//"):
+                    self._code_ends[len(self._lines) - 1] = len(self._lines[-1])
                 self._lines[-1] += f"  {_text(comment)}"
 
     def _last_comment(self) -> str:

@@ -107,8 +107,7 @@ STATEMENTS = """\
 int f(int a, const id_t &b) {
     int i;
 
-    for (i = 0, a = 1; i < 3; i++)
-        a += i;
+    for (i = 0, a = 1; i < 3; i++) a += i;
     for (j : id_t) {
         g(j);
     }
@@ -117,16 +116,19 @@ int f(int a, const id_t &b) {
     } while (a > 0);
     if (a == 1) {
         return 1;
-    } else if (a == 2)
-        return 2;
+    } else if (a == 2) return 2;  // odd
     else {
         // nothing
     }
     {
         ;
     }
-    while (true)
-        assert a ? b : c;
+    if (a == 3)
+        // a comment keeps its line
+        a = 4;
+    for (i : id_t)
+        if (a == i) a = 4;
+    while (true) assert a ? b : c;
     return;
 }
 """
@@ -134,6 +136,21 @@ int f(int a, const id_t &b) {
 
 def test_statements() -> None:
     assert check_round_trip(STATEMENTS) == STATEMENTS
+
+
+def test_comments_behind_neighbouring_lines_begin_in_one_column() -> None:
+    text = """\
+int a;             // one
+bool longer_name;  // two
+chan c;
+
+int b;  // alone
+int number_of_things_that_are_waiting_for_their_turn_to_come_up;  // behind long code
+int d;                                                            /* a block */
+"""
+    expected = text.replace(" " * 60 + "/*", "  /*")
+    assert check_round_trip(text) == expected
+    assert check_round_trip(expected) == expected
 
 
 DECLARATIONS = """\
