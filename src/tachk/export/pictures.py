@@ -1,4 +1,4 @@
-"""Pictures of the templates of a model file, with the layout that the file has or an automatic one."""
+"""Pictures of the templates of a model file, with the layout that it or its side file has or an automatic one."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from tachk.frontend.findings import Findings
 from tachk.frontend.imports import Importer
 from tachk.syntax import ast
 from tachk.syntax.layout import Layout
+from tachk.syntax.layout_json import read_layout_beside
 from tachk.syntax.model_files import read_model
 from tachk.syntax.source_files import read_source
 
@@ -36,7 +37,7 @@ def draw_file(path: str | os.PathLike[str]) -> tuple[Picture, ...]:
     templates = [item for item in items if isinstance(item, ast.Template)]
     if not templates:
         raise UsageError(f"{source.name} has no template to draw")
-    layout = read.layout or Layout()
+    layout = read.layout or read_layout_beside(path) or Layout()
     return tuple(
         draw_template(template, complete(template, layout.templates.get(template.name.name))) for template in templates
     )

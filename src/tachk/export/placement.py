@@ -1,8 +1,9 @@
 """Automatic layout: where UPPAAL shows everything of a document that says nothing about that itself.
 
 Each template is drawn in layers from its initial location, to the right or downwards, whichever looks better; see
-`placement_layers` (the layers), `placement_coordinates` and `placement_arrangement` (a drawing without overlaps) and
-`placement_routing` (fewer nails). The same document always gets the same layout.
+`placement_layers` (the layers), `placement_coordinates` and `placement_arrangement` (a drawing without overlaps),
+`placement_routing` and `placement_polish` (fewer nails). Very large templates are set out in rows (`placement_grid`).
+The same document always gets the same layout.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from itertools import pairwise
 from tachk.export.label_text import edge_labels, location_labels, text_height, wrap
 from tachk.export.placement_arrangement import Direction, arrange
 from tachk.export.placement_geometry import Box, segments_cross
+from tachk.export.placement_grid import arrange_in_rows
 from tachk.export.placement_layers import Traversal
 from tachk.export.placement_polish import polish
 from tachk.export.placement_routing import clear_texts, straighten
@@ -26,6 +28,12 @@ _WIDE_ENOUGH = 1.4
 _FEW = 150
 """Templates with more edges than this get a simpler drawing."""
 
+_MANY = 1000
+"""Templates with more locations and edges than this are only set out in rows."""
+
+_LONG, _TOO_STRETCHED = 50, 12
+"""Chains of more locations, in a picture so many times as long as wide, are set out in rows too."""
+
 
 def place(document: ast.Document) -> Layout:
     """The layout of all templates of a document, as if it had none."""
@@ -34,7 +42,14 @@ def place(document: ast.Document) -> Layout:
 
 def place_template(template: ast.Template) -> TemplateLayout:
     outline = sketch(template)
-    drawing = min((_drawn(outline, *way) for way in _ways(outline)), key=lambda found: _ugliness(outline, found))
+    if not outline.nodes:
+        return TemplateLayout()
+    drawings = [found for way in _ways(outline) if (found := _drawn(outline, *way)) is not None]
+    if not drawings:
+        return _layout(template, outline, arrange_in_rows(outline, _WIDE_ENOUGH))
+    drawing = min(drawings, key=lambda found: _ugliness(outline, found))
+    if len(outline.nodes) > _LONG and _stretch(drawing) > _TOO_STRETCHED:
+        return _layout(template, outline, arrange_in_rows(outline, _WIDE_ENOUGH))
     if len(outline.edges) <= _FEW:
         drawing = clear_texts(outline, polish(outline, drawing))
     return _layout(template, outline, drawing)
@@ -43,13 +58,16 @@ def place_template(template: ast.Template) -> TemplateLayout:
 def _ways(outline: Sketch) -> Iterator[tuple[Direction, Traversal]]:
     """The ways of drawing that are tried: the larger the template, the fewer."""
     size = len(outline.nodes) + len(outline.edges)
-    for direction in Direction if size < 500 else (Direction.RIGHT,):
+    if size > _MANY:
+        return
+    for direction in Direction if size < 400 else (Direction.RIGHT,):
         for traversal in Traversal if size < 120 else (Traversal.DEPTH,):
             yield direction, traversal
 
 
-def _drawn(outline: Sketch, direction: Direction, traversal: Traversal) -> Drawing:
-    return clear_texts(outline, straighten(outline, arrange(outline, direction, traversal)))
+def _drawn(outline: Sketch, direction: Direction, traversal: Traversal) -> Drawing | None:
+    drawing = arrange(outline, direction, traversal)
+    return drawing and clear_texts(outline, straighten(outline, drawing))
 
 
 def _ugliness(outline: Sketch, drawing: Drawing) -> float:
@@ -69,6 +87,13 @@ def _ugliness(outline: Sketch, drawing: Drawing) -> float:
     return size + 90 * crossings + 8 * nails
 
 
+def _stretch(drawing: Drawing) -> float:
+    """How many times longer one side of the picture is than the other."""
+    extent = _extent(drawing)
+    width, height = extent.right - extent.left, extent.bottom - extent.top
+    return max(width / height, height / width)
+
+
 def _extent(drawing: Drawing) -> Box:
     boxes = drawing.boxes()
     points = [point for route in drawing.routes for point in route]
@@ -82,7 +107,7 @@ def _extent(drawing: Drawing) -> Box:
 
 def _layout(template: ast.Template, outline: Sketch, drawing: Drawing) -> TemplateLayout:
     """The layout of a drawing, moved so that the initial location stands at the origin."""
-    origin = drawing.centres[outline.root] if drawing.centres else Point(0, 0)
+    origin = drawing.centres[outline.root]
 
     def moved(x: float, y: float) -> Point:
         return Point(round(x) - origin.x, round(y) - origin.y)

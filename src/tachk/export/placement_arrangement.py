@@ -26,7 +26,7 @@ _LABEL_TO_LINE = 2
 _GAP = 12
 _LEAST_STEP, _MOST_STEP = 3 * GRID, 15 * GRID
 _STEEPNESS = 0.3
-_LONGEST_CHAIN = 60
+_MOST_STOPS = 6000
 
 
 class Direction(Enum):
@@ -51,9 +51,11 @@ class Stop:
     loop: int = 0
 
 
-def arrange(sketch: Sketch, direction: Direction, traversal: Traversal) -> Drawing:
-    """Places everything. Where edges are very many or very long, some may cross nodes and labels."""
+def arrange(sketch: Sketch, direction: Direction, traversal: Traversal) -> Drawing | None:
+    """Places everything; None if that would take too long, because edges are very many or very long."""
     plan = _Plan(sketch, direction, traversal)
+    if not plan.layers:
+        return None
     layering = Layering(plan.layers, plan.links)
     effort = len(plan.extents)
     layering.reduce_crossings(24 if effort < 400 else 8 if effort < 4000 else 2)
@@ -67,6 +69,7 @@ class _Plan:
     Attributes:
         stops: for each edge its stops with their numbers, along the flow.
         against: the edges that run against the flow.
+        layers: empty if there are too many stops.
     """
 
     def __init__(self, sketch: Sketch, direction: Direction, traversal: Traversal) -> None:
@@ -97,18 +100,16 @@ class _Plan:
                 self.links.append((number, previous) if stop.loop < 0 else (previous, number))
                 chain.append((number, stop))
                 previous = number
-            if start != end and chain[-1][1].rank == self.rank[end] - 1:
+            if start != end:
                 self.links.append((previous, end))
             self.stops.append(chain)
-        self.layers = self._first_order()
+        self.layers = self._first_order() if len(self.extents) < _MOST_STOPS else []
 
     def _stops(self, edge: SketchEdge, start: int, end: int, side: int, load: dict[int, float]) -> list[Stop]:
         size = edge.labels_size if edge.labels_size != (0, 0) else None
         first, last = self.rank[start] + 1, self.rank[end] - 1
         if start == end:
             return [Stop(self.rank[start] + side, size, loop=side)]
-        if last - first > _LONGEST_CHAIN:
-            return [Stop(first, size)]
         middle = min(range(first, last + 1, 2), key=lambda rank: (load[rank], abs(2 * rank - first - last)))
         return [Stop(rank, size if rank == middle else None) for rank in range(first, last + 1)]
 
@@ -119,7 +120,7 @@ class _Plan:
         graph.add_edges_from(self.links)
         rank = {**dict(enumerate(self.rank)), **{number: stop.rank for number, stop in self.stop_of.items()}}
         layers: list[list[int]] = [[] for _ in range(max(rank.values(), default=0) + 1)]
-        for number in nx.dfs_preorder_nodes(graph) if self.sketch.nodes else ():
+        for number in nx.dfs_preorder_nodes(graph):
             layers[rank[number]].append(number)
         reached = {number for layer in layers for number in layer}
         for number in self.extents:
@@ -233,7 +234,7 @@ class _Canvas:
             routes.append((centres[edge.source], *points, centres[edge.target]))
             boxes = [self._label(number, stop.labels_size, stop) for number, stop in stops if stop.labels_size]
             labels.append(boxes[0] if boxes else None)
-        names, node_labels = zip(*map(self._texts, nodes, centres), strict=True) if nodes else ((), ())
+        names, node_labels = zip(*map(self._texts, nodes, centres), strict=True)
         return Drawing(centres, names, node_labels, tuple(routes), tuple(labels))
 
     def _passage(self, number: int, stop: Stop) -> list[Point]:

@@ -168,30 +168,30 @@ def clear_texts(sketch: Sketch, drawing: Drawing) -> Drawing:
         for a, b in pairwise(route):
             segments.add((a, b), _span(a, b))
     taken: _Index[Box] = _Index()
-    for box in drawing.boxes():
-        taken.add(box, box)
+    for text in drawing.boxes():
+        taken.add(text, text)
     names, labels = list(drawing.names), list(drawing.node_labels)
     for at, centre in enumerate(drawing.centres):
-        own = names[at], labels[at]
-
-        def cost(choice: tuple[int, tuple[Box, Box | None]], own: tuple[Box, Box | None] = own) -> float:
-            preference, boxes = choice
-            total = 0.2 * preference
-            for box in boxes:
+        own: tuple[Box, Box | None] = names[at], labels[at]
+        best = float("inf")
+        node = sketch.nodes[at]
+        candidates = (own, *_candidates(centre, node.name_size, node.labels_size))
+        for preference, (name, label) in enumerate(candidates):
+            cost = 0.2 * preference
+            if cost >= best:
+                break
+            for box in (name, label):
                 if box is not None:
                     wide = box.grown(2)
-                    total += 10 * sum(segment_meets_box(a, b, wide) for a, b in segments.near(wide))
+                    cost += 10 * sum(segment_meets_box(a, b, wide) for a, b in segments.near(wide))
                     if preference:
-                        total += 1000 * any(other not in own and wide.overlaps(other) for other in taken.near(wide))
-            return total
-
-        node = sketch.nodes[at]
-        choices = enumerate((own, *_candidates(centre, node.name_size, node.labels_size)))
-        _, (names[at], label) = min(choices, key=cost)
-        labels[at] = label
-        taken.add(names[at], names[at])
-        if label is not None:
-            taken.add(label, label)
+                        cost += 1000 * any(other not in own and wide.overlaps(other) for other in taken.near(wide))
+            if cost < best:
+                best = cost
+                names[at], labels[at] = name, label
+        for chosen in (names[at], labels[at]):
+            if chosen is not None:
+                taken.add(chosen, chosen)
     return replace(drawing, names=tuple(names), node_labels=tuple(labels))
 
 

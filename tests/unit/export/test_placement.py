@@ -36,9 +36,7 @@ def random_template(random: Random, locations: int, edges: int) -> ast.Template:
     names = [random.choice("ABCD") + "x" * random.randrange(12) + str(i) for i in range(locations)]
     body = []
     for number, name in enumerate(names):
-        invariant = (
-            f"{{ invariant x <= {number} && {'y' * random.randrange(1, 20)} > 1; }}" if random.random() < 0.4 else ";"
-        )
+        invariant = f"invariant x <= {number} && {'y' * random.randrange(1, 20)} > 1;"
         kind = "init " if number == 0 else random.choice(("", "urgent ", "committed "))
         lines = []
         for _ in range(edges // locations + (number < edges % locations)):
@@ -72,3 +70,56 @@ def test_nothing_overlaps_in_random_templates(seed: int) -> None:
     layout = place_template(template)
     assert missing(template, layout) == []
     assert faults(template, layout) == []
+
+
+def chain(length: int) -> ast.Template:
+    locations = (f"location L{i} {{ to L{(i + 1) % length} {{ guard x >= {i}; }} }}" for i in range(length))
+    return templates(parsed(f"process P() {{ init {' '.join(locations)} }}"))[0]
+
+
+@pytest.mark.parametrize("length", [80, 4000])
+def test_long_chains_are_set_out_in_rows_that_fit_a_screen(length: int) -> None:
+    template = chain(length)
+    layout = place_template(template)
+    assert missing(template, layout) == []
+    points = [node.position for node in layout.nodes.values() if node.position is not None]
+    width, height = (max(each) - min(each) for each in zip(*points, strict=True))
+    assert 0.5 < width / height < 4
+    assert len(set(points)) == length
+
+
+def test_texts_in_rows_do_not_overlap() -> None:
+    template = random_template(Random(5), 120, 1000)
+    assert [fault for fault in faults(template, place_template(template)) if "passes through" not in fault] == []
+
+
+def test_a_template_without_locations_has_an_empty_picture() -> None:
+    assert place_template(templates(parsed("process P() { }"))[0]).nodes == {}
+
+
+def test_the_same_document_gets_the_same_layout() -> None:
+    template = random_template(Random(3), 8, 16)
+    assert place_template(template) == place_template(template)
+
+
+def test_the_flow_leads_in_one_direction() -> None:
+    template = chain(6)
+    points = [place_template(template).nodes[f"L{i}"].position for i in range(6)]
+    assert points == sorted(points) or points == sorted(points, key=lambda point: (point.y, point.x))
+    assert points[0] == (0, 0)
+
+
+def test_edges_between_the_same_locations_lie_apart() -> None:
+    text = "process P() { init location A { to B; to B; } location B { to A; to B; to B; } }"
+    layout = place_template(templates(parsed(text))[0])
+    nails = [edge.nails for edge in layout.edges.values()]
+    assert len(set(nails)) == len(nails) == 5
+
+
+def test_long_labels_are_broken_into_lines_and_mean_the_same() -> None:
+    text = "process P() { init location A { to A { guard n == 111111111 && m == 222222222 && k == 333333333; } } }"
+    layout = place_template(templates(parsed(text))[0])
+    (edge,) = layout.edges.values()
+    written = edge.labels["guard"].text
+    assert written is not None and written.count("\n") == 1
+    assert written.replace("\n", " ") == "n == 111111111 && m == 222222222 && k == 333333333"
