@@ -133,4 +133,11 @@ SYNTAX_CODES: dict[str, Explanation] = {
         "process P() { clock x, y; state A; init A; trans A -> A { guard x > 1, y > 1; }; }",
         "process P() { clock x, y; state A; init A; trans A -> A { guard x > 1 && y > 1; }; }",
     ),
+    "W0102": Explanation(
+        "grouped in another way by early versions",
+        "A text of UPPAAL 3.x may have been written when not, and, or and imply bound weaker than every symbol. Today, "
+        "and in tachk, they bind as !, && and || do: `not a == b` is `(not a) == b`. Parentheses make the meaning plain.",
+        "const N 5;\nprocess P() { int a; state s; init s; trans s -> s { guard not a == N; }; }\nsystem P;",
+        "const int N = 5;\nprocess P() { int a; state s; init s; trans s -> s { guard not (a == N); }; }\nsystem P;",
+    ),
 }

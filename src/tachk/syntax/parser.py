@@ -19,10 +19,10 @@ from tachk.syntax.contextual import resolve_document, resolve_fragment, resolve_
 from tachk.syntax.depth import bracket_errors, nesting_errors
 from tachk.syntax.driver import drive
 from tachk.syntax.legacy import as_legacy
+from tachk.syntax.old_precedence import regrouped
 from tachk.syntax.strict import additions
 from tachk.syntax.tables import lexer
 from tachk.syntax.tokens import Lexed, Token
-from tachk.syntax.unchecked import unchecked_family, words_of
 
 Diagnostics = tuple[Diagnostic, ...]
 
@@ -109,13 +109,7 @@ def parse_query(source: Source, start: int = 0, end: int | None = None) -> tuple
     deep = bracket_errors(lexed.tokens)
     if deep:
         return None, (*lexed.errors, *deep)
-    if any(error.code == "E0002" for error in lexed.errors):
-        span = Span(source, start, len(source.text) if end is None else end)
-        words = words_of(span.text)
-        family = unchecked_family(words) if words else None
-        if family is not None:  # such as Pr[#<=10]: the languages of other analyses have more characters
-            return ast.QueryEntry(span, ast.UncheckedFormula(span, span.text.strip(), family)), ()
-    value, errors = drive("query", resolve_query(lexed.tokens))
+    value, errors = drive("query", _without_unread(resolve_query(lexed.tokens), lexed))
     return _unless_deep(value, lexed, _all_errors(lexed, errors))
 
 
@@ -127,16 +121,28 @@ def _read(
     deep = bracket_errors(lexed.tokens)
     if deep:
         return None, lexed, (*lexed.errors, *deep), False
-    tokens = resolve(lexed.tokens)
+    tokens = _without_unread(resolve(lexed.tokens), lexed)
     value, errors = drive(start, tokens)
     if errors and not lexed.errors:
         old_tokens = as_legacy([replace(token) for token in tokens], lexer().symbols, start)
         old_value, old_errors = drive(start, old_tokens)
         if not old_errors:
             value, diagnostics = _unless_deep(old_value, lexed, ())
-            return value, lexed, (_legacy_warning(errors[0]), *diagnostics), True
+            return value, lexed, (_legacy_warning(errors[0]), *regrouped(tokens), *diagnostics), True
     value, diagnostics = _unless_deep(value, lexed, _all_errors(lexed, errors))
     return value, lexed, diagnostics, False
+
+
+def _without_unread(tokens: list[Token], lexed: Lexed) -> list[Token]:
+    """The tokens; unknown characters within queries of other analyses, such as ``Pr[#<=10]``, are no errors."""
+    unread = [token.span for token in tokens if token.type == "UNCHECKED"]
+    if unread and lexed.errors:
+        lexed.errors = [
+            error
+            for error in lexed.errors
+            if error.code != "E0002" or not any(span.start <= error.span.start < span.end for span in unread)
+        ]
+    return tokens
 
 
 def _all_errors(lexed: Lexed, errors: Diagnostics) -> Diagnostics:
