@@ -45,7 +45,7 @@ from tachk.syntax.parser import (
     parse_select,
     parse_synchronisation,
 )
-from tachk.syntax.uppaal_xml_template import plain_text, printed_labels
+from tachk.syntax.uppaal_xml_template import documentation, printed_labels
 
 _NEWER = ("1.5", "1.6")
 _NEWER_ATTRIBUTES = ("id", "action")
@@ -98,8 +98,8 @@ class EdgeView:
 class TemplateView:
     name: str
     position: Point
-    parameter: str
-    declaration: str
+    parameter: str | None
+    declaration: str | None
     nodes: tuple[NodeView, ...]
     initial: str
     edges: tuple[EdgeView, ...]
@@ -181,6 +181,7 @@ def _template(
     original: of the model, whose names are those of the layout; it has the same locations and edges in the same order.
     """
     layout = complete(original, known)
+    declaration = written.template_declaration(template, layout.declaration)
     own: set[str] = set()
     views: list[NodeView] = []
     by_name: dict[str, str] = {}
@@ -189,16 +190,20 @@ def _template(
         identifier = picture.id if picture.id and picture.id not in own else ids.new()
         own.add(identifier)
         by_name[node.name.name] = identifier
-        views.append(_node(old, node, picture, identifier, written))
+        views.append(_node(old, node, picture, identifier, _comments(written, old, declaration)))
+    order = {key: place for place, key in enumerate(known.edges if known else ())}
     edges = tuple(
-        _edge(old, edge, layout.edges[key], by_name, written)
-        for (key, old), edge in zip(keyed_edges(original), template.edges, strict=True)
+        _edge(edge, layout.edges[key], by_name, _comments(written, old, declaration))
+        for key, old, edge in sorted(
+            ((key, old, edge) for (key, old), edge in zip(keyed_edges(original), template.edges, strict=True)),
+            key=lambda entry: order.get(entry[0], len(order)),
+        )
     )
     return TemplateView(
         template.name.name,
         layout.name or Point(0, 0),
         written.parameter(template, layout.parameter),
-        written.template_declaration(template, layout.declaration),
+        declaration,
         tuple(views),
         next((by_name[node.name.name] for node in template.locations if node.initial), ""),
         edges,
@@ -211,7 +216,7 @@ def _node(
     node: ast.LocationDeclaration | ast.Branchpoint,
     picture: NodeLayout,
     identifier: str,
-    written: Sections,
+    comments: list[str],
 ) -> NodeView:
     assert picture.position is not None and picture.name is not None, "a complete layout has all positions"
     # A name that was made up stays out of the picture; one that was put right does not.
@@ -225,7 +230,7 @@ def _node(
             "" if node.exponential_rate is None else print_expression(node.exponential_rate),
         ),
     }
-    labels = _labels(texts, node.doc, picture.labels, LOCATION_LABELS, written.comments_beside(old))
+    labels = _labels(texts, node.doc, picture.labels, LOCATION_LABELS, comments)
     return NodeView(
         identifier,
         False,
@@ -239,9 +244,14 @@ def _node(
     )
 
 
-def _edge(
-    old: ast.EdgeDeclaration, edge: ast.EdgeDeclaration, picture: EdgeLayout, ids: Mapping[str, str], written: Sections
-) -> EdgeView:
+def _comments(
+    written: Sections, node: ast.LocationDeclaration | ast.Branchpoint | ast.EdgeDeclaration, declaration: str | None
+) -> list[str]:
+    """The comments beside a location or edge that do not stand in the declarations of its template."""
+    return [comment for comment in written.comments_beside(node) if comment not in (declaration or "")]
+
+
+def _edge(edge: ast.EdgeDeclaration, picture: EdgeLayout, ids: Mapping[str, str], comments: list[str]) -> EdgeView:
     assert edge.source is not None, "an edge of the classic form has a source"
     printed = printed_labels(edge)
     texts = {
@@ -260,7 +270,7 @@ def _edge(
         tuple(attributes.items()),
         ids[edge.source.name],
         ids[edge.target.name],
-        _labels(texts, edge.doc, picture.labels, EDGE_LABELS, written.comments_beside(old)),
+        _labels(texts, edge.doc, picture.labels, EDGE_LABELS, comments),
         picture.nails,
     )
 
@@ -284,10 +294,11 @@ def _labels(
                 text = picture.text
         elif kind == "comments":
             seen = "".join(label.text for label in labels)
-            loose = [comment for comment in comments if comment and comment not in seen]
+            old = picture.text or ""
+            loose = [comment for comment in comments if comment not in seen and comment not in old]
             text = "\n".join(part for part in (doc, *loose) if part)
-            if picture.text is not None and plain_text(picture.text) == text:
-                text = picture.text
+            if documentation(old) == doc and not loose:
+                text = old
         else:
             text = picture.text or ""
         if text.strip():

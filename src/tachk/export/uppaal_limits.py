@@ -11,8 +11,8 @@ from tachk.syntax.rewrite import names_in
 
 
 def refuses_deadlock(plain: PlainModel) -> bool:
-    """Whether UPPAAL refuses every query about deadlocks of a model: it has priorities, or a template, used or not, where
-    a broadcast is received under a clock guard."""
+    """Whether UPPAAL refuses every query about deadlocks of a model: it has priorities, or a template, used or not,
+    receives broadcasts under clock guards."""
     if len(plain.system.groups) > 1:
         return True
     if any(isinstance(item, ast.ChannelPriorityDeclaration) for item in plain.declarations):

@@ -3,7 +3,7 @@ their comments."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -54,31 +54,36 @@ class Sections:
             written or "" if same(written, parse_system, self.after) else self._text(self.after, [], self.last_comments)
         )
 
-    def parameter(self, template: ast.Template, written: str | None) -> str:
+    def parameter(self, template: ast.Template, written: str | None) -> str | None:
+        """The parameters; None where there is no such section."""
         if same(written, parse_parameters, template.parameters):
-            return written or ""
+            return written
         return print_parameters(template.parameters)
 
-    def template_declaration(self, template: ast.Template, written: str | None) -> str:
-        """The local declarations, after the documentation of the template."""
+    def template_declaration(self, template: ast.Template, written: str | None) -> str | None:
+        """The local declarations, after the documentation of the template; None where there is no such section. What
+        stands between them and the first location belongs to them.
+        """
         doc = [f"/// {line}".rstrip() for line in template.doc.split("\n")] if template.doc else []
         if same(written, parse_declarations, template.declarations) and (not doc or "\n".join(doc) in (written or "")):
-            return written or ""
+            return written
         placed = self.placement
         head = [c.text for table in (placed.before, placed.opening) for c in table.get(id(template), [])]
+        between = [c.text for node in template.locations[:1] for c in placed.before.get(id(node), [])]
         last = [c.text for table in (placed.closing, placed.behind) for c in table.get(id(template), [])]
-        return self._text(template.declarations, [*doc, *([""] if doc else []), *head], last)
+        text = self._text(template.declarations, [*doc, *([""] if doc else []), *head], [*between, *last])
+        return text or None
 
     def comments_beside(self, node: ast.LocationDeclaration | ast.Branchpoint | ast.EdgeDeclaration) -> list[str]:
-        """The comments that stand before, in or behind a location or edge, as plain text."""
-        found = []
+        """The comments that stand before, in or behind a location or edge, with their delimiters."""
+        found: list[ast.Comment] = []
         for part in (node, *line_nodes(node)):
             if isinstance(part, ast.EdgeDeclaration) and part is not node:
                 continue
             tables = self.placement.before, self.placement.opening, self.placement.behind, self.placement.closing
             found += [comment for table in tables for comment in table.get(id(part), [])]
         found.sort(key=lambda comment: comment.span.start)
-        return [_bare(comment.text) for comment in found]
+        return [comment.text for comment in found]
 
     def _text(self, items: Sequence[Any], head: Sequence[str], tail: Sequence[str] = ()) -> str:
         writer = Writer(ast.Document(self.plain.span, tuple(items)), self.placement)
@@ -151,15 +156,3 @@ def _comments(source: Source, model: LoadedModel) -> Iterable[ast.Comment]:
         return model.document.comments
     document, _ = parse_document(source) if source.text else (None, ())
     return () if document is None else document.comments
-
-
-def _bare(comment: str) -> str:
-    """A comment without its delimiters."""
-    if comment.startswith("//"):
-        return comment.lstrip("/").strip()
-    return "\n".join(_starless(comment[2:].removesuffix("*/").splitlines())).strip()
-
-
-def _starless(lines: Iterable[str]) -> Iterator[str]:
-    for line in lines:
-        yield line.strip().removeprefix("*").strip()

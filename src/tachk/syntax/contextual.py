@@ -369,11 +369,15 @@ _BEGINS_OPERAND = {"NAME", "INTEGER", "FLOAT", "TRUE", "FALSE", "NOT", "FORALL",
 
 
 def _joined(kind: str, tokens: list[Token]) -> Token:
-    """Several tokens as one; its text has single blanks where there was any gap."""
+    """Several tokens as one; its text has single blanks where there was any gap. Without comments, the text has also
+    what is no token."""
+    span = tokens[0].span.to(tokens[-1].span)
+    if "//" not in span.text and "/*" not in span.text:
+        return Token(kind, " ".join(span.text.split()), span)
     parts = [tokens[0].text]
     for before, token in pairwise(tokens):
         parts.append(" " * (before.span.end < token.span.start) + token.text)
-    return Token(kind, "".join(parts), tokens[0].span.to(tokens[-1].span))
+    return Token(kind, "".join(parts), span)
 
 
 def _type_names(tokens: list[Token]) -> frozenset[str]:

@@ -186,7 +186,10 @@ def print_parameters(parameters: Sequence[ast.Parameter]) -> str:
 
 def print_synchronisation(label: ast.SynchronisationLabel) -> str:
     value = print_expression(label.value) if label.value is not None else ""
-    return f"{print_expression(label.channel)}{label.direction}{value}"
+    channel = print_expression(label.channel)
+    if not isinstance(label.channel, ast.NameExpression | ast.IndexExpression | ast.MemberExpression):
+        channel = f"({channel})"
+    return f"{channel}{label.direction}{value}"
 
 
 def print_formula(formula: ast.QueryFormula | ast.UncheckedFormula) -> str:

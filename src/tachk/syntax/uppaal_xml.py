@@ -135,12 +135,9 @@ class _Reader:
         spans = [texts.text(e) for name in _READ_APART for e in self.root.all(name) if e.name in _SECTIONS]
         spans += [span for template in self.templates for span in template.code(texts)]
         spans += self.queries.formulas(texts)
-        found = [
-            comment
-            for span in sorted(spans, key=lambda span: span.start)
-            if "/" in span.text
-            for comment in comments_within(span)
-        ]
+        found = [comment for span in spans if "/" in span.text for comment in comments_within(span)]
+        found += (comment for template in self.templates for comment in template.comments(texts))
+        found.sort(key=lambda comment: comment.span.start)
         return tuple(c for c in found if not any(span.start <= c.span.start < span.end for span in raw))
 
 

@@ -79,8 +79,7 @@ class QueriesReader:
             comment = _child_text(element, "comment")
             if formula is None or place is None or _is_empty(place):
                 text = formula.text if formula is not None and formula.text.strip() else None
-                if comment.strip() or text:
-                    self.layouts.append(_with(kept, "", comment, text))
+                self.layouts.append(_with(kept, "", comment, text))
                 continue
             if not said.name or said.name in used:
                 name = _automatic_name(number, taken | used)

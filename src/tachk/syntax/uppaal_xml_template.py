@@ -43,6 +43,7 @@ from tachk.syntax.uppaal_xml_tree import Element
 
 IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
+_COMMENT = re.compile(r"^[ \t]*(//[^\n]*|/\*[\s\S]*?\*/)[ \t]*(?:\n|\Z)", re.MULTILINE)
 _OTHER_LABELS = ("testcode", "testcodeEnter", "testcodeExit")
 _READ_APART = {"name", "parameter", "declaration", "location", "branchpoint", "init", "transition"}
 _SHOWN = {"exponentialrate": "exponential rate", "assignment": "update"}
@@ -295,6 +296,12 @@ class TemplateReader:
                 if kind != "comments" and (kind in LOCATION_LABELS or kind in EDGE_LABELS):
                     yield texts.text(label)
 
+    def comments(self, texts: Extracted) -> Iterator[ast.Comment]:
+        """The comments that stand in labels of comments."""
+        for labels in (*(node.labels for node in self.nodes), *(edge.labels for edge in self.transitions)):
+            if "comments" in labels:
+                yield from comments_in_label(texts.text(labels["comments"]))
+
     def _elements_with_text(self) -> Iterator[Element]:
         yield from self.element.all("declaration")
         for node in self.nodes:
@@ -400,7 +407,19 @@ def _label_layouts(labels: Mapping[str, Element], printed: Mapping[str, str]) ->
 
 def _comment(labels: Mapping[str, Element]) -> str:
     label = labels.get("comments")
-    return "" if label is None else plain_text(label.text)
+    return "" if label is None else documentation(label.text)
+
+
+def documentation(text: str) -> str:
+    """What a label of comments says, without the parts that are comments themselves."""
+    return plain_text(_COMMENT.sub("", text))
+
+
+def comments_in_label(span: Span) -> Iterator[ast.Comment]:
+    """The parts of a label of comments that are comments themselves: there the exporter keeps those of the model."""
+    for found in _COMMENT.finditer(span.text):
+        start, end = (span.start + offset for offset in found.span(1))
+        yield ast.Comment(Span(span.source, start, end), found.group(1), True)
 
 
 def section(element: Element, *names: str) -> str | None:
