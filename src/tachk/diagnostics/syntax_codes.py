@@ -135,8 +135,8 @@ SYNTAX_CODES: dict[str, Explanation] = {
     ),
     "W0102": Explanation(
         "grouped in another way by early versions",
-        "A text of UPPAAL 3.x may have been written when not, and, or and imply bound weaker than every symbol. Today, "
-        "and in tachk, they bind as !, && and || do: `not a == b` is `(not a) == b`. Parentheses make the meaning plain.",
+        "A text of UPPAAL 3.x may have been written when not, and, or and imply bound weaker than every symbol. Today "
+        "they bind as !, && and || do: `not a == b` is `(not a) == b`. Parentheses make the meaning plain.",
         "const N 5;\nprocess P() { int a; state s; init s; trans s -> s { guard not a == N; }; }\nsystem P;",
         "const int N = 5;\nprocess P() { int a; state s; init s; trans s -> s { guard not (a == N); }; }\nsystem P;",
     ),

@@ -1,8 +1,8 @@
 """Conditions that early versions of UPPAAL grouped in another way.
 
 Until about version 4.0 the words ``not``, ``and``, ``or`` and ``imply`` bound weaker than every symbol, even than
-assignments; since then they bind as ``!``, ``&&`` and ``||`` do. Which version an old text was written for cannot be seen,
-so what changed its meaning is pointed out.
+assignments; since then they bind as ``!``, ``&&`` and ``||`` do. Which version an old text was written for cannot be
+seen, so what changed its meaning is pointed out.
 """
 
 from __future__ import annotations
@@ -14,7 +14,12 @@ from tachk.diagnostics.span import Span
 from tachk.syntax.tokens import END, Token
 
 _PAIRS = {"(": ")", "[": "]"}
-_BINARY = frozenset("< <= == != >= > + - * / % & | ^ << >> <? >? && || ? = := += -= *= /= %= &= |= ^= <<= >>=".split())
+_BINARY = frozenset(
+    {
+        *("<", "<=", "==", "!=", ">=", ">", "<?", ">?", "<<", ">>", "+", "-", "*", "/", "%", "&", "|", "^"),
+        *("&&", "||", "?", "=", ":=", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^=", "<<=", ">>="),
+    }
+)
 _WORDS = frozenset({"and", "or", "imply"})
 _SEPARATORS = frozenset({",", ";", "{", "}", ":"})
 
