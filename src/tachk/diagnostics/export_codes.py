@@ -61,8 +61,8 @@ EXPORT_CODES: dict[str, Explanation] = {
     "E0813": Explanation(
         "construct of newer versions",
         "This came into UPPAAL's language after the version that was asked for.",
-        "bool a = b xor c;",
-        "bool a = b != c;",
+        "const bool a = true xor false;",
+        "const bool a = true != false;",
     ),
     "E0814": Explanation(
         "order of words in a type",

@@ -126,7 +126,7 @@ def _repairs(items: Sequence[ast.Item], formulas: Sequence[object]) -> tuple[dic
     repairs: dict[str, str] = {}
     steps = []
     for name, reason in name_repairs(items, formulas).items():
-        repairs[name] = fresh_name(f"{name}_1", {*used, *repairs.values()})
+        repairs[name] = fresh_name(name, {*used, *repairs.values()})
         steps.append(Step("name", used[name], f"`{name}` is `{repairs[name]}`: {reason}"))
     return repairs, steps
 

@@ -215,6 +215,8 @@ class TermPrinter:
         turned = negate(operand)
         if not isinstance(turned, Unary):
             return self.condition(turned)
+        if isinstance(operand, Reference | Index | Field):
+            return f"{self.term(operand)} == 0"
         return f"(if {self.condition(operand)} then 0 else 1) != 0"
 
     def _equal(self, node: Binary, left: Expression, right: Expression) -> str:

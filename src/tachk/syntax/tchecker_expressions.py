@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
@@ -14,7 +15,7 @@ _TOKEN = re.compile(r"\s+|(?P<number>\d+)|(?P<name>[A-Za-z_][\w.]*)|(?P<sign>&&|
 _COMPARISONS = frozenset({"==", "!=", "<", "<=", ">", ">="})
 _WORDS = frozenset({"if", "then", "else", "end", "while", "do", "nop", "local"})
 
-DEPTH = 200
+DEPTH = 60
 """Parentheses and statements may be nested that deep."""
 
 
@@ -71,21 +72,27 @@ class Reader:
             word = self.words[self.place]
             raise failure(f"unexpected `{word.text}`", word.span)
 
+    @contextmanager
+    def _deeper(self) -> Iterator[None]:
+        """One level of nesting; an error where there are too many for recursion."""
+        self.depth += 1
+        if self.depth > DEPTH:
+            raise failure("this is nested too deep", Span(self.source, self.end, self.end))
+        yield
+        self.depth -= 1
+
     # ---- expressions ------------------------------------------------------------------------------------------------
 
     def expression(self) -> ast.Expression:
         """A conjunction."""
-        self.depth += 1
-        if self.depth > DEPTH:
-            raise failure("this is nested too deep", Span(self.source, self.end, self.end))
-        result = self._binary(self._comparison, {"&&"})
-        self.depth -= 1
-        return result
+        with self._deeper():
+            return self._binary(self._comparison, {"&&"})
 
     def _comparison(self) -> ast.Expression:
         if self.peek() == "!":
             sign = self.take()
-            operand = self._comparison()
+            with self._deeper():
+                operand = self._comparison()
             return ast.UnaryExpression(sign.span.to(operand.span), "!", operand)
         return self._binary(self.sum, _COMPARISONS)
 
@@ -107,7 +114,8 @@ class Reader:
     def _prefixed(self) -> ast.Expression:
         if self.peek() == "-":
             sign = self.take()
-            operand = self._prefixed()
+            with self._deeper():
+                operand = self._prefixed()
             span = sign.span.to(operand.span)
             if isinstance(operand, ast.IntegerLiteral):
                 return ast.IntegerLiteral(span, -operand.value)
@@ -129,11 +137,12 @@ class Reader:
         raise failure(f"unexpected `{word.text}`", word.span)
 
     def _conditional(self, first: Word) -> ast.Expression:
-        condition = self.expression()
-        self.take("then")
-        then = self.sum()
-        self.take("else")
-        otherwise = self.sum()
+        with self._deeper():
+            condition = self.expression()
+            self.take("then")
+            then = self.sum()
+            self.take("else")
+            otherwise = self.sum()
         return ast.ConditionalExpression(first.span.to(otherwise.span), condition, then, otherwise)
 
     def _place(self, word: Word) -> ast.Expression:
@@ -141,27 +150,25 @@ class Reader:
         if self.peek() != "[":
             return name
         self.take("[")
-        index = self.sum()
+        with self._deeper():
+            index = self.sum()
         return ast.IndexExpression(word.span.to(self.take("]").span), name, index)
 
     # ---- statements -------------------------------------------------------------------------------------------------
 
     def block(self, *ends: str) -> ast.BlockStatement:
         """Statements up to one of some words, or to the end of the text."""
-        self.depth += 1
-        if self.depth > DEPTH:
-            raise failure("this is nested too deep", Span(self.source, self.end, self.end))
         start = self.words[self.place].span if self.place < len(self.words) else Span(self.source, self.end, self.end)
         declarations: list[ast.VariableDeclaration] = []
         statements: list[ast.Statement] = []
-        while self.peek() and self.peek() not in ends:
-            if self.peek() == ";":
-                self.take()
-            elif self.peek() == "local":
-                self._local(declarations, statements)
-            else:
-                statements.append(self._statement())
-        self.depth -= 1
+        with self._deeper():
+            while self.peek() and self.peek() not in ends:
+                if self.peek() == ";":
+                    self.take()
+                elif self.peek() == "local":
+                    self._local(declarations, statements)
+                else:
+                    statements.append(self._statement())
         return ast.BlockStatement(start, tuple(declarations), tuple(statements))
 
     def _statement(self) -> ast.Statement:
