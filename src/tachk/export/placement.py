@@ -16,7 +16,7 @@ from tachk.export.placement_arrangement import Direction, arrange
 from tachk.export.placement_geometry import Box, segments_cross
 from tachk.export.placement_grid import arrange_in_rows
 from tachk.export.placement_layers import Traversal
-from tachk.export.placement_polish import polish
+from tachk.export.placement_polish import redraw_edges, redraw_loops
 from tachk.export.placement_routing import clear_texts, straighten
 from tachk.export.placement_sketch import Drawing, Sketch, sketch
 from tachk.syntax import ast
@@ -51,8 +51,9 @@ def place_template(template: ast.Template) -> TemplateLayout:
     if len(outline.nodes) > _LONG and _stretch(drawing) > _TOO_STRETCHED:
         return _layout(template, outline, arrange_in_rows(outline, _WIDE_ENOUGH))
     if len(outline.edges) <= _FEW:
-        drawing = clear_texts(outline, polish(outline, drawing))
-    return _layout(template, outline, drawing)
+        drawing = clear_texts(outline, redraw_loops(outline, drawing))
+        drawing = redraw_edges(outline, redraw_loops(outline, drawing))
+    return _layout(template, outline, clear_texts(outline, drawing))
 
 
 def _ways(outline: Sketch) -> Iterator[tuple[Direction, Traversal]]:
@@ -67,7 +68,7 @@ def _ways(outline: Sketch) -> Iterator[tuple[Direction, Traversal]]:
 
 def _drawn(outline: Sketch, direction: Direction, traversal: Traversal) -> Drawing | None:
     drawing = arrange(outline, direction, traversal)
-    return drawing and clear_texts(outline, straighten(outline, drawing))
+    return drawing and straighten(outline, drawing)
 
 
 def _ugliness(outline: Sketch, drawing: Drawing) -> float:

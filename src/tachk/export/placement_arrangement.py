@@ -11,6 +11,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
+from math import hypot
 
 import networkx as nx
 
@@ -23,7 +24,7 @@ from tachk.syntax.layout import Point
 GRID = 8
 _MARGIN = RADIUS + 4
 _LABEL_TO_LINE = 2
-_GAP = 12
+_GAP = 14
 _LEAST_STEP, _MOST_STEP = 3 * GRID, 15 * GRID
 _STEEPNESS = 0.3
 _MOST_STOPS = 6000
@@ -228,7 +229,10 @@ class _Canvas:
         routes, labels = [], []
         for at, edge in enumerate(self.plan.sketch.edges):
             stops = self.plan.stops[at]
-            points = [point for number, stop in stops for point in self._passage(number, stop)]
+            if edge.source == edge.target:
+                points = self._loop(edge.source, *stops[0])
+            else:
+                points = [point for number, stop in stops for point in self._passage(number, stop)]
             if at in self.plan.against:
                 points.reverse()
             routes.append((centres[edge.source], *points, centres[edge.target]))
@@ -239,11 +243,16 @@ class _Canvas:
 
     def _passage(self, number: int, stop: Stop) -> list[Point]:
         across = self.cross[number]
-        if stop.loop:
-            tip = self.start[stop.rank] if stop.loop > 0 else self.end[stop.rank]
-            return [self._point(tip, across - GRID), self._point(tip, across + GRID)]
         ends = self._point(self.start[stop.rank], across), self._point(self.end[stop.rank], across)
         return list(dict.fromkeys(ends))
+
+    def _loop(self, node: int, number: int, stop: Stop) -> list[Point]:
+        """The two nails of a self-loop, beside its tip across the direction in which it points."""
+        tip = self.start[stop.rank] - GRID if stop.loop > 0 else self.end[stop.rank] + GRID
+        along, across = tip - self.middle[self.plan.rank[node]], self.cross[number] - self.cross[node]
+        length = hypot(along, across)
+        aside = -GRID * across / length, GRID * along / length
+        return [self._point(tip + side * aside[0], self.cross[number] + side * aside[1]) for side in (-1, 1)]
 
     def _label(self, number: int, size: Size, stop: Stop) -> Box:
         across = self.cross[number]
@@ -280,7 +289,7 @@ def _snapped(layering: Layering, plan: _Plan, cross: dict[int, float]) -> dict[i
             least = -float("inf")
             if at > 0:
                 before = layer[at - 1]
-                least = snapped[before] + plan.extents[before][1] + plan.extents[number][0] + _GAP - GRID / 2
+                least = snapped[before] + plan.extents[before][1] + plan.extents[number][0] + _GAP - GRID
             place = round(cross[number] / GRID) * GRID
             snapped[number] = place if place >= least else _up(least)
     return snapped

@@ -94,6 +94,9 @@ class _Blocks:
         for _ in range(12):
             if not sum(self._move(block) for block in self._blocks()):
                 break
+        for block in self._blocks():
+            for node in block:
+                self.at[node] = self.at[block[0]]
 
     def _blocks(self) -> list[list[int]]:
         seen: set[int] = set()

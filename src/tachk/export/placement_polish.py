@@ -34,12 +34,18 @@ _DIRECTIONS = (
 )
 
 
-def polish(sketch: Sketch, drawing: Drawing) -> Drawing:
-    """The drawing with each self-loop and each edge redrawn where possible."""
+def redraw_loops(sketch: Sketch, drawing: Drawing) -> Drawing:
+    """The drawing with short self-loops, where possible."""
     scene = _Scene(sketch, drawing)
     for at, edge in enumerate(sketch.edges):
         if edge.source == edge.target:
             scene.redraw_loop(at)
+    return replace(drawing, routes=tuple(scene.routes), edge_labels=tuple(scene.labels))
+
+
+def redraw_edges(sketch: Sketch, drawing: Drawing) -> Drawing:
+    """The drawing with straighter edges, where possible."""
+    scene = _Scene(sketch, drawing)
     for at, edge in enumerate(sketch.edges):
         if edge.source != edge.target:
             scene.redraw_edge(at)
@@ -60,6 +66,9 @@ class _Scene:
     def redraw_loop(self, at: int) -> None:
         edge = self.sketch.edges[at]
         centre = self.centres[edge.source]
+        nail = self.routes[at][1]
+        if hypot(nail.x - centre.x, nail.y - centre.y) < _LOOP_LENGTH + _LOOP_HALF_WIDTH:
+            return
         others = [route for number, route in enumerate(self.routes) if number != at]
         boxes = self._boxes(at, {edge.source})
         for x, y in _DIRECTIONS:
