@@ -10,18 +10,21 @@ from tachk import api
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.export import write_exported
 from tachk.cli.guard import print_diagnostics
-from tachk.diagnostics.diagnostic import InputError, UsageError
+from tachk.diagnostics.diagnostic import InputError, TachkError, UsageError
 from tachk.diagnostics.span import Span
 from tachk.export.expansion import document_repairs
 from tachk.export.formats import export_model, format_of
 from tachk.export.plain import PlainQuery, Step
 from tachk.export.query_file import print_queries
+from tachk.frontend.load import UncheckedQuery, load_model
 from tachk.syntax import ast
+from tachk.syntax.layout_json import layout_path, layout_to_json
 from tachk.syntax.model_files import read_model
 from tachk.syntax.parser import has_errors
 from tachk.syntax.printer import print_document
 from tachk.syntax.query_files import parse_queries
 from tachk.syntax.source_files import read_source
+from tachk.syntax.uppaal_xml_queries import without_properties
 
 
 def run_convert(source: str, output: Path, query_files: tuple[Path, ...], fix: bool) -> ExitStatus:
@@ -50,21 +53,41 @@ def run_convert(source: str, output: Path, query_files: tuple[Path, ...], fix: b
 def _convert_to_text(source: Path, output: Path | None, query_files: tuple[Path, ...], fix: bool) -> None:
     read = read_model(read_source(source))
     print_diagnostics(read.warnings)
-    document = read.document
+    document, layout = read.document, read.layout
+    wrong = () if layout is None else _wrong_queries(source)
+    aside = [" ".join(text.split()) for text in (*(q.text for q in read.broken), *(q.text for q in wrong))]
+    if layout is not None and wrong:
+        layout = without_properties(layout, document, {query.name for query in wrong})
+        names = {query.name for query in wrong}
+        kept = (i for i in document.items if not (isinstance(i, ast.PropertyDeclaration) and i.name.name in names))
+        document = replace(document, items=tuple(kept))
     properties = [item for path in query_files for item in _properties(path, document.span)]
     if properties:
         document = replace(document, items=(*document.items, *properties))
     if fix:
         document, steps = document_repairs(document)
         _tell(steps)
-    text = print_document(document) + "".join(
-        f"\n// a query that cannot be read: {' '.join(query.text.split())}\n" for query in read.broken
-    )
+    text = print_document(document) + "".join(f"\n// a query that is wrong: {query}\n" for query in aside)
     if output is None:
         sys.stdout.write(text)
         return
     output.write_text(text, encoding="utf-8")
-    print(f"written: {output}")
+    written = [str(output)]
+    if layout is not None:
+        beside = layout_path(output)
+        beside.write_text(layout_to_json(layout), encoding="utf-8")
+        written.append(str(beside))
+    print(f"written: {', '.join(written)}")
+
+
+def _wrong_queries(source: Path) -> tuple[UncheckedQuery, ...]:
+    """The readable queries of an XML file that are wrong, as far as its model can be loaded."""
+    try:
+        loaded = load_model(source)
+    except TachkError:
+        return ()
+    named = {item.name.name for item in loaded.items if isinstance(item, ast.PropertyDeclaration)}
+    return tuple(query for query in loaded.unchecked if query.diagnostics and query.name in named)
 
 
 def _tell(steps: list[Step]) -> None:

@@ -20,6 +20,7 @@ from tachk.export.uppaal_limits import refuses_deadlock
 from tachk.export.xta import print_xta
 from tachk.frontend.load import LoadedModel
 from tachk.syntax.layout import Layout
+from tachk.syntax.layout_json import read_layout_beside
 
 
 class ExportFormat(StrEnum):
@@ -76,7 +77,7 @@ def export_model(
     Args:
         definitions: the names of the constants that were given another value when the model was loaded.
         repair_names: rename what a version of UPPAAL would not take as a name.
-        layout: the picture for XML, where the model has none of its own.
+        layout: the picture for XML, where the model has none of its own and no side file.
 
     Raises:
         UnsupportedError: something in the model cannot be said in the format (E0801, E0802).
@@ -99,4 +100,6 @@ def _plain(model: LoadedModel, format_: ExportFormat, plain: PlainModel, layout:
         return Exported(queries, "", plain.steps)
     if format_ is ExportFormat.XTA:
         return Exported(print_xta(plain), queries, plain.steps)
+    if model.layout is None:
+        layout = layout or read_layout_beside(model.document.span.source.name)
     return Exported(print_uppaal(model, plain, layout), queries, plain.steps)

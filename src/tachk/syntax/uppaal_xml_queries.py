@@ -7,13 +7,13 @@ were written as text keep their names in UPPAAL.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
 
 from tachk.diagnostics.span import Span
 from tachk.syntax import ast
 from tachk.syntax.expression_printer import print_formula
-from tachk.syntax.layout import QueryLayout
+from tachk.syntax.layout import Layout, QueryLayout
 from tachk.syntax.parser import parse_query
 from tachk.syntax.query_files import BrokenQuery, expectation_in
 from tachk.syntax.tables import lexer
@@ -154,6 +154,21 @@ def says(comment: str, node: ast.PropertyDeclaration) -> bool:
 def _described(comment: str) -> str:
     """A comment without the line that states an expectation."""
     return _EXPECT_LINE.sub("", plain_text(comment))
+
+
+def without_properties(layout: Layout, document: ast.Document, names: Collection[str]) -> Layout:
+    """The layout in which some queries are kept as texts, because the document is to lose them."""
+    nodes = {item.name.name: item for item in document.items if isinstance(item, ast.PropertyDeclaration)}
+
+    def kept(query: QueryLayout) -> QueryLayout:
+        if query.name not in names:
+            return query
+        node = nodes[query.name]
+        comment = comment_of(node) if query.comment is None else query.comment
+        formula = print_formula(node.formula) if query.formula is None else query.formula
+        return QueryLayout("", comment, formula, query.options, query.results)
+
+    return replace(layout, queries=tuple(kept(query) for query in layout.queries))
 
 
 def _automatic_name(number: int, taken: set[str]) -> str:
