@@ -1,15 +1,16 @@
 """The difference in behaviour between two models, as text.
 
 Compared are the models as UPPAAL would get them: imports followed, additions expanded, every template in the classic
-form. Neither layout nor comments nor names of properties count, nor the order of declarations, templates, locations,
-edges or properties. The order of processes and of updates counts, because broadcasts and updates are executed in it.
+form. Layout, comments, the time unit and the names of properties and branchpoints do not count, nor does the order of
+declarations, templates, locations, edges or properties. The order of processes and of updates counts, because
+broadcasts and updates are executed in it.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from tachk.export.plain import PlainModel
 from tachk.syntax import ast
@@ -24,6 +25,7 @@ from tachk.syntax.expression_printer import (
     print_type,
 )
 from tachk.syntax.printer import write_declaration
+from tachk.syntax.rewrite import fresh_name, names_in
 from tachk.syntax.writer import Writer
 
 
@@ -50,7 +52,8 @@ def difference(before: PlainModel, after: PlainModel) -> tuple[Change, ...]:
     for name in dict.fromkeys((*old, *new)):
         where = f"template {name}"
         if name not in new or name not in old:
-            text = f"{len((old.get(name) or new[name]).locations)} locations"
+            count = len((old.get(name) or new[name]).locations)
+            text = f"{count} location{'' if count == 1 else 's'}"
             changes.append(Change(where, "the template", text if name in old else None, text if name in new else None))
         else:
             _compare_templates(where, old[name], new[name], changes)
@@ -108,10 +111,37 @@ def _compare_many(
 
 
 def _compare_templates(where: str, before: ast.Template, after: ast.Template, changes: list[Change]) -> None:
+    before, after = _with_named_choices(before), _with_named_choices(after)
     _compare(where, _head(before), _head(after), changes)
     _compare(where, _declarations(before.declarations), _declarations(after.declarations), changes)
     _compare(where, _locations(before), _locations(after), changes)
     _compare_many(where, _edges(before), _edges(after), changes)
+
+
+def _with_named_choices(template: ast.Template) -> ast.Template:
+    """The template with its branchpoints named after the locations that lead to them: UPPAAL's XML has no names."""
+    names: dict[str, str] = {}
+    for point in template.branchpoints:
+        sources = sorted({e.source.name for e in template.edges if e.source and e.target.name == point.name.name})
+        wanted = f"after_{'_'.join(sources)}"
+        names[point.name.name] = fresh_name(wanted, {*names.values(), *names_in(template.locations)})
+    return _with_ends(template, names) if names else template
+
+
+def _with_ends(template: ast.Template, names: Mapping[str, str]) -> ast.Template:
+    """The template with other names for some branchpoints."""
+
+    def end(identifier: ast.Identifier) -> ast.Identifier:
+        return replace(identifier, name=names.get(identifier.name, identifier.name))
+
+    return replace(
+        template,
+        branchpoints=tuple(replace(point, name=end(point.name)) for point in template.branchpoints),
+        edges=tuple(
+            replace(edge, source=None if edge.source is None else end(edge.source), target=end(edge.target))
+            for edge in template.edges
+        ),
+    )
 
 
 def _head(template: ast.Template) -> dict[str, str]:
@@ -182,7 +212,7 @@ def _clauses(edge: ast.EdgeDeclaration) -> Iterator[tuple[str, str]]:
 
 
 def _system(model: PlainModel) -> dict[str, str]:
-    found = {"time unit": model.time_unit} if model.time_unit else {}
+    found = {}
     for node in model.instantiations:
         parameters = f"({print_parameters(node.parameters)})" if node.parameters else ""
         found[f"process {node.name.name}"] = f"{parameters}= {node.template.name}({print_expressions(node.arguments)})"

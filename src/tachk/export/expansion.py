@@ -202,13 +202,9 @@ def _classic(template: ast.Template, steps: list[Step]) -> ast.Template:
         return template
     owners: Sequence[ast.LocationDeclaration | ast.Branchpoint] = (*template.locations, *template.branchpoints)
     edges = tuple(replace(edge, source=owner.name) for owner in owners for edge in owner.edges)
-    steps.append(
-        Step(
-            "location blocks",
-            template.name.span,
-            f"the {len(edges)} edges of `{template.name.name}` follow its {len(template.locations)} locations",
-        )
-    )
+    places = _count(len(template.locations), "location")
+    text = f"{_count(len(edges), 'edge')} of `{template.name.name}` behind {places}"
+    steps.append(Step("location blocks", template.name.span, text))
     return replace(
         template,
         locations=tuple(replace(location, edges=()) for location in template.locations),
@@ -216,6 +212,10 @@ def _classic(template: ast.Template, steps: list[Step]) -> ast.Template:
         edges=edges,
         classic=True,
     )
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 # ---- signals and properties -----------------------------------------------------------------------------------------

@@ -34,7 +34,27 @@ def text_of(after: str, before: str = MODEL) -> str:
     return print_difference(difference(plain(before), plain(after)))
 
 
+CHOICE = MODEL.replace(
+    "to B; }",
+    "to Choice { guard x > 2; } }\n    branchpoint Choice { to B { probability 2; } to A { probability 1; } }",
+)
+
+
+def test_names_of_branchpoints_do_not_count() -> None:
+    assert text_of(CHOICE.replace("Choice", "Other"), CHOICE) == ""
+    assert (
+        text_of(CHOICE.replace("probability 2", "probability 3"), CHOICE)
+        == """\
+template P
+  ~ edge after_A -> B
+      - probability 2;
+      + probability 3;
+"""
+    )
+
+
 SAME = {
+    "the time unit": f"time_unit = 3 s;\n{MODEL}",
     "comments and layout": MODEL.replace("chan c;", "// a channel\nchan   c;").replace(
         "init location A {", "/// doc\ninit location A\n{"
     ),
@@ -97,7 +117,7 @@ template P
   - edge A -> B
   + edge B -> C
 template R
-  + the template: 1 locations
+  + the template: 1 location
 system
   ~ system line
       - P, Q
