@@ -130,7 +130,7 @@ def compare(
         "E0332",
         span,
         "clocks cannot be compared with `!=`: the result is not convex",
-        "use two edges, one with `<` and one with `>`",
+        "write `<` or `>`; where a guard means both, use two edges",
     )
     return None
 

@@ -127,7 +127,7 @@ class Context:
         """Reports an expression that changes something; ``where`` reads like "a guard"."""
         for node in walk(expression):
             if isinstance(node, Assign | Increment):
-                self.error("E0313", node.span, f"{where} must not change anything", "move the assignment to an update")
+                self.error("E0313", node.span, f"{where} must not change anything", _assignment_help(node))
                 return False
             if isinstance(node, Call) and self.effects_of([node]).writes:
                 changed = ", ".join(sorted(f"`{v.name}`" for v in self.effects_of([node]).writes))
@@ -182,6 +182,12 @@ class Context:
                 return
         names = ", ".join(sorted(f"`{v.name}`" for v in unknown))
         self.error("E0601", expression.span, f"{what} must be a constant, but a called function reads {names}")
+
+
+def _assignment_help(node: Assign | Increment) -> str:
+    if isinstance(node, Assign) and node.operator is None:
+        return "move the assignment to an update, or write `==` to compare"
+    return "move the assignment to an update"
 
 
 def _bound_inside(expression: Expression) -> frozenset[Variable]:

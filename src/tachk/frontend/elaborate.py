@@ -75,11 +75,12 @@ def elaborate(
 
     instances.check_unused()
     channels.check_values(context)
-    if line is not None:
+    if not context.findings.has_errors:
         channels.check_partners(context)
     scope = Scope(globals_, "the processes", dict(instances.symbols))
     signals = elaborate_signals((i for i in items if isinstance(i, ast.SignalDeclaration)), scope, context)
-    properties = (i for i in items if isinstance(i, ast.PropertyDeclaration))
+    # Without a system line no process has a name that a property could mention.
+    properties = (i for i in items if isinstance(i, ast.PropertyDeclaration) and line is not None)
     queries, unchecked = elaborate_properties(properties, scope, context)
     network = Network(
         tuple(instances.processes),

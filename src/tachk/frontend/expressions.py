@@ -18,7 +18,7 @@ from tachk.frontend.builtin_names import (
     FLOATING_FUNCTIONS,
 )
 from tachk.frontend.context import Context
-from tachk.frontend.findings import did_you_mean
+from tachk.frontend.findings import count, did_you_mean
 from tachk.frontend.operators import choose, combine
 from tachk.frontend.places import assignable, converted, is_place
 from tachk.frontend.processes import mentions_family, select_member, select_process
@@ -34,9 +34,11 @@ from tachk.frontend.scope import (
 )
 from tachk.frontend.type_expressions import TypeReader
 from tachk.frontend.typing import (
+    CHANNEL_HELP,
     WIDE,
     can_assign,
     describe,
+    element_type,
     is_integral,
     same_shape,
 )
@@ -64,6 +66,7 @@ from tachk.model.types import (
     CONSTANT_HIGH,
     ArrayType,
     BoolType,
+    ChannelType,
     ClockType,
     IntType,
     RecordType,
@@ -99,6 +102,9 @@ def condition(node: ast.Expression, scope: Scope, context: Context) -> Expressio
     """An expression that is true or false; it may compare clocks."""
     value = expression(node, scope, context)
     if value is None:
+        return None
+    if isinstance(node, ast.AssignmentExpression) and isinstance(value.type, ClockType):
+        context.error("E0313", node.span, "a condition must not change anything", "`=` assigns; write `==` to compare")
         return None
     if not is_integral(value.type):
         context.error(
@@ -203,7 +209,8 @@ def _name(node: ast.NameExpression, scope: Scope, context: Context) -> Expressio
             if node.name == "deadlock":
                 context.error("E0501", node.span, "`deadlock` can only be used in queries")
                 return None
-            context.error("E0201", node.span, f"unknown name `{node.name}`", scope.suggestion(node.name))
+            help_ = scope.suggestion(node.name) or "declare it above, globally or in the template"
+            context.error("E0201", node.span, f"unknown name `{node.name}`", help_)
         case _:
             context.error(
                 "E0203", node.span, f"`{node.name}` is a {symbol.description}, not a value", _misuse_help(symbol)
@@ -393,10 +400,20 @@ def _assignment(node: ast.AssignmentExpression, scope: Scope, context: Context) 
             "E0302",
             node.span,
             f"{describe(value.type)} cannot be assigned to {describe(target.type)}",
-            "values of a scalar type can only be copied" if isinstance(target.type, ScalarType) else None,
+            _cannot_assign_help(target.type, value.type),
         )
         return None
     return Assign(target, converted(value, target.type), target.type, None, node.span)
+
+
+def _cannot_assign_help(target: Type, value: Type) -> str | None:
+    if isinstance(target, ScalarType):
+        return "values of a scalar type can only be copied"
+    if isinstance(element_type(target), ChannelType):
+        return CHANNEL_HELP
+    if isinstance(value, ClockType):
+        return "the value of a clock cannot be stored; compare the clock in a guard"
+    return None
 
 
 def comma(nodes: tuple[ast.Expression, ...], span: Span, scope: Scope, context: Context) -> Expression | None:
@@ -431,7 +448,7 @@ def _call(node: ast.CallExpression, scope: Scope, context: Context) -> Expressio
         context.findings.add(
             "E0308",
             node.span,
-            f"`{function.name}` takes {_count(len(function.parameters), 'argument')}, not {len(node.arguments)}",
+            f"`{function.name}` takes {count(len(function.parameters), 'argument')}, not {len(node.arguments)}",
         )
         return None
     arguments: list[Expression] = []
@@ -442,10 +459,6 @@ def _call(node: ast.CallExpression, scope: Scope, context: Context) -> Expressio
     if len(arguments) != len(node.arguments):
         return None
     return Call(function, tuple(arguments), function.result, node.span)
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number or 'no'} {noun}s"
 
 
 def _called(node: ast.Expression, scope: Scope, context: Context) -> Symbol | None:

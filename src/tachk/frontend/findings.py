@@ -54,6 +54,11 @@ class Findings:
         )
 
 
+def count(number: int, noun: str) -> str:
+    """A number with its noun: "1 argument", "no arguments"."""
+    return f"{number} {noun}" if number == 1 else f"{number or 'no'} {noun}s"
+
+
 def did_you_mean(name: str, candidates: Iterable[str]) -> str | None:
     """A help text that names the known name closest to a misspelt one, if one is close."""
     by_lower = {candidate.lower(): candidate for candidate in candidates}

@@ -11,7 +11,7 @@ from tachk.frontend.channels import ChannelTable
 from tachk.frontend.context import Context
 from tachk.frontend.declarations import Declared, argument_value, constant_symbol, widened
 from tachk.frontend.expressions import expression, type_reader
-from tachk.frontend.findings import did_you_mean
+from tachk.frontend.findings import count, did_you_mean
 from tachk.frontend.places import assignable, is_place
 from tachk.frontend.scope import (
     BrokenSymbol,
@@ -179,7 +179,8 @@ class Instances:
                 self.context.findings.add(
                     "E0412",
                     node.span,
-                    f"`{target.name.name}` takes {len(target.parameters)} arguments, not {len(node.arguments)}",
+                    f"`{target.name.name}` takes {count(len(target.parameters), 'argument')}, "
+                    f"not {len(node.arguments)}",
                     None,
                     (Label(target.name.span, "declared here"),),
                 )

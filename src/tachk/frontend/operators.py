@@ -6,9 +6,9 @@ from tachk.diagnostics.span import Span
 from tachk.frontend import fold
 from tachk.frontend.clock_constraints import COMPARISONS, compare
 from tachk.frontend.context import Context
-from tachk.frontend.typing import describe, is_aggregate, is_data, is_integral, same_shape
+from tachk.frontend.typing import CHANNEL_HELP, describe, element_type, is_aggregate, is_data, is_integral, same_shape
 from tachk.model.expressions import BOOL, INT, Binary, BinaryOperator, Expression
-from tachk.model.types import ClockType, ScalarType, Type
+from tachk.model.types import ChannelType, ClockType, ScalarType, Type
 
 
 def combine(
@@ -52,14 +52,20 @@ def _comparison(
             "E0304",
             span,
             f"{describe(left.type)} and {describe(right.type)} cannot be compared",
-            "values of a scalar type can only be compared with each other"
-            if isinstance(left.type, ScalarType) or isinstance(right.type, ScalarType)
-            else None,
+            _cannot_compare_help(left.type, right.type),
         )
         return None
     if is_aggregate(left.type):
         return Binary(operator, left, right, BOOL, span)
     return fold.binary(operator, left, right, BOOL, span)
+
+
+def _cannot_compare_help(*types: Type) -> str | None:
+    if any(isinstance(type_, ScalarType) for type_ in types):
+        return "values of a scalar type can only be compared with each other"
+    if any(isinstance(element_type(type_), ChannelType) for type_ in types):
+        return CHANNEL_HELP
+    return None
 
 
 def choose(

@@ -53,8 +53,11 @@ def select_process(
                     return None
         case ast.CallExpression(span, ast.NameExpression(_, name), arguments):
             symbol = scope.lookup(name)
-            if isinstance(symbol, TemplateSymbol) and not context.in_query:
-                _outside_query(node, context)
+            if isinstance(symbol, TemplateSymbol):
+                if context.in_query:
+                    context.error("E0206", span, f"no process `{name}` runs: it is not in the system line")
+                else:
+                    _outside_query(node, context)
                 return BrokenSymbol(span)
             if not isinstance(symbol, FamilySymbol):
                 if isinstance(symbol, ProcessSymbol):

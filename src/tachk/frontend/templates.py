@@ -14,7 +14,7 @@ from tachk.frontend.findings import did_you_mean
 from tachk.frontend.places import assignable, converted
 from tachk.frontend.rates import invariant_parts
 from tachk.frontend.scope import BrokenSymbol, LocationSymbol, Scope, Symbol, ValueSymbol
-from tachk.frontend.typing import can_assign, describe
+from tachk.frontend.typing import can_assign, describe, element_type
 from tachk.model.expressions import Assign, Expression, Reference, Variable, VariableKind
 from tachk.model.network import Direction, Edge, Location, Process, Synchronisation
 from tachk.model.types import ChannelType
@@ -199,7 +199,7 @@ class Body:
     def _synchronisation(
         self, node: ast.SynchronisationLabel, scope: Scope
     ) -> tuple[Synchronisation | None, Expression | None]:
-        channel = expression(node.channel, scope, self.context)
+        channel = self._channel(node.channel, scope)
         if not node.direction:
             self.context.error(
                 "E0401",
@@ -215,6 +215,9 @@ class Body:
                 "E0401",
                 node.channel.span,
                 f"only channels can synchronise, this is {_article(describe(channel.type))}",
+                f"choose one of them: `{node.channel.span.text}[i]`"
+                if isinstance(element_type(channel.type), ChannelType)
+                else None,
             )
             return None, None
         if not self.context.require_pure(channel, "a channel index"):
@@ -225,6 +228,17 @@ class Body:
         if node.value is not None:
             first = self._pass_value(node, node.value, channel, direction, scope)
         return Synchronisation(channel, direction, node.span), first
+
+    def _channel(self, node: ast.Expression, scope: Scope) -> Expression | None:
+        base = node
+        while isinstance(base, ast.IndexExpression):
+            base = base.base
+        if isinstance(base, ast.NameExpression) and scope.lookup(base.name) is None:
+            declared = f"declare it above: `chan {base.name}{'[n]' if base is not node else ''};`"
+            help_ = scope.suggestion(base.name) or declared
+            self.context.error("E0201", base.span, f"unknown channel `{base.name}`", help_)
+            return None
+        return expression(node, scope, self.context)
 
     def _pass_value(
         self,

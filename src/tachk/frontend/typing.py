@@ -126,3 +126,13 @@ def value_range(expression: Expression) -> tuple[int, int]:
             return expression.type.low, expression.type.high
         case _:
             return DEFAULT_INT_LOW, DEFAULT_INT_HIGH
+
+
+CHANNEL_HELP = "a channel has no value; it can only stand in a synchronisation, as in `sync go!`"
+
+
+def element_type(type_: Type) -> Type:
+    """The type of what an array finally consists of, or the type itself."""
+    while isinstance(type_, ArrayType):
+        type_ = type_.element
+    return type_

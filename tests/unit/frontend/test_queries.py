@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 from tachk.diagnostics.diagnostic import InputError
-from tachk.frontend.load import elaborate_queries
+from tachk.diagnostics.span import Source
+from tachk.frontend.load import elaborate_queries, load_model
 from tachk.model.evaluate import Environment, holds
 from tachk.model.expressions import LocationTest
 from tachk.model.layout import cell_layout
@@ -199,3 +200,10 @@ def test_nested_quantifiers_over_processes_are_bounded(load: Any, monkeypatch: p
     with pytest.raises(InputError) as caught:
         elaborate_queries(loaded, f"E<> {deep} T(i0).s")
     assert [d.code for d in caught.value.diagnostics] == ["E0609"]
+
+
+def test_without_a_system_line_properties_are_not_judged() -> None:
+    text = "process P(int[0, 1] i) { init location s; }\nproperty stays : A[] P(0).s;"
+    with pytest.raises(InputError) as caught:
+        load_model(Source("model.ta", text))
+    assert [found.code for found in caught.value.diagnostics] == ["E0410"]
