@@ -10,21 +10,21 @@ from typing import assert_never
 
 from tachk.diagnostics.span import Span
 from tachk.frontend import fold
+from tachk.frontend.assignments import assignment
 from tachk.frontend.builtin_names import (
-    BUILTIN_CONSTANTS,
     BUILTIN_FUNCTIONS,
     DYNAMIC_FUNCTIONS,
     DYNAMIC_HELP,
     FLOATING_FUNCTIONS,
 )
 from tachk.frontend.context import Context
-from tachk.frontend.findings import count, did_you_mean
+from tachk.frontend.findings import count
+from tachk.frontend.names import misuse_help, named
 from tachk.frontend.operators import choose, combine
-from tachk.frontend.places import assignable, converted, is_place
+from tachk.frontend.places import assignable, converted, element, field, is_place
 from tachk.frontend.processes import mentions_family, select_member, select_process
 from tachk.frontend.scope import (
     BrokenSymbol,
-    FamilySymbol,
     FunctionSymbol,
     LocationSymbol,
     ProcessSymbol,
@@ -34,18 +34,15 @@ from tachk.frontend.scope import (
 )
 from tachk.frontend.type_expressions import TypeReader
 from tachk.frontend.typing import (
-    CHANNEL_HELP,
     WIDE,
     can_assign,
     describe,
-    element_type,
     is_integral,
     same_shape,
 )
 from tachk.model.expressions import (
     BOOL,
     INT,
-    Assign,
     BinaryOperator,
     Call,
     Comma,
@@ -64,13 +61,9 @@ from tachk.model.expressions import (
 )
 from tachk.model.types import (
     CONSTANT_HIGH,
-    ArrayType,
     BoolType,
-    ChannelType,
     ClockType,
     IntType,
-    RecordType,
-    ScalarType,
     Type,
     bounds,
 )
@@ -132,7 +125,7 @@ def expression(node: ast.Expression, scope: Scope, context: Context) -> Expressi
     """The typed expression; comparisons of clocks are in normal form, constants are folded."""
     match node:
         case ast.NameExpression():
-            return _name(node, scope, context)
+            return named(node, scope, context)
         case ast.IntegerLiteral(span, value):
             if value > CONSTANT_HIGH:
                 context.error("E0605", span, f"{value} does not fit 32 bits", f"the largest integer is {CONSTANT_HIGH}")
@@ -191,45 +184,6 @@ def expression(node: ast.Expression, scope: Scope, context: Context) -> Expressi
             return None
         case _ as never:
             assert_never(never)
-
-
-# ---- names ----------------------------------------------------------------------------------------------------------
-
-
-def _name(node: ast.NameExpression, scope: Scope, context: Context) -> Expression | None:
-    symbol = scope.lookup(node.name)
-    match symbol:
-        case ValueSymbol():
-            return symbol.use(node.span)
-        case BrokenSymbol():
-            return None
-        case None:
-            if node.name in BUILTIN_CONSTANTS:
-                return Constant(BUILTIN_CONSTANTS[node.name], WIDE, node.span)
-            if node.name == "deadlock":
-                context.error("E0501", node.span, "`deadlock` can only be used in queries")
-                return None
-            help_ = scope.suggestion(node.name) or "declare it above, globally or in the template"
-            context.error("E0201", node.span, f"unknown name `{node.name}`", help_)
-        case _:
-            context.error(
-                "E0203", node.span, f"`{node.name}` is a {symbol.description}, not a value", _misuse_help(symbol)
-            )
-    return None
-
-
-def _misuse_help(symbol: Symbol) -> str | None:
-    match symbol:
-        case FunctionSymbol():
-            return "write parentheses to call it"
-        case ProcessSymbol() | FamilySymbol():
-            return "name a location or variable of the process, as in `P.idle`"
-        case LocationSymbol():
-            return (
-                "only queries, signals and properties can ask where a process is; a variable can carry it into a guard"
-            )
-        case _:
-            return None
 
 
 # ---- operators ------------------------------------------------------------------------------------------------------
@@ -312,19 +266,7 @@ def _index(node: ast.IndexExpression, scope: Scope, context: Context) -> Express
     base, number = expression(node.base, scope, context), expression(node.index, scope, context)
     if base is None or number is None:
         return None
-    if not isinstance(base.type, ArrayType):
-        context.error("E0306", node.span, f"{describe(base.type)} cannot be indexed, only arrays can")
-        return None
-    wanted = base.type.index
-    if isinstance(wanted, ScalarType) and number.type != wanted:
-        context.error(
-            "E0306", node.index.span, f"this array is indexed by {describe(wanted)}, not by {describe(number.type)}"
-        )
-        return None
-    if isinstance(wanted, IntType) and not is_integral(number.type):
-        context.error("E0306", node.index.span, f"an index must be an integer, not {describe(number.type)}")
-        return None
-    return fold.index(base, number, base.type.element, node.span, context.constants)
+    return element(base, number, node, context)
 
 
 def _member(node: ast.MemberExpression, scope: Scope, context: Context) -> Expression | None:
@@ -345,19 +287,7 @@ def _member(node: ast.MemberExpression, scope: Scope, context: Context) -> Expre
     base = expression(node.base, scope, context)
     if base is None:
         return None
-    if not isinstance(base.type, RecordType):
-        context.error("E0307", node.span, f"{describe(base.type)} has no fields, only structs do")
-        return None
-    for name, type_ in base.type.fields:
-        if name == node.name.name:
-            return fold.field(base, name, type_, node.span, context.constants)
-    context.error(
-        "E0205",
-        node.name.span,
-        f"{describe(base.type)} has no field `{node.name.name}`",
-        did_you_mean(node.name.name, (name for name, _ in base.type.fields)),
-    )
-    return None
+    return field(base, node, context)
 
 
 def _constant_argument(node: ast.Expression, scope: Scope, context: Context) -> int | None:
@@ -378,42 +308,7 @@ def _assignment(node: ast.AssignmentExpression, scope: Scope, context: Context) 
     value = expression(node.value, scope, context)
     if target is None or value is None:
         return None
-    operator = None if node.operator == "=" else BinaryOperator(node.operator[:-1])
-    if isinstance(target.type, ClockType):
-        if operator is not None or not is_integral(value.type):
-            context.error(
-                "E0302",
-                node.span,
-                "a clock can only be set to an integer",
-                "write `x = e` with an integer expression `e`; tachk cannot copy or advance clocks",
-            )
-            return None
-        return Assign(target, value, target.type, None, node.span)
-    if operator is not None:
-        for side in (target, value):
-            if not is_integral(side.type):
-                context.error("E0301", side.span, f"`{node.operator}` needs integers, not {describe(side.type)}")
-                return None
-        return Assign(target, value, target.type, operator, node.span)
-    if not can_assign(target.type, value.type):
-        context.error(
-            "E0302",
-            node.span,
-            f"{describe(value.type)} cannot be assigned to {describe(target.type)}",
-            _cannot_assign_help(target.type, value.type),
-        )
-        return None
-    return Assign(target, converted(value, target.type), target.type, None, node.span)
-
-
-def _cannot_assign_help(target: Type, value: Type) -> str | None:
-    if isinstance(target, ScalarType):
-        return "values of a scalar type can only be copied"
-    if isinstance(element_type(target), ChannelType):
-        return CHANNEL_HELP
-    if isinstance(value, ClockType):
-        return "the value of a clock cannot be stored; compare the clock in a guard"
-    return None
+    return assignment(target, value, node, context)
 
 
 def comma(nodes: tuple[ast.Expression, ...], span: Span, scope: Scope, context: Context) -> Expression | None:
@@ -436,9 +331,7 @@ def _call(node: ast.CallExpression, scope: Scope, context: Context) -> Expressio
         return None
     if not isinstance(symbol, FunctionSymbol):
         if not isinstance(symbol, BrokenSymbol):
-            context.error(
-                "E0208", node.function.span, f"a {symbol.description} is not a function", _misuse_help(symbol)
-            )
+            context.error("E0208", node.function.span, f"a {symbol.description} is not a function", misuse_help(symbol))
         return None
     function = symbol.function
     if function is None:

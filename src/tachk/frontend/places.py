@@ -1,12 +1,14 @@
-"""What can be assigned to, and how values are stored."""
+"""Places: what can be indexed, what has fields, what can be assigned to, and how values are stored."""
 
 from __future__ import annotations
 
 from tachk.frontend import fold
 from tachk.frontend.context import Context
+from tachk.frontend.findings import did_you_mean
 from tachk.frontend.scope import Scope, ValueSymbol
+from tachk.frontend.typing import describe, is_integral
 from tachk.model.expressions import Conditional, Expression, Field, Index, Reference
-from tachk.model.types import BoolType, IntType, Type
+from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarType, Type
 from tachk.syntax import ast
 
 
@@ -48,3 +50,37 @@ def converted(value: Expression, target: Type) -> Expression:
     if isinstance(target, BoolType) and isinstance(value.type, IntType):
         return fold.truth(value)
     return value
+
+
+def element(base: Expression, number: Expression, node: ast.IndexExpression, context: Context) -> Expression | None:
+    """An element of an array; None after a report."""
+    if not isinstance(base.type, ArrayType):
+        context.error("E0306", node.span, f"{describe(base.type)} cannot be indexed, only arrays can")
+        return None
+    wanted = base.type.index
+    if isinstance(wanted, ScalarType) and number.type != wanted:
+        context.error(
+            "E0306", node.index.span, f"this array is indexed by {describe(wanted)}, not by {describe(number.type)}"
+        )
+        return None
+    if isinstance(wanted, IntType) and not is_integral(number.type):
+        context.error("E0306", node.index.span, f"an index must be an integer, not {describe(number.type)}")
+        return None
+    return fold.index(base, number, base.type.element, node.span, context.constants)
+
+
+def field(base: Expression, node: ast.MemberExpression, context: Context) -> Expression | None:
+    """A field of a struct; None after a report."""
+    if not isinstance(base.type, RecordType):
+        context.error("E0307", node.span, f"{describe(base.type)} has no fields, only structs do")
+        return None
+    for name, type_ in base.type.fields:
+        if name == node.name.name:
+            return fold.field(base, name, type_, node.span, context.constants)
+    context.error(
+        "E0205",
+        node.name.span,
+        f"{describe(base.type)} has no field `{node.name.name}`",
+        did_you_mean(node.name.name, (name for name, _ in base.type.fields)),
+    )
+    return None

@@ -1,0 +1,57 @@
+"""What a name in an expression stands for."""
+
+from __future__ import annotations
+
+from tachk.frontend.builtin_names import BUILTIN_CONSTANTS
+from tachk.frontend.context import Context
+from tachk.frontend.scope import (
+    BrokenSymbol,
+    FamilySymbol,
+    FunctionSymbol,
+    LocationSymbol,
+    ProcessSymbol,
+    Scope,
+    Symbol,
+    ValueSymbol,
+)
+from tachk.frontend.typing import WIDE
+from tachk.model.expressions import Constant, Expression
+from tachk.syntax import ast
+
+
+def named(node: ast.NameExpression, scope: Scope, context: Context) -> Expression | None:
+    """The value a name stands for; None after a report."""
+    symbol = scope.lookup(node.name)
+    match symbol:
+        case ValueSymbol():
+            return symbol.use(node.span)
+        case BrokenSymbol():
+            return None
+        case None:
+            if node.name in BUILTIN_CONSTANTS:
+                return Constant(BUILTIN_CONSTANTS[node.name], WIDE, node.span)
+            if node.name == "deadlock":
+                context.error("E0501", node.span, "`deadlock` can only be used in queries")
+                return None
+            help_ = scope.suggestion(node.name) or "declare it above, globally or in the template"
+            context.error("E0201", node.span, f"unknown name `{node.name}`", help_)
+        case _:
+            context.error(
+                "E0203", node.span, f"`{node.name}` is a {symbol.description}, not a value", misuse_help(symbol)
+            )
+    return None
+
+
+def misuse_help(symbol: Symbol) -> str | None:
+    """What to do with a name that is no value."""
+    match symbol:
+        case FunctionSymbol():
+            return "write parentheses to call it"
+        case ProcessSymbol() | FamilySymbol():
+            return "name a location or variable of the process, as in `P.idle`"
+        case LocationSymbol():
+            return (
+                "only queries, signals and properties can ask where a process is; a variable can carry it into a guard"
+            )
+        case _:
+            return None
