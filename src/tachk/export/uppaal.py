@@ -45,7 +45,7 @@ from tachk.syntax.parser import (
     parse_select,
     parse_synchronisation,
 )
-from tachk.syntax.uppaal_xml_template import documentation, printed_labels
+from tachk.syntax.uppaal_xml_template import branchpoint_id, documentation, printed_labels
 
 _NEWER = ("1.5", "1.6")
 _NEWER_ATTRIBUTES = ("id", "action")
@@ -182,20 +182,24 @@ def _template(
     """
     layout = complete(original, known)
     declaration = written.template_declaration(template, layout.declaration)
+    verbatim = declaration if declaration == layout.declaration else None
     own: set[str] = set()
     views: list[NodeView] = []
     by_name: dict[str, str] = {}
     for old, node in zip(nodes_of(original), nodes_of(template), strict=True):
         picture = layout.nodes[old.name.name]
-        identifier = picture.id if picture.id and picture.id not in own else ids.new()
+        identifier = picture.id
+        if not identifier or identifier in own:
+            named = isinstance(node, ast.Branchpoint)
+            identifier = branchpoint_id(template.name.name, node.name.name) if named else ids.new()
         own.add(identifier)
         by_name[node.name.name] = identifier
-        views.append(_node(old, node, picture, identifier, _comments(written, old, declaration)))
+        views.append(_node(old, node, picture, identifier, _comments(written, node, verbatim)))
     order = {key: place for place, key in enumerate(known.edges if known else ())}
     edges = tuple(
-        _edge(edge, layout.edges[key], by_name, _comments(written, old, declaration))
-        for key, old, edge in sorted(
-            ((key, old, edge) for (key, old), edge in zip(keyed_edges(original), template.edges, strict=True)),
+        _edge(edge, layout.edges[key], by_name, _comments(written, edge, verbatim))
+        for key, edge in sorted(
+            ((key, edge) for (key, _), edge in zip(keyed_edges(original), template.edges, strict=True)),
             key=lambda entry: order.get(entry[0], len(order)),
         )
     )
@@ -247,7 +251,11 @@ def _node(
 def _comments(
     written: Sections, node: ast.LocationDeclaration | ast.Branchpoint | ast.EdgeDeclaration, declaration: str | None
 ) -> list[str]:
-    """The comments beside a location or edge that do not stand in the declarations of its template."""
+    """The comments beside a location or edge that do not stand in the declarations of its template.
+
+    Args:
+        declaration: the section as it was written; None if it is formatted.
+    """
     return [comment for comment in written.comments_beside(node) if comment not in (declaration or "")]
 
 

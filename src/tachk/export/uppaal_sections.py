@@ -75,12 +75,17 @@ class Sections:
         return text or None
 
     def comments_beside(self, node: ast.LocationDeclaration | ast.Branchpoint | ast.EdgeDeclaration) -> list[str]:
-        """The comments that stand before, in or behind a location or edge, with their delimiters."""
+        """The comments that stand before, in or behind a location or edge, with their delimiters. Those before the
+        first location belong to the declarations.
+        """
+        first = any(node is template.locations[0] for template in self.plain.templates if template.locations)
         found: list[ast.Comment] = []
         for part in (node, *line_nodes(node)):
             if isinstance(part, ast.EdgeDeclaration) and part is not node:
                 continue
-            tables = self.placement.before, self.placement.opening, self.placement.behind, self.placement.closing
+            tables = [self.placement.opening, self.placement.behind, self.placement.closing]
+            if part is not node or not first:
+                tables.append(self.placement.before)
             found += [comment for table in tables for comment in table.get(id(part), [])]
         found.sort(key=lambda comment: comment.span.start)
         return [comment.text for comment in found]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
@@ -16,7 +16,7 @@ from tachk.diagnostics.span import Source, Span
 from tachk.syntax import ast
 from tachk.syntax.layout import Layout, TemplateLayout
 from tachk.syntax.parser import comments_within, parse_declarations, parse_system
-from tachk.syntax.query_files import BrokenQuery
+from tachk.syntax.query_files import BrokenQuery, expectation_in
 from tachk.syntax.uppaal_xml_queries import QueriesReader
 from tachk.syntax.uppaal_xml_template import TemplateReader, section
 from tachk.syntax.uppaal_xml_text import Extract, Extracted
@@ -136,12 +136,18 @@ class _Reader:
         spans += [span for template in self.templates for span in template.code(texts)]
         spans += self.queries.formulas(texts)
         found = [comment for span in spans if "/" in span.text for comment in comments_within(span)]
+        found = [_undocumenting(c) for c in found if expectation_in(c.text) is None]  # the property says that
         found += (comment for template in self.templates for comment in template.comments(texts))
         found.sort(key=lambda comment: comment.span.start)
         return tuple(c for c in found if not any(span.start <= c.span.start < span.end for span in raw))
 
 
 _SECTIONS = {"declaration", "instantiation", "system"}
+
+
+def _undocumenting(comment: ast.Comment) -> ast.Comment:
+    """The comment with two slashes: three would document what comes next in the text, which is never meant."""
+    return replace(comment, text=comment.text[1:]) if comment.text.startswith("///") else comment
 
 
 def _one_legacy_warning(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:

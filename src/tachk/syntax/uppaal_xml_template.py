@@ -140,10 +140,14 @@ class TemplateReader:
                 )
         return by_id
 
-    @staticmethod
-    def _written(element: Element) -> str:
+    def _written(self, element: Element) -> str:
+        """The name in the file. Branchpoints have none, so those that have one in the text keep it in their id."""
         name = element.first("name")
-        return "" if name is None else name.text.strip()
+        if name is not None:
+            return name.text.strip()
+        identifier = element.attributes.get("id", "")
+        own = identifier.removeprefix(f"{self.name}.")
+        return own if element.name == "branchpoint" and own != identifier and _is_free(own) else ""
 
     def _outline_node(self, node: _Node) -> None:
         kind = "branchpoint" if node.element.name == "branchpoint" else "location"
@@ -382,6 +386,11 @@ class TemplateReader:
             attributes.get("id", ""),
             node.written,
         )
+
+
+def branchpoint_id(template: str, name: str) -> str:
+    """An identifier that keeps the name of a branchpoint."""
+    return f"{template}.{name}"
 
 
 def printed_labels(edge: ast.EdgeDeclaration) -> dict[str, str]:
