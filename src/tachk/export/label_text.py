@@ -20,6 +20,7 @@ LABEL_GAP = 2
 """Between two labels of one stack, so that labels of one line are the usual 17 apart."""
 
 _LONGEST_LINE = 36
+_WIDEST_COMMENT, _HIGHEST_COMMENT = 380, 2
 _BREAK = re.compile(r"(?:,|&&|\|\||\bimply|\bor|\band) ")
 _WIDTHS = {
     **dict.fromkeys("ijl'|!.,:;I ", 4.2),
@@ -31,7 +32,7 @@ _WIDTHS = {
 
 
 def location_labels(location: ast.LocationDeclaration) -> dict[str, str]:
-    """The texts of the labels of a location that UPPAAL shows, by their kinds, from top to bottom."""
+    """The texts of the labels of a location that stand together, by their kinds, from top to bottom."""
     labels = {}
     if location.invariant is not None:
         labels["invariant"] = print_expression(location.invariant)
@@ -41,7 +42,7 @@ def location_labels(location: ast.LocationDeclaration) -> dict[str, str]:
 
 
 def edge_labels(edge: ast.EdgeDeclaration) -> dict[str, str]:
-    """The texts of the labels of an edge that UPPAAL shows, by their kinds, from top to bottom."""
+    """The texts of the labels of an edge that stand together, by their kinds, from top to bottom."""
     labels = {}
     if edge.selects:
         labels["select"] = ", ".join(f"{select.name.name} : {print_type(select.type)}" for select in edge.selects)
@@ -53,7 +54,19 @@ def edge_labels(edge: ast.EdgeDeclaration) -> dict[str, str]:
         labels["assignment"] = print_expressions(edge.updates)
     if edge.probability is not None:
         labels["probability"] = print_expression(edge.probability)
+    if _is_short(edge.doc):
+        labels["comments"] = edge.doc
     return labels
+
+
+def _is_short(comment: str) -> bool:
+    """Whether the comment on an edge can stand with its labels; a long one has to find room elsewhere."""
+    return 0 < text_width(comment) <= _WIDEST_COMMENT and comment.count("\n") < _HIGHEST_COMMENT
+
+
+def line_broken(labels: Mapping[str, str]) -> dict[str, str]:
+    """Labels with line breaks where they are long; comments stay as they are."""
+    return {kind: text if kind == "comments" else wrap(text) for kind, text in labels.items()}
 
 
 def wrap(text: str) -> str:

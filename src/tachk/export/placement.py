@@ -11,8 +11,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
-from tachk.export.label_text import edge_labels, location_labels, text_height, wrap
+from tachk.export.label_text import edge_labels, line_broken, location_labels, text_height
 from tachk.export.placement_arrangement import Direction, arrange
+from tachk.export.placement_comments import CommentPlacer
 from tachk.export.placement_geometry import Box, segments_cross
 from tachk.export.placement_grid import arrange_in_rows
 from tachk.export.placement_layers import Traversal
@@ -31,6 +32,9 @@ _FEW = 150
 _MANY = 1000
 """Templates with more locations and edges than this are only set out in rows."""
 
+_DOWNWARDS = 1.3
+"""How much smaller a drawing downwards must be to be preferred."""
+
 _LONG, _TOO_STRETCHED = 50, 12
 """Chains of more locations, in a picture so many times as long as wide, are set out in rows too."""
 
@@ -44,10 +48,10 @@ def place_template(template: ast.Template) -> TemplateLayout:
     outline = sketch(template)
     if not outline.nodes:
         return TemplateLayout()
-    drawings = [found for way in _ways(outline) if (found := _drawn(outline, *way)) is not None]
+    drawings = [(way[0], found) for way in _ways(outline) if (found := _drawn(outline, *way)) is not None]
     if not drawings:
         return _layout(template, outline, arrange_in_rows(outline, _WIDE_ENOUGH))
-    drawing = min(drawings, key=lambda found: _ugliness(outline, found))
+    _, drawing = min(drawings, key=lambda found: _ugliness(outline, *found))
     if len(outline.nodes) > _LONG and _stretch(drawing) > _TOO_STRETCHED:
         return _layout(template, outline, arrange_in_rows(outline, _WIDE_ENOUGH))
     if len(outline.edges) <= _FEW:
@@ -71,13 +75,15 @@ def _drawn(outline: Sketch, direction: Direction, traversal: Traversal) -> Drawi
     return drawing and straighten(outline, drawing)
 
 
-def _ugliness(outline: Sketch, drawing: Drawing) -> float:
-    """A number that is smaller for better drawings: small, of a shape that fits a screen, with few crossings and nails
-    and short edges."""
+def _ugliness(outline: Sketch, direction: Direction, drawing: Drawing) -> float:
+    """A number that is smaller for better drawings: small, of a shape that fits a screen, with few crossings and nails,
+    and to the right, where labels lie along their edges."""
     extent = _extent(drawing)
     width, height = extent.right - extent.left + 40, extent.bottom - extent.top + 40
     shape = width / height / _WIDE_ENOUGH
     size = max(width / _WIDE_ENOUGH, height) + 0.3 * (width + height) * max(shape, 1 / shape, 1.5) / 1.5
+    if direction is Direction.DOWN:
+        size *= _DOWNWARDS
     if len(outline.edges) > _FEW:
         return size
     crossings = 0
@@ -114,23 +120,25 @@ def _layout(template: ast.Template, outline: Sketch, drawing: Drawing) -> Templa
         return Point(round(x) - origin.x, round(y) - origin.y)
 
     locations = {location.name.name: location for location in template.locations}
+    comments = CommentPlacer(outline, drawing)
     nodes = {}
     for at, node in enumerate(outline.nodes):
         name, box = drawing.names[at], drawing.node_labels[at]
         texts = location_labels(locations[node.name]) if node.name in locations else {}
-        nodes[node.name] = NodeLayout(
-            position=moved(*drawing.centres[at]),
-            name=moved(name.left, name.top),
-            labels=_stack(texts, moved(box.left, box.top)) if box is not None else {},
-        )
+        labels = _stack(texts, moved(box.left, box.top)) if box is not None else {}
+        if node.name in locations and (doc := locations[node.name].doc):
+            room = comments.beside_node(at, doc)
+            labels["comments"] = LabelLayout(moved(room.left, room.top))
+        nodes[node.name] = NodeLayout(moved(*drawing.centres[at]), moved(name.left, name.top), labels)
     declared = dict(keyed_edges(template))
     edges = {}
     for at, edge in enumerate(outline.edges):
         box = drawing.edge_labels[at]
-        edges[edge.key] = EdgeLayout(
-            nails=tuple(moved(*nail) for nail in drawing.routes[at][1:-1]),
-            labels=_stack(edge_labels(declared[edge.key]), moved(box.left, box.top)) if box is not None else {},
-        )
+        labels = _stack(edge_labels(declared[edge.key]), moved(box.left, box.top)) if box is not None else {}
+        if (doc := declared[edge.key].doc) and "comments" not in labels:
+            room = comments.beside_edge(at, doc)
+            labels["comments"] = LabelLayout(moved(room.left, room.top))
+        edges[edge.key] = EdgeLayout(tuple(moved(*nail) for nail in drawing.routes[at][1:-1]), labels)
     return TemplateLayout(nodes=nodes, edges=edges)
 
 
@@ -138,8 +146,7 @@ def _stack(texts: Mapping[str, str], corner: Point) -> dict[str, LabelLayout]:
     """Labels one below the other; a text that is broken into lines is kept with its breaks."""
     stack = {}
     top = corner.y
-    for kind, text in texts.items():
-        wrapped = wrap(text)
-        stack[kind] = LabelLayout(Point(corner.x, top), wrapped if wrapped != text else None)
+    for kind, wrapped in line_broken(texts).items():
+        stack[kind] = LabelLayout(Point(corner.x, top), wrapped if wrapped != texts[kind] else None)
         top += text_height(wrapped)
     return stack

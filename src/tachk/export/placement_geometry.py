@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
 from math import hypot
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 from tachk.syntax.layout import Point
 
 RADIUS = 12
 """Of the circle of a location, in UPPAAL's coordinates."""
+
+
+_CELL = 128
+
+Thing = TypeVar("Thing")
 
 
 class Box(NamedTuple):
@@ -79,3 +86,27 @@ def distance_to_segment(p: Point, a: Point, b: Point) -> float:
         return hypot(p.x - a.x, p.y - a.y)
     along = max(0.0, min(1.0, ((p.x - a.x) * dx + (p.y - a.y) * dy) / length))
     return hypot(p.x - a.x - along * dx, p.y - a.y - along * dy)
+
+
+class Index(Generic[Thing]):
+    """Things by the cells of a coarse grid that their boxes touch."""
+
+    def __init__(self) -> None:
+        self.cells: dict[tuple[int, int], dict[Thing, None]] = defaultdict(dict)
+
+    def add(self, thing: Thing, box: Box) -> None:
+        for cell in _cells(box):
+            self.cells[cell][thing] = None
+
+    def near(self, box: Box) -> Iterable[Thing]:
+        return dict.fromkeys(thing for cell in _cells(box) for thing in self.cells.get(cell, ()))
+
+
+def _cells(box: Box) -> Iterator[tuple[int, int]]:
+    for column in range(int(box.left // _CELL), int(box.right // _CELL) + 1):
+        for row in range(int(box.top // _CELL), int(box.bottom // _CELL) + 1):
+            yield column, row
+
+
+def segment_span(a: Point, b: Point) -> Box:
+    return Box(min(a.x, b.x), min(a.y, b.y), max(a.x, b.x), max(a.y, b.y)).grown(1)

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from math import hypot
-from typing import Generic, TypeVar
 
 from tachk.export.placement_geometry import (
     RADIUS,
     Box,
+    Index,
     box_at,
     distance_to_segment,
     node_box,
     segment_meets_box,
+    segment_span,
     segments_cross,
 )
 from tachk.export.placement_sketch import Drawing, Sketch
@@ -24,42 +24,16 @@ from tachk.syntax.layout import Point
 _CLEARANCE = 6
 _FARTHEST_FROM_LABEL = 14
 _FAN = 60
-_CELL = 128
 _MANY = 150
 """With more edges than this, crossings are not counted."""
 
 Segment = tuple[Point, Point]
-Thing = TypeVar("Thing")
-
-
-class _Index(Generic[Thing]):
-    """Things by the cells of a coarse grid that their boxes touch."""
-
-    def __init__(self) -> None:
-        self.cells: dict[tuple[int, int], dict[Thing, None]] = defaultdict(dict)
-
-    def add(self, thing: Thing, box: Box) -> None:
-        for cell in _cells(box):
-            self.cells[cell][thing] = None
-
-    def near(self, box: Box) -> Iterable[Thing]:
-        return dict.fromkeys(thing for cell in _cells(box) for thing in self.cells.get(cell, ()))
-
-
-def _cells(box: Box) -> Iterator[tuple[int, int]]:
-    for column in range(int(box.left // _CELL), int(box.right // _CELL) + 1):
-        for row in range(int(box.top // _CELL), int(box.bottom // _CELL) + 1):
-            yield column, row
-
-
-def _span(a: Point, b: Point) -> Box:
-    return Box(min(a.x, b.x), min(a.y, b.y), max(a.x, b.x), max(a.y, b.y)).grown(1)
 
 
 def straighten(sketch: Sketch, drawing: Drawing) -> Drawing:
     """Takes out each nail whose edge is as well off without it: it meets no text and no node then, crosses no more
     edges than before and stays with its labels and away from edges between the same nodes."""
-    obstacles: _Index[tuple[int, Box]] = _Index()
+    obstacles: Index[tuple[int, Box]] = Index()
     for at, boxes in enumerate(zip(map(node_box, drawing.centres), drawing.names, drawing.node_labels, strict=True)):
         for margin, box in zip((_CLEARANCE, 0, 0), boxes, strict=True):
             if box is not None:
@@ -75,7 +49,7 @@ def straighten(sketch: Sketch, drawing: Drawing) -> Drawing:
             ends = {edge.source, edge.target}
 
             def free(a: Point, b: Point, ends: set[int] = ends) -> bool:
-                near = obstacles.near(_span(a, b))
+                near = obstacles.near(segment_span(a, b))
                 return not any(owner not in ends and segment_meets_box(a, b, box) for owner, box in near)
 
             routes[at] = shortened(sketch, routes, at, free, drawing.edge_labels[at])
@@ -163,11 +137,11 @@ def crossings(segments: Iterable[Segment], others: Sequence[Sequence[Point]]) ->
 
 def clear_texts(sketch: Sketch, drawing: Drawing) -> Drawing:
     """Moves the name and the labels of each node to where the fewest edges pass."""
-    segments: _Index[Segment] = _Index()
+    segments: Index[Segment] = Index()
     for route in drawing.routes:
         for a, b in pairwise(route):
-            segments.add((a, b), _span(a, b))
-    taken: _Index[Box] = _Index()
+            segments.add((a, b), segment_span(a, b))
+    taken: Index[Box] = Index()
     for text in drawing.boxes():
         taken.add(text, text)
     names, labels = list(drawing.names), list(drawing.node_labels)

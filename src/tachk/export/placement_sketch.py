@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tachk.export.label_text import edge_labels, location_labels, stack_size, text_height, text_width, wrap
+from tachk.export.label_text import edge_labels, line_broken, location_labels, stack_size, text_height, text_width
 from tachk.export.placement_geometry import Box, node_box
 from tachk.syntax import ast
 from tachk.syntax.layout import EdgeKey, Point, keyed_edges
@@ -70,7 +70,7 @@ def sketch(template: ast.Template) -> Sketch:
         SketchNode(
             location.name.name,
             (text_width(location.name.name), text_height(location.name.name)),
-            stack_size({kind: wrap(text) for kind, text in location_labels(location).items()}),
+            stack_size(line_broken(location_labels(location))),
         )
         for location in template.locations
     ]
@@ -82,7 +82,7 @@ def sketch(template: ast.Template) -> Sketch:
             key,
             number[key.source],
             number[key.target],
-            stack_size({kind: wrap(text) for kind, text in edge_labels(edge).items()}),
+            stack_size(line_broken(edge_labels(edge))),
         )
         for key, edge in keyed_edges(template)
         if key.source in number and key.target in number

@@ -29,6 +29,7 @@ text{font:12px "DejaVu Sans",Verdana,Arial,sans-serif;white-space:pre}
 .name{fill:#8b1a1a}
 .invariant{fill:#a020f0}
 .exponentialrate{fill:#c71585}
+.comments{fill:#777;font-style:italic}
 .mark{text-anchor:middle;fill:#1f3b63;font-size:12px}
 .select{fill:#b8860b}
 .guard{fill:#006400}
@@ -158,7 +159,11 @@ def _draw_location(picture: _Canvas, location: ast.LocationDeclaration, layout: 
     written = location.name.name if layout.written_name is None else layout.written_name
     if layout.name is not None and written:
         picture.text("name", layout.name, written)
-    _draw_labels(picture, location_labels(location), layout.labels)
+    _draw_labels(picture, _with_comment(location_labels(location), location.doc), layout.labels)
+
+
+def _with_comment(labels: Mapping[str, str], doc: str) -> dict[str, str]:
+    return {**labels, "comments": doc} if doc else dict(labels)
 
 
 def _draw_labels(picture: _Canvas, texts: Mapping[str, str], layout: Mapping[str, LabelLayout]) -> None:
@@ -193,7 +198,7 @@ def _draw_edge(
     picture.add(f'<polyline class="{kind}" points="{path}"{colour}/>')
     head = " ".join(f"{x:g},{y:g}" for x, y in _head(line))
     picture.add(f'<polygon class="head" points="{head}"/>')
-    _draw_labels(picture, edge_labels(edge), edge_layout.labels)
+    _draw_labels(picture, _with_comment(edge_labels(edge), edge.doc), edge_layout.labels)
 
 
 def _rim(centre: Point, towards: Point, radius: float) -> tuple[float, float]:

@@ -29,7 +29,9 @@ def faults(template: ast.Template, layout: TemplateLayout) -> list[str]:
             found += [
                 f"{key} passes through {text}"
                 for text, box in texts
-                if text.startswith("label of EdgeKey") and segment_meets_box(a, b, box)
+                if text.startswith("label of EdgeKey")
+                and not text.endswith("comments")
+                and segment_meets_box(a, b, box)
             ]
     return found
 
@@ -40,13 +42,14 @@ def missing(template: ast.Template, layout: TemplateLayout) -> list[str]:
     found = [name for name in names if name not in layout.nodes or layout.nodes[name].position is None]
     for location in template.locations:
         node = layout.nodes[location.name.name]
+        kinds = {**location_labels(location), **commented(location.doc)}
         found += [] if node.name is not None else [f"name of {location.name.name}"]
-        found += [f"{kind} of {location.name.name}" for kind in location_labels(location) if kind not in node.labels]
+        found += [f"{kind} of {location.name.name}" for kind in kinds if kind not in node.labels]
     for key, edge in keyed_edges(template):
-        if key not in layout.edges:
-            found.append(str(key))
-        else:
-            found += [f"{kind} of {key}" for kind in edge_labels(edge) if kind not in layout.edges[key].labels]
+        kinds = {**edge_labels(edge), **commented(edge.doc)}
+        labels = layout.edges[key].labels if key in layout.edges else {}
+        found += [str(key)] if key not in layout.edges else []
+        found += [f"{kind} of {key}" for kind in kinds if kind not in labels]
     return found
 
 
@@ -54,13 +57,17 @@ def _texts(template: ast.Template, layout: TemplateLayout) -> Iterator[tuple[str
     for location in template.locations:
         node = layout.nodes[location.name.name]
         yield f"name {location.name.name}", _box(node.name, location.name.name)
-        for kind, text in location_labels(location).items():
+        for kind, text in {**location_labels(location), **commented(location.doc)}.items():
             label = node.labels[kind]
             yield f"{kind} of {location.name.name}", _box(label.position, label.text or text)
     for key, edge in keyed_edges(template):
-        for kind, text in edge_labels(edge).items():
+        for kind, text in {**edge_labels(edge), **commented(edge.doc)}.items():
             label = layout.edges[key].labels[kind]
             yield f"label of {key}: {kind}", _box(label.position, label.text or text)
+
+
+def commented(doc: str) -> dict[str, str]:
+    return {"comments": doc} if doc else {}
 
 
 def _box(position: Point | None, text: str) -> Box:

@@ -46,7 +46,8 @@ def random_template(random: Random, locations: int, edges: int) -> ast.Template:
                 f"sync c{'z' * random.randrange(9)}!;" if random.random() < 0.5 else "",
                 f"assign x = 0{', y = 0, n = n + 1' * random.randrange(4)};" if random.random() < 0.5 else "",
             )
-            lines.append(f"to {random.choice(names)} {{ {' '.join(clauses)} }}")
+            doc = f"/// {'a word ' * random.randrange(1, 20)}\n" if random.random() < 0.3 else ""
+            lines.append(f"{doc}to {random.choice(names)} {{ {' '.join(clauses)} }}")
         body.append(f"{kind}location {name} {{ {random.choice((invariant, ''))} {' '.join(lines)} }}")
     return templates(parsed(f"process P() {{ {' '.join(body)} }}"))[0]
 
