@@ -32,7 +32,6 @@ Explorer::Explorer(Program program, const Options& options)
       lower_(operations_),
       upper_(operations_),
       source_(program_.slots.size()),
-      guarded_(operations_),
       target_(operations_),
       scratch_(operations_) {
   for (std::size_t goal = 0; goal < program_.goals.size(); ++goal) {
@@ -120,9 +119,9 @@ void Explorer::start() {
   effect_.resets.clear();
   effect_.invariant.clear();
   if (!semantics_.invariant(effect_.slots.data(), effect_.invariant)) return;
-  operations_.make_zero(guarded_.get(), dimension_);
+  operations_.make_zero(scratch_.get(), dimension_);
   fresh_.clear();
-  finish(guarded_.get(), effect_, Collector{*this, no_node});
+  finish(scratch_.get(), effect_, Collector{*this, no_node});
   if (options_.order != SearchOrder::breadth_first) stack_ = fresh_;
 }
 
@@ -161,12 +160,9 @@ void Explorer::expand(const void* zone, Sink&& sink) {
     expand_by_priority(zone, sink);
     return;
   }
-  semantics_.for_each_action(source_.data(), [&](const Action& action) {
-    if (!operations_.meets_each(zone, dimension_, action.guard.data(), action.guard.size())) return;
-    guarded_.assign(zone);
-    if (!operations_.intersect(guarded_.get(), dimension_, action.guard.data(), action.guard.size())) return;
+  semantics_.for_each_action(source_.data(), zone, [&](const Action& action, const void* guarded) {
     current_edges_ = &action.edges;
-    if (semantics_.apply(action.edges, source_.data(), effect_)) finish(guarded_.get(), effect_, sink);
+    if (semantics_.apply(action.edges, source_.data(), effect_)) finish(guarded, effect_, sink);
     current_edges_ = nullptr;
   });
 }
@@ -176,16 +172,15 @@ template <class Sink>
 void Explorer::expand_by_priority(const void* zone, Sink&& sink) {
   struct Ranked {
     std::vector<std::uint32_t> edges;
-    std::vector<Atom> guard;
+    ZoneBuffer guarded;
     std::vector<Atom> possible;  // where the action is possible: guard and precondition of the target invariant
     Effect effect;
     std::pair<std::int32_t, std::int32_t> priority;
   };
   std::vector<Ranked> actions;
-  semantics_.for_each_action(source_.data(), [&](const Action& action) {
-    guarded_.assign(zone);
-    if (!operations_.intersect(guarded_.get(), dimension_, action.guard.data(), action.guard.size())) return;
-    Ranked ranked{action.edges, action.guard, action.guard, {}, {}};
+  semantics_.for_each_action(source_.data(), zone, [&](const Action& action, const void* guarded) {
+    Ranked ranked{action.edges, ZoneBuffer(operations_), action.guard, {}, {}};
+    ranked.guarded.assign(guarded);
     current_edges_ = &action.edges;
     const bool possible = semantics_.apply(action.edges, source_.data(), ranked.effect) &&
                           semantics_.weakest_precondition(ranked.effect, ranked.possible);
@@ -195,10 +190,7 @@ void Explorer::expand_by_priority(const void* zone, Sink&& sink) {
     actions.push_back(std::move(ranked));
   });
   for (Ranked& action : actions) {
-    std::vector<ZoneBuffer> pieces;
-    guarded_.assign(zone);
-    operations_.intersect(guarded_.get(), dimension_, action.guard.data(), action.guard.size());
-    pieces.push_back(guarded_);
+    std::vector<ZoneBuffer> pieces{action.guarded};
     for (const Ranked& other : actions) {
       if (other.priority <= action.priority) continue;
       std::vector<ZoneBuffer> rest;
@@ -355,11 +347,9 @@ void Explorer::check_deadlock(std::uint32_t node, const void* zone) {
   std::vector<ZoneBuffer> dead;
   std::vector<ZoneBuffer> live;
   dead.emplace_back(operations_).assign(zone);
-  semantics_.for_each_action(source_.data(), [&](const Action& action) {
-    if (!operations_.meets_each(zone, dimension_, action.guard.data(), action.guard.size())) return;
+  semantics_.for_each_action(source_.data(), zone, [&](const Action& action, const void* guarded) {
     ZoneBuffer possible(operations_);
-    possible.assign(zone);
-    if (!operations_.intersect(possible.get(), dimension_, action.guard.data(), action.guard.size())) return;
+    possible.assign(guarded);
     current_edges_ = &action.edges;
     std::vector<Atom> atoms;
     const bool fires =

@@ -1,7 +1,6 @@
 #include "tachk/machine.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
 
 namespace tachk {
@@ -9,19 +8,14 @@ namespace {
 
 constexpr std::int32_t step_limit = 1 << 24;
 
-bool fits(std::int64_t value) {
-  return value >= std::numeric_limits<std::int32_t>::min() && value <= std::numeric_limits<std::int32_t>::max();
-}
+// Arithmetic is modulo 2^32.
+std::int64_t wrapped(std::int64_t value) { return static_cast<std::int32_t>(static_cast<std::uint32_t>(value)); }
 
-std::int64_t power(std::int64_t base, std::int64_t exponent, bool& overflow) {
-  std::int64_t result = 1;
-  for (; exponent > 0 && !overflow; --exponent) {
-    result *= base;
-    overflow = !fits(result);
-    if (base == 0 || base == 1) break;
-    if (base == -1) return exponent % 2 == 0 ? -result : result;
-  }
-  return result;
+std::int64_t power(std::int64_t base, std::int64_t exponent) {
+  std::uint32_t result = 1;
+  for (auto factor = static_cast<std::uint32_t>(base); exponent > 0; exponent >>= 1, factor *= factor)
+    if ((exponent & 1) != 0) result *= factor;
+  return static_cast<std::int32_t>(result);
 }
 
 }  // namespace
@@ -48,10 +42,7 @@ std::int64_t Machine::run(std::int32_t code, std::int32_t* memory, std::vector<C
     if (value < slots[slot].low || value > slots[slot].high) fault(FaultKind::range);
     memory[slot] = static_cast<std::int32_t>(value);
   };
-  const auto arithmetic = [&](std::int64_t value) {
-    if (!fits(value)) fault(FaultKind::overflow);
-    stack_[top - 1] = value;
-  };
+  const auto arithmetic = [&](std::int64_t value) { stack_[top - 1] = wrapped(value); };
 
   while (true) {
     if (++steps > step_limit) fault(FaultKind::loop);
@@ -157,10 +148,7 @@ std::int64_t Machine::run(std::int32_t code, std::int32_t* memory, std::vector<C
       case Opcode::power: {
         const std::int64_t exponent = pop();
         if (exponent < 0) fault(FaultKind::negative_exponent);
-        bool overflow = false;
-        const std::int64_t result = power(stack_[top - 1], exponent, overflow);
-        if (overflow) fault(FaultKind::overflow);
-        arithmetic(result);
+        stack_[top - 1] = power(stack_[top - 1], exponent);
         break;
       }
       case Opcode::bit_and: {

@@ -74,6 +74,22 @@ void Semantics::resolve(const Condition& condition, std::int32_t* slots, std::ve
   }
 }
 
+const void* Semantics::narrowed(const void* zone, std::size_t level, std::span<const Atom> atoms) {
+  if (atoms.empty()) return zone;
+  const int dimension = program_.dimension();
+  if (!operations_.meets_each(zone, dimension, atoms.data(), atoms.size())) return nullptr;
+  while (levels_.size() <= level) levels_.emplace_back(operations_);
+  levels_[level].assign(zone);
+  return operations_.intersect(levels_[level].get(), dimension, atoms.data(), atoms.size()) ? levels_[level].get()
+                                                                                            : nullptr;
+}
+
+const void* Semantics::guarded(const Edge& edge, std::int32_t* slots, const void* zone, std::size_t level) {
+  const std::size_t before = action_.guard.size();
+  resolve(edge.guard, slots, action_.guard);
+  return narrowed(zone, level, std::span(action_.guard).subspan(before));
+}
+
 std::int32_t Semantics::channel_of(const Edge& edge, std::int32_t* slots) {
   return edge.channel_code == no_code ? edge.channel
                                       : static_cast<std::int32_t>(machine_.value(edge.channel_code, slots));

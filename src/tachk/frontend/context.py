@@ -199,7 +199,6 @@ FAULT_TEXTS = {
     RuntimeErrorKind.INDEX: "an index is outside its array",
     RuntimeErrorKind.DIVISION: "division by zero",
     RuntimeErrorKind.NEGATIVE_CLOCK: "a clock gets a negative value",
-    RuntimeErrorKind.OVERFLOW: "the result does not fit 32 bits",
     RuntimeErrorKind.SHIFT: "the shift distance is negative or above 31",
     RuntimeErrorKind.NEGATIVE_EXPONENT: "the exponent is negative",
     RuntimeErrorKind.ASSERT: "an assertion fails",

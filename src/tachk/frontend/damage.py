@@ -1,8 +1,8 @@
 """What elaboration may still say about a text with syntax errors.
 
-The parser passes over what it cannot read, so a declaration may be missing from the tree. Items that hold a syntax error
-are therefore not judged further, and a complaint about a name that such an item mentions is dropped: the item may have
-declared it. So is the complaint that there is no system line. Everything else the user can mend in the same round.
+The parser passes over what it cannot read, so a declaration may be missing from the tree. Items that hold a syntax
+error are therefore not judged further, and a complaint about a name that such an item mentions is dropped: the item may
+have declared it. So is the complaint that there is no system line. Everything else the user can mend in the same round.
 """
 
 from __future__ import annotations

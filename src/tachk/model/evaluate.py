@@ -60,6 +60,7 @@ from tachk.model.types import (
     bounds,
     cell_count,
     leaves,
+    wrapped,
 )
 
 STEP_LIMIT = 2**24
@@ -213,7 +214,7 @@ def _scalar(expression: Expression, environment: Environment) -> int:
             return _place(expression, environment).read()[0]
         case Unary(operator, operand, _, span):
             value = _scalar(operand, environment)
-            return int(value == 0) if operator is UnaryOperator.NOT else _fit(-value, span)
+            return int(value == 0) if operator is UnaryOperator.NOT else wrapped(-value)
         case Binary():
             return _binary(expression, environment)
         case Conditional(condition, then, otherwise):
@@ -225,7 +226,7 @@ def _scalar(expression: Expression, environment: Environment) -> int:
         case Increment(target, delta, prefix, _, span):
             place = _place(target, environment)
             old = place.read()[0]
-            new = _fit(old + delta, span)
+            new = wrapped(old + delta)
             place.write((new,), span)
             return new if prefix else old
         case Call():
@@ -331,7 +332,7 @@ def _quantifier(expression: Quantifier, environment: Environment) -> int:
                 if result:
                     return 1
             case QuantifierKind.SUM:
-                total = _fit(total + result, expression.span)
+                total = wrapped(total + result)
     return {QuantifierKind.FORALL: 1, QuantifierKind.EXISTS: 0, QuantifierKind.SUM: total}[expression.kind]
 
 
@@ -364,33 +365,25 @@ def _binary(expression: Binary, environment: Environment) -> int:
             return _arithmetic(arithmetic, first, _scalar(right, environment), expression.span)
 
 
-def _fit(value: int, span: Span) -> int:
-    if not -(2**31) <= value < 2**31:
-        raise EvaluationFault(RuntimeErrorKind.OVERFLOW, span, f"{value} needs more than 32 bits")
-    return value
-
-
 def _arithmetic(operator: BinaryOperator, left: int, right: int, span: Span = NOWHERE) -> int:
     match operator:
         case BinaryOperator.ADD:
-            return _fit(left + right, span)
+            return wrapped(left + right)
         case BinaryOperator.SUBTRACT:
-            return _fit(left - right, span)
+            return wrapped(left - right)
         case BinaryOperator.MULTIPLY:
-            return _fit(left * right, span)
+            return wrapped(left * right)
         case BinaryOperator.DIVIDE | BinaryOperator.MODULO:
             if right == 0:
                 raise EvaluationFault(RuntimeErrorKind.DIVISION, span, f"{left} divided by 0")
             quotient = abs(left) // abs(right)
             if (left < 0) != (right < 0):
                 quotient = -quotient
-            return _fit(quotient if operator is BinaryOperator.DIVIDE else left - quotient * right, span)
+            return wrapped(quotient if operator is BinaryOperator.DIVIDE else left - quotient * right)
         case BinaryOperator.POWER:
             if right < 0:
                 raise EvaluationFault(RuntimeErrorKind.NEGATIVE_EXPONENT, span, f"the exponent is {right}")
-            if abs(left) > 1 and right > 31:
-                raise EvaluationFault(RuntimeErrorKind.OVERFLOW, span)
-            return _fit(int(left**right), span)
+            return wrapped(pow(left, right, 2**32))
         case BinaryOperator.BIT_AND:
             return left & right
         case BinaryOperator.BIT_OR:
@@ -402,7 +395,7 @@ def _arithmetic(operator: BinaryOperator, left: int, right: int, span: Span = NO
         case BinaryOperator.SHIFT_LEFT | BinaryOperator.SHIFT_RIGHT:
             if not 0 <= right <= 31:
                 raise EvaluationFault(RuntimeErrorKind.SHIFT, span, f"the distance is {right}")
-            return _fit(left << right if operator is BinaryOperator.SHIFT_LEFT else left >> right, span)
+            return wrapped(left << right if operator is BinaryOperator.SHIFT_LEFT else left >> right)
         case BinaryOperator.MINIMUM:
             return min(left, right)
         case BinaryOperator.MAXIMUM:

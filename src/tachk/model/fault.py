@@ -16,7 +16,6 @@ class RuntimeErrorKind(IntEnum):
     INDEX = 2
     DIVISION = 3
     NEGATIVE_CLOCK = 4
-    OVERFLOW = 5
     SHIFT = 6
     NEGATIVE_EXPONENT = 7
     ASSERT = 8

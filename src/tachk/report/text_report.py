@@ -31,7 +31,6 @@ FAULT_MEANING = {
     RuntimeErrorKind.INDEX: "an array index is out of range",
     RuntimeErrorKind.DIVISION: "division by zero",
     RuntimeErrorKind.NEGATIVE_CLOCK: "a clock is set to a negative value",
-    RuntimeErrorKind.OVERFLOW: "a result does not fit into 32 bits",
     RuntimeErrorKind.SHIFT: "a shift distance is negative or above 31",
     RuntimeErrorKind.NEGATIVE_EXPONENT: "a negative exponent",
     RuntimeErrorKind.ASSERT: "an assertion is false",

@@ -1,7 +1,7 @@
 """The instructions of the core's stack machine. `src/core/include/tachk/opcode.hpp` mirrors the numbers.
 
 A word is a signed 32-bit integer; an instruction is an opcode followed by its operands. Values on the stack are 64-bit;
-the result of every arithmetic instruction must fit 32 bits, otherwise the run-time error OVERFLOW is raised.
+the result of every arithmetic instruction is taken modulo 2**32, as a signed 32-bit number.
 "a b -- c" reads: pops b, pops a, pushes c.
 """
 

@@ -36,8 +36,6 @@ from tachk.model.layout import default_cells
 from tachk.model.network import Network
 from tachk.model.traversal import walk, written_variables
 from tachk.model.types import (
-    CONSTANT_HIGH,
-    CONSTANT_LOW,
     ArrayType,
     BoolType,
     IntType,
@@ -46,6 +44,7 @@ from tachk.model.types import (
     Type,
     cell_count,
     leaves,
+    wrapped,
 )
 
 COMPARISONS: Mapping[BinaryOperator, Callable[[int, int], bool]] = {
@@ -130,9 +129,9 @@ def apply_binary(operator: BinaryOperator, left: int, right: int) -> int | None:
             quotient = abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1)
             result = quotient if operator is BinaryOperator.DIVIDE else left - quotient * right
         case BinaryOperator.POWER:
-            if right < 0 or (abs(left) > 1 and right > 31):
+            if right < 0:
                 return None
-            result = left ** (right if abs(left) > 1 else min(right, 2 - right % 2))
+            result = pow(left, right, 2**32)
         case BinaryOperator.BIT_AND:
             result = left & right
         case BinaryOperator.BIT_OR:
@@ -155,7 +154,7 @@ def apply_binary(operator: BinaryOperator, left: int, right: int) -> int | None:
             result = int(left == 0 or right != 0)
         case _:
             result = int((left != 0) != (right != 0))
-    return result if CONSTANT_LOW <= result <= CONSTANT_HIGH else None
+    return wrapped(result)
 
 
 def negate(expression: Expression) -> Expression:
@@ -189,6 +188,21 @@ def truth(expression: Expression) -> Expression:
     return Binary(BinaryOperator.NOT_EQUAL, expression, Constant(0), BOOL, expression.span)
 
 
+_TOTAL = frozenset(
+    {
+        BinaryOperator.ADD,
+        BinaryOperator.SUBTRACT,
+        BinaryOperator.MULTIPLY,
+        BinaryOperator.BIT_AND,
+        BinaryOperator.BIT_OR,
+        BinaryOperator.BIT_XOR,
+        BinaryOperator.MINIMUM,
+        BinaryOperator.MAXIMUM,
+    }
+)
+"""The arithmetic that has a value for all operands."""
+
+
 def cannot_fail(expression: Expression) -> bool:
     """Whether the expression has neither a run-time error nor an effect, whatever the state. Conservative."""
     for node in walk(expression):
@@ -201,9 +215,9 @@ def cannot_fail(expression: Expression) -> bool:
             case Index(base, Constant(value)):
                 if not isinstance(base.type, ArrayType) or not 0 <= value - base.type.low < base.type.size:
                     return False
-            case Unary(UnaryOperator.NOT, _):
+            case Unary():
                 pass
-            case Binary(operator) if operator in COMPARISONS or operator in CONNECTIVES:
+            case Binary(operator) if operator in COMPARISONS or operator in CONNECTIVES or operator in _TOTAL:
                 pass
             case Quantifier(QuantifierKind.FORALL | QuantifierKind.EXISTS):
                 pass
@@ -245,8 +259,8 @@ def fold(expression: Expression, known: Known) -> Expression:
             inner = fold(operand, known)
             if operator is UnaryOperator.NOT:
                 return negate(inner) if isinstance(inner, Constant) else replace(expression, operand=inner)
-            if isinstance(inner, Constant) and inner.value != CONSTANT_LOW:
-                return Constant(-inner.value, expression.type, expression.span)
+            if isinstance(inner, Constant):
+                return Constant(wrapped(-inner.value), expression.type, expression.span)
             return replace(expression, operand=inner)
         case Binary():
             return _fold_binary(expression, known)

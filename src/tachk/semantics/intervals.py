@@ -151,6 +151,8 @@ def _arithmetic(operator: BinaryOperator, left: Interval, right: Interval) -> In
             products = [a * b for a in left for b in right]
             return _fit(min(products), max(products))
         case BinaryOperator.DIVIDE:
+            if left[0] == CONSTANT_LOW and right[0] <= -1 <= right[1]:
+                return ANYTHING
             return _extremes(operator, left, tuple(_divisors(right)))
         case BinaryOperator.MODULO:
             remainder = max(abs(right[0]), abs(right[1]), 1) - 1
@@ -168,8 +170,9 @@ def _arithmetic(operator: BinaryOperator, left: Interval, right: Interval) -> In
             shifted = [a << d if operator is BinaryOperator.SHIFT_LEFT else a >> d for a in left for d in distances]
             return _fit(min(shifted), max(shifted))
         case BinaryOperator.POWER if left[0] >= 0 and right[0] >= 0:
-            largest = apply_binary(operator, left[1], right[1])
-            return min(left[0], 1), max(largest, 1) if largest is not None else CONSTANT_HIGH
+            if left[1] > 1 and right[1] > 31:
+                return ANYTHING
+            return _fit(0, max(left[1] ** min(right[1], 31), 1))
     return ANYTHING
 
 
@@ -193,5 +196,5 @@ def _hull(one: Interval, other: Interval) -> Interval:
 
 
 def _fit(low: int, high: int) -> Interval:
-    """Values outside 32 bits are run-time errors and need not be covered."""
-    return max(min(low, CONSTANT_HIGH), CONSTANT_LOW), min(max(high, CONSTANT_LOW), CONSTANT_HIGH)
+    """Anything, if a result may leave the 32 bits: then it wraps around."""
+    return (low, high) if low >= CONSTANT_LOW and high <= CONSTANT_HIGH else ANYTHING

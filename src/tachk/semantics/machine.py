@@ -9,7 +9,7 @@ from tachk.diagnostics.diagnostic import InternalError
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.model.expressions import BinaryOperator
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
-from tachk.model.types import CONSTANT_LOW
+from tachk.model.types import wrapped
 from tachk.semantics.bytecode import Opcode
 from tachk.semantics.fold import apply_binary
 from tachk.semantics.program import Program
@@ -120,9 +120,7 @@ class Machine:
                 case Opcode.OVER:
                     stack.append(stack[-2])
                 case Opcode.NEGATE:
-                    if stack[-1] == CONSTANT_LOW:
-                        raise self._fault(RuntimeErrorKind.OVERFLOW, position)
-                    stack[-1] = -stack[-1]
+                    stack[-1] = wrapped(-stack[-1])
                 case Opcode.NOT:
                     stack[-1] = int(stack[-1] == 0)
                 case Opcode.BOOLEAN:
@@ -159,9 +157,7 @@ class Machine:
             raise self._fault(RuntimeErrorKind.DIVISION, position)
         if opcode in (Opcode.SHIFT_LEFT, Opcode.SHIFT_RIGHT) and not 0 <= right <= 31:
             raise self._fault(RuntimeErrorKind.SHIFT, position)
-        if opcode is Opcode.POWER and right < 0:
-            raise self._fault(RuntimeErrorKind.NEGATIVE_EXPONENT, position)
-        raise self._fault(RuntimeErrorKind.OVERFLOW, position)
+        raise self._fault(RuntimeErrorKind.NEGATIVE_EXPONENT, position)
 
     def _store(self, slot: int, value: int, position: int) -> None:
         if not self.program.slots[slot].low <= value <= self.program.slots[slot].high:

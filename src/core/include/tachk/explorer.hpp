@@ -147,7 +147,6 @@ class Explorer {
 
   std::vector<std::int32_t> source_;
   Effect effect_;
-  ZoneBuffer guarded_;
   ZoneBuffer target_;
   ZoneBuffer scratch_;
   std::vector<Atom> goal_atoms_;

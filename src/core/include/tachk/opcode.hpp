@@ -58,7 +58,6 @@ enum class FaultKind : std::int32_t {
   index = 2,
   division = 3,
   negative_clock = 4,
-  overflow = 5,
   shift = 6,
   negative_exponent = 7,
   assertion = 8,

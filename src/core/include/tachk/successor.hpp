@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <deque>
 #include <memory>
 #include <span>
 #include <utility>
@@ -63,10 +64,11 @@ class Semantics {
 
   const Program& program() const { return program_; }
 
-  // Calls visit(action) for each action whose integer guards hold in `slots`, clock guards unseen; priorities are not
-  // considered. The action is only valid during the call. Throws ModelFault.
+  // Calls visit(action, guarded) for each action that is enabled somewhere in the zone; `guarded` is that part of the
+  // zone. Priorities and the invariants of the targets are not considered. Both arguments are only valid during the
+  // call. Throws ModelFault.
   template <class Visit>
-  void for_each_action(std::int32_t* slots, Visit&& visit);
+  void for_each_action(std::int32_t* slots, const void* zone, Visit&& visit);
 
   // Runs the updates of an action. False if an integer condition of a target invariant is violated: then the action is
   // not possible. Throws ModelFault.
@@ -115,9 +117,14 @@ class Semantics {
   std::int32_t channel_of(const Edge& edge, std::int32_t* slots);
   template <class Visit>
   void broadcast(std::size_t receiver, std::int32_t channel, bool committed, bool participates, std::int32_t* slots,
-                 Visit&& visit);
+                 const void* zone, std::size_t level, Visit&& visit);
   template <class Visit>
-  void stay_out(const std::vector<std::vector<Atom>>& guards, std::size_t next, Visit&& visit);
+  void stay_out(const std::vector<std::vector<Atom>>& guards, std::size_t next, const void* zone, std::size_t level,
+                Visit&& visit);
+  // The zone and the atoms, in the buffer of this level unless there is nothing to do; null if that is empty.
+  const void* narrowed(const void* zone, std::size_t level, std::span<const Atom> atoms);
+  // Adds the clock guard of an edge to the action; gives the zone within it as `narrowed` does.
+  const void* guarded(const Edge& edge, std::int32_t* slots, const void* zone, std::size_t level);
 
   const Program& program_;
   ZoneOperations operations_;
@@ -130,12 +137,13 @@ class Semantics {
   bool has_urgent_locations_ = false;  // urgent or committed
   bool has_committed_locations_ = false;
   Action action_;
+  std::deque<ZoneBuffer> levels_;
 };
 
 // ---- the templates --------------------------------------------------------------------------------------------------
 
 template <class Visit>
-void Semantics::for_each_action(std::int32_t* slots, Visit&& visit) {
+void Semantics::for_each_action(std::int32_t* slots, const void* zone, Visit&& visit) {
   const std::size_t processes = program_.processes.size();
   bool committed = false;
   if (has_committed_locations_)
@@ -150,8 +158,7 @@ void Semantics::for_each_action(std::int32_t* slots, Visit&& visit) {
         if (!holds(edge.guard, slots)) continue;
         action_.edges.assign(1, number);
         action_.guard.clear();
-        resolve(edge.guard, slots, action_.guard);
-        visit(std::as_const(action_));
+        if (const void* rest = guarded(edge, slots, zone, 0)) visit(std::as_const(action_), rest);
       }
     }
     for (const std::uint32_t number : out.sends) {
@@ -160,9 +167,10 @@ void Semantics::for_each_action(std::int32_t* slots, Visit&& visit) {
       const std::int32_t channel = channel_of(sender, slots);
       action_.edges.assign(1, number);
       action_.guard.clear();
-      resolve(sender.guard, slots, action_.guard);
+      const void* sent = guarded(sender, slots, zone, 0);
+      if (sent == nullptr) continue;
       if (program_.channels[static_cast<std::size_t>(channel)].broadcast) {
-        broadcast(0, channel, committed, from_committed, slots, visit);
+        broadcast(0, channel, committed, from_committed, slots, sent, 1, visit);
         continue;
       }
       const std::size_t sender_atoms = action_.guard.size();
@@ -175,8 +183,7 @@ void Semantics::for_each_action(std::int32_t* slots, Visit&& visit) {
           action_.edges.resize(1);
           action_.edges.push_back(other);
           action_.guard.resize(sender_atoms);
-          resolve(receiver.guard, slots, action_.guard);
-          visit(std::as_const(action_));
+          if (const void* rest = guarded(receiver, slots, sent, 1)) visit(std::as_const(action_), rest);
         }
       }
     }
@@ -184,53 +191,62 @@ void Semantics::for_each_action(std::int32_t* slots, Visit&& visit) {
 }
 
 // Extends the broadcast action by the receivers in process `receiver` and behind it. A process with an enabled
-// receiving edge must take part; where that depends on clocks the valuations are split. `participates`: a participant
-// leaves a committed location.
+// receiving edge must take part; where that depends on clocks the valuations are split. `zone` is what the guards so
+// far leave, so combinations that exclude each other are given up at once. `participates`: a participant leaves a
+// committed location.
 template <class Visit>
 void Semantics::broadcast(std::size_t receiver, std::int32_t channel, bool committed, bool participates,
-                          std::int32_t* slots, Visit&& visit) {
+                          std::int32_t* slots, const void* zone, std::size_t level, Visit&& visit) {
   const std::size_t sender = program_.edges[action_.edges.front()].process;
   std::vector<std::uint32_t> candidates;
-  std::vector<std::vector<Atom>> guards;
   for (; receiver < program_.processes.size(); ++receiver) {
     if (receiver == sender) continue;
     for (const std::uint32_t number : outgoing(receiver, slots).receives) {
       const Edge& edge = program_.edges[number];
       if (edge.channel_code == no_code && edge.channel != channel) continue;
-      if (!holds(edge.guard, slots) || channel_of(edge, slots) != channel) continue;
-      candidates.push_back(number);
-      resolve(edge.guard, slots, guards.emplace_back());
+      if (holds(edge.guard, slots) && channel_of(edge, slots) == channel) candidates.push_back(number);
     }
     if (!candidates.empty()) break;
   }
   if (candidates.empty()) {
-    if (!committed || participates) visit(std::as_const(action_));
+    if (!committed || participates) visit(std::as_const(action_), zone);
     return;
   }
   const std::size_t atoms = action_.guard.size();
   const bool joined = participates || location(receiver, slots).committed;
-  for (std::size_t n = 0; n < candidates.size(); ++n) {
-    action_.edges.push_back(candidates[n]);
-    action_.guard.insert(action_.guard.end(), guards[n].begin(), guards[n].end());
-    broadcast(receiver + 1, channel, committed, joined, slots, visit);
+  std::vector<std::vector<Atom>> guards;
+  for (const std::uint32_t number : candidates) {
+    action_.edges.push_back(number);
+    const void* rest = guarded(program_.edges[number], slots, zone, level);
+    guards.emplace_back(action_.guard.begin() + static_cast<std::ptrdiff_t>(atoms), action_.guard.end());
+    if (rest != nullptr) broadcast(receiver + 1, channel, committed, joined, slots, rest, level + 1, visit);
     action_.edges.pop_back();
     action_.guard.resize(atoms);
   }
-  stay_out(guards, 0, [&] { broadcast(receiver + 1, channel, committed, participates, slots, visit); });
+  stay_out(guards, 0, zone, level, [&](const void* rest, std::size_t next_level) {
+    broadcast(receiver + 1, channel, committed, participates, slots, rest, next_level, visit);
+  });
 }
 
-// Calls visit() for each of the disjoint conjunctions that together say that none of the guards holds.
+// Calls visit(rest, level) for each of the disjoint parts of the zone that together make up where none of the guards
+// holds.
 template <class Visit>
-void Semantics::stay_out(const std::vector<std::vector<Atom>>& guards, std::size_t next, Visit&& visit) {
+void Semantics::stay_out(const std::vector<std::vector<Atom>>& guards, std::size_t next, const void* zone,
+                         std::size_t level, Visit&& visit) {
   if (next == guards.size()) {
-    visit();
+    visit(zone, level);
     return;
   }
   const std::size_t atoms = action_.guard.size();
+  const void* inside = zone;  // where the atoms before the current one hold
   for (const Atom& atom : guards[next]) {
-    action_.guard.push_back(negated(atom));
-    stay_out(guards, next + 1, visit);
+    const Atom outside = negated(atom);
+    action_.guard.push_back(outside);
+    if (const void* rest = narrowed(inside, level, {&outside, 1})) stay_out(guards, next + 1, rest, level + 1, visit);
     action_.guard.back() = atom;
+    inside = narrowed(inside, level, {&atom, 1});
+    if (inside == nullptr) break;
+    ++level;
   }
   action_.guard.resize(atoms);
 }
