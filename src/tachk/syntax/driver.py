@@ -15,7 +15,7 @@ from tachk.diagnostics.span import Span
 from tachk.syntax.lalr import Stack, UnexpectedToken
 from tachk.syntax.messages import Situation, explain
 from tachk.syntax.misplaced import Misplaced
-from tachk.syntax.tables import lexer, tables_for
+from tachk.syntax.tables import lexer, tables
 from tachk.syntax.tokens import END, Token
 
 MOST_ERRORS = 20
@@ -44,7 +44,7 @@ class _Run:
     def __init__(self, start: str, tokens: list[Token]) -> None:
         self.start = start
         self.tokens = tokens
-        self.stack = Stack(tables_for(start))
+        self.stack = Stack(tables(), start)
         self.inserted: list[Token] = []
         self.errors: list[Diagnostic] = []
         self.recoveries = 0

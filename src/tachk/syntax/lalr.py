@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from lark.parsers.lalr_analysis import Shift
 from lark.parsers.lalr_parser_state import ParseConf
 
 from tachk.syntax.tokens import END, Token
+
+T = TypeVar("T")
 
 
 class UnexpectedToken(Exception):
@@ -39,39 +41,59 @@ _Step = int | _Reduction
 """A state to go to with the token, or a reduction."""
 
 
+class _OnDemand(dict[int, T]):
+    """What is known about each state of the tables, computed when the state is first met."""
+
+    def __init__(self, compute: Callable[[int], T]) -> None:
+        self.compute = compute
+
+    def __missing__(self, state: int) -> T:
+        computed = self[state] = self.compute(state)
+        return computed
+
+
 class Tables:
-    """What lark computed for one start symbol, and the chains of reductions met so far."""
+    """What lark computed, and the chains of reductions met so far; the same for all start symbols.
+
+    Attributes:
+        rows: the step for each terminal.
+        gotos: the state behind each rule.
+    """
 
     def __init__(self, computed: ParseConf[int]) -> None:
-        reductions = {
-            id(rule): _Reduction(
-                len(rule.expansion),
-                rule.origin.name,
-                computed.callbacks[rule],
-                rule.options.expand1 and rule.alias is None and len(rule.expansion) == 1,
-            )
-            for row in computed.states.values()
-            for action, rule in row.values()
-            if action is not Shift
-        }
-        self.rows: dict[int, dict[str, _Step]] = {
-            state: {name: what if action is Shift else reductions[id(what)] for name, (action, what) in row.items()}
-            for state, row in computed.states.items()
-        }
-        self.start = computed.start_state
-        self.end = computed.end_state
+        self._computed = computed
+        self._reductions: dict[int, _Reduction] = {}
+        self.rows = _OnDemand(self._steps)
+        self.gotos = _OnDemand(self._targets)
         self.chains: dict[tuple[int, int, str], int] = {}
 
-    def goto(self, state: int, name: str) -> int:
-        target = self.rows[state][name]
-        assert isinstance(target, int)
-        return target
+    def ends(self, start: str) -> tuple[int, int]:
+        """The first and the last state for a start symbol."""
+        table = self._computed.parse_table
+        return table.start_states[start], table.end_states[start]
 
-    def end_of_chain(self, below: int, state: int, kind: str) -> int:
+    def _steps(self, state: int) -> dict[str, _Step]:
+        row = self._computed.states[state]
+        return {name: arg if action is Shift else self._reduction(arg) for name, (action, arg) in row.items()}
+
+    def _targets(self, state: int) -> dict[str, int]:
+        row = self._computed.states[state]
+        return {name: arg for name, (action, arg) in row.items() if action is Shift}
+
+    def _reduction(self, rule: Any) -> _Reduction:
+        known = self._reductions.get(id(rule))
+        if known is None:
+            size = len(rule.expansion)
+            passes_on = rule.options.expand1 and rule.alias is None and size == 1
+            known = _Reduction(size, rule.origin.name, self._computed.callbacks[rule], passes_on)
+            self._reductions[id(rule)] = known
+        return known
+
+    def end_of_chain(self, below: int, state: int, kind: str, end: int) -> int:
         """The state in which the reductions end that pass on the value between two states, before a terminal."""
         key = below, state, kind
-        while isinstance(step := self.rows[state].get(kind), _Reduction) and step.passes_on and state != self.end:
-            state = self.goto(below, step.origin)
+        while isinstance(step := self.rows[state].get(kind), _Reduction) and step.passes_on and state != end:
+            state = self.gotos[below][step.origin]
         self.chains[key] = state
         return state
 
@@ -79,18 +101,20 @@ class Tables:
 class Stack:
     """The state of a parse: states, and one value for each but the first."""
 
-    def __init__(self, tables: Tables) -> None:
+    def __init__(self, tables: Tables, start: str) -> None:
         self.tables = tables
-        self.states = [tables.start]
+        first, self.end = tables.ends(start)
+        self.states = [first]
         self.values: list[Any] = []
 
     def feed(self, token: Token) -> Any:
-        """Take one token; after the last one (of type `END`) the value of the whole text is returned.
+        """Takes one token; after the last one (of type `END`) the value of the whole text is returned.
 
         Raises:
             UnexpectedToken: the token does not fit.
         """
-        rows, chains, end = self.tables.rows, self.tables.chains, self.tables.end
+        tables = self.tables
+        rows, gotos, chains, end = tables.rows, tables.gotos, tables.chains, self.end
         states, values = self.states, self.values
         kind = token.type
         while True:
@@ -105,7 +129,7 @@ class Stack:
             if step.passes_on:
                 below, state = states[-2], states[-1]
                 following = chains.get((below, state, kind))
-                states[-1] = self.tables.end_of_chain(below, state, kind) if following is None else following
+                states[-1] = tables.end_of_chain(below, state, kind, end) if following is None else following
             else:
                 if size:
                     parts = values[-size:]
@@ -113,14 +137,14 @@ class Stack:
                 else:
                     parts = []
                 value = step.build(parts)
-                states.append(self.tables.goto(states[-1], step.origin))
+                states.append(gotos[states[-1]][step.origin])
                 values.append(value)
             if states[-1] == end and kind == END:
                 return values[-1]
 
     def accepts(self, kinds: Iterable[str], levels: int | None = None) -> bool:
         """Whether these terminals could come next, the stack cut to a height."""
-        rows, end = self.tables.rows, self.tables.end
+        rows, gotos, end = self.tables.rows, self.tables.gotos, self.end
         states = self.states[:levels]
         for kind in kinds:
             while True:
@@ -132,7 +156,7 @@ class Stack:
                     break
                 if step.size:
                     del states[-step.size :]
-                states.append(self.tables.goto(states[-1], step.origin))
+                states.append(gotos[states[-1]][step.origin])
                 if states[-1] == end and kind == END:
                     return True
         return True

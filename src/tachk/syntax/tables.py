@@ -76,9 +76,9 @@ def parser_tables() -> lark.Lark:
 
 
 @cache
-def tables_for(start: str) -> Tables:
-    """The tables of one start symbol."""
-    return Tables(parser_tables().parse_interactive("", start=start).parser_state.parse_conf)
+def tables() -> Tables:
+    """The tables of the whole grammar in the form in which they are run."""
+    return Tables(parser_tables().parse_interactive("", start=STARTS[0]).parser_state.parse_conf)
 
 
 @cache
