@@ -11,6 +11,7 @@ from fractions import Fraction
 
 from tachk.diagnostics.span import Span
 from tachk.model.evaluate import Environment, channel_number, execute
+from tachk.model.expressions import Constant, Index
 from tachk.model.layout import CellLayout, cell_layout
 from tachk.model.network import Direction, Edge, Network
 from tachk.model.types import BoolType, ChannelType, ClockType
@@ -147,8 +148,24 @@ def _event(network: Network, layout: CellLayout, before: DiscreteState, transiti
     if edge.synchronisation is not None:
         environment = _environment(layout, list(before.values), before.locations, edge, first)
         number = channel_number(edge.synchronisation.channel, environment)
-        channel = layout.names[layout.channel_cells[number]]
+        edges = [_edge(network, participant) for participant in transition.participants]
+        channel = _in_words(network, layout.names[layout.channel_cells[number]], edges)
     return Event(channel, moves)
+
+
+def _in_words(network: Network, channel: str, edges: Sequence[Edge]) -> str:
+    """The name of a channel, with the constants of the model as indices where one of the edges writes them."""
+    constants = {name for name, _ in network.constants}
+    name, *indices = channel.replace("]", "").split("[")
+    for edge in edges:
+        place = edge.synchronisation.channel if edge.synchronisation is not None else None
+        position = len(indices)
+        while isinstance(place, Index):
+            position -= 1
+            if isinstance(place.index, Constant) and place.index.span.text in constants:
+                indices[position] = place.index.span.text
+            place = place.base
+    return name + "".join(f"[{index}]" for index in indices)
 
 
 def _move(network: Network, participant: Participant) -> Move:
