@@ -66,7 +66,7 @@ def _ways(outline: Sketch) -> Iterator[tuple[Direction, Traversal]]:
     if size > _MANY:
         return
     for direction in Direction if size < 400 else (Direction.RIGHT,):
-        for traversal in Traversal if size < 120 else (Traversal.DEPTH,):
+        for traversal in Traversal if size < 70 else (Traversal.DEPTH,):
             yield direction, traversal
 
 

@@ -154,6 +154,8 @@ def clear_texts(sketch: Sketch, drawing: Drawing) -> Drawing:
             cost = 0.2 * preference
             if cost >= best:
                 break
+            if label is not None and name.overlaps(label):
+                continue
             for box in (name, label):
                 if box is not None:
                     wide = box.grown(2)

@@ -110,6 +110,15 @@ def test_the_flow_leads_in_one_direction() -> None:
     assert points[0] == (0, 0)
 
 
+def test_a_tall_invariant_keeps_clear_of_the_name() -> None:
+    invariant = " && ".join(f"clock_number_{i} <= {i}" for i in range(12))
+    edges = " ".join(f"to L{i} {{ guard clock_number_{i} >= 1; sync c!; }} to A;" for i in range(6))
+    others = " ".join(f"location L{i} {{ to A {{ sync c?; }} }}" for i in range(6))
+    text = f"process P() {{ init location A {{ invariant {invariant}; {edges} }} {others} }}"
+    template = templates(parsed(text))[0]
+    assert faults(template, place_template(template)) == []
+
+
 def test_edges_between_the_same_locations_lie_apart() -> None:
     text = "process P() { init location A { to B; to B; } location B { to A; to B; to B; } }"
     layout = place_template(templates(parsed(text))[0])
