@@ -347,7 +347,7 @@ class _Exporter:
                 for update in edge.updates
             ]
         found = (n.variable for u in updates for n in walk(u) if isinstance(n, Reference) and n.variable.meta)
-        return list(dict.fromkeys(found))
+        return [variable for variable in dict.fromkeys(found) if variable not in self.known.values]
 
     # ---- synchronisation --------------------------------------------------------------------------------------------
 
