@@ -63,7 +63,7 @@ class QueriesReader:
 
     def formulas(self, texts: Extracted) -> list[Span]:
         """The places of all formulas."""
-        return [texts.text(formula) for element in self.elements for formula in element.all("formula")]
+        return [_formula_place(texts.text(formula)) for element in self.elements for formula in element.all("formula")]
 
     def build(self, texts: Extracted) -> list[ast.PropertyDeclaration]:
         """The properties; `broken` and `layouts` are filled."""
