@@ -1,0 +1,53 @@
+"""`tachk draw` writes the pictures asked for, and follows imports and side files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tachk.cli.draw import run_draw
+from tachk.cli.exit_status import ExitStatus
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.export.pictures import draw
+from tachk.export.placement import place
+from tachk.syntax.layout_json import layout_path, layout_to_json
+from tachk.syntax.parser import parse_document
+from tachk.syntax.source_files import read_source
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    (tmp_path / "lamp.ta").write_text("process Lamp() { init location Off { to On; } location On; }")
+    whole = tmp_path / "whole.ta"
+    whole.write_text('import "lamp.ta"; process User() { init location Idle; } system Lamp, User;')
+    return whole
+
+
+def test_each_template_has_a_file_imported_ones_too(model: Path, tmp_path: Path) -> None:
+    assert run_draw(str(model), tmp_path / "out", None) is ExitStatus.AS_EXPECTED
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["Lamp.svg", "User.svg"]
+
+
+def test_one_file_holds_all_templates_or_the_one_asked_for(model: Path, tmp_path: Path) -> None:
+    run_draw(str(model), tmp_path / "all.svg", None)
+    run_draw(str(model), tmp_path / "user.svg", "User")
+    assert ">On<" in (tmp_path / "all.svg").read_text() and ">Idle<" in (tmp_path / "all.svg").read_text()
+    assert ">On<" not in (tmp_path / "user.svg").read_text()
+
+
+def test_an_unknown_template_is_named_with_those_there_are(model: Path, tmp_path: Path) -> None:
+    with pytest.raises(UsageError) as error:
+        run_draw(str(model), tmp_path, "Usr")
+    assert error.value.help == "the templates are Lamp, User"
+
+
+def test_the_side_file_says_where_things_stand(model: Path, tmp_path: Path) -> None:
+    lamp = tmp_path / "lamp.ta"
+    document, _ = parse_document(read_source(lamp))
+    assert document is not None
+    text = layout_to_json(place(document))
+    before = draw(lamp).svg
+    layout_path(lamp).write_text(text.replace("[0, 0]", "[0, 333]"))
+    assert 'cy="333"' not in before
+    assert 'cy="333"' in draw(lamp).svg
