@@ -27,6 +27,7 @@ from tachk.frontend.load import LoadedModel, UncheckedQuery, elaborate_queries, 
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.verdict import Answer, Verdict
+from tachk.properties.verify import refused
 from tachk.properties.verify import verify as verify_queries
 from tachk.report.json_report import Json, run_to_json
 from tachk.report.record import NotChecked, RunRecord
@@ -57,6 +58,8 @@ def load(path: str | os.PathLike[str], **constants: int | bool | str) -> Model:
         path: a file in tachk's language (``.ta``, ``.xta``) or UPPAAL's XML.
         constants: other values for global constants of the model; a string is an expression of the language.
 
+    A model with constructs that tachk does not check is loaded too: see `Model.refusals`.
+
     Raises:
         InputError: the model is wrong; carries every finding.
         UsageError: the file cannot be read, or there is no such constant.
@@ -80,6 +83,7 @@ class Model:
 
     @property
     def network(self) -> Network:
+        """The processes and variables. Raises UnsupportedError where the model has refusals."""
         return self.loaded.network
 
     @property
@@ -90,11 +94,16 @@ class Model:
     @property
     def constants(self) -> Mapping[str, int]:
         """The global integer constants with their values."""
-        return dict(self.network.constants)
+        return dict(self.loaded.heading.constants)
 
     @property
     def warnings(self) -> tuple[Diagnostic, ...]:
         return self.loaded.warnings
+
+    @property
+    def refusals(self) -> tuple[Diagnostic, ...]:
+        """The constructs that tachk does not check: with any, every answer about the model is unknown."""
+        return self.loaded.refusals
 
     def verify(
         self,
@@ -129,11 +138,16 @@ class Model:
             given, unchecked = self._given(files, sources)
             checked = (*(self._property(name) for name in names), *given)
         options, limits = options or Options(), limits or Limits()
-        verdicts = verify_queries(self.network, checked, options, limits, progress, trace)
+        if self.refusals:
+            network, verdicts = self.loaded.heading, refused(checked, self.refusals[0])
+        else:
+            network = self.network
+            verdicts = verify_queries(network, checked, options, limits, progress, trace)
         not_checked = tuple(
             NotChecked(query.name, query.text, _why_not(query), query.diagnostics) for query in unchecked
         )
-        return Report(RunRecord(self.path, self.network, verdicts, not_checked, options, limits, self.definitions))
+        record = RunRecord(self.path, network, verdicts, not_checked, options, limits, self.definitions, self.refusals)
+        return Report(record)
 
     def _given(
         self, files: Iterable[Source], sources: Iterable[Source]

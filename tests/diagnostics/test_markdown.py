@@ -61,7 +61,8 @@ def reported(block: Block) -> tuple[Diagnostic, ...]:
     if block.language == "q":
         return parse_queries(source)[1]
     try:
-        return load_model(source).warnings
+        loaded = load_model(source)
+        return (*loaded.refusals, *loaded.warnings)
     except InputError as error:
         return error.diagnostics
 

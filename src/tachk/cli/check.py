@@ -27,7 +27,9 @@ def run_check(models: tuple[str, ...], definitions: tuple[str, ...], version: st
 
 def _check(path: str, constants: dict[str, str], version: Version | None) -> ExitStatus:
     model = api.load(path, **constants)
-    print_diagnostics(model.warnings)
+    print_diagnostics((*model.refusals, *model.warnings))
+    if model.refusals:
+        return ExitStatus.UNSUPPORTED
     network = model.network
     locations = sum(len(process.locations) for process in network.processes)
     edges = sum(len(process.edges) for process in network.processes)

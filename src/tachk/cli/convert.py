@@ -87,7 +87,7 @@ def _wrong_queries(source: Path) -> tuple[UncheckedQuery, ...]:
     except TachkError:
         return ()
     named = {item.name.name for item in loaded.items if isinstance(item, ast.PropertyDeclaration)}
-    return tuple(query for query in loaded.unchecked if query.diagnostics and query.name in named)
+    return tuple(query for query in loaded.unchecked if query.is_wrong and query.name in named)
 
 
 def _tell(steps: list[Step]) -> None:

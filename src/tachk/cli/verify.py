@@ -123,7 +123,7 @@ def _check_model(
     request: VerifyRequest,
 ) -> RunRecord:
     model = api.load(path, **constants)
-    print_diagnostics(model.warnings)
+    print_diagnostics((*model.refusals, *model.warnings))
     progress = ProgressLine() if sys.stderr.isatty() and not request.quiet else None
     try:
         report = model.verify(
@@ -142,8 +142,10 @@ def _check_model(
 
 
 def _status(record: RunRecord) -> ExitStatus:
-    if any(query.diagnostics for query in record.not_checked):
+    if any(not found.is_unsupported for query in record.not_checked for found in query.diagnostics):
         return ExitStatus.BAD_INPUT
+    if record.refusals or any(query.diagnostics for query in record.not_checked):
+        return ExitStatus.UNSUPPORTED
     if any(verdict.unsupported is not None for verdict in record.verdicts):
         return ExitStatus.UNSUPPORTED
     match record.met:

@@ -27,6 +27,7 @@ _DECLARATIONS = (
     | ast.ChannelPriorityDeclaration
     | ast.UpdateHook
     | ast.ForeignImport
+    | ast.DynamicTemplate
 )
 
 
@@ -41,14 +42,14 @@ def expand(model: LoadedModel, definitions: Iterable[str] = (), repair_names: bo
         UnsupportedError: something has no expansion (E0801).
     """
     steps = _imports(model)
-    values = dict(model.network.constants)
+    values = dict(model.heading.constants)
     overridden = {name: values[name] for name in definitions if name in values}
     typed = tuple(_typed(_with_value(item, overridden, steps), steps) for item in model.items)
     items = _ordered_prefixes(without_builtins(typed, steps))
     declarations: tuple[ast.Declaration, ...] = tuple(item for item in items if isinstance(item, _DECLARATIONS))
     templates = tuple(_classic(item, steps) for item in items if isinstance(item, ast.Template))
     instantiations = tuple(item for item in items if isinstance(item, ast.Instantiation))
-    passing = ValuePassing(model.network.variables, set(names_in(items)))
+    passing = ValuePassing(model.variables, set(names_in(items)))
     declarations, templates, instantiations = passing.expand(declarations, templates, instantiations)
     steps += passing.steps
     plain = PlainModel(

@@ -44,6 +44,11 @@ class Findings:
     def has_errors(self) -> bool:
         return any(d.severity is Severity.ERROR for d in self._found.values())
 
+    @property
+    def has_mistakes(self) -> bool:
+        """Whether there are errors besides constructs that tachk knows and refuses."""
+        return any(d.severity is Severity.ERROR and not d.is_unsupported for d in self._found.values())
+
     def sorted(self) -> tuple[Diagnostic, ...]:
         """All findings in the order of their places."""
         order: dict[int, int] = {}

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UsageError
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
 from tachk.frontend.context import Budget, Context
 from tachk.frontend.damage import beyond_damage
@@ -15,6 +15,7 @@ from tachk.frontend.findings import Findings, did_you_mean
 from tachk.frontend.imports import Importer
 from tachk.frontend.queries import UncheckedQuery, elaborate_each, elaborate_entries, wrong_query
 from tachk.frontend.scope import Scope
+from tachk.model.expressions import Variable
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.syntax import ast
@@ -39,9 +40,11 @@ class LoadedModel:
     document: the syntax tree of the file itself, imports not followed.
     items: of the document, each import replaced by what the file declares.
     layout: the picture, if the file has one (UPPAAL's XML).
+    refusals: the constructs of the model that tachk does not check. Where there are any, what was elaborated is
+        incomplete: no analysis may see it, so there is no `network`, while everything that concerns the text is there.
     """
 
-    network: Network
+    _elaborated: Network = field(repr=False)
     queries: tuple[Query, ...]
     unchecked: tuple[UncheckedQuery, ...]
     warnings: tuple[Diagnostic, ...]
@@ -50,6 +53,24 @@ class LoadedModel:
     _scope: Scope = field(repr=False)
     _constants: Context = field(repr=False)
     layout: Layout | None = field(default=None, repr=False)
+    refusals: tuple[Diagnostic, ...] = ()
+
+    @property
+    def network(self) -> Network:
+        """The model as analyses see it. Raises UnsupportedError where something in it is refused."""
+        if self.refusals:
+            raise UnsupportedError(self.refusals[0])
+        return self._elaborated
+
+    @property
+    def heading(self) -> Network:
+        """The constants and the time unit without any process: what reports say about every model."""
+        return Network((), (), 0, self._elaborated.constants, (), self._elaborated.time_unit)
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        """The global variables that are not refused."""
+        return self._elaborated.variables
 
 
 def load_model(
@@ -64,6 +85,8 @@ def load_model(
         constants: other values for global constants; a string is an expression of the language.
         strict_xta: refuse what tachk adds to XTA.
 
+    A model whose only errors are constructs that tachk does not check is loaded, see `LoadedModel.refusals`.
+
     Raises:
         InputError: with every diagnostic that was found, warnings included.
         UsageError: the file cannot be read, or there is no such constant.
@@ -73,28 +96,36 @@ def load_model(
     if is_xml(source):
         return _load_xml(parse_uppaal_xml(source), constants or {}, strict_xta)
     document, items = Importer(findings, strict_xta).read(source)
-    _refuse_dynamic_templates(items, findings)
-    if document is None or any(isinstance(item, ast.DynamicTemplate) for item in items):
+    if document is None:
         raise InputError(findings.sorted())
     unreadable = findings.sorted() if findings.has_errors else ()
+    _refuse_dynamic_templates(items, findings)
     overrides = _overrides(constants or {}, items, findings)
     context = Context(findings, budget=Budget(INSTANCES))
     result: Elaborated = elaborate(items, document.span, overrides, context)
     if unreadable:
         further = [diagnostic for diagnostic in findings.sorted() if diagnostic not in unreadable]
         raise InputError((*unreadable, *beyond_damage(unreadable, further, items)))
-    if findings.has_errors:
+    if findings.has_mistakes:
         raise InputError(findings.sorted())
+    refusals, warnings = _told_apart(findings)
     return LoadedModel(
         result.network,
         result.queries,
-        result.unchecked,
-        findings.sorted(),
+        _explained(result.unchecked, refusals),
+        warnings,
         document,
         tuple(items),
         result.scope,
         context,
+        refusals=refusals,
     )
+
+
+def _told_apart(findings: Findings) -> tuple[tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
+    """The refusals and the warnings among findings that have no other errors."""
+    found = findings.sorted()
+    return tuple(d for d in found if d.is_unsupported), tuple(d for d in found if not d.is_unsupported)
 
 
 def _load_xml(read: XmlModel, constants: Mapping[str, int | bool | str], strict_xta: bool) -> LoadedModel:
@@ -106,14 +137,16 @@ def _load_xml(read: XmlModel, constants: Mapping[str, int | bool | str], strict_
     if findings.has_errors:
         raise InputError(findings.sorted())
     items = read.document.items
+    _refuse_dynamic_templates(items, findings)
     properties = [item for item in items if isinstance(item, ast.PropertyDeclaration)]
     overrides = _overrides(constants, items, findings)
     context = Context(findings, budget=Budget(INSTANCES))
     others = [item for item in items if not isinstance(item, ast.PropertyDeclaration)]
     result = elaborate(others, read.document.span, overrides, context)
     queries, unchecked = elaborate_each(properties, result.scope, context)
-    if findings.has_errors:
+    if findings.has_mistakes:
         raise InputError(findings.sorted())
+    refusals, warnings = _told_apart(findings)
     broken = []
     for query in read.broken:
         own = Findings()
@@ -122,13 +155,22 @@ def _load_xml(read: XmlModel, constants: Mapping[str, int | bool | str], strict_
     return LoadedModel(
         result.network,
         queries,
-        tuple(sorted((*unchecked, *broken), key=lambda query: query.span.start)),
-        findings.sorted(),
+        tuple(sorted((*_explained(unchecked, refusals), *broken), key=lambda query: query.span.start)),
+        warnings,
         read.document,
         items,
         result.scope,
         context,
         read.layout,
+        refusals,
+    )
+
+
+def _explained(unchecked: Iterable[UncheckedQuery], refusals: Sequence[Diagnostic]) -> tuple[UncheckedQuery, ...]:
+    """The queries, those that use the name of something refused with the reason."""
+    return tuple(
+        query if query.family or query.diagnostics else replace(query, diagnostics=tuple(refusals[:1]))
+        for query in unchecked
     )
 
 
@@ -140,7 +182,7 @@ def elaborate_queries(loaded: LoadedModel, text: str | Source) -> tuple[tuple[Qu
     """
     source = text if isinstance(text, Source) else Source("<query>", text)
     queries, unchecked = elaborate_query_file(loaded, source)
-    diagnostics = [diagnostic for query in unchecked for diagnostic in query.diagnostics]
+    diagnostics = [diagnostic for query in unchecked if query.is_wrong for diagnostic in query.diagnostics]
     if diagnostics:
         raise InputError(diagnostics)
     return queries, unchecked
@@ -150,11 +192,11 @@ def elaborate_query_file(loaded: LoadedModel, source: Source) -> tuple[tuple[Que
     """The queries of a .q file, named as by `elaborate_queries`; a wrong one is unchecked and harms no other."""
     known = loaded._constants
     context = Context(Findings(), known.constants, known.effects, budget=Budget(INSTANCES))
-    return elaborate_entries(parse_each_query(source), loaded._scope, context)
+    queries, unchecked = elaborate_entries(parse_each_query(source), loaded._scope, context)
+    return queries, _explained(unchecked, loaded.refusals)
 
 
 def _refuse_dynamic_templates(items: Iterable[ast.Item], findings: Findings) -> None:
-    """Reported alone: what else such a model says about its processes could only be misunderstood."""
     for item in items:
         if isinstance(item, ast.DynamicTemplate):
             findings.add(

@@ -24,12 +24,12 @@ from tachk.syntax.query_files import BrokenQuery
 
 @dataclass(frozen=True, slots=True)
 class UncheckedQuery:
-    """A query that is not checked: it belongs to another kind of analysis, or it is wrong and stands where it must not
-    keep others from being checked. It is listed, never silently dropped.
+    """A query that is not checked: it belongs to another kind of analysis, it needs a construct that is refused, or it
+    is wrong and stands where it must not keep others from being checked. It is listed, never silently dropped.
 
     Attributes:
-        family: ``statistical``, ``game``, ``learning`` or ``scenario``; empty if the query is wrong.
-        diagnostics: what is wrong with it.
+        family: ``statistical``, ``game``, ``learning`` or ``scenario``; else empty.
+        diagnostics: what is refused, or wrong with it.
     """
 
     name: str
@@ -39,6 +39,11 @@ class UncheckedQuery:
     expectation: Expectation | None = None
     span: Span = NOWHERE
     diagnostics: tuple[Diagnostic, ...] = ()
+
+    @property
+    def is_wrong(self) -> bool:
+        """Whether the query has a mistake, other than naming what is refused."""
+        return any(not diagnostic.is_unsupported for diagnostic in self.diagnostics)
 
 
 def elaborate_query(
@@ -143,7 +148,8 @@ def _is_observable(value: Expression, node: ast.SignalDeclaration, context: Cont
 def elaborate_properties(
     nodes: Iterable[ast.PropertyDeclaration], scope: Scope, context: Context
 ) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
-    """The properties a model states."""
+    """The properties a model states. One that names a refused construct is unchecked; where the construct was reported
+    at its declaration, without diagnostics."""
     queries, unchecked = [], []
     seen: dict[str, Span] = {}
     for node in nodes:
@@ -160,8 +166,15 @@ def elaborate_properties(
         if isinstance(node.formula, ast.UncheckedFormula):
             unchecked.append(_unchecked(node.formula, name, node.title, node.expectation))
             continue
-        query = elaborate_query(node.formula, name, scope, context, node.title or node.doc, node.expectation)
-        if query is not None:
+        own = Findings()
+        title = node.title or node.doc
+        query = elaborate_query(node.formula, name, scope, replace(context, findings=own), title, node.expectation)
+        if own.has_mistakes:
+            context.findings.extend(own.sorted())
+        elif query is None or own.has_errors:
+            unchecked.append(wrong_query(name, node.formula.span.text, title, node.formula.span, own))
+        else:
+            context.findings.extend(own.sorted())
             queries.append(query)
     return tuple(queries), tuple(unchecked)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -96,6 +96,11 @@ def _check_initial_state(network: Network) -> None:
             )
             for name, location in violated
         )
+
+
+def refused(queries: Iterable[Query], reason: Diagnostic) -> tuple[Verdict, ...]:
+    """The verdicts about a model that has something tachk does not check, so that no query can be decided."""
+    return tuple(_unsupported(query, reason) for query in queries)
 
 
 def _unsupported(query: Query, diagnostic: Diagnostic) -> Verdict:

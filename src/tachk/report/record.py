@@ -30,6 +30,8 @@ class RunRecord:
     model: the path of the model as the user gave it.
     verdicts: one for each query, in order.
     definitions: the names of the constants that were set from outside.
+    network: of a model with refusals only its constants and time unit.
+    refusals: the constructs of the model that tachk does not check.
     not_checked: the statistical, game and scenario queries met, which have no influence on success, and wrong queries
         of other programs' files.
     """
@@ -41,11 +43,13 @@ class RunRecord:
     options: Options = field(default_factory=Options)
     limits: Limits = field(default_factory=Limits)
     definitions: tuple[str, ...] = ()
+    refusals: tuple[Diagnostic, ...] = ()
 
     @property
     def met(self) -> bool | None:
-        """Whether every expectation is met: False if one is not, else None if an answer is unknown, else True."""
+        """Whether every expectation is met: False if one is not, else None if an answer is unknown or
+        something in the model is refused, else True."""
         met = [verdict.met for verdict in self.verdicts]
         if False in met:
             return False
-        return None if any(v.answer is Answer.UNKNOWN for v in self.verdicts) else True
+        return None if self.refusals or any(v.answer is Answer.UNKNOWN for v in self.verdicts) else True

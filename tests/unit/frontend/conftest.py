@@ -36,7 +36,8 @@ def find() -> Callable[..., list[tuple[str, str]]]:
     def finder(text: str, **constants: int | bool | str) -> list[tuple[str, str]]:
         found: tuple[Diagnostic, ...]
         try:
-            found = load_model(Source("model.ta", complete(text)), constants).warnings
+            loaded = load_model(Source("model.ta", complete(text)), constants)
+            found = (*loaded.refusals, *loaded.warnings)
         except InputError as error:
             found = error.diagnostics
         return [(d.code, d.span.text) for d in found]

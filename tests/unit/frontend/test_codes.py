@@ -22,7 +22,8 @@ def findings(text: str) -> tuple[Diagnostic, ...]:
     if "system" not in text:
         text += "\nsystem P;"
     try:
-        return load_model(Source("example.ta", text)).warnings
+        loaded = load_model(Source("example.ta", text))
+        return (*loaded.refusals, *loaded.warnings)
     except InputError as error:
         return error.diagnostics
 

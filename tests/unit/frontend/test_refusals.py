@@ -1,0 +1,133 @@
+"""A model with constructs that tachk does not check: read and written like any other, never analysed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import tachk
+from tachk.cli.check import run_check
+from tachk.cli.convert import run_convert
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.verify import VerifyRequest, run_verify
+from tachk.diagnostics.diagnostic import InputError, UnsupportedError
+from tachk.diagnostics.span import Source
+from tachk.export.formats import ExportFormat, export_model
+from tachk.frontend.load import elaborate_queries, load_model
+
+MODEL = """int n;
+const int N = 3;
+double level = 0.5;
+
+process P() {
+    init location s {
+        to s { guard n < N; assign n++, level = level * 2; }
+    }
+}
+
+system P;
+property bounded : A[] n <= 3;
+property high : E<> level > 1;
+"""
+OTHER = MODEL.replace("double level = 0.5;", "").replace(", level = level * 2", "").replace("level > 1", "n > 1")
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> str:
+    file = tmp_path / "model.ta"
+    file.write_text(MODEL)
+    return str(file)
+
+
+def test_no_analysis_gets_the_network() -> None:
+    loaded = load_model(Source("m.ta", MODEL))
+    assert [refusal.code for refusal in loaded.refusals[:1]] == ["E0750"]
+    assert loaded.refusals[0].span.text == "double"
+    with pytest.raises(UnsupportedError) as caught:
+        _ = loaded.network
+    assert caught.value.diagnostic is loaded.refusals[0]
+    assert loaded.heading.processes == ()
+    assert loaded.heading.constants == (("N", 3),)
+
+
+@pytest.mark.parametrize("format_", [ExportFormat.DOT, ExportFormat.JSON, ExportFormat.TCHECKER])
+def test_a_format_made_from_the_network_is_refused(format_: ExportFormat) -> None:
+    with pytest.raises(UnsupportedError):
+        export_model(load_model(Source("m.ta", MODEL)), format_)
+
+
+def test_every_query_is_told(path: str) -> None:
+    report = tachk.load(path).verify()
+    assert [(v.query.name, v.answer) for v in report] == [("bounded", tachk.Answer.UNKNOWN)]
+    assert report[0].unsupported is not None
+    assert report[0].unsupported.span.text == "double"
+    assert [query.name for query in report.record.not_checked] == ["high"]
+    assert report.record.not_checked[0].diagnostics[0].span.text == "double"
+    assert report.met is None
+
+
+def test_a_model_whose_only_query_is_refused_has_not_met_it(tmp_path: Path) -> None:
+    file = tmp_path / "model.ta"
+    file.write_text(MODEL.replace("property bounded : A[] n <= 3;\n", ""))
+    assert tachk.load(file).verify().met is None
+
+
+def test_queries_given_with_it_are_told_too(path: str) -> None:
+    report = tachk.load(path).verify("E<> n == 2", "E<> level > 2")
+    assert [v.answer for v in report] == [tachk.Answer.UNKNOWN]
+    assert [query.text for query in report.record.not_checked] == ["E<> level > 2"]
+
+
+def test_a_query_that_is_refused_keeps_no_other_from_being_checked(tmp_path: Path) -> None:
+    file = tmp_path / "model.ta"
+    file.write_text(OTHER + "property half : E<> n > 0.5;\n")
+    model = tachk.load(file)
+    assert model.refusals == ()
+    report = model.verify()
+    assert [v.answer for v in report] == [tachk.Answer.HOLDS, tachk.Answer.HOLDS]
+    assert [query.name for query in report.record.not_checked] == ["half"]
+
+
+def test_a_mistake_is_still_an_error() -> None:
+    with pytest.raises(InputError) as caught:
+        load_model(Source("m.ta", MODEL.replace("n < N", "m < N")))
+    assert {"E0201", "E0750"} <= {found.code for found in caught.value.diagnostics}
+    with pytest.raises(InputError):
+        elaborate_queries(load_model(Source("m.ta", MODEL)), "E<> m > 1")
+
+
+def test_commands_say_it_and_end_with_3(path: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_check((path,), ()) is ExitStatus.UNSUPPORTED
+    assert "floating point variables are not supported" in capsys.readouterr().err
+    assert run_verify(VerifyRequest((path,))) is ExitStatus.UNSUPPORTED
+    printed = capsys.readouterr()
+    assert "model.ta:3:1: error[E0750]" in printed.err
+    assert "bounded cannot be checked:" in printed.out
+    assert "high cannot be checked:" in printed.out
+    assert "holds" not in printed.out
+
+
+def test_the_text_goes_to_uppaal_and_back(path: str, tmp_path: Path) -> None:
+    xml, again = tmp_path / "model.xml", tmp_path / "again.ta"
+    assert run_convert(path, xml, (), False) is ExitStatus.AS_EXPECTED
+    loaded = load_model(str(xml))
+    assert [refusal.span.text for refusal in loaded.refusals] == [
+        refusal.span.text for refusal in load_model(path).refusals
+    ]
+    assert run_convert(str(xml), again, (), False) is ExitStatus.AS_EXPECTED
+    text = again.read_text()
+    assert "double level = 0.5;" in text
+    assert "level = level * 2" in text
+    assert "E<> level > 1" in text
+    assert "a query that is wrong" not in text
+
+
+def test_a_dynamic_template_is_kept(tmp_path: Path) -> None:
+    text = (
+        "dynamic Q(int a);\nprocess Q(int a) { init location s; }\n"
+        "process P() { init location s { to s { assign spawn Q(1); } } }\nsystem P;\n"
+    )
+    loaded = load_model(Source("m.ta", text))
+    assert {refusal.code for refusal in loaded.refusals} == {"E0750"}
+    assert "dynamic Q" in export_model(loaded, ExportFormat.XTA).text
