@@ -18,8 +18,7 @@ def _branches(branch: str) -> str:
 SYSTEM_CODES: dict[str, Explanation] = {
     "E0401": Explanation(
         "synchronisation",
-        "A synchronisation is a channel followed by ! (send) or ? (receive). Synchronisation without a direction (CSP "
-        "style) is not supported.",
+        "A synchronisation is a channel followed by ! (send) or ? (receive).",
         "int a;\n" + _edge("sync a!;"),
         "broadcast chan a;\n" + _edge("sync a!;"),
     ),
@@ -128,10 +127,12 @@ SYSTEM_CODES: dict[str, Explanation] = {
     ),
     "E0750": Explanation(
         "construct that is not supported",
-        "tachk reads all of UPPAAL's language for symbolic checking. Floating point numbers, hybrid clocks, strings, "
-        "foreign functions, processes that appear and vanish while the system runs (dynamic, spawn, exit, numOf, "
-        "foreach) and before_update/after_update belong to simulation and statistical checking, IO declarations to "
-        "refinement checking. Where a model has no other errors, the exit status is 3.",
+        "tachk checks all of UPPAAL's language for symbolic checking. Floating point numbers, hybrid clocks, rates "
+        "other than 0 and 1, arithmetic with clocks, strings, foreign functions, processes that appear and vanish "
+        "while the system runs (dynamic, spawn, exit, numOf, foreach) and before_update/after_update belong to "
+        "simulation and statistical checking, IO declarations to refinement checking; synchronisations without a "
+        "direction or behind a branchpoint and templates without locations have no meaning here. A model with such "
+        "a construct can be converted, formatted and drawn, but none of its queries is checked: the exit status is 3.",
         "double level;",
         "int level;",
     ),
@@ -161,5 +162,12 @@ SYSTEM_CODES: dict[str, Explanation] = {
         "No path of edges leads from the initial location of the template to this one.",
         "process P() { state s, t; init s; trans t -> s { }; }",
         "process P() { state s, t; init s; trans s -> t { }; }",
+    ),
+    "W0405": Explanation(
+        "not supported and not used",
+        "A template that no process is an instance of uses a construct that tachk does not check. It is kept in the "
+        "text and has no influence on any answer.",
+        _P + "process Q() { double d; state s; init s; }\nsystem P;",
+        _P + "process Q() { int d; state s; init s; }\nsystem P;",
     ),
 }

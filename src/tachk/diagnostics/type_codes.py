@@ -26,7 +26,7 @@ TYPE_CODES: dict[str, Explanation] = {
     ),
     "E0303": Explanation(
         "not a variable",
-        "Constants, parameters passed by value to a template, bound variables and computed values cannot be changed.",
+        "Constants, bound variables and computed values cannot be changed.",
         "const int n = 1;\nvoid f() { n = 2; }",
         "int n = 1;\nvoid f() { n = 2; }",
     ),
@@ -147,8 +147,8 @@ TYPE_CODES: dict[str, Explanation] = {
     "E0334": Explanation(
         "rate",
         "A conjunct `x' == e` of an invariant lets the clock x stand still where e is 0 and run where e is 1. Rates "
-        "cannot stand anywhere else, and other rates belong to statistical checking.",
-        "process P() { clock x; state s { x' == 2 }; init s; }",
+        "cannot stand anywhere else.",
+        "process P() { int x; state s { x' == 0 }; init s; }",
         "process P() { clock x; state s { x' == 0 }; init s; }",
     ),
     "E0335": Explanation(

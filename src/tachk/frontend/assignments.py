@@ -16,11 +16,14 @@ def assignment(
     """A value stored in a place; None after a report."""
     operator = None if node.operator == "=" else BinaryOperator(node.operator[:-1])
     if isinstance(target.type, ClockType):
-        if operator is not None or not is_integral(value.type):
+        if not (is_integral(value.type) or isinstance(value.type, ClockType)):
+            context.error("E0302", node.span, f"a clock cannot be set to {describe(value.type)}")
+            return None
+        if operator is not None or isinstance(value.type, ClockType):
             context.error(
-                "E0302",
+                "E0750",
                 node.span,
-                "a clock can only be set to an integer",
+                "setting a clock to the value of a clock is not supported",
                 "write `x = e` with an integer expression `e`; tachk cannot copy or advance clocks",
             )
             return None

@@ -11,7 +11,8 @@ from tachk.frontend.channels import ChannelTable
 from tachk.frontend.context import Context
 from tachk.frontend.declarations import Declared, argument_value, constant_symbol, widened
 from tachk.frontend.expressions import expression, type_reader
-from tachk.frontend.findings import count, did_you_mean
+from tachk.frontend.findings import Findings, count, did_you_mean
+from tachk.frontend.parameters import as_variables
 from tachk.frontend.places import assignable, is_place
 from tachk.frontend.scope import (
     BrokenSymbol,
@@ -157,6 +158,7 @@ class Instances:
             return None
         template, parameters = resolved
         self.used.add(template.name.name)
+        parameters = as_variables(template, parameters, declared, self.context)
         process, members = elaborate_process(template, name, parameters, declared, self.channels, self.context)
         symbol = ProcessSymbol(len(self.processes), members, at.span)
         self.processes.append(replace(process, priority=priority))
@@ -279,9 +281,11 @@ class Instances:
     def check_unused(self) -> None:
         """Checks the templates and instantiations that no process uses, with made-up arguments.
 
-        Findings that depend on the arguments are left out.
+        Findings that depend on the arguments are left out, and what tachk does not check is only told: it is not part
+        of the network.
         """
-        context = replace(self.context, constants=set(self.context.constants))
+        own = Findings()
+        context = replace(self.context, constants=set(self.context.constants), findings=own)
         checker = Instances(self.globals, ChannelTable(set()), context)
         for name, symbol in self.globals.symbols.items():
             if isinstance(symbol, TemplateSymbol) and symbol.template.name.name not in self.used:
@@ -293,7 +297,13 @@ class Instances:
                     resolved = checker._resolve(symbol.template, bound, declared)
                     if resolved is not None and isinstance(symbol.template, ast.Template):
                         template, parameters = resolved
+                        parameters = as_variables(template, parameters, declared, context)
                         elaborate_process(template, name, parameters, declared, checker.channels, context)
+        for found in own.sorted():
+            if found.is_unsupported:
+                self.context.error("W0405", found.span, f"{found.message}, but no process uses it", found.help)
+            else:
+                self.context.findings.extend([found])
 
     def _made_up(self, parameter: ast.Parameter, bound: Scope, declared: Declared) -> Symbol:
         reader = type_reader(bound, self.context)

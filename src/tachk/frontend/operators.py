@@ -6,7 +6,16 @@ from tachk.diagnostics.span import Span
 from tachk.frontend import fold
 from tachk.frontend.clock_constraints import COMPARISONS, compare
 from tachk.frontend.context import Context
-from tachk.frontend.typing import CHANNEL_HELP, describe, element_type, is_aggregate, is_data, is_integral, same_shape
+from tachk.frontend.typing import (
+    CHANNEL_HELP,
+    CLOCK_VALUE_HELP,
+    describe,
+    element_type,
+    is_aggregate,
+    is_data,
+    is_integral,
+    same_shape,
+)
 from tachk.model.expressions import BOOL, INT, Binary, BinaryOperator, Expression
 from tachk.model.types import ChannelType, ClockType, ScalarType, Type
 
@@ -35,7 +44,7 @@ def combine(
     if clocks:
         if operator in (BinaryOperator.ADD, BinaryOperator.SUBTRACT):
             return Binary(operator, left, right, ClockType(), span)
-        context.error("E0301", span, f"`{operator}` cannot be applied to clocks")
+        context.error("E0750", span, f"`{operator}` on the value of a clock is not supported", CLOCK_VALUE_HELP)
         return None
     if operator in COMPARISONS:
         return _comparison(operator, left, right, span, context)

@@ -7,9 +7,9 @@ from dataclasses import fields
 from tachk.frontend import fold
 from tachk.frontend.clock_constraints import convex, forbid
 from tachk.frontend.context import Context
-from tachk.frontend.expressions import condition, expression, integral, type_reader
+from tachk.frontend.expressions import condition, expression, type_reader
 from tachk.frontend.scope import Scope, ValueSymbol
-from tachk.frontend.typing import describe, value_range
+from tachk.frontend.typing import describe, is_integral, value_range
 from tachk.model.expressions import BOOL, BinaryOperator, Block, Call, Constant, Expression, Function, Return
 from tachk.model.types import ClockType, IntType, bounds
 from tachk.syntax import ast
@@ -87,26 +87,36 @@ def _rate(
     node: ast.RateExpression, written: ast.Expression, scope: Scope, context: Context
 ) -> tuple[Expression, Expression] | None:
     clock = expression(node.clock, scope, context)
-    value = integral(written, scope, context)
+    value = expression(written, scope, context)
+    if clock is not None and not isinstance(clock.type, ClockType):
+        context.error("E0334", node.clock.span, f"only clocks have a rate, not {describe(clock.type)}")
+        return None
     if clock is None or value is None:
         return None
-    if not isinstance(clock.type, ClockType):
-        context.error("E0334", node.clock.span, f"only clocks have a rate, not {describe(clock.type)}")
+    if isinstance(value.type, ClockType):
+        _other_rate(written, context)
+        return None
+    if not is_integral(value.type):
+        context.error("E0301", written.span, f"expected an integer, found {describe(value.type)}")
         return None
     if not context.require_pure(value, "a rate") or not forbid(value, "a rate", context):
         return None
     low, high = value_range(value)
     if high < 0 or low > 1 or (isinstance(value, Constant) and value.value not in (0, 1)):
-        context.error(
-            "E0334",
-            written.span,
-            "a clock can only stand still (rate 0) or run (rate 1)",
-            "other rates belong to statistical checking",
-        )
+        _other_rate(written, context)
         return None
     if low < 0 or high > 1:
         value = _checked(value, context)
     return clock, value
+
+
+def _other_rate(written: ast.Expression, context: Context) -> None:
+    context.error(
+        "E0750",
+        written.span,
+        "a clock rate other than 0 and 1 is not supported",
+        "let the clock stand still (rate 0) or run (rate 1); other rates belong to statistical checking",
+    )
 
 
 def _checked(value: Expression, context: Context) -> Expression:

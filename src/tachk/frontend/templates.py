@@ -114,14 +114,20 @@ class Body:
         outgoing: dict[str, list[tuple[ast.EdgeDeclaration, int]]],
     ) -> None:
         edge = branch.edge
-        for label, what in ((edge.guard, "guard"), (edge.synchronisation, "synchronisation")):
-            if label is not None:
-                self.context.error(
-                    "E0404",
-                    label.span,
-                    f"an edge that leaves a branchpoint cannot have a {what}",
-                    "put it on the edges that lead to the branchpoint",
-                )
+        if edge.guard is not None:
+            self.context.error(
+                "E0404",
+                edge.guard.span,
+                "an edge that leaves a branchpoint cannot have a guard",
+                "put it on the edges that lead to the branchpoint",
+            )
+        if edge.synchronisation is not None:
+            self.context.error(
+                "E0750",
+                edge.synchronisation.span,
+                "a synchronisation on an edge that leaves a branchpoint is not supported",
+                "put it on the edges that lead to the branchpoint",
+            )
         if edge.target.name in points:
             self.context.error(
                 "E0404", edge.target.span, "an edge cannot lead from a branchpoint to a branchpoint", "join the two"
@@ -202,10 +208,10 @@ class Body:
         channel = self._channel(node.channel, scope)
         if not node.direction:
             self.context.error(
-                "E0401",
+                "E0750",
                 node.span,
-                "a synchronisation needs a direction",
-                "write `!` to send or `?` to receive; CSP style synchronisation is not supported",
+                "a synchronisation without a direction (CSP style) is not supported",
+                "write `!` to send or `?` to receive",
             )
             return None, None
         if channel is None:
@@ -302,6 +308,14 @@ def _initial(template: ast.Template, context: Context) -> int:
     initial = [i for i, location in enumerate(template.locations) if location.initial]
     if len(initial) == 1:
         return initial[0]
+    if not template.locations:
+        context.error(
+            "E0750",
+            template.name.span,
+            f"template `{template.name.name}` has no locations: processes that do nothing are not supported",
+            "give it one: `init location Idle;`",
+        )
+        return 0
     if not initial:
         context.error(
             "E0403",

@@ -129,6 +129,7 @@ def value_range(expression: Expression) -> tuple[int, int]:
 
 
 CHANNEL_HELP = "a channel has no value; it can only stand in a synchronisation, as in `sync go!`"
+CLOCK_VALUE_HELP = "clocks can only be compared, as in `x <= 5` or `x - y < n`"
 
 
 def element_type(type_: Type) -> Type:

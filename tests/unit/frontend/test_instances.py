@@ -155,6 +155,22 @@ def test_findings(find: Any, system: str, expected: list[tuple[str, str]]) -> No
     assert find(f"{templates}\n{system}") == expected
 
 
-def test_assigning_to_a_value_parameter_is_refused(find: Any) -> None:
-    text = "process T(int[0,3] i) { state s; init s; trans s -> s { assign i = 0; }; }\nsystem T;"
+@pytest.mark.parametrize("system", ["system T;", "A = T(1); B = T(2);\nsystem A, B;"])
+def test_a_value_parameter_that_is_assigned_is_a_variable_of_the_process(load: Any, system: str) -> None:
+    text = "process T(int[1,2] i) { state s; init s; trans s -> s { assign i = 1; }; }\n" + system
+    network = load(text).network
+    assert [[(v.name.rpartition(".")[2], v.initial) for v in p.variables] for p in network.processes] == [
+        [("i", (1,))],
+        [("i", (2,))],
+    ]
+    assert len({process.edges[0].updates for process in network.processes}) == 2
+
+
+def test_assigning_to_a_constant_parameter_is_refused(find: Any) -> None:
+    text = "process T(const int[0,3] i) { state s; init s; trans s -> s { assign i = 0; }; }\nsystem T;"
     assert find(text) == [("E0303", "i")]
+
+
+def test_a_name_of_a_function_is_not_the_parameter(load: Any) -> None:
+    text = "process T(int[1,2] i) { int a[i]; void f(int i) { i = 0; } state s; init s; }\nsystem T;"
+    assert [v.name.rpartition(".")[2] for v in load(text).network.processes[1].variables] == ["a"]

@@ -131,3 +131,35 @@ def test_a_dynamic_template_is_kept(tmp_path: Path) -> None:
     loaded = load_model(Source("m.ta", text))
     assert {refusal.code for refusal in loaded.refusals} == {"E0750"}
     assert "dynamic Q" in export_model(loaded, ExportFormat.XTA).text
+
+
+def labels(text: str) -> str:
+    return f"process P() {{ init location s {{ to s {{ {text} }} }} }}\nsystem P;\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("clock x;\nprocess P() { init location s { invariant x' == 2; } }\nsystem P;", "2"),
+        ("clock x, y;\nprocess P() { init location s { invariant x' == y; } }\nsystem P;", "y"),
+        ("clock x, y;\n" + labels("assign x = y;"), "x = y"),
+        ("clock x, y;\n" + labels("assign x = 2 * y;"), "2 * y"),
+        ("chan c;\n" + labels("sync c;"), "c"),
+        ("process P() { }\nsystem P;", "P"),
+        (
+            "chan c;\nprocess P() { init location s { to b; } branchpoint b { to s { sync c!; } } } system P;",
+            "c!",
+        ),
+    ],
+)
+def test_what_has_no_symbolic_meaning_is_refused(text: str, named: str) -> None:
+    loaded = load_model(Source("m.ta", text))
+    assert [refusal.span.text.removeprefix("sync ") for refusal in loaded.refusals] == [named]
+
+
+def test_a_template_that_is_not_used_keeps_nothing_from_being_checked() -> None:
+    text = "process Q() { double d; init location s; }\nprocess P() { init location s; }\nsystem P;\n"
+    loaded = load_model(Source("m.ta", text))
+    assert loaded.refusals == ()
+    assert [(warning.code, warning.span.text) for warning in loaded.warnings] == [("W0405", "double")]
+    assert [process.name for process in loaded.network.processes] == ["P"]

@@ -159,7 +159,7 @@ def test_a_receiver_may_ignore_the_value(load: Any) -> None:
         ("process P() { state s; }", [("E0403", "P")]),
         ("process P() { init location a { to b; } init location b; }", [("E0403", "b")]),
         ("process P() { state idle; init idle; trans idel -> idle { }; }", [("E0209", "idel")]),
-        ("chan c; process P() { state s; init s; trans s -> s { sync c; }; }", [("E0401", "c")]),
+        ("chan c; process P() { state s; init s; trans s -> s { sync c; }; }", [("E0750", "c")]),
         ("chan c[2]; process P() { state s; init s; trans s -> s { sync c!; }; }", [("E0401", "c")]),
         (
             "broadcast chan c[2]; int n; process P() { state s; init s; trans s -> s { sync c[n++]!; }; }",
