@@ -8,7 +8,6 @@ from enum import StrEnum
 
 from tachk.diagnostics.span import Span
 
-
 UNSUPPORTED = frozenset({"E0750"})
 """The codes of what is refused although it is no mistake."""
 
