@@ -133,8 +133,8 @@ SYSTEM_CODES: dict[str, Explanation] = {
         "simulation and statistical checking, IO declarations to refinement checking; synchronisations without a "
         "direction or behind a branchpoint and templates without locations have no meaning here. A model with such "
         "a construct can be converted, formatted and drawn, but none of its queries is checked: the exit status is 3.",
-        "double level;",
-        "int level;",
+        "const int level = 1.5;",
+        "const int tenths = 15;",
     ),
     "W0401": Explanation(
         "nothing sends",
@@ -167,7 +167,15 @@ SYSTEM_CODES: dict[str, Explanation] = {
         "not supported and not used",
         "A template that no process is an instance of uses a construct that tachk does not check. It is kept in the "
         "text and has no influence on any answer.",
-        _P + "process Q() { double d; state s; init s; }\nsystem P;",
-        _P + "process Q() { int d; state s; init s; }\nsystem P;",
+        _P + "process Q() { const int n = 1.5; state s; init s; }\nsystem P;",
+        _P + "process Q() { const int n = 1; state s; init s; }\nsystem P;",
+    ),
+    "W0406": Explanation(
+        "variable that is not checked",
+        "Floating point variables and hybrid clocks belong to statistical checking. As long as only assignments to "
+        "such variables, and rates of such clocks, use them, they are left out of what is checked, and all answers are "
+        "right without them. Whatever else uses one is refused (E0750).",
+        "double level;",
+        "int level;",
     ),
 }

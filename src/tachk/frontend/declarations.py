@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from tachk.frontend.context import Context
+from tachk.frontend.dropped import declare_dropped, dropped_kind
 from tachk.frontend.expressions import expression, type_reader
 from tachk.frontend.functions import declare_function, declare_types
 from tachk.frontend.initialisers import initialiser
@@ -82,6 +83,10 @@ def declare(
 
 
 def _declare_variables(node: ast.VariableDeclaration, scope: Scope, declared: Declared, context: Context) -> None:
+    left_out = None if node.type is None else dropped_kind(node.type)
+    if left_out is not None:
+        declare_dropped(node, left_out, scope, context)
+        return
     reader = type_reader(scope, context)
     constant = node.type is None or "const" in node.type.prefixes
     base: Type | None = IntType() if node.type is None else reader.type(node.type)

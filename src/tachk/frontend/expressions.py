@@ -18,6 +18,7 @@ from tachk.frontend.builtin_names import (
     FLOATING_FUNCTIONS,
 )
 from tachk.frontend.context import Context
+from tachk.frontend.dropped import refuse_use
 from tachk.frontend.findings import count
 from tachk.frontend.names import misuse_help, named
 from tachk.frontend.operators import choose, combine
@@ -25,6 +26,7 @@ from tachk.frontend.places import assignable, converted, element, field, is_plac
 from tachk.frontend.processes import mentions_family, select_member, select_process
 from tachk.frontend.scope import (
     BrokenSymbol,
+    DroppedSymbol,
     FunctionSymbol,
     LocationSymbol,
     ProcessSymbol,
@@ -281,6 +283,8 @@ def _member(node: ast.MemberExpression, scope: Scope, context: Context) -> Expre
                 return member.use(node.span)
             case FunctionSymbol():
                 context.error("E0203", node.span, f"`{node.name.name}` is a function", "write parentheses to call it")
+            case DroppedSymbol():
+                refuse_use(node, member, context)
             case _:
                 pass
         return None

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from tachk.frontend.builtin_names import BUILTIN_CONSTANTS
 from tachk.frontend.context import Context
+from tachk.frontend.dropped import refuse_use
 from tachk.frontend.scope import (
     BrokenSymbol,
+    DroppedSymbol,
     FamilySymbol,
     FunctionSymbol,
     LocationSymbol,
@@ -26,6 +28,9 @@ def named(node: ast.NameExpression, scope: Scope, context: Context) -> Expressio
         case ValueSymbol():
             return symbol.use(node.span)
         case BrokenSymbol():
+            return None
+        case DroppedSymbol():
+            refuse_use(node, symbol, context)
             return None
         case None:
             if node.name in BUILTIN_CONSTANTS:

@@ -7,6 +7,7 @@ from dataclasses import fields
 from tachk.frontend import fold
 from tachk.frontend.clock_constraints import convex, forbid
 from tachk.frontend.context import Context
+from tachk.frontend.dropped import is_dropped, is_harmless
 from tachk.frontend.expressions import condition, expression, type_reader
 from tachk.frontend.scope import Scope, ValueSymbol
 from tachk.frontend.typing import describe, is_integral, value_range
@@ -26,6 +27,8 @@ def invariant_parts(node: ast.Expression | None, scope: Scope, context: Context)
     for part, inner in _conjuncts(node, scope, context):
         rate = _rate_sides(part)
         if rate is not None:
+            if is_dropped(rate[0].clock, inner) and is_harmless(rate[1], inner):
+                continue
             pair = _rate(*rate, inner, context)
             if pair is not None and not (isinstance(pair[1], Constant) and pair[1].value == 1):
                 rates.append(pair)

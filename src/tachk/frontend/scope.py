@@ -98,6 +98,14 @@ class BrokenSymbol:
     description: str = "broken declaration"
 
 
+@dataclass(frozen=True, slots=True)
+class DroppedSymbol:
+    """A variable that is left out of the network; see `tachk.frontend.dropped`."""
+
+    span: Span
+    description: str
+
+
 Symbol = (
     ValueSymbol
     | TypeSymbol
@@ -107,6 +115,7 @@ Symbol = (
     | ProcessSymbol
     | FamilySymbol
     | BrokenSymbol
+    | DroppedSymbol
 )
 
 

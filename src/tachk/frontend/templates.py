@@ -9,6 +9,7 @@ from tachk.frontend.channels import ChannelTable
 from tachk.frontend.clock_constraints import convex, forbid, mentions_comparison
 from tachk.frontend.context import Context
 from tachk.frontend.declarations import Declared, declare
+from tachk.frontend.dropped import without_effect
 from tachk.frontend.expressions import condition, expression, type_reader
 from tachk.frontend.findings import did_you_mean
 from tachk.frontend.places import assignable, converted
@@ -197,6 +198,8 @@ class Body:
     def _updates(self, node: ast.EdgeDeclaration, scope: Scope) -> tuple[Expression, ...]:
         values = []
         for update in node.updates:
+            if without_effect(update, scope):
+                continue
             value = expression(update, scope, self.context)
             if value is not None and forbid(value, "an update", self.context):
                 values.append(value)

@@ -52,4 +52,5 @@ class RunRecord:
         met = [verdict.met for verdict in self.verdicts]
         if False in met:
             return False
-        return None if self.refusals or any(v.answer is Answer.UNKNOWN for v in self.verdicts) else True
+        refused = any(found.is_unsupported for query in self.not_checked for found in query.diagnostics)
+        return None if self.refusals or refused or any(v.answer is Answer.UNKNOWN for v in self.verdicts) else True

@@ -20,8 +20,8 @@ def labels(text: str) -> str:
 @pytest.mark.parametrize(
     ("text", "named"),
     [
-        ("double d;\n" + PROCESS, "double"),
-        ("hybrid clock h;\n" + PROCESS, "hybrid clock"),
+        ("double f() { return 1.0; }\n" + PROCESS, "double"),
+        ("typedef struct { hybrid clock h; } box;\n" + PROCESS, "hybrid clock"),
         ("before_update { 1 }\n" + PROCESS, "before_update { 1 }"),
         ("dynamic Q(int a);\nprocess Q(int a) { init location s; }\n" + PROCESS, "dynamic Q(int a);"),
         (labels("assign spawn Q(1, 2);"), "spawn Q(1, 2)"),
