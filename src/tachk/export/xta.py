@@ -55,7 +55,8 @@ def _write_template(writer: Writer, template: ast.Template) -> None:
         previous = declaration
     if template.declarations:
         writer.raw("")
-    writer.raw("state")
+    if template.locations:
+        writer.raw("state")
     writer.deeper(1)
     for place, location in enumerate(template.locations, 1):
         writer.begin(location)

@@ -7,9 +7,10 @@ from typing import assert_never
 
 from tachk.frontend.context import Context
 from tachk.frontend.expressions import comma, condition, expression, type_reader
+from tachk.frontend.findings import Findings
 from tachk.frontend.initialisers import initialiser
 from tachk.frontend.places import converted
-from tachk.frontend.scope import BrokenSymbol, FunctionSymbol, Scope, Symbol, TypeSymbol, ValueSymbol
+from tachk.frontend.scope import BrokenSymbol, EmptyTypeSymbol, FunctionSymbol, Scope, Symbol, TypeSymbol, ValueSymbol
 from tachk.frontend.typing import can_assign, describe, is_data, is_integral
 from tachk.model.expressions import (
     BOOL,
@@ -281,11 +282,18 @@ class _Body:
 
 def declare_types(node: ast.TypedefDeclaration, scope: Scope, context: Context) -> None:
     """Declares the names of a typedef."""
-    reader = type_reader(scope, context)
     for declarator in node.declarators:
+        own = Findings()
+        inner = replace(context, findings=own)
+        reader = type_reader(scope, inner)
         base = reader.type(node.type, declarator.name.name)
         type_ = None if base is None else reader.dimensions(base, declarator.dimensions)
+        context.scalar_sets = inner.scalar_sets
+        found = own.sorted()
         symbol: Symbol = BrokenSymbol(declarator.name.span)
         if type_ is not None:
             symbol = TypeSymbol(type_, declarator.name.span)
+        elif isinstance(node.type.base, ast.RangeType) and {diagnostic.code for diagnostic in found} == {"E0604"}:
+            symbol, found = EmptyTypeSymbol(found, declarator.name.span), ()
+        context.findings.extend(found)
         scope.declare(declarator.name, symbol, context.findings)

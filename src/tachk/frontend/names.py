@@ -8,6 +8,7 @@ from tachk.frontend.dropped import refuse_use
 from tachk.frontend.scope import (
     BrokenSymbol,
     DroppedSymbol,
+    EmptyTypeSymbol,
     FamilySymbol,
     FunctionSymbol,
     LocationSymbol,
@@ -29,6 +30,8 @@ def named(node: ast.NameExpression, scope: Scope, context: Context) -> Expressio
             return symbol.use(node.span)
         case BrokenSymbol():
             return None
+        case EmptyTypeSymbol(diagnostics):
+            context.findings.extend(diagnostics)
         case DroppedSymbol():
             refuse_use(node, symbol, context)
             return None

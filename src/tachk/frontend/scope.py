@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from tachk.diagnostics.diagnostic import Label
+from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.frontend.findings import Findings, did_you_mean
 from tachk.model.expressions import Constant, Expression, Function, Reference
@@ -106,6 +106,15 @@ class DroppedSymbol:
     description: str
 
 
+@dataclass(frozen=True, slots=True)
+class EmptyTypeSymbol:
+    """A type without values, which is an error only where it is used: ``diagnostics`` say what is wrong with it."""
+
+    diagnostics: tuple[Diagnostic, ...]
+    span: Span = NOWHERE
+    description: str = "type without values"
+
+
 Symbol = (
     ValueSymbol
     | TypeSymbol
@@ -116,6 +125,7 @@ Symbol = (
     | FamilySymbol
     | BrokenSymbol
     | DroppedSymbol
+    | EmptyTypeSymbol
 )
 
 

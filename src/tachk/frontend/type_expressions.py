@@ -9,7 +9,7 @@ from tachk.diagnostics.span import Span
 from tachk.frontend.builtin_names import BUILTIN_TYPES
 from tachk.frontend.context import Context
 from tachk.frontend.findings import did_you_mean
-from tachk.frontend.scope import BrokenSymbol, Scope, TypeSymbol
+from tachk.frontend.scope import BrokenSymbol, EmptyTypeSymbol, Scope, TypeSymbol
 from tachk.frontend.typing import describe, is_bounded
 from tachk.model.types import (
     ArrayType,
@@ -122,6 +122,8 @@ class TypeReader:
                 return type_
             case BrokenSymbol():
                 return None
+            case EmptyTypeSymbol(diagnostics):
+                self.context.findings.extend(diagnostics)
             case None:
                 if node.name in BUILTIN_TYPES:
                     return BUILTIN_TYPES[node.name]

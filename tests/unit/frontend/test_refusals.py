@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -225,3 +226,25 @@ def test_whatever_else_uses_it_is_refused(before: str, after: str) -> None:
     assert "E0750" in {refusal.code for refusal in loaded.refusals}
     with pytest.raises(UnsupportedError):
         _ = loaded.network
+
+
+def test_an_empty_type_is_an_error_only_where_it_is_used(find: Any) -> None:
+    declaration = "typedef int[5,4] none;"
+    assert find(declaration) == []
+    assert find(declaration + " none v;") == [("E0604", "int[5,4]")]
+    assert find(declaration + " int a[none];") == [("E0604", "int[5,4]")]
+    assert find(declaration + " typedef none other; other v;") == [("E0604", "int[5,4]")]
+
+
+def test_scalar_sets_inside_types_stay_different(find: Any) -> None:
+    text = (
+        "typedef struct { scalar[3] m; } one; typedef struct { scalar[3] m; } two;\n"
+        "one a; two b; void f() { a.m = b.m; }"
+    )
+    assert find(text) == [("E0302", "a.m = b.m")]
+
+
+def test_a_template_without_locations_is_written_and_read(tmp_path: Path) -> None:
+    loaded = load_model(Source("m.ta", "process P() { int n; }\nsystem P;\n"))
+    again = load_model(Source("again.xta", export_model(loaded, ExportFormat.XTA).text))
+    assert [refusal.message for refusal in again.refusals] == [refusal.message for refusal in loaded.refusals]
