@@ -9,10 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tachk.diagnostics.span import Source
+from tachk.engines.protocol import Limits
 from tachk.export.expansion import expand
 from tachk.export.network_json import same_network
 from tachk.export.uppaal import print_uppaal
 from tachk.frontend.load import LoadedModel, load_model
+from tachk.properties.verify import verify
 from tachk.syntax import ast
 from tachk.syntax.canonical import canonical
 from tachk.syntax.layout import EdgeKey, Layout, Point, TemplateLayout
@@ -298,6 +300,19 @@ def test_random_models_come_back_equal(random: Random) -> None:
     for name, picture in back.layout.templates.items():
         assert over.layout.templates[name].nodes == picture.nodes
         assert over.layout.templates[name].edges == picture.edges
+
+
+@settings(max_examples=25)
+@given(st.randoms(use_true_random=False))
+def test_random_models_have_the_same_verdicts_after_the_trip(random: Random) -> None:
+    model = load(random_model(random))
+    back = load(written(model))
+    text = load(print_document(back.document))
+    answers = [
+        [verdict.answer for verdict in verify(m.network, m.queries, limits=Limits(states=2000), trace=False)]
+        for m in (model, back, text)
+    ]
+    assert answers[0] == answers[1] == answers[2]
 
 
 def test_characters_that_xml_cannot_hold_become_blanks() -> None:
