@@ -162,11 +162,8 @@ bool Semantics::time_passes(std::int32_t* slots) {
       if (kind.broadcast) return false;
       for (std::size_t q = 0; q < processes; ++q) {
         if (q == p) continue;
-        for (const std::uint32_t other : outgoing(q, slots).receives) {
-          const Edge& receiver = program_.edges[other];
-          if (receiver.channel_code == no_code && receiver.channel != channel) continue;
-          if (holds(receiver.guard, slots) && channel_of(receiver, slots) == channel) return false;
-        }
+        for (const std::uint32_t other : outgoing(q, slots).receives)
+          if (hears(program_.edges[other], channel, slots)) return false;
       }
     }
   }

@@ -17,6 +17,7 @@ from tachk.frontend.fold import substitute
 from tachk.model.expressions import (
     BOOL,
     INT,
+    MIRRORED_COMPARISON,
     Binary,
     BinaryOperator,
     Conditional,
@@ -37,14 +38,6 @@ COMPARISONS = {
     BinaryOperator.LESS_EQUAL,
     BinaryOperator.GREATER,
     BinaryOperator.GREATER_EQUAL,
-}
-_MIRRORED = {
-    BinaryOperator.EQUAL: BinaryOperator.EQUAL,
-    BinaryOperator.NOT_EQUAL: BinaryOperator.NOT_EQUAL,
-    BinaryOperator.LESS: BinaryOperator.GREATER,
-    BinaryOperator.LESS_EQUAL: BinaryOperator.GREATER_EQUAL,
-    BinaryOperator.GREATER: BinaryOperator.LESS,
-    BinaryOperator.GREATER_EQUAL: BinaryOperator.LESS_EQUAL,
 }
 _NEGATED = {
     BinaryOperator.LESS: BinaryOperator.GREATER_EQUAL,
@@ -97,7 +90,7 @@ def compare(
     """The comparison of two terms, of which at least one contains a clock."""
     first, second = _sum(left), _sum(right)
     if not (first.plus or first.minus):
-        first, second, operator = second, first, _MIRRORED[operator]
+        first, second, operator = second, first, MIRRORED_COMPARISON[operator]
     plus, minus = [*first.plus, *second.minus], [*first.minus, *second.plus]
     for clock in tuple(plus):
         if clock in minus:
@@ -112,7 +105,7 @@ def compare(
         )
         return None
     if not plus:
-        first, second, operator = second, first, _MIRRORED[operator]
+        first, second, operator = second, first, MIRRORED_COMPARISON[operator]
         plus, minus = minus, plus
     constant = _add(second.rest, first.rest, BinaryOperator.SUBTRACT, span) or Constant(0, span=span)
     if not plus:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from tachk.diagnostics.span import NOWHERE, Span
-from tachk.model.types import BoolType, IntType, ScalarType, Type
+from tachk.model.types import BoolType, IntType, Type
 
 
 class VariableKind(StrEnum):
@@ -78,6 +78,27 @@ class BinaryOperator(StrEnum):
     GREATER_EQUAL = ">="
     MINIMUM = "<?"
     MAXIMUM = ">?"
+
+
+MIRRORED_COMPARISON = {
+    BinaryOperator.EQUAL: BinaryOperator.EQUAL,
+    BinaryOperator.NOT_EQUAL: BinaryOperator.NOT_EQUAL,
+    BinaryOperator.LESS: BinaryOperator.GREATER,
+    BinaryOperator.LESS_EQUAL: BinaryOperator.GREATER_EQUAL,
+    BinaryOperator.GREATER: BinaryOperator.LESS,
+    BinaryOperator.GREATER_EQUAL: BinaryOperator.LESS_EQUAL,
+}
+"""The comparison with its sides exchanged."""
+
+NEGATED_COMPARISON = {
+    BinaryOperator.EQUAL: BinaryOperator.NOT_EQUAL,
+    BinaryOperator.NOT_EQUAL: BinaryOperator.EQUAL,
+    BinaryOperator.LESS: BinaryOperator.GREATER_EQUAL,
+    BinaryOperator.LESS_EQUAL: BinaryOperator.GREATER,
+    BinaryOperator.GREATER: BinaryOperator.LESS_EQUAL,
+    BinaryOperator.GREATER_EQUAL: BinaryOperator.LESS,
+}
+"""The comparison that is true where the other is false."""
 
 
 class QuantifierKind(StrEnum):
@@ -332,8 +353,3 @@ class Function:
     result: Type
     body: Block
     span: Span = NOWHERE
-
-
-def is_boolean(type_: Type) -> bool:
-    """Whether a value of the type can stand as a condition."""
-    return isinstance(type_, IntType | BoolType | ScalarType)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import (
+    MIRRORED_COMPARISON,
     Binary,
     BinaryOperator,
     Constant,
@@ -36,14 +37,6 @@ _COMPARISON = {
     BinaryOperator.LESS_EQUAL: Comparison.LESS_EQUAL,
     BinaryOperator.GREATER: Comparison.GREATER,
     BinaryOperator.GREATER_EQUAL: Comparison.GREATER_EQUAL,
-}
-_MIRRORED = {
-    BinaryOperator.EQUAL: BinaryOperator.EQUAL,
-    BinaryOperator.NOT_EQUAL: BinaryOperator.NOT_EQUAL,
-    BinaryOperator.LESS: BinaryOperator.GREATER,
-    BinaryOperator.LESS_EQUAL: BinaryOperator.GREATER_EQUAL,
-    BinaryOperator.GREATER: BinaryOperator.LESS,
-    BinaryOperator.GREATER_EQUAL: BinaryOperator.LESS_EQUAL,
 }
 _UNROLLED_VALUES = 64
 
@@ -136,7 +129,7 @@ class ConditionCompiler:
             case Binary(operator, left, Constant(value)) if operator in COMPARISONS:
                 return self._slot_test(left, _COMPARISON[operator], value)
             case Binary(operator, Constant(value), right) if operator in COMPARISONS:
-                return self._slot_test(right, _COMPARISON[_MIRRORED[operator]], value)
+                return self._slot_test(right, _COMPARISON[MIRRORED_COMPARISON[operator]], value)
             case Reference() | Index() | Field():
                 return self._slot_test(part, Comparison.NOT_EQUAL, 0)
         return None

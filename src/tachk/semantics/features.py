@@ -9,6 +9,7 @@ from enum import StrEnum
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import (
+    NEGATED_COMPARISON,
     Binary,
     BinaryOperator,
     Constant,
@@ -210,21 +211,11 @@ def _clock_comparisons(condition: Expression, positive: bool) -> Iterator[tuple[
         case Quantifier(_, _, body):
             yield from _clock_comparisons(body, positive)
         case Binary(operator) if operator in COMPARISONS and any(_is_clock(node) for node in walk(condition)):
-            yield (operator if positive else _NEGATED[operator]), condition
+            yield (operator if positive else NEGATED_COMPARISON[operator]), condition
         case _:
             for child in children(condition):
                 yield from _clock_comparisons(child, True)
                 yield from _clock_comparisons(child, False)
-
-
-_NEGATED = {
-    BinaryOperator.EQUAL: BinaryOperator.NOT_EQUAL,
-    BinaryOperator.NOT_EQUAL: BinaryOperator.EQUAL,
-    BinaryOperator.LESS: BinaryOperator.GREATER_EQUAL,
-    BinaryOperator.LESS_EQUAL: BinaryOperator.GREATER,
-    BinaryOperator.GREATER: BinaryOperator.LESS_EQUAL,
-    BinaryOperator.GREATER_EQUAL: BinaryOperator.LESS,
-}
 
 
 def rate_of(rate: Expression, known: Known) -> Expression:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 
 from tachk.model.expressions import (
     BOOL,
+    NEGATED_COMPARISON,
     Aggregate,
     Assign,
     Binary,
@@ -164,19 +165,9 @@ def negate(expression: Expression) -> Expression:
             return Constant(int(value == 0), BOOL, expression.span)
         case Unary(UnaryOperator.NOT, operand):
             return operand
-        case Binary(operator, left, right) if operator in _OPPOSITE:
-            return Binary(_OPPOSITE[operator], left, right, BOOL, expression.span)
+        case Binary(operator, left, right) if operator in NEGATED_COMPARISON:
+            return Binary(NEGATED_COMPARISON[operator], left, right, BOOL, expression.span)
     return Unary(UnaryOperator.NOT, expression, BOOL, expression.span)
-
-
-_OPPOSITE = {
-    BinaryOperator.EQUAL: BinaryOperator.NOT_EQUAL,
-    BinaryOperator.NOT_EQUAL: BinaryOperator.EQUAL,
-    BinaryOperator.LESS: BinaryOperator.GREATER_EQUAL,
-    BinaryOperator.LESS_EQUAL: BinaryOperator.GREATER,
-    BinaryOperator.GREATER: BinaryOperator.LESS_EQUAL,
-    BinaryOperator.GREATER_EQUAL: BinaryOperator.LESS,
-}
 
 
 def truth(expression: Expression) -> Expression:

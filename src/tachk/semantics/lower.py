@@ -238,7 +238,6 @@ class _Lowering:
             for process, found in zip(self.locations, bounds, strict=True)
         )
         return Program(
-            process_names=tuple(p.name for p in network.processes),
             process_priorities=tuple(p.priority for p in network.processes),
             locations=locations,
             edges=tuple(self.edges),

@@ -155,7 +155,6 @@ class Program:
     has_stopwatches: some location stops a clock.
     """
 
-    process_names: tuple[str, ...]
     process_priorities: tuple[int, ...]
     locations: tuple[tuple[ProgramLocation, ...], ...]
     edges: tuple[ProgramEdge, ...]

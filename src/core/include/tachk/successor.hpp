@@ -115,6 +115,11 @@ class Semantics {
     return outgoing_[location_number(process, slots[process])];
   }
   std::int32_t channel_of(const Edge& edge, std::int32_t* slots);
+  // Whether a receiving edge listens to the channel now, its clock guard unseen.
+  bool hears(const Edge& receiver, std::int32_t channel, std::int32_t* slots) {
+    if (receiver.channel_code == no_code && receiver.channel != channel) return false;
+    return holds(receiver.guard, slots) && channel_of(receiver, slots) == channel;
+  }
   template <class Visit>
   void broadcast(std::size_t receiver, std::int32_t channel, bool committed, bool participates, std::int32_t* slots,
                  const void* zone, std::size_t level, Visit&& visit);
@@ -178,8 +183,7 @@ void Semantics::for_each_action(std::int32_t* slots, const void* zone, Visit&& v
         if (q == p || (committed && !from_committed && !location(q, slots).committed)) continue;
         for (const std::uint32_t other : outgoing(q, slots).receives) {
           const Edge& receiver = program_.edges[other];
-          if (receiver.channel_code == no_code && receiver.channel != channel) continue;
-          if (!holds(receiver.guard, slots) || channel_of(receiver, slots) != channel) continue;
+          if (!hears(receiver, channel, slots)) continue;
           action_.edges.resize(1);
           action_.edges.push_back(other);
           action_.guard.resize(sender_atoms);
@@ -201,11 +205,8 @@ void Semantics::broadcast(std::size_t receiver, std::int32_t channel, bool commi
   std::vector<std::uint32_t> candidates;
   for (; receiver < program_.processes.size(); ++receiver) {
     if (receiver == sender) continue;
-    for (const std::uint32_t number : outgoing(receiver, slots).receives) {
-      const Edge& edge = program_.edges[number];
-      if (edge.channel_code == no_code && edge.channel != channel) continue;
-      if (holds(edge.guard, slots) && channel_of(edge, slots) == channel) candidates.push_back(number);
-    }
+    for (const std::uint32_t number : outgoing(receiver, slots).receives)
+      if (hears(program_.edges[number], channel, slots)) candidates.push_back(number);
     if (!candidates.empty()) break;
   }
   if (candidates.empty()) {
