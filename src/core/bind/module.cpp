@@ -11,6 +11,7 @@
 #include <string>
 #include <tuple>
 
+#include "csv.hpp"
 #include "tachk/explorer.hpp"
 
 namespace nb = nanobind;
@@ -70,4 +71,6 @@ NB_MODULE(_core, m) {
       .def(
           "kernel", [](const tachk::Explorer& self) { return std::string(self.operations().name); },
           "Which implementation of the zone operations is in use.");
+
+  bind_csv(m);
 }

@@ -1,0 +1,83 @@
+// tachk._core.CsvReader: pieces of text in, arrays out without a copy.
+#include "csv.hpp"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "tachk/csv_reader.hpp"
+
+namespace nb = nanobind;
+
+namespace {
+
+// Kind, line, offset and length in bytes, number of the cell, the line itself (which need not be UTF-8).
+using FaultTuple = std::tuple<int, std::uint64_t, std::uint64_t, std::uint64_t, int, nb::bytes>;
+
+template <class T>
+nb::object as_array(std::vector<T>&& values) {
+  auto held = std::make_unique<std::vector<T>>(std::move(values));
+  T* const data = held->data();
+  const std::size_t size = held->size();
+  nb::capsule owner(held.release(), [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  return nb::ndarray<nb::numpy, T, nb::ndim<1>>(data, {size}, owner).cast();
+}
+
+std::unique_ptr<tachk::CsvReader> make_reader(char separator, std::uint32_t cells, std::uint32_t time,
+                                              const std::vector<std::uint32_t>& columns, std::uint64_t first_line,
+                                              std::uint32_t decimals, std::uint32_t most_decimals) {
+  return std::make_unique<tachk::CsvReader>(
+      tachk::CsvOptions{separator, cells, time, columns, first_line, decimals, most_decimals});
+}
+
+}  // namespace
+
+void bind_csv(nb::module_& m) {
+  nb::class_<tachk::CsvReader>(m, "CsvReader")
+      .def(nb::new_(&make_reader), nb::kw_only(), nb::arg("separator"), nb::arg("cells"), nb::arg("time"),
+           nb::arg("columns"), nb::arg("first_line"), nb::arg("decimals"), nb::arg("most_decimals"))
+      .def(
+          "feed",
+          [](tachk::CsvReader& self, const nb::bytes& piece) {
+            const std::string_view text(piece.c_str(), piece.size());
+            nb::gil_scoped_release released;
+            return self.feed(text);
+          },
+          nb::arg("piece"), "Reads the lines that are complete with this piece; False after a fault.")
+      .def("finish", &tachk::CsvReader::finish, "Reads the last line; False after a fault.")
+      .def("reserve", &tachk::CsvReader::reserve, nb::arg("rows"), "Makes room for this many rows.")
+      .def("rows", &tachk::CsvReader::rows, "How many rows wait to be taken.")
+      .def("decimals", &tachk::CsvReader::decimals, "Times are counted in units of 10 to the minus this.")
+      .def(
+          "take",
+          [](tachk::CsvReader& self) {
+            nb::list columns;
+            for (tachk::CsvColumn& column : self.take_columns())
+              columns.append(column.is_number ? as_array(std::move(column.numbers))
+                                              : as_array(std::move(column.truths)));
+            return nb::make_tuple(as_array(self.take_times()), columns);
+          },
+          "The rows read since the last time: (times, columns).")
+      .def(
+          "fault",
+          [](const tachk::CsvReader& self) -> std::optional<FaultTuple> {
+            const auto& fault = self.fault();
+            if (!fault) return std::nullopt;
+            return FaultTuple{static_cast<int>(fault->kind),
+                              fault->line,
+                              fault->offset,
+                              fault->length,
+                              fault->cell,
+                              nb::bytes(fault->text.data(), fault->text.size())};
+          },
+          "(kind, line, offset, length, cell, line text), or None.");
+}
