@@ -7,7 +7,7 @@ strategy, which can shrink what it finds.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from random import Random
 from typing import TYPE_CHECKING
 
@@ -48,6 +48,7 @@ class Shape:
         clocks_on_broadcast: clock guards on edges that receive a broadcast.
         lower_invariants: invariants with lower bounds.
         deadlocks: predicates that ask for deadlock.
+        spectators: the largest number of further processes that listen and, as a rule, change nothing of the others.
     """
 
     processes: int = 3
@@ -66,6 +67,7 @@ class Shape:
     clocks_on_broadcast: bool = True
     lower_invariants: bool = True
     deadlocks: bool = True
+    spectators: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +100,8 @@ def random_case(random: Random, shape: Shape = Shape()) -> Case:
         for source in handles[-1]:
             for _ in range(random.choice((1, 2, 2, 3, 3))):
                 _edge(random, shape, parts, process, source, random.choice(handles[-1]))
+    for number in range(random.randint(1, shape.spectators) if shape.spectators else 0):
+        _spectator(random, shape, parts, network.process(f"S{number}"))
     predicates = tuple(_predicate(random, shape, parts, handles).expression for _ in range(shape.predicates))
     return Case(network.build(), predicates)
 
@@ -123,6 +127,24 @@ def _declare(random: Random, shape: Shape, network: NetworkBuilder) -> _Parts:
             (network.channel(f"c{i}", broadcast, urgent, priority, size=2 if array else 0), array, broadcast, urgent)
         )
     return _Parts(clocks, integers, channels, scratch)
+
+
+def _spectator(random: Random, shape: Shape, parts: _Parts, process: ProcessBuilder) -> None:
+    clock, number = process.clock("age"), process.integer("seen", 0, INTEGER_TOP)
+    own = replace(parts, clocks=[*parts.clocks, clock], integers=[*parts.integers, number])
+    heard = [(channel, array) for channel, array, broadcast, _ in parts.channels if broadcast]
+    locations = [process.location(f"L{i}") for i in range(random.randint(2, 3))]
+    for source in locations:
+        for _ in range(random.randint(1, 2)):
+            receive = None
+            if heard and random.random() < 0.6:
+                channel, array = random.choice(heard)
+                receive = channel[random.randint(0, 1)] if array else channel
+            guard = _guard(random, shape, own, [], with_clocks=receive is None)
+            updates = [random.choice([clock.assign(0), number.assign((number + 1) % (INTEGER_TOP + 1))])]
+            if random.random() < 0.05:
+                updates.append(_update(random, shape, parts, []))
+            process.edge(source, random.choice(locations), guard=guard, receive=receive, updates=updates)
 
 
 def _locations(random: Random, shape: Shape, parts: _Parts, process: ProcessBuilder) -> list[LocationHandle]:
