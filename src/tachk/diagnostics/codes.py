@@ -2,7 +2,7 @@
 
 The numbers: E00xx files and characters, E01xx syntax, E02xx names, E03xx types, E04xx templates and systems, E05xx
 queries and properties, E06xx constants, E07xx unsupported features, E08xx the formats and versions of other tools,
-W0xxx warnings.
+E09xx formulas over traces, W0xxx warnings.
 """
 
 from __future__ import annotations
@@ -11,7 +11,9 @@ from tachk.diagnostics.explanation import Explanation
 from tachk.diagnostics.export_codes import EXPORT_CODES
 from tachk.diagnostics.lowering_codes import LOWERING_CODES
 from tachk.diagnostics.model_codes import MODEL_CODES
+from tachk.diagnostics.monitoring_codes import MONITORING_CODES
 from tachk.diagnostics.syntax_codes import SYNTAX_CODES
+from tachk.diagnostics.trace_codes import TRACE_CODES
 from tachk.diagnostics.verification_codes import VERIFICATION_CODES
 from tachk.diagnostics.xml_codes import XML_CODES
 
@@ -22,6 +24,8 @@ CODES: dict[str, Explanation] = {
     **LOWERING_CODES,
     **VERIFICATION_CODES,
     **EXPORT_CODES,
+    **MONITORING_CODES,
+    **TRACE_CODES,
 }
 
 
