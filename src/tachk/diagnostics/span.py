@@ -69,22 +69,25 @@ class Source:
         name: what messages print in front of the line number, usually a path as the user gave it.
         text: the whole text.
         origin: where the text comes from, if it is not the text of the file itself.
+        first_line: the number that the first line of the text has in the file, where only a part of it is held.
     """
 
     name: str
     text: str = field(repr=False)
     origin: Origin | None = field(default=None, repr=False, compare=False)
+    first_line: int = 1
     _line_starts: list[int] = field(init=False, repr=False, compare=False, default_factory=list)
 
     def line_column(self, offset: int) -> tuple[int, int]:
         """The one-based line and column of a character offset."""
         starts = self._starts()
         line = bisect_right(starts, offset) - 1
-        return line + 1, offset - starts[line] + 1
+        return line + self.first_line, offset - starts[line] + 1
 
     def line(self, number: int) -> str:
         """The text of a one-based line, without its line break."""
         starts = self._starts()
+        number -= self.first_line - 1
         end = starts[number] if number < len(starts) else len(self.text)
         return self.text[starts[number - 1] : end].rstrip("\r\n")
 

@@ -1,0 +1,196 @@
+"""Traces that are in memory already: data frames, dictionaries of arrays or lists."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.trace import LARGEST_TICK, Ticks, Trace, Values
+from tachk.runtime.trace_header import Header, known_unit, read_header
+
+FINEST_DECIMALS = 9
+"""Times in floating point that are no short decimal numbers are rounded to that many decimals."""
+
+_EXACT = 2.0**53
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TableRecording:
+    """Attributes:
+    cells: the columns in the order of the header.
+    """
+
+    name: str
+    header: Header
+    cells: Sequence[Any] = field(repr=False)
+
+    @property
+    def unit(self) -> str:
+        return self.header.unit or known_unit(_own_unit(np.asarray(self.cells[self.header.time])))
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        return self.header.columns
+
+    def read(self, columns: Collection[str] | None = None) -> Trace:
+        places = self.header.numbers(columns, self.name)
+        times, ticks_per_unit = exact_ticks(np.asarray(self.cells[self.header.time]), self.name)
+        held = {name: held_values(self.cells[place], name, self.name) for name, place in places.items()}
+        for name, values in held.items():
+            if len(values) != len(times):
+                raise UsageError(f"{self.name}: column {name!r} has {len(values)} values for {len(times)} times")
+        return trace_of(self.name, times, ticks_per_unit, self.unit, held)
+
+
+def open_table(data: Any, time: str | None = None, unit: str | None = None, name: str = "the trace") -> TableRecording:
+    """Opens a pandas data frame, or a mapping from names to arrays or lists.
+
+    A data frame without a time column is measured by its index. Raises UsageError.
+    """
+    if isinstance(data, Mapping):
+        names = [str(key) for key in data]
+        return TableRecording(name, read_header(names, time, unit, name), tuple(data.values()))
+    if not (hasattr(data, "columns") and hasattr(data, "index")):
+        raise UsageError(
+            f"a {type(data).__name__} is no trace",
+            "give the path of a file, a data frame, or a dictionary of arrays: {'time': [...], 'speed': [...]}",
+        )
+    names = [str(column) for column in data.columns]
+    cells = [data[column] for column in data.columns]
+    try:
+        header = read_header(names, time, unit, name)
+    except UsageError:
+        if time is not None and time != data.index.name:
+            raise
+        header = read_header([str(data.index.name or "index"), *names], str(data.index.name or "index"), unit, name)
+        cells.insert(0, data.index)
+    return TableRecording(name, header, cells)
+
+
+def trace_of(name: str, times: Ticks, ticks_per_unit: int, unit: str, columns: Mapping[str, Values]) -> Trace:
+    """The trace that begins with the first row. Raises UsageError for no rows and for times that go backwards."""
+    if len(times) == 0:
+        raise UsageError(f"{name} has no rows", "the verdict needs at least the state at the beginning")
+    backwards = np.flatnonzero(times[1:] < times[:-1])
+    if len(backwards):
+        row = int(backwards[0]) + 1
+        raise UsageError(
+            f"{name}: the time of row {row} lies before that of the row above (rows are counted from 0)",
+            "sort the rows by time; rows of the same time are fine, the last one counts",
+        )
+    first, last = int(times[0]), int(times[-1])
+    if last - first > LARGEST_TICK:
+        raise UsageError(f"{name} is too long to be counted in {ticks_per_unit} ticks per unit of time")
+    return Trace(name, times - first, columns, last - first, ticks_per_unit, unit, Fraction(first, ticks_per_unit))
+
+
+def exact_ticks(times: NDArray[Any], name: str) -> tuple[Ticks, int]:
+    """Times as ticks, and the ticks of a unit.
+
+    Floating-point times are taken for the decimal numbers that they print as; where that needs too many decimals, they
+    are rounded to `FINEST_DECIMALS`. Instants and durations of NumPy are counted in seconds. Raises UsageError.
+    """
+    if times.ndim != 1:
+        raise UsageError(f"{name}: the times are no one-dimensional array")
+    if times.dtype.kind in "mM":
+        if np.isnat(times).any():
+            raise UsageError(f"{name}: a time is missing")
+        step, count = np.datetime_data(times.dtype)
+        per_second = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}.get(step)
+        if per_second is None or count != 1:
+            return exact_ticks(times.astype(f"{times.dtype.kind}8[ns]"), name)
+        return times.astype(np.int64), per_second
+    if times.dtype.kind in "iu":
+        if len(times) and int(times.max()) > 2**62:
+            raise UsageError(f"{name}: the times are too large")
+        return times.astype(np.int64), 1
+    if times.dtype.kind == "O" and all(isinstance(time, (int, Fraction)) for time in times):
+        return _rational_ticks([Fraction(time) for time in times], name)
+    try:
+        numbers = times.astype(np.float64)
+    except (TypeError, ValueError):
+        raise UsageError(f"{name}: the times are no numbers") from None
+    if not np.isfinite(numbers).all():
+        raise UsageError(f"{name}: a time is missing or infinite")
+    largest = float(np.abs(numbers).max(initial=0.0))
+    for decimals in range(16):
+        scale = 10.0**decimals
+        if largest * scale >= _EXACT:
+            break
+        rounded = np.rint(numbers * scale)
+        if bool((rounded / scale == numbers).all()):
+            return rounded.astype(np.int64), 10**decimals
+    decimals = FINEST_DECIMALS
+    while decimals and largest * 10.0**decimals >= 2.0**62:
+        decimals -= 1
+    if largest >= 2.0**62:
+        raise UsageError(f"{name}: the times are too large")
+    return np.rint(numbers * 10.0**decimals).astype(np.int64), 10**decimals
+
+
+def _rational_ticks(times: Sequence[Fraction], name: str) -> tuple[Ticks, int]:
+    scale = math.lcm(*(time.denominator for time in times))
+    if any(abs(time * scale) > LARGEST_TICK for time in times):
+        raise UsageError(f"{name}: the times need more than 64 bits to be counted exactly")
+    return np.array([int(time * scale) for time in times], dtype=np.int64), scale
+
+
+def held_values(values: Any, column: str, name: str) -> Values:
+    """The values of a column; a missing one (None, NaN, NaT) means that the value before stays. Raises UsageError."""
+    array = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
+    if array.ndim != 1:
+        raise UsageError(f"{name}: column {column!r} is no one-dimensional array")
+    if array.dtype.kind == "b":
+        return array.astype(np.uint8)
+    known = np.ones(len(array), dtype=bool)
+    if array.dtype.kind == "O":
+        known = np.array([not _is_missing(value) for value in array], dtype=bool)
+        if len(array) and known.any() and all(isinstance(value, (bool, np.bool_)) for value in array[known]):
+            flags = np.zeros(len(array), dtype=np.uint8)
+            flags[known] = array[known].astype(np.uint8)
+            return _hold(flags, known, column, name)
+        array = np.where(known, array, 0)
+    if array.dtype.kind not in "iufO":
+        raise _no_numbers(column, name)
+    try:
+        numbers = array.astype(np.float64)
+    except (TypeError, ValueError):
+        raise _no_numbers(column, name) from None
+    known &= ~np.isnan(numbers)
+    if np.isinf(numbers).any():
+        raise UsageError(f"{name}: column {column!r} has an infinite value in row {int(np.isinf(numbers).argmax())}")
+    return _hold(numbers, known, column, name)
+
+
+def _hold(values: Values, known: NDArray[np.bool_], column: str, name: str) -> Values:
+    if known.all():
+        return values
+    if not known[0]:
+        raise UsageError(
+            f"{name}: column {column!r} has no value in the first row",
+            "a missing value means that the value stays, so the first row has to give one",
+        )
+    last: NDArray[np.int64] = np.maximum.accumulate(np.where(known, np.arange(len(values)), 0))
+    return values[last]
+
+
+def _is_missing(value: object) -> bool:
+    return value is None or (isinstance(value, float) and math.isnan(value)) or type(value).__name__ == "NAType"
+
+
+def _no_numbers(column: str, name: str) -> UsageError:
+    return UsageError(
+        f"{name}: column {column!r} holds neither numbers nor truth values",
+        "columns that no formula reads may hold anything",
+    )
+
+
+def _own_unit(times: NDArray[Any]) -> str:
+    return "s" if times.dtype.kind in "mM" else ""

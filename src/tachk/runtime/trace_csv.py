@@ -1,0 +1,271 @@
+"""Traces in files of comma-separated values; the rows are read by the core."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, field
+from enum import IntEnum
+from fractions import Fraction
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from tachk import _core
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
+from tachk.diagnostics.span import Source, Span
+from tachk.runtime.trace import LARGEST_TICK, Ticks, Trace, Values
+from tachk.runtime.trace_header import Header, read_header
+
+PIECE = 1 << 20
+"""Bytes that are read at a time."""
+
+_SEPARATORS = ",;\t"
+_LONGEST_HEADER = 1 << 24
+
+
+class FaultKind(IntEnum):
+    """What can be wrong with a row; the numbers are those of `CsvFaultKind` in csv_reader.hpp."""
+
+    NOT_A_NUMBER = 0
+    NOT_FINITE = 1
+    MISSING_TIME = 2
+    MISSING_VALUE = 3
+    DECREASING_TIME = 4
+    TOO_FEW_CELLS = 5
+    TOO_MANY_CELLS = 6
+    TIME_TOO_LARGE = 7
+    TIME_TOO_FINE = 8
+    OPEN_QUOTE = 9
+    MIXED_COLUMN = 10
+    LINE_TOO_LONG = 11
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rows:
+    """Some rows of a recording.
+
+    Attributes:
+        times: as the clock of the recording shows them, in units of ``10 ** -decimals``.
+    """
+
+    times: Ticks
+    columns: dict[str, Values]
+    decimals: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CsvRecording:
+    """A file or stream whose header has been read.
+
+    Attributes:
+        stream: stands behind the header; it is read once.
+        line: the number of the first line behind the header.
+        size: bytes of the whole, where that is known.
+    """
+
+    name: str
+    stream: BinaryIO = field(repr=False)
+    header: Header
+    separator: str
+    line: int
+    size: int | None = None
+    at_once: bool = True
+
+    @property
+    def unit(self) -> str:
+        return self.header.unit
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        return self.header.columns
+
+    def read(self, columns: Collection[str] | None = None) -> Trace:
+        """The whole trace; it begins with its first row and ends with its last one."""
+        places = self.header.numbers(columns, self.name)
+        reader = self._reader(places, decimals=0, most_decimals=18)
+        with self.stream:
+            read = 0
+            while piece := self.stream.read(PIECE):
+                if not reader.feed(piece):
+                    break
+                if read == 0 and self.size is not None and self.size > len(piece):
+                    reader.reserve(int(1.05 * self.size * reader.rows() / len(piece)) + 1)
+                read += len(piece)
+        reader.finish()
+        self._refuse(reader)
+        rows = self._taken(reader, places)
+        if len(rows.times) == 0:
+            raise UsageError(f"{self.name} has no rows", "the verdict needs at least the state at the beginning")
+        first, last = int(rows.times[0]), int(rows.times[-1])
+        if last - first > LARGEST_TICK:
+            raise UsageError(f"{self.name} is too long to be counted in units of 1e-{rows.decimals}")
+        scale = 10**rows.decimals
+        np.subtract(rows.times, first, out=rows.times)
+        return Trace(self.name, rows.times, rows.columns, last - first, scale, self.unit, Fraction(first, scale))
+
+    def blocks(self, columns: Collection[str] | None, decimals: int) -> Iterator[Rows]:
+        """The rows as they come, never more in memory than one piece of the stream.
+
+        Args:
+            decimals: of the times; a row with a finer time is refused, for what was handed out cannot be recounted.
+        """
+        places = self.header.numbers(columns, self.name)
+        reader = self._reader(places, decimals, decimals)
+        with self.stream:
+            while piece := self._next_piece():
+                going_on = reader.feed(piece)
+                if reader.rows():
+                    yield self._taken(reader, places)
+                if not going_on:
+                    break
+        reader.finish()
+        if reader.rows():
+            yield self._taken(reader, places)
+        self._refuse(reader)
+
+    def _next_piece(self) -> bytes:
+        """What there is: a line at a time from a pipe, so that no row waits for the next one."""
+        return self.stream.read(PIECE) if self.at_once else self.stream.readline()
+
+    def _reader(self, places: dict[str, int], decimals: int, most_decimals: int) -> _core.CsvReader:
+        return _core.CsvReader(
+            separator=self.separator,
+            cells=len(self.header.names),
+            time=self.header.time,
+            columns=list(places.values()),
+            first_line=self.line,
+            decimals=decimals,
+            most_decimals=most_decimals,
+        )
+
+    @staticmethod
+    def _taken(reader: _core.CsvReader, places: dict[str, int]) -> Rows:
+        times, columns = reader.take()
+        return Rows(times, dict(zip(places, columns, strict=True)), reader.decimals())
+
+    def _refuse(self, reader: _core.CsvReader) -> None:
+        fault = reader.fault()
+        if fault is not None:
+            kind, line, offset, length, cell, text = fault
+            raise self._error(FaultKind(kind), line, offset, length, cell, text)
+
+    def _error(self, kind: FaultKind, line: int, offset: int, length: int, cell: int, text: bytes) -> InputError:
+        start = len(text[:offset].decode("utf-8", "replace"))
+        value = text[offset : offset + length].decode("utf-8", "replace")
+        source = Source(self.name, text.decode("utf-8", "replace"), first_line=line)
+        span = Span(source, start, min(start + max(len(value), 1), max(len(source.text), start)))
+        column = self.header.names[cell]
+        cells = len(self.header.names)
+        code, message, help_ = {
+            FaultKind.NOT_A_NUMBER: (
+                "E0911",
+                f"{value!r} in column {column!r} is no number",
+                "cells hold numbers such as -1.5 or 2e3, true or false, or nothing where the value stays",
+            ),
+            FaultKind.NOT_FINITE: ("E0911", f"the value {value!r} of column {column!r} is not finite", None),
+            FaultKind.MIXED_COLUMN: (
+                "E0911",
+                f"column {column!r} has truth values and the number {value!r}",
+                "a column holds either numbers, or true and false (or 1 and 0)",
+            ),
+            FaultKind.MISSING_VALUE: (
+                "E0912",
+                f"column {column!r} has no value in the first row",
+                "an empty cell means that the value stays, so the first row has to give one",
+            ),
+            FaultKind.MISSING_TIME: ("E0912", "this row has no time", None),
+            FaultKind.DECREASING_TIME: (
+                "E0913",
+                f"the time {value} lies before that of the row above",
+                "sort the rows by time; rows of the same time are fine, the last one counts",
+            ),
+            FaultKind.TOO_FEW_CELLS: (
+                "E0914",
+                f"this row has {cell + 1} cells, the header has {cells}",
+                None,
+            ),
+            FaultKind.TOO_MANY_CELLS: (
+                "E0914",
+                f"this row has more cells than the {cells} of the header",
+                None,
+            ),
+            FaultKind.TIME_TOO_LARGE: (
+                "E0915",
+                f"the time {value} is too large to be counted as finely as the trace needs",
+                "at most 18 digits in all, those behind the point included",
+            ),
+            FaultKind.TIME_TOO_FINE: (
+                "E0915",
+                f"the time {value} has more decimals than can be counted",
+                "online, say beforehand how many there will be, for example --decimals 9",
+            ),
+            FaultKind.OPEN_QUOTE: ("E0911", "this quotation mark is not closed in its line", None),
+            FaultKind.LINE_TOO_LONG: ("E0911", "this line has more than 16 million characters", "is it a text file?"),
+        }[kind]
+        return InputError([Diagnostic(code, message, span, help_)])
+
+
+def open_csv(path: str | Path, time: str | None = None, unit: str | None = None) -> CsvRecording:
+    """Opens a file and reads its header. Raises InputError and UsageError."""
+    file = Path(path)
+    try:
+        stream = file.open("rb")
+        size = file.stat().st_size
+    except FileNotFoundError:
+        raise UsageError(f"there is no file {path}") from None
+    except OSError as error:
+        raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
+    try:
+        return open_csv_stream(stream, str(path), time, unit, size)
+    except BaseException:
+        stream.close()
+        raise
+
+
+def open_csv_stream(
+    stream: BinaryIO,
+    name: str,
+    time: str | None = None,
+    unit: str | None = None,
+    size: int | None = None,
+    at_once: bool = True,
+) -> CsvRecording:
+    """Reads the header of a stream.
+
+    Args:
+        at_once: the stream is read in large pieces, else line by line.
+    """
+    number = 0
+    while True:
+        line = stream.readline(_LONGEST_HEADER)
+        number += 1
+        if not line:
+            raise UsageError(f"{name} is empty", "its first line should name the columns: time,speed,alarm")
+        text = line.decode("utf-8-sig" if number == 1 else "utf-8", "replace").strip("\r\n")
+        if text.strip() and not text.lstrip().startswith("#"):
+            break
+    if "\0" in text:
+        raise UsageError(f"{name} is no text file", "CSV, VCD and Parquet files can be read")
+    separator = max(_SEPARATORS, key=text.count)
+    cells = next(csv.reader([text], delimiter=separator))
+    if all(_is_number(cell) for cell in cells):
+        span = Span(Source(name, text, first_line=number), 0, len(text))
+        raise InputError(
+            [
+                Diagnostic(
+                    "E0916", "the columns have no names", span, "the first line should name them: time,speed,alarm"
+                )
+            ]
+        )
+    header = read_header(cells, time, unit, name)
+    return CsvRecording(name, stream, header, separator, number + 1, size, at_once)
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True

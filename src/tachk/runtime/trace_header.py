@@ -1,0 +1,116 @@
+"""What the names of the columns of a trace tell: which one is the time, and in which unit it is measured."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from tachk.diagnostics.diagnostic import UsageError
+
+TIME_NAMES = ("time", "t", "timestamp")
+"""The names by which a time column is known without being told, in this order."""
+
+UNIT_SECONDS = {
+    "ns": Fraction(1, 10**9),
+    "us": Fraction(1, 10**6),
+    "µs": Fraction(1, 10**6),
+    "ms": Fraction(1, 1000),
+    "s": Fraction(1),
+    "min": Fraction(60),
+    "h": Fraction(3600),
+}
+
+_SPELLINGS = {"µs": "us", "μs": "us", "sec": "s", "second": "s", "seconds": "s", "milliseconds": "ms"}
+_WITH_UNIT = re.compile(r"\s*(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]\s*")
+
+
+@dataclass(frozen=True, slots=True)
+class Header:
+    """Attributes:
+    names: of all columns without their units, in order; empty for a column that has none.
+    time: the number of the time column.
+    unit: of the time; empty if nothing says it.
+    """
+
+    names: tuple[str, ...]
+    time: int
+    unit: str
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The names of everything but the time."""
+        return tuple(name for number, name in enumerate(self.names) if name and number != self.time)
+
+    def numbers(self, columns: Collection[str] | None, trace: str) -> dict[str, int]:
+        """The places of the wanted columns, in the order of the trace. Raises UsageError for one that is not there."""
+        wanted = self.columns if columns is None else columns
+        missing = next((name for name in wanted if name not in self.columns), None)
+        if missing is not None:
+            raise no_such_column(missing, self.columns, trace)
+        return {name: i for i, name in enumerate(self.names) if name in wanted and i != self.time}
+
+
+def read_header(cells: Sequence[str], time: str | None, unit: str | None, trace: str) -> Header:
+    """Makes sense of the names of the columns.
+
+    Args:
+        time: the name of the time column; None: one of `TIME_NAMES`, in upper or lower case.
+        unit: of the time; None: what stands in brackets behind its name.
+        trace: for messages.
+
+    Raises:
+        UsageError: there is no such time column, a name stands twice, or nobody knows the unit.
+    """
+    parts = [_split(cell) for cell in cells]
+    names = tuple(name for name, _ in parts)
+    for number, name in enumerate(names):
+        if name and name in names[:number]:
+            raise UsageError(f"{trace} has two columns {name!r}", "rename one of them")
+    place = _time_column(names, tuple(cells), time, trace)
+    return Header(names, place, known_unit(parts[place][1] if unit is None else unit))
+
+
+def known_unit(unit: str) -> str:
+    """The unit in its usual spelling; empty stays empty. Raises UsageError for one that is not known."""
+    spelled = _SPELLINGS.get(unit.lower(), unit.lower())
+    if spelled and spelled not in UNIT_SECONDS:
+        raise UsageError(f"{unit!r} is no unit of time", f"known are {', '.join(u for u in UNIT_SECONDS if u != 'µs')}")
+    return spelled
+
+
+def no_such_column(name: str, columns: Sequence[str], trace: str) -> UsageError:
+    """The error about a column that is not there."""
+    close = difflib.get_close_matches(name, columns, n=1)
+    known = ", ".join(columns[:20]) + (", ..." if len(columns) > 20 else "")
+    return UsageError(
+        f"{trace} has no column {name!r}", f"did you mean {close[0]!r}?" if close else f"it has: {known or 'none'}"
+    )
+
+
+def _split(cell: str) -> tuple[str, str]:
+    """``speed [km/h]`` as name and unit; a name that ends in a bracket without a space is a name: ``a[0]``."""
+    match = _WITH_UNIT.fullmatch(cell)
+    if match is None or not match["name"]:
+        return cell.strip(), ""
+    attached = not cell.rstrip()[len(match["name"].rstrip()) :].startswith((" ", "\t"))
+    time_like = match["name"].lower() in TIME_NAMES
+    return (cell.strip(), "") if attached and not time_like else (match["name"], match["unit"])
+
+
+def _time_column(names: tuple[str, ...], cells: tuple[str, ...], time: str | None, trace: str) -> int:
+    if time is not None:
+        for place, (name, cell) in enumerate(zip(names, cells, strict=True)):
+            if time in (name, cell.strip()):
+                return place
+        raise no_such_column(time, [name for name in names if name], trace)
+    lower = [name.lower() for name in names]
+    for candidate in TIME_NAMES:
+        if candidate in lower:
+            return lower.index(candidate)
+    raise UsageError(
+        f"{trace} has no column {', '.join(TIME_NAMES[:-1])} or {TIME_NAMES[-1]}",
+        f"say which column is the time, for example --time {next(filter(None, names), 'NAME')}",
+    )

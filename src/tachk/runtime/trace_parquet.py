@@ -1,0 +1,86 @@
+"""Traces in Parquet files, read by pyarrow."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.trace import Trace
+from tachk.runtime.trace_arrays import TableRecording
+from tachk.runtime.trace_header import Header, known_unit, read_header
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ParquetRecording:
+    """Attributes:
+    raw: the names of the columns as they stand in the file, with their units.
+    time_unit: what the type of the time column tells, such as ``s`` for instants and durations.
+    """
+
+    name: str
+    header: Header
+    raw: tuple[str, ...]
+    time_unit: str
+
+    @property
+    def unit(self) -> str:
+        return self.header.unit or self.time_unit
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        return self.header.columns
+
+    def read(self, columns: Collection[str] | None = None) -> Trace:
+        parquet = _parquet()
+        places = self.header.numbers(columns, self.name)
+        wanted = [self.raw[self.header.time], *(self.raw[place] for place in places.values())]
+        table = parquet.read_table(self.name, columns=wanted)
+        names = (self.header.names[self.header.time], *places)
+        cells = [_numpy(table.column(raw)) for raw in wanted]
+        return TableRecording(self.name, Header(names, 0, self.unit), cells).read(list(places))
+
+
+def open_parquet(path: str | Path, time: str | None = None, unit: str | None = None) -> ParquetRecording:
+    """Reads the schema of a file. Raises UsageError, also where pyarrow is not installed."""
+    parquet = _parquet()
+    try:
+        schema = parquet.read_schema(str(path))
+    except FileNotFoundError:
+        raise UsageError(f"there is no file {path}") from None
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{path} is no Parquet file that can be read: {str(error).splitlines()[0]}") from None
+    raw = tuple(schema.names)
+    header = read_header(raw, time, unit, str(path))
+    kind = str(schema.types[header.time])
+    own = "s" if kind.startswith(("timestamp", "duration")) else ""
+    return ParquetRecording(str(path), header, raw, known_unit(own))
+
+
+def _numpy(column: Any) -> Any:
+    """A column as NumPy array; decimal numbers become exact fractions, nulls None or NaN."""
+    import pyarrow as pa
+
+    if pa.types.is_decimal(column.type):
+        import numpy as np
+
+        return np.array([None if v is None else _fraction(v) for v in column.to_pylist()], dtype=object)
+    return column.to_numpy()
+
+
+def _fraction(value: Any) -> Any:
+    from fractions import Fraction
+
+    return Fraction(value)
+
+
+def _parquet() -> Any:
+    try:
+        import pyarrow.parquet as parquet
+    except ModuleNotFoundError:
+        raise UsageError(
+            "Parquet files are read by pyarrow, which is not installed", "pip install 'tachk[parquet]'"
+        ) from None
+    return parquet
