@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from tachk.diagnostics.explanation import Explanation
+from tachk.diagnostics.formula_codes import FORMULA_CODES
 
 SYNTAX_CODES: dict[str, Explanation] = {
+    **FORMULA_CODES,
     "E0001": Explanation(
         "not a text",
         "The file holds bytes that are no text, or is not UTF-8 and not Latin-1 either. Models are plain text; a model "

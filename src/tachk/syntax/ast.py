@@ -7,8 +7,12 @@ kept beside it (`Document.comments`) and put back by the formatter.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from tachk.diagnostics.span import Span
+
+if TYPE_CHECKING:
+    from tachk.syntax.formula import Formula
 
 
 @dataclass(frozen=True, slots=True)
@@ -551,12 +555,29 @@ class UncheckedFormula(Node):
 
 
 @dataclass(frozen=True, slots=True)
+class TemporalFormula(Node):
+    """A property of runs, written as a formula or as a sentence.
+
+    Attributes:
+        formula: None for a sentence, whose meaning `tachk.logic.sentences` knows.
+        sentence: the text of a sentence up to its full stop, blanks settled; empty for a formula.
+    """
+
+    formula: Formula | None
+    sentence: str = ""
+
+
+PropertyFormula = QueryFormula | UncheckedFormula | TemporalFormula
+"""What a property or a query asks."""
+
+
+@dataclass(frozen=True, slots=True)
 class PropertyDeclaration(Node):
     """``property NAME "title" : formula expect holds;``; ``expectation`` is ``holds``, ``fails`` or None."""
 
     name: Identifier
     title: str
-    formula: QueryFormula | UncheckedFormula
+    formula: PropertyFormula
     expectation: str | None = None
     doc: str = ""
 
@@ -565,7 +586,7 @@ class PropertyDeclaration(Node):
 class QueryEntry(Node):
     """One query of a .q file or of the command line, with the comment that describes it."""
 
-    formula: QueryFormula | UncheckedFormula
+    formula: PropertyFormula
     comment: str = ""
     expectation: str | None = None
 

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from enum import Enum, auto
 from itertools import pairwise
 
+from tachk.diagnostics.span import Span
+from tachk.syntax.formula_tokens import is_sentence, is_temporal, resolve_formula
 from tachk.syntax.tokens import END, Token
 from tachk.syntax.unchecked import unchecked_family, words_of
 
@@ -339,6 +341,11 @@ class _Resolver:
         formula = tokens[self.position : suffix]
         if formula and unchecked_family(words_of(" ".join(token.text for token in formula))):
             self.output.append(_joined("UNCHECKED", formula))
+        elif is_sentence(formula):
+            self.output.append(_joined("SENTENCE", formula))
+        elif not _is_query(formula) and is_temporal(marked := resolve_formula(formula)):
+            start = formula[0].span
+            self.output += [Token("FORMULA", "", Span(start.source, start.start, start.start)), *marked]
         else:
             self.symbolic(formula)
         self.output += tokens[suffix:end]
@@ -363,6 +370,16 @@ class _Resolver:
                 elif token.text == "sum" and [t.text for t in following[:1]] == ["("] and following[-1].text == ":":
                     token.type = "SUM"
             self.output.append(token)
+
+
+def _is_query(formula: list[Token]) -> bool:
+    """Whether this begins as only a query can, or is ``p --> q``."""
+    first, second, third = ([token.text for token in formula[:3]] + [""] * 3)[:3]
+    if first in ("A", "E") and second + third in ("[]", "<>"):
+        return True
+    if first in ("sup", "inf", "bounds") and second in ("{", ":"):
+        return True
+    return any(token.text == "-->" for token in formula)
 
 
 _BEGINS_OPERAND = {"NAME", "INTEGER", "FLOAT", "TRUE", "FALSE", "NOT", "FORALL", "EXISTS"}

@@ -23,7 +23,7 @@ def nesting_errors(tokens: list[Token], value: Any) -> tuple[Diagnostic, ...]:
         if isinstance(node, ast.Node):
             level += 1
             if level > DEEPEST:
-                return (_too_deep(node.span),)
+                return (too_deep(node.span),)
             pending += [(getattr(node, name), level) for name in node.__dataclass_fields__ if name != "span"]
         elif isinstance(node, tuple | list):
             pending += [(item, level) for item in node]
@@ -37,13 +37,14 @@ def bracket_errors(tokens: list[Token]) -> tuple[Diagnostic, ...]:
         if token.text in ("{", "(", "["):
             depth += 1
             if depth > DEEPEST:
-                return (_too_deep(token.span),)
+                return (too_deep(token.span),)
         elif token.text in ("}", ")", "]"):
             depth -= 1
     return ()
 
 
-def _too_deep(span: Span) -> Diagnostic:
+def too_deep(span: Span) -> Diagnostic:
+    """The refusal of what stands at a place."""
     return Diagnostic(
         "E0111",
         f"this is nested more than {DEEPEST} levels deep",

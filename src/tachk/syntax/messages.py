@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
+from tachk.diagnostics.span import Span
 from tachk.syntax.contextual import SPELLING
+from tachk.syntax.formula_tokens import WORDS, lacks_full_stop
 from tachk.syntax.tables import lexer, terminal_spelling
 from tachk.syntax.tokens import END, Token
 
@@ -17,7 +19,15 @@ _EXPRESSION = {"NAME", "INTEGER", "LPAR", "FORALL", "TRUE"}
 _TYPE = {"NAME", "INT", "CLOCK", "STRUCT"}
 _CLAUSES = {"SELECT", "GUARD", "SYNC", "ASSIGN"}
 
+_UNMENTIONED = {
+    *("ERROR", END, "EXPECT", "UNCHECKED", "LEGACY_CONST", "LEGACY_PARAMETER", "LEGACY_AND", "SENTENCE", "FORMULA"),
+    *("FORMULA_PREFIX", "FORMULA_INFIX", "EDGE", "IMPLIES", "INTERVAL_OPEN", "UNIT", "QUOTED"),
+}
+"""Terminals that the parser accepts in places where no text leads to them, or that would only lengthen a list."""
+
 _NAMED = {
+    "INTERVAL_CLOSE": "']' or ')'",
+    "INFINITY": "'inf'",
     "NAME": "a name",
     "INTEGER": "a number",
     "STRING": "a string",
@@ -58,6 +68,7 @@ def explain(situation: Situation) -> Diagnostic:
     return (
         _foreign_format(situation)
         or _interface(situation)
+        or _temporal_word(situation)
         or _missing(situation)
         or _brackets(situation)
         or _no_query(situation)
@@ -135,6 +146,49 @@ def _brackets(situation: Situation) -> Diagnostic | None:
             (Label(token.span, f"'{token.text}' is here"),),
         )
     return None
+
+
+def _temporal_word(situation: Situation) -> Diagnostic | None:
+    """Operators of temporal formulas that are spelt as other tools spell them."""
+    begin = 0 if situation.start == "formula_fragment" else _query_start(situation)
+    if begin is None:
+        return None
+    tokens = situation.tokens
+    if situation.start != "formula_fragment" and lacks_full_stop(_until_end(tokens, begin)):
+        last = _until_end(tokens, begin)[-1]
+        end = Span(last.span.source, last.span.end, last.span.end)
+        return Diagnostic("E0133", "a sentence ends with a full stop", end, "add '.'")
+    for place in range(begin, min(situation.index + 1, len(tokens))):
+        token = tokens[place]
+        letter = WORDS.get(token.text.lower())
+        following = tokens[place + 1].text if place + 1 < len(tokens) else ""
+        if letter and token.type == "NAME" and following not in (".", ")", "==", "!=", "<", ">", "<=", ">="):
+            return Diagnostic(
+                "E0104",
+                f"unknown word '{token.text}'",
+                token.span,
+                f"the operator is written {letter}, with an interval right behind it, as in {letter}[0, 5]"
+                if letter != "W"
+                else "the operator is written W",
+            )
+    if tokens[begin].type == "QUANTIFIER" and situation.token.text in ("->",):
+        return Diagnostic(
+            "E0101",
+            "'->' stands in formulas, not in queries",
+            situation.token.span,
+            f"write imply, or G in place of {tokens[begin].text} to make this a formula about every run",
+        )
+    return None
+
+
+def _until_end(tokens: Sequence[Token], begin: int) -> list[Token]:
+    """The tokens of a query."""
+    found = []
+    for token in tokens[begin:]:
+        if token.type in (END, "EXPECT") or token.text == ";":
+            break
+        found.append(token)
+    return found
 
 
 def _no_query(situation: Situation) -> Diagnostic | None:
@@ -256,7 +310,7 @@ def _unexpected(situation: Situation) -> Diagnostic:
 
 def expectations(accepted: frozenset[str]) -> str | None:
     """The accepted terminals in words, or None if they are too many to be of help."""
-    rest = set(accepted) - {"ERROR", END, "EXPECT", "UNCHECKED", "LEGACY_CONST", "LEGACY_PARAMETER", "LEGACY_AND"}
+    rest = set(accepted) - _UNMENTIONED
     words: list[str] = []
     if rest >= _EXPRESSION:
         words.append("an expression")

@@ -134,8 +134,15 @@ def _read(
 
 
 def _without_unread(tokens: list[Token], lexed: Lexed) -> list[Token]:
-    """The tokens; unknown characters within queries of other analyses, such as ``Pr[#<=10]``, are no errors."""
-    unread = [token.span for token in tokens if token.type == "UNCHECKED"]
+    """The tokens; unknown characters within queries of other analyses, such as ``Pr[#<=10]``, are no errors, while
+    names in backticks outside formulas are."""
+    for token in tokens:
+        if token.type == "QUOTED" and token.text.startswith("`"):
+            where = Span(token.span.source, token.span.start, token.span.start + 1)
+            lexed.errors.append(
+                Diagnostic("E0002", "the character '`' cannot be used here", where, "only formulas have such names")
+            )
+    unread = [token.span for token in tokens if token.type in ("UNCHECKED", "SENTENCE")]
     if unread and lexed.errors:
         lexed.errors = [
             error

@@ -25,12 +25,13 @@ from tachk.syntax.build import Builder
 from tachk.syntax.lalr import Tables
 from tachk.syntax.tokens import Lexer
 
-GRAMMAR_FILES = ("expression", "query", "tachk")
+GRAMMAR_FILES = ("expression", "stl", "query", "tachk")
 
 STARTS = (
     "document",
     "query",
     "expression",
+    "formula_fragment",
     "declarations_fragment",
     "parameters_fragment",
     "select_fragment",
