@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from tachk.diagnostics.explanation import Explanation
 from tachk.diagnostics.export_codes import EXPORT_CODES
+from tachk.diagnostics.formula_codes import DURATION_CODES
 from tachk.diagnostics.lowering_codes import LOWERING_CODES
 from tachk.diagnostics.model_codes import MODEL_CODES
 from tachk.diagnostics.monitoring_codes import MONITORING_CODES
@@ -21,6 +22,7 @@ CODES: dict[str, Explanation] = {
     **SYNTAX_CODES,
     **XML_CODES,
     **MODEL_CODES,
+    **DURATION_CODES,
     **LOWERING_CODES,
     **VERIFICATION_CODES,
     **EXPORT_CODES,

@@ -47,3 +47,26 @@ FORMULA_CODES: dict[str, Explanation] = {
         "property p : F[0, 20 s] P.a;",
     ),
 }
+
+DURATION_CODES: dict[str, Explanation] = {
+    "E0504": Explanation(
+        "negative bound",
+        "The bounds of an interval are distances in time. F, G and U look ahead, O, H and S look back.",
+        "property p : F[-5, 0] P.a;",
+        "property p : O[0, 5] P.a;",
+    ),
+    "E0505": Explanation(
+        "interval that ends before it begins",
+        "The lower bound of an interval is not above the upper one, in the unit of the model or the trace.",
+        "property p : F[5, 2] P.a;",
+        "property p : F[2, 5] P.a;",
+    ),
+    "E0506": Explanation(
+        "bound in a unit that cannot be converted",
+        "Models count time in units that mean nothing until the line `time_unit = 1 ms;` says how long one is; traces "
+        "likewise. Only then can a bound be given in seconds or minutes. A bound without a unit is in the unit of the "
+        "model or the trace.",
+        "property p : F[0, 5 s] P.a;",
+        "time_unit = 1 ms;\nproperty p : F[0, 5 s] P.a;",
+    ),
+}

@@ -64,6 +64,7 @@ class Context:
     in_query: elaborating a query, signal or property.
     in_function: elaborating the body of a function.
     scalar_sets: how many anonymous scalar types there are.
+    time_unit: as `Network.time_unit`.
     """
 
     findings: Findings
@@ -73,6 +74,7 @@ class Context:
     in_function: bool = False
     scalar_sets: int = 0
     budget: Budget = field(default_factory=Budget)
+    time_unit: str = ""
 
     def error(self, code: str, span: Span, message: str, help: str | None = None) -> None:
         self.findings.add(code, span, message, help)

@@ -79,6 +79,7 @@ def elaborate(
         channels.check_partners(context)
     scope = Scope(globals_, "the processes", dict(instances.symbols))
     signals = elaborate_signals((i for i in items if isinstance(i, ast.SignalDeclaration)), scope, context)
+    context.time_unit = _time_unit(items, context)
     # Without a system line no process has a name that a property could mention.
     properties = (i for i in items if isinstance(i, ast.PropertyDeclaration) and line is not None)
     queries, unchecked = elaborate_properties(properties, scope, context)
@@ -88,7 +89,7 @@ def elaborate(
         default_priority,
         tuple(declared.constants),
         signals,
-        _time_unit(items, context),
+        context.time_unit,
     )
     return Elaborated(network, queries, unchecked, scope, context)
 

@@ -191,7 +191,9 @@ def elaborate_queries(loaded: LoadedModel, text: str | Source) -> tuple[tuple[Qu
 def elaborate_query_file(loaded: LoadedModel, source: Source) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
     """The queries of a .q file, named as by `elaborate_queries`; a wrong one is unchecked and harms no other."""
     known = loaded._constants
-    context = Context(Findings(), known.constants, known.effects, budget=Budget(INSTANCES))
+    context = Context(
+        Findings(), known.constants, known.effects, budget=Budget(INSTANCES), time_unit=known.time_unit
+    )
     queries, unchecked = elaborate_entries(parse_each_query(source), loaded._scope, context)
     return queries, _explained(unchecked, loaded.refusals)
 

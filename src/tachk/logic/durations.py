@@ -1,0 +1,140 @@
+"""Bounds of intervals as numbers in one unit of time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, Label
+from tachk.syntax.ast import Expression
+from tachk.syntax.build_formula import UNITS, unknown_unit
+from tachk.syntax.formula import Duration, Formula, Interval
+from tachk.syntax.formula_printer import print_number
+from tachk.syntax.rewrite import rewrite
+
+NANOSECONDS = dict(
+    zip(UNITS, (1, 10**3, 10**6, 10**9, 60 * 10**9, 3600 * 10**9, 24 * 3600 * 10**9), strict=True),
+)
+"""The length of each unit of time."""
+
+Evaluate = Callable[[Expression], Fraction | int]
+
+
+def resolve(
+    formula: Formula,
+    evaluate: Evaluate,
+    unit: str,
+    remedy: str = "say what a time unit is with `time_unit = 1 s;` in the model, or leave the unit out",
+) -> Formula:
+    """The formula with every bound a number in the unit of the model or the trace, without a unit of its own.
+
+    Args:
+        evaluate: the value of an expression over constants; raises InputError where there is none.
+        unit: what one unit of time is, such as ``1 ms``, ``10 us`` or ``s``; empty where nobody says.
+        remedy: how to say it, for the message about a bound with a unit where nobody says.
+
+    Raises:
+        InputError: with all that is wrong: a unit that cannot be converted, a negative bound, an upper bound below the
+            lower one, what ``evaluate`` reports.
+    """
+    resolver = _Resolver(evaluate, unit, remedy)
+    result = rewrite(formula, resolver.change)
+    if resolver.found:
+        raise InputError(sorted(resolver.found, key=lambda diagnostic: diagnostic.span.start))
+    return result
+
+
+def length_of(unit: str) -> Fraction | None:
+    """The nanoseconds of ``1 ms``, ``10 us`` or ``s``; None for what is no unit."""
+    amount, _, name = unit.strip().rpartition(" ")
+    if name not in NANOSECONDS:
+        return None
+    try:
+        length = Fraction(amount or 1) * NANOSECONDS[name]
+    except (ValueError, ZeroDivisionError):
+        return None
+    return length if length > 0 else None
+
+
+class _Resolver:
+    """Changes durations innermost first, then looks at the intervals that they make."""
+
+    def __init__(self, evaluate: Evaluate, unit: str, remedy: str) -> None:
+        self.evaluate = evaluate
+        self.unit = unit
+        self.remedy = remedy
+        self.found: list[Diagnostic] = []
+
+    def change(self, node: Any) -> Any:
+        match node:
+            case Duration():
+                value = self.value(node)
+                return node if value is None else replace(node, value=value, unit="")
+            case Interval(
+                lower=Duration(value=Fraction() as lower) as first, upper=Duration(value=Fraction() as upper) as last
+            ):
+                if lower > upper:
+                    self.found.append(
+                        Diagnostic(
+                            "E0505",
+                            "this interval ends before it begins",
+                            node.span,
+                            "the lower bound comes first",
+                            (
+                                Label(first.span, f"from {print_number(lower)}"),
+                                Label(last.span, f"to {print_number(upper)}"),
+                            ),
+                        )
+                    )
+        return node
+
+    def value(self, duration: Duration) -> Fraction | None:
+        """The length in units of the model or the trace; None after a report."""
+        number = self.number(duration)
+        if number is None:
+            return None
+        if number < 0:
+            self.found.append(
+                Diagnostic(
+                    "E0504",
+                    f"the bound is negative: {print_number(number)}" if _is_computed(duration) else "a negative bound",
+                    duration.span,
+                    "bounds are distances from now; O, H and S look back",
+                )
+            )
+            return None
+        return number * self.scale(duration) if duration.unit else number
+
+    def number(self, duration: Duration) -> Fraction | None:
+        if isinstance(duration.value, Fraction):
+            return duration.value
+        try:
+            return Fraction(self.evaluate(duration.value))
+        except InputError as error:
+            self.found += error.diagnostics
+            return None
+
+    def scale(self, duration: Duration) -> Fraction:
+        """How many units of the model or the trace make the duration's own; 0 after a report."""
+        own, common = length_of(duration.unit), length_of(self.unit)
+        if own is None:
+            self.found.append(unknown_unit(duration.unit, duration.span))
+        elif common is None:
+            known = f"the time unit is {self.unit}, which has no length in {duration.unit}" if self.unit else ""
+            self.found.append(
+                Diagnostic(
+                    "E0506",
+                    known or f"a bound in {duration.unit}, but nobody says how long one unit of time is",
+                    duration.span,
+                    self.remedy,
+                )
+            )
+        else:
+            return own / common
+        return Fraction(0)
+
+
+def _is_computed(duration: Duration) -> bool:
+    return not isinstance(duration.value, Fraction)
