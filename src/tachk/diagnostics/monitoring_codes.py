@@ -17,8 +17,8 @@ MONITORING_CODES: dict[str, Explanation] = {
     ),
     "E0903": Explanation(
         "duration that is no whole number of ticks",
-        "Monitors count time in ticks, so that it is exact. A duration must be a whole number of them, and fewer than "
-        "2**60. Choose finer or coarser ticks.",
+        "Monitors count time in ticks, so that it is exact. A duration must be a whole number of them, and all of "
+        "a formula together fewer than 2**58. Choose finer or coarser ticks.",
     ),
     "E0904": Explanation(
         "chained comparison",

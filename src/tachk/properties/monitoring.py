@@ -27,10 +27,11 @@ from tachk.semantics.monitor_program import (
 from tachk.syntax import ast
 from tachk.syntax import formula as syntax
 from tachk.syntax.expression_printer import print_expression
+from tachk.syntax.formula_printer import print_formula
 from tachk.syntax.walk import nodes_of_kind
 
-LAST_TICK = 2**60
-"""Durations are below this number of ticks."""
+LAST_TICK = 2**58
+"""The durations of a formula add up to less than this number of ticks."""
 
 RELATIONS = {
     "<": Relation.LESS,
@@ -75,6 +76,9 @@ def compile(
     """
     compiler = _Compiler(columns, ticks_per_unit, booleans)
     compiler.formula(formula)
+    if sum(max(node.lower, node.upper) for node in compiler.nodes) >= LAST_TICK:
+        message = f"the durations of this formula add up to more than 2**58 ticks, {ticks_per_unit} to a time unit"
+        compiler.findings.append(Diagnostic("E0903", message, formula.span))
     if compiler.findings:
         raise InputError(compiler.findings)
     return MonitorProgram(
@@ -131,7 +135,7 @@ class _Compiler:
 
     def formula(self, formula: syntax.Formula) -> int:
         """The number of the node of a formula. After a finding the number of some node."""
-        text = formula.span.text
+        text = print_formula(formula)
         match formula:
             case syntax.Truth(value=value):
                 return self._truth(value)
@@ -293,7 +297,7 @@ class _Compiler:
 
     def _ticks(self, duration: syntax.Duration) -> int:
         ticks = _number(duration) * self.ticks_per_unit
-        if ticks.denominator == 1 and 0 <= ticks < LAST_TICK:
+        if ticks.denominator == 1 and ticks >= 0:
             return int(ticks)
         message = f"the duration {duration.value} is not representable with {self.ticks_per_unit} ticks in a time unit"
         self.findings.append(Diagnostic("E0903", message, duration.span))
