@@ -19,12 +19,12 @@ from tachk.syntax.expression_printer import (
     print_declarator,
     print_expression,
     print_expressions,
-    print_formula,
     print_parameters,
     print_synchronisation,
     print_type,
 )
 from tachk.syntax.printer import write_declaration
+from tachk.syntax.query_printer import print_query
 from tachk.syntax.rewrite import fresh_name, names_in
 from tachk.syntax.writer import Writer
 
@@ -223,5 +223,5 @@ def _system(model: PlainModel) -> dict[str, str]:
 
 def _queries(model: PlainModel) -> Iterator[tuple[str, str]]:
     for query in model.queries:
-        text = " ".join(print_formula(query.formula).split())
+        text = " ".join(print_query(query.formula).split())
         yield text, "" if query.expectation is None else f"expect {query.expectation}"

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError, UsageError
@@ -18,6 +19,7 @@ from tachk.export.value_passing import ValuePassing
 from tachk.frontend.load import LoadedModel
 from tachk.syntax import ast
 from tachk.syntax.expression_printer import print_expression
+from tachk.syntax.formula import Atom, Change
 from tachk.syntax.rewrite import fresh_name, names_in, renamed, rewrite, substitute
 
 _DECLARATIONS = (
@@ -241,9 +243,8 @@ def _queries(items: Sequence[ast.Item], steps: list[Step]) -> tuple[PlainQuery, 
     return tuple(queries)
 
 
-def _without_signals(
-    formula: ast.QueryFormula | ast.UncheckedFormula, signals: Mapping[str, ast.Expression]
-) -> ast.QueryFormula | ast.UncheckedFormula:
+def _without_signals(formula: ast.PropertyFormula, signals: Mapping[str, ast.Expression]) -> ast.PropertyFormula:
+    """What a property asks, signals written out. A sentence, a comment for UPPAAL in any case, stays as it is."""
     if isinstance(formula, ast.UncheckedFormula):
         used = next((name for name in names_in(formula) if name in signals), None)
         if used is not None:
@@ -256,8 +257,16 @@ def _without_signals(
                 )
             )
         return formula
+    if isinstance(formula, ast.TemporalFormula):
+        return rewrite(formula, partial(_atom_without_signals, signals=signals))
     predicate = None if formula.predicate is None else substitute(formula.predicate, signals)
     return replace(formula, predicate=predicate, operands=tuple(substitute(o, signals) for o in formula.operands))
+
+
+def _atom_without_signals(node: Any, signals: Mapping[str, ast.Expression]) -> Any:
+    if isinstance(node, Atom | Change):
+        return replace(node, expression=substitute(node.expression, signals))
+    return node
 
 
 def _time_unit(items: Sequence[ast.Item], steps: list[Step]) -> str:

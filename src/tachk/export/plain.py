@@ -34,7 +34,7 @@ class PlainQuery:
     """
 
     name: str
-    formula: ast.QueryFormula | ast.UncheckedFormula
+    formula: ast.PropertyFormula
     comment: str = ""
     expectation: str | None = None
 

@@ -1,4 +1,4 @@
-"""Queries that tachk checks and UPPAAL refuses: all of them ask for deadlocks."""
+"""Queries that tachk checks and UPPAAL refuses: some that ask for deadlocks, and all temporal formulas."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ def refuses_deadlock(plain: PlainModel) -> bool:
     return any(_receives_with_clock(template, plain.declarations) for template in plain.templates)
 
 
-def refused(formula: ast.QueryFormula | ast.UncheckedFormula, always: bool) -> bool:
-    """Whether UPPAAL refuses a query because of the word ``deadlock``.
+def refused(formula: ast.PropertyFormula, always: bool) -> bool:
+    """Whether UPPAAL refuses a query because of the word ``deadlock``, or because it is a temporal formula.
 
     Args:
         always: whether it refuses that word everywhere in the model.
     """
     if not isinstance(formula, ast.QueryFormula):
-        return False
+        return isinstance(formula, ast.TemporalFormula)
     if not any(isinstance(node, ast.DeadlockExpression) for node in _nodes(formula)):
         return False
     return always or formula.kind not in ("E<>", "A[]")

@@ -10,10 +10,10 @@ from tachk.export.plain import PlainModel, PlainQuery
 from tachk.export.uppaal_limits import refused, refuses_deadlock
 from tachk.frontend.load import LoadedModel
 from tachk.syntax import ast
-from tachk.syntax.expression_printer import print_formula
 from tachk.syntax.layout import QueryLayout
 from tachk.syntax.parser import parse_query
 from tachk.syntax.query_files import expectation_in
+from tachk.syntax.query_printer import print_query
 from tachk.syntax.uppaal_xml_queries import MEASURES, comment_of, outcome, says, set_aside
 from tachk.syntax.uppaal_xml_tree import parse_xml
 
@@ -45,7 +45,7 @@ def query_views(model: LoadedModel, plain: PlainModel, layouts: Sequence[QueryLa
 
 
 def _view(query: PlainQuery, node: ast.PropertyDeclaration, layout: QueryLayout, refuses: bool) -> QueryView:
-    formula = print_formula(query.formula)
+    formula = print_query(query.formula)
     if refused(query.formula, refuses):
         formula = set_aside(formula)
     results = layout.results

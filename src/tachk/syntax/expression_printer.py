@@ -1,4 +1,4 @@
-"""Expressions, types and formulas as text, with no more parentheses than needed."""
+"""Expressions and types as text, with no more parentheses than needed."""
 
 from __future__ import annotations
 
@@ -190,16 +190,3 @@ def print_synchronisation(label: ast.SynchronisationLabel) -> str:
     if not isinstance(label.channel, ast.NameExpression | ast.IndexExpression | ast.MemberExpression):
         channel = f"({channel})"
     return f"{channel}{label.direction}{value}"
-
-
-def print_formula(formula: ast.QueryFormula | ast.UncheckedFormula) -> str:
-    """The text of a query."""
-    if isinstance(formula, ast.UncheckedFormula):
-        return formula.text
-    if formula.kind in ("sup", "inf", "bounds"):
-        restriction = "" if formula.predicate is None else f"{{ {print_expression(formula.predicate)} }}"
-        return f"{formula.kind}{restriction}: {print_expressions(formula.operands)}"
-    assert formula.predicate is not None, "only sup, inf and bounds go without a predicate"
-    if formula.kind == "-->":
-        return f"{print_expression(formula.predicate)} --> {print_expressions(formula.operands)}"
-    return f"{formula.kind} {print_expression(formula.predicate)}"

@@ -18,12 +18,12 @@ from tachk.syntax.expression_printer import (
     print_dimensions,
     print_expression,
     print_expressions,
-    print_formula,
     print_parameters,
     print_synchronisation,
     print_type,
 )
 from tachk.syntax.print_statements import write_block
+from tachk.syntax.query_printer import print_query
 from tachk.syntax.writer import Writer
 
 
@@ -135,7 +135,7 @@ def _write_list(writer: Writer, line: str, head: str, declarators: Sequence[ast.
 def _write_property(writer: Writer, item: ast.PropertyDeclaration) -> None:
     title = f' "{item.title}"' if item.title else ""
     expectation = f" expect {item.expectation}" if item.expectation else ""
-    head, formula = f"property {item.name.name}{title} :", print_formula(item.formula)
+    head, formula = f"property {item.name.name}{title} :", print_query(item.formula)
     writer.begin(item, item.doc)
     if writer.fits(f"{head} {formula}{expectation};"):
         writer.ending(f"{head} {formula}{expectation};", item)

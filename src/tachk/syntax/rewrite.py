@@ -45,8 +45,9 @@ def names_in(nodes: object) -> dict[str, Span]:
         node = pending.pop()
         if isinstance(node, tuple | list):
             pending += reversed(node)
-        elif isinstance(node, ast.UncheckedFormula):
-            for word in _WORD.finditer(node.text):
+        elif isinstance(node, ast.UncheckedFormula) or (isinstance(node, ast.TemporalFormula) and node.sentence):
+            text = node.text if isinstance(node, ast.UncheckedFormula) else node.sentence
+            for word in _WORD.finditer(text):
                 found.setdefault(word.group(), node.span)
         elif isinstance(node, ast.Node) and is_dataclass(node):
             if isinstance(node, _NAMED):
@@ -64,6 +65,9 @@ def renamed(node: N, names: Mapping[str, str]) -> N:
         if isinstance(inner, ast.UncheckedFormula | ast.GanttDeclaration):
             text = _WORD.sub(lambda word: names.get(word.group(), word.group()), inner.text)
             return inner if text == inner.text else replace(inner, text=text)
+        if isinstance(inner, ast.TemporalFormula) and inner.sentence:
+            text = _WORD.sub(lambda word: names.get(word.group(), word.group()), inner.sentence)
+            return inner if text == inner.sentence else replace(inner, sentence=text)
         return inner
 
     return rewrite(node, change)

@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 
 from tachk.diagnostics.span import Span
 from tachk.syntax import ast
-from tachk.syntax.expression_printer import print_formula
 from tachk.syntax.layout import Layout, QueryLayout
 from tachk.syntax.parser import parse_query
 from tachk.syntax.query_files import BrokenQuery, expectation_in
+from tachk.syntax.query_printer import print_query
 from tachk.syntax.tables import lexer
 from tachk.syntax.tokens import END
 from tachk.syntax.uppaal_xml_template import plain_text
@@ -111,7 +111,7 @@ class QueriesReader:
                     kept,
                     said.name,
                     None if comment == comment_of(node) else comment,
-                    None if formula.text == print_formula(node.formula) and not results else formula.text,
+                    None if formula.text == print_query(node.formula) and not results else formula.text,
                 )
             )
         return found
@@ -165,7 +165,7 @@ def without_properties(layout: Layout, document: ast.Document, names: Collection
             return query
         node = nodes[query.name]
         comment = comment_of(node) if query.comment is None else query.comment
-        formula = print_formula(node.formula) if query.formula is None else query.formula
+        formula = print_query(node.formula) if query.formula is None else query.formula
         return QueryLayout("", comment, formula, query.options, query.results)
 
     return replace(layout, queries=tuple(kept(query) for query in layout.queries))

@@ -13,9 +13,10 @@ from tachk.diagnostics.span import NOWHERE, Source
 from tachk.resources import data_root
 from tachk.syntax import ast
 from tachk.syntax.canonical import canonical
-from tachk.syntax.expression_printer import BINARY_LEVEL, print_expression, print_formula
+from tachk.syntax.expression_printer import BINARY_LEVEL, print_expression
 from tachk.syntax.parser import has_errors, parse_document, parse_expression, parse_query
 from tachk.syntax.printer import print_document
+from tachk.syntax.query_printer import print_query
 from tachk.syntax.tables import lexer
 
 
@@ -274,7 +275,7 @@ def test_every_expression_is_read_as_it_was(expression: ast.Expression) -> None:
 def test_every_query_is_read_as_it_was(left: ast.Expression, right: ast.Expression, kind: str) -> None:
     operands = (right,) if kind in ("-->", "sup") else ()
     formula = ast.QueryFormula(NOWHERE, kind, left, operands)
-    entry, diagnostics = parse_query(Source("q", print_formula(formula)))
+    entry, diagnostics = parse_query(Source("q", print_query(formula)))
     assert diagnostics == ()
     assert entry is not None
     assert entry.formula == formula
