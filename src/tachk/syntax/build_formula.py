@@ -44,7 +44,8 @@ from tachk.syntax.walk import nodes_of_kind
 UNITS = ("ns", "us", "ms", "s", "min", "h", "d")
 """The units of time, shortest first."""
 
-_PREFIX = {"F": Eventually, "G": Always, "O": Once, "H": Historically}
+_Prefix = type[Eventually] | type[Always] | type[Once] | type[Historically]
+_PREFIX: dict[str, _Prefix] = {"F": Eventually, "G": Always, "O": Once, "H": Historically}
 
 
 @dataclass(frozen=True, slots=True)
