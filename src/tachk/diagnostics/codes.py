@@ -13,6 +13,7 @@ from tachk.diagnostics.formula_codes import DURATION_CODES
 from tachk.diagnostics.lowering_codes import LOWERING_CODES
 from tachk.diagnostics.model_codes import MODEL_CODES
 from tachk.diagnostics.monitoring_codes import MONITORING_CODES
+from tachk.diagnostics.sentence_codes import SENTENCE_CODES
 from tachk.diagnostics.syntax_codes import SYNTAX_CODES
 from tachk.diagnostics.trace_codes import TRACE_CODES
 from tachk.diagnostics.verification_codes import VERIFICATION_CODES
@@ -20,6 +21,7 @@ from tachk.diagnostics.xml_codes import XML_CODES
 
 CODES: dict[str, Explanation] = {
     **SYNTAX_CODES,
+    **SENTENCE_CODES,
     **XML_CODES,
     **MODEL_CODES,
     **DURATION_CODES,

@@ -1,0 +1,96 @@
+"""The LALR tables of grammar/sentences.lark and its phrases."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import lark
+from lark.lexer import Lexer as LarkLexer
+from lark.lexer import PatternStr
+
+from tachk.resources import grammar_text
+from tachk.syntax.lalr import Tables
+from tachk.syntax.sentence_build import SentenceBuilder
+
+START = "sentence"
+
+_WORD = re.compile(r"\w+|[^\w\s]")
+
+
+@dataclass(frozen=True, slots=True)
+class Phrase:
+    """Attributes:
+    terminal: its name in the tables.
+    words: in lower case; a sign is a word.
+    """
+
+    terminal: str
+    words: tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        return " ".join(self.words)
+
+
+class _NoLexer(LarkLexer):
+    """Where phrases and conditions end is found by `tachk.syntax.sentence_readings`."""
+
+    def __init__(self, lexer_conf: Any) -> None:
+        pass
+
+    def lex(self, *_: Any) -> Iterator[Any]:
+        return iter(())
+
+
+@cache
+def _parser() -> lark.Lark:
+    return lark.Lark(
+        grammar_text("sentences"),
+        parser="lalr",
+        lexer=_NoLexer,
+        start=START,
+        keep_all_tokens=True,
+        maybe_placeholders=True,
+        transformer=SentenceBuilder(),
+    )
+
+
+@cache
+def sentence_tables() -> Tables:
+    return Tables(_parser().parse_interactive("").parser_state.parse_conf)
+
+
+@cache
+def phrases() -> tuple[Phrase, ...]:
+    """Every phrase of the grammar, longer ones first."""
+    found = [
+        Phrase(terminal.name, tuple(_WORD.findall(terminal.pattern.value)))
+        for terminal in _parser().terminals
+        if isinstance(terminal.pattern, PatternStr)
+    ]
+    return tuple(sorted(found, key=lambda phrase: (-len(phrase.words), phrase.words)))
+
+
+@cache
+def phrase_words() -> frozenset[str]:
+    """Every word that occurs in a phrase, but `true` and `false`, which mean the same in conditions."""
+    words = {word for phrase in phrases() for word in phrase.words if word.isidentifier()}
+    return frozenset(words - {"true", "false"})
+
+
+@cache
+def spelling(terminal: str) -> str:
+    """How a message names a terminal."""
+    named = {
+        "CONDITION": "a condition",
+        "DURATION": "a duration",
+        "FULL_STOP": "a full stop",
+        "LABEL": "a name with a colon",
+    }
+    if terminal in named:
+        return named[terminal]
+    return next(f"'{phrase.text}'" for phrase in phrases() if phrase.terminal == terminal)
