@@ -36,7 +36,7 @@ def _suite(parent: ElementTree.Element, record: RunRecord) -> None:
     suite = ElementTree.SubElement(
         parent,
         "testsuite",
-        name=_clean(record.model),
+        name=clean(record.model),
         tests=str(len(record.verdicts) + len(record.not_checked)),
         failures=str(met.count(False)),
         errors=str(met.count(None)),
@@ -56,14 +56,14 @@ def _suite(parent: ElementTree.Element, record: RunRecord) -> None:
 
 
 def _case(suite: ElementTree.Element, record: RunRecord, name: str, time: str) -> ElementTree.Element:
-    return ElementTree.SubElement(suite, "testcase", classname=_clean(record.model), name=_clean(name), time=time)
+    return ElementTree.SubElement(suite, "testcase", classname=clean(record.model), name=clean(name), time=time)
 
 
 def _result(case: ElementTree.Element, kind: str, message: str, details: str) -> None:
-    element = ElementTree.SubElement(case, kind, message=_clean(message))
+    element = ElementTree.SubElement(case, kind, message=clean(message))
     if kind != "skipped":
         element.set("type", kind)
-    element.text = _clean(details) or None
+    element.text = clean(details) or None
 
 
 def _details(record: RunRecord, verdict: Verdict) -> str:
@@ -77,6 +77,6 @@ def _details(record: RunRecord, verdict: Verdict) -> str:
     return console.file.getvalue()
 
 
-def _clean(text: str) -> str:
+def clean(text: str) -> str:
     """The text without the characters that XML 1.0 cannot hold."""
     return _NOT_IN_XML.sub("�", text)

@@ -143,7 +143,10 @@ def _rational_ticks(times: Sequence[Fraction], name: str) -> tuple[Ticks, int]:
 
 
 def held_values(values: Any, column: str, name: str) -> Values:
-    """The values of a column; a missing one (None, NaN, NaT) means that the value before stays. Raises UsageError."""
+    """The values of a column; a missing one (None, NaN, NaT) means that the value before stays.
+
+    A column with no values but 0 and 1 holds truth values, as in a file. Raises UsageError.
+    """
     array = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
     if array.ndim != 1:
         raise UsageError(f"{name}: column {column!r} is no one-dimensional array")
@@ -166,7 +169,8 @@ def held_values(values: Any, column: str, name: str) -> Values:
     known &= ~np.isnan(numbers)
     if np.isinf(numbers).any():
         raise UsageError(f"{name}: column {column!r} has an infinite value in row {int(np.isinf(numbers).argmax())}")
-    return _hold(numbers, known, column, name)
+    held = _hold(numbers, known, column, name)
+    return held.astype(np.uint8) if bool(((held == 0) | (held == 1)).all()) else held
 
 
 def _hold(values: Values, known: NDArray[np.bool_], column: str, name: str) -> Values:

@@ -1,0 +1,1 @@
+"""Judging recorded traces: what `tachk.monitor`, `tachk.Monitor` and `tachk.plot` do."""

@@ -1,0 +1,221 @@
+"""The formulas that a trace is judged by: a text, a file of formulas, or the properties of a model."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UsageError
+from tachk.diagnostics.span import Source, Span
+from tachk.frontend.load import load_model
+from tachk.logic.durations import length_of, resolve
+from tachk.monitoring.constants import constant_value
+from tachk.properties.monitoring import columns_read
+from tachk.syntax import ast
+from tachk.syntax.formula import Duration, Formula
+from tachk.syntax.formula_parser import parse_formula
+from tachk.syntax.formula_printer import print_formula
+from tachk.syntax.rewrite import rewrite
+from tachk.syntax.source_files import read_source
+
+FORMULA_SUFFIXES = (".stl",)
+MODEL_SUFFIXES = (".ta", ".xta", ".xml")
+
+_LINE = re.compile(r"(?P<name>[A-Za-z_]\w*)\s*(?:\"(?P<title>[^\"\n]*)\"\s*)?:(?!:)\s*")
+
+
+@dataclass(frozen=True, slots=True)
+class NamedFormula:
+    """Attributes:
+    name: as written, or ``p1``, ``p2``, ... in order.
+    formula: bounds still in the units in which they are written.
+    sentence: its text if it was written as one, else empty.
+    unit: what a bound without unit is measured in, such as ``10 ms``; empty: the unit of the trace.
+    constants: of the model that states it.
+    """
+
+    name: str
+    title: str
+    formula: Formula
+    sentence: str = ""
+    unit: str = ""
+    constants: Mapping[str, int] | None = None
+
+    @property
+    def text(self) -> str:
+        """In canonical form."""
+        return print_formula(self.formula)
+
+    @property
+    def columns(self) -> frozenset[str]:
+        """The columns that it speaks about; a constant of the model may be among them."""
+        return columns_read(self.formula)
+
+
+def read_formulas(given: str | os.PathLike[str]) -> tuple[NamedFormula, ...]:
+    """The formulas of a text, a file of formulas, or a model.
+
+    A text is a formula, or a sentence, which ends with a full stop.
+
+    Raises:
+        InputError: with everything that is wrong.
+        UsageError: the file cannot be read, or states nothing that can be monitored.
+    """
+    if not isinstance(given, str) or _is_file(given):
+        path = Path(given)
+        return _model_formulas(path) if path.suffix.lower() in MODEL_SUFFIXES else _file_formulas(path)
+    source = Source("<formula>", given)
+    return _checked([_read("p1", "", Span(source, 0, len(given)))], "the formula")
+
+
+def in_trace_units(named: NamedFormula, columns: Collection[str], unit: str) -> Formula:
+    """The formula over the columns of a trace, with bounds that are numbers in the unit of the trace.
+
+    A name that is no column but a constant of the model stands for its value.
+
+    Raises InputError.
+    """
+    constants = {n: v for n, v in (named.constants or {}).items() if n not in columns}
+    own = named.unit or unit
+    remedy = "say what one unit of the trace's time is: --unit s, unit='s', or time [s] in the header"
+    formula = resolve(named.formula, lambda expression: constant_value(expression, constants), own, remedy)
+    scale = _ratio(own, unit)
+
+    def change(node: Any) -> Any:
+        match node:
+            case Duration(value=Fraction() as value) if scale != 1:
+                return replace(node, value=value * scale)
+            case ast.NameExpression(name=name, span=span) if name in constants:
+                number = constants[name]
+                literal = ast.IntegerLiteral(span, abs(number))
+                return literal if number >= 0 else ast.UnaryExpression(span, "-", literal)
+            case _:
+                return node
+
+    return rewrite(formula, change)
+
+
+def _ratio(own: str, common: str) -> Fraction:
+    """How many units of the trace make one of the formula; 1 where one of them is not known."""
+    first, second = length_of(own), length_of(common)
+    return Fraction(1) if first is None or second is None else first / second
+
+
+def _is_file(text: str) -> bool:
+    """Whether an argument names a file rather than being a formula."""
+    if len(text) > 4096 or "\n" in text:
+        return False
+    looks = text.endswith((*FORMULA_SUFFIXES, *MODEL_SUFFIXES)) and not re.search(r"\s", text)
+    return looks or Path(text).is_file()
+
+
+def _checked(read: list[NamedFormula | tuple[Diagnostic, ...]], what: str) -> tuple[NamedFormula, ...]:
+    wrong = [found for each in read if isinstance(each, tuple) for found in each]
+    if any(found.severity is Severity.ERROR for found in wrong):
+        raise InputError(wrong)
+    formulas = tuple(each for each in read if isinstance(each, NamedFormula))
+    if not formulas:
+        raise UsageError(f"there is no formula in {what}", "write one on each line: name: G (p -> F[0, 5] q)")
+    return formulas
+
+
+# ---- files of formulas --------------------------------------------------------------------------------------------
+
+
+def _file_formulas(path: Path) -> tuple[NamedFormula, ...]:
+    source = read_source(path)
+    read: list[NamedFormula | tuple[Diagnostic, ...]] = []
+    names: dict[str, Span] = {}
+    for span in _entries(source):
+        match = _LINE.match(source.text, span.start, span.end)
+        name = match["name"] if match else f"p{len(read) + 1}"
+        title = (match["title"] or "") if match else ""
+        start = match.end() if match else span.start
+        if name in names:
+            read.append((Diagnostic("E0202", f"the formula `{name}` is there twice", span),))
+            continue
+        names[name] = span
+        read.append(_read(name, title, Span(source, start, span.end)))
+    return _checked(read, str(path))
+
+
+def _entries(source: Source) -> Iterator[Span]:
+    """The formulas of a file: one a line; a line that begins with a blank goes on with the one above.
+
+    Comments begin with ``//``, or with ``#`` at the beginning of a line.
+    """
+    start = end = -1
+    offset = 0
+    for line in source.text.splitlines(keepends=True):
+        content = _without_comment(line).rstrip()
+        if content:
+            if start >= 0 and content[0] not in " \t":
+                yield Span(source, start, end)
+                start = -1
+            if start < 0:
+                start = offset + len(content) - len(content.lstrip())
+            end = offset + len(content)
+        elif not line.strip() and start >= 0:
+            yield Span(source, start, end)
+            start = -1
+        offset += len(line)
+    if start >= 0:
+        yield Span(source, start, end)
+
+
+def _without_comment(line: str) -> str:
+    if line.lstrip().startswith("#"):
+        return ""
+    unquoted = re.sub(r"`[^`]*`|\"[^\"]*\"", lambda match: "_" * len(match.group()), line)
+    place = unquoted.find("//")
+    return line if place < 0 else line[:place]
+
+
+def _read(name: str, title: str, span: Span) -> NamedFormula | tuple[Diagnostic, ...]:
+    if span.text.rstrip().endswith("."):
+        return _sentence(name, title, span)
+    formula, found = parse_formula(span)
+    return found if formula is None else NamedFormula(name, title, formula)
+
+
+def _sentence(name: str, title: str, span: Span) -> NamedFormula | tuple[Diagnostic, ...]:
+    from tachk.logic.sentences import meaning
+    from tachk.syntax.sentence_parser import parse_sentence
+
+    sentence, found = parse_sentence(span)
+    if sentence is None:
+        return found
+    return NamedFormula(name, title, meaning(sentence), " ".join(span.text.split()))
+
+
+# ---- models -------------------------------------------------------------------------------------------------------
+
+
+def _model_formulas(path: Path) -> tuple[NamedFormula, ...]:
+    loaded = load_model(path)
+    heading = loaded.heading
+    constants = dict(heading.constants)
+    read: list[NamedFormula | tuple[Diagnostic, ...]] = []
+    for item in loaded.items:
+        if isinstance(item, ast.PropertyDeclaration) and isinstance(item.formula, ast.TemporalFormula):
+            temporal = item.formula
+            if temporal.formula is None:
+                each = _sentence(item.name.name, item.title, temporal.span)
+                if isinstance(each, NamedFormula):
+                    each = replace(each, unit=heading.time_unit, constants=constants)
+                read.append(each)
+            else:
+                read.append(
+                    NamedFormula(item.name.name, item.title, temporal.formula, "", heading.time_unit, constants)
+                )
+    if not read:
+        raise UsageError(
+            f"{path} states no property that a trace can be judged by",
+            "formulas (G (p -> F[0, 5] q)) and sentences can be monitored; E<> and A[] speak about all runs",
+        )
+    return _checked(read, str(path))

@@ -1,0 +1,94 @@
+"""What came of judging one trace by some formulas: the input of every report and plot about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from fractions import Fraction
+
+from tachk.report.quantity import decimal
+from tachk.runtime.explanation import Explainer, Finding
+from tachk.runtime.node_signal import Truth
+from tachk.runtime.trace import Trace
+from tachk.semantics.monitor_program import MonitorProgram
+
+
+class Ending(StrEnum):
+    """What the end of the trace means for a formula that it leaves undetermined.
+
+    WEAK: what is still pending counts as satisfied; STRONG: as violated.
+    """
+
+    UNDETERMINED = "undetermined"
+    WEAK = "weak"
+    STRONG = "strong"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MonitorVerdict:
+    """Attributes:
+    formula: in canonical form.
+    sentence: as written, if it was a sentence.
+    measured: what the trace says.
+    truth: what counts, with the meaning that was given to the end of the trace.
+    presumably: what an undetermined formula becomes if all values stay as they are at the end; None if it stays
+        undetermined, or is determined.
+    robustness: how far the trace is from changing the verdict, as an interval over all continuations; None if it was
+        not asked for.
+    finding: where the formula is violated first, or hangs.
+    vacuous: it asks for something whenever a trigger is true, and the trigger never is.
+    explainer: for plots; None where the trace is not kept.
+    """
+
+    name: str
+    title: str
+    formula: str
+    sentence: str
+    measured: Truth
+    truth: Truth
+    presumably: Truth | None
+    robustness: tuple[float, float] | None
+    finding: Finding | None
+    vacuous: bool
+    program: MonitorProgram = field(repr=False)
+    explainer: Explainer | None = field(default=None, repr=False)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MonitorRecord:
+    """Attributes:
+    formulas: where they come from: a path, or empty.
+    verdicts: one for each formula, in order.
+    """
+
+    trace: Trace = field(repr=False)
+    formulas: str
+    verdicts: tuple[MonitorVerdict, ...]
+    ending: Ending = Ending.UNDETERMINED
+
+
+def clock_text(trace: Trace, tick: int | Fraction) -> str:
+    """What the clock of the recording showed at a tick: ``12.5 s``."""
+    number = decimal(trace.clock(tick))
+    return f"{number} {trace.unit}" if trace.unit else number
+
+
+def cell_time(cell: int) -> Fraction:
+    """The instant of a cell in ticks, of an interval between two ticks its middle."""
+    return Fraction(cell, 2)
+
+
+def cell_text(trace: Trace, cell: int) -> str:
+    """When a cell is: ``12.5 s``, or ``just after 12.5 s`` for the interval that begins there."""
+    text = clock_text(trace, cell // 2)
+    return text if cell % 2 == 0 else f"just after {text}"
+
+
+def value_text(trace: Trace, column: str, cell: int) -> str:
+    """The value of a column in a cell, beyond the end the last one."""
+    values = trace.columns[column]
+    row = int(trace.times.searchsorted(cell // 2, side="right")) - 1
+    value = values[row]
+    if values.dtype.kind == "u":
+        return "true" if value else "false"
+    return f"{float(value):.6g}"

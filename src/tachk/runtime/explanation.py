@@ -1,0 +1,254 @@
+"""Why a formula is false or undetermined on a trace: from the verdict down to the responsible subformula and atoms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+from tachk.runtime.node_signal import NodeSignal, Truth
+from tachk.semantics.monitor_program import UNBOUNDED, MonitorNode, MonitorProgram, NodeKind, ValueOperator
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """That a subformula has a value in a cell, and what makes it so.
+
+    Attributes:
+        node: its number in the program.
+        cell: where it is looked at.
+        window: the first and the last cell that a temporal operator speaks about there; the last one may lie beyond the
+            trace, None: without end.
+        parts: the operands that are to blame, where they are to blame.
+        operands: the texts of the operands, also of those that are not to blame.
+    """
+
+    node: int
+    text: str
+    kind: NodeKind
+    cell: int
+    value: Truth
+    window: tuple[int, int | None] | None = None
+    parts: tuple[Reason, ...] = ()
+    operands: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """The first instant at which a formula is violated, or at which its verdict hangs.
+
+    Attributes:
+        cell: the instant; for ``G (p -> ...)`` that of the trigger.
+        last: the last cell of the stretch in which it is so, the first being ``cell``.
+        trigger: the condition that asks for the response, if the formula has that form.
+        triggered: the first and the last cell of the stretch around ``cell`` in which the trigger is true.
+        response: why the response, or the whole, has its value.
+        deadline: the last cell at which the response could have come or been broken; None: without end.
+        decided: the cell from which on the verdict is certain; None if it is not.
+        blamed: the innermost subformulas to blame, with the cells at which they are.
+    """
+
+    cell: int
+    last: int
+    trigger: str | None
+    triggered: tuple[int, int] | None
+    response: Reason
+    deadline: int | None
+    decided: int | None
+    blamed: tuple[Reason, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Explainer:
+    """Attributes:
+    signals: what each node of the program is worth over the trace.
+    cells: of the trace, ``2 * end + 1``.
+    """
+
+    program: MonitorProgram
+    signals: Sequence[NodeSignal] = field(repr=False)
+    cells: int
+
+    def finding(self) -> Finding | None:
+        """Where the formula is violated first, or where it hangs; None if it is true."""
+        root = len(self.program.nodes) - 1
+        value = self.signals[root].at(0)
+        if value is Truth.TRUE:
+            return None
+        node, cell = self._body(root, value)
+        trigger, response = self._trigger(node, cell)
+        reason = self.reason(node if response is None else response, cell, value)
+        blamed = tuple(_leaves(reason))
+        last = self.signals[node].run(cell)[1]
+        return Finding(
+            cell,
+            last,
+            None if trigger is None else self.program.nodes[trigger].text,
+            None if trigger is None else self.signals[trigger].run(cell),
+            reason,
+            _deadline(reason),
+            self._decided(reason) if value is Truth.FALSE else None,
+            blamed,
+        )
+
+    def is_vacuous(self) -> bool:
+        """Whether the formula is ``G (trigger -> ...)``, or several of them, and no trigger is ever true."""
+        triggers = list(self._triggers(len(self.program.nodes) - 1, 0, self.cells - 1))
+        return bool(triggers) and all(
+            self.signals[node].first(Truth.TRUE, begin, end) is None
+            and self.signals[node].first(Truth.UNDETERMINED, begin, end) is None
+            for node, begin, end in triggers
+        )
+
+    def reason(self, node: int, cell: int, value: Truth) -> Reason:
+        """Why a node has its value in a cell. The value must be the one that it has."""
+        program_node = self.program.nodes[node]
+        parts, window = self._parts(program_node, cell, value)
+        operands = tuple(self.program.nodes[operand].text for operand in program_node.operands)
+        return Reason(node, program_node.text, program_node.kind, cell, value, window, tuple(parts), operands)
+
+    def columns(self, reason: Reason) -> tuple[str, ...]:
+        """The columns that the atoms within a subformula read."""
+        seen: dict[str, None] = {}
+        pending = [reason.node]
+        while pending:
+            node = self.program.nodes[pending.pop()]
+            pending.extend(reversed(node.operands))
+            if node.atom >= 0:
+                atom = self.program.atoms[node.atom]
+                for instruction in (*atom.left, *atom.right):
+                    if instruction.operator is ValueOperator.COLUMN:
+                        seen[self.program.columns[int(instruction.operand)]] = None
+        return tuple(seen)
+
+    # ---- the shape of the whole ----
+
+    def _body(self, node: int, value: Truth) -> tuple[int, int]:
+        """Goes from the whole down conjunctions and G to what has the value first, and where."""
+        cell = 0
+        while True:
+            current = self.program.nodes[node]
+            if current.kind is NodeKind.AND:
+                node = next(o for o in current.operands if self.signals[o].at(cell) is value)
+            elif current.kind is NodeKind.ALWAYS:
+                first, last = self._window(current, cell)
+                found = self.signals[current.operands[0]].first(value, first, self.cells - 1 if last is None else last)
+                if found is None:
+                    return node, cell
+                node, cell = current.operands[0], found
+            else:
+                return node, cell
+
+    def _trigger(self, node: int, cell: int) -> tuple[int | None, int | None]:
+        """The trigger and the response of ``trigger -> response``, where the trigger is true."""
+        current = self.program.nodes[node]
+        if current.kind is not NodeKind.OR or len(current.operands) != 2:
+            return None, None
+        negated, response = current.operands
+        if self.program.nodes[negated].kind is not NodeKind.NOT:
+            return None, None
+        trigger = self.program.nodes[negated].operands[0]
+        return (trigger, response) if self.signals[trigger].at(cell) is Truth.TRUE else (None, None)
+
+    def _triggers(self, node: int, begin: int, end: int) -> Iterator[tuple[int, int, int]]:
+        current = self.program.nodes[node]
+        match current.kind:
+            case NodeKind.AND:
+                for operand in current.operands:
+                    yield from self._triggers(operand, begin, end)
+            case NodeKind.ALWAYS:
+                first, last = self._window(current, begin)
+                yield from self._triggers(current.operands[0], first, end if last is None else min(last, end))
+            case NodeKind.OR if len(current.operands) == 2:
+                negated = self.program.nodes[current.operands[0]]
+                if negated.kind is NodeKind.NOT:
+                    yield negated.operands[0], begin, end
+            case _:
+                pass
+
+    # ---- one step down ----
+
+    def _parts(self, node: MonitorNode, cell: int, value: Truth) -> tuple[list[Reason], tuple[int, int | None] | None]:
+        operands = node.operands
+        match node.kind:
+            case NodeKind.NOT:
+                return [self.reason(operands[0], cell, value.negated)], None
+            case NodeKind.AND | NodeKind.OR:
+                decisive = Truth.FALSE if node.kind is NodeKind.AND else Truth.TRUE
+                same = [o for o in operands if self.signals[o].at(cell) is value]
+                chosen = same[:1] if value is decisive else same
+                return [self.reason(o, cell, value) for o in chosen], None
+            case NodeKind.EVENTUALLY | NodeKind.ALWAYS | NodeKind.ONCE | NodeKind.HISTORICALLY:
+                return self._window_parts(node, cell, value)
+            case NodeKind.UNTIL:
+                return self._until_parts(node, cell, value)
+            case NodeKind.RISE | NodeKind.FALL:
+                wanted = Truth.TRUE if node.kind is NodeKind.RISE else Truth.FALSE
+                now = self.signals[operands[0]].at(cell)
+                missing = value is Truth.FALSE and now is wanted.negated
+                return ([self.reason(operands[0], cell, now)] if missing else []), None
+            case _:
+                return [], None
+
+    def _window_parts(
+        self, node: MonitorNode, cell: int, value: Truth
+    ) -> tuple[list[Reason], tuple[int, int | None] | None]:
+        """The operand where it is decisive: nowhere for an F that is false, at one instant for a G that is."""
+        window = self._window(node, cell)
+        universal = node.kind in (NodeKind.ALWAYS, NodeKind.HISTORICALLY)
+        decisive = Truth.FALSE if universal else Truth.TRUE
+        if value is not decisive and value is not Truth.UNDETERMINED:
+            return [], window
+        signal = self.signals[node.operands[0]]
+        end = self.cells - 1 if window[1] is None else window[1]
+        ahead = node.kind in (NodeKind.ALWAYS, NodeKind.EVENTUALLY)
+        found = signal.first(value, window[0], end) if ahead else signal.last(value, window[0], end)
+        return ([] if found is None else [self.reason(node.operands[0], found, value)]), window
+
+    def _until_parts(
+        self, node: MonitorNode, cell: int, value: Truth
+    ) -> tuple[list[Reason], tuple[int, int | None] | None]:
+        """A false until: the left operand where it fails too early; nothing where the right one never came."""
+        window = self._window(node, cell)
+        left, right = node.operands
+        end = self.cells - 1 if window[1] is None else window[1]
+        match value:
+            case Truth.TRUE:
+                found = self.signals[right].first(Truth.TRUE, window[0], end)
+                return ([] if found is None else [self.reason(right, found, Truth.TRUE)]), window
+            case Truth.FALSE:
+                broken = self.signals[left].first(Truth.FALSE, cell, end)
+                return ([] if broken is None else [self.reason(left, broken, Truth.FALSE)]), window
+            case _:
+                return [], window
+
+    def _window(self, node: MonitorNode, cell: int) -> tuple[int, int | None]:
+        """The cells that a temporal operator speaks about; see docs/logic.md for open bounds."""
+        odd = cell % 2
+        low = 2 * node.lower + (0 if odd or node.lower_closed else 1)
+        high = None if node.upper == UNBOUNDED else 2 * node.upper - (0 if odd or node.upper_closed else 1)
+        if node.kind in (NodeKind.ONCE, NodeKind.HISTORICALLY, NodeKind.SINCE):
+            return (0 if high is None else max(cell - high, 0)), cell - low
+        return cell + low, None if high is None else cell + high
+
+    def _decided(self, reason: Reason) -> int:
+        """From which cell on nothing can change the value, the end of the trace at the latest."""
+        if reason.parts:
+            return max(self._decided(part) for part in reason.parts)
+        if reason.window is not None and reason.kind in (NodeKind.EVENTUALLY, NodeKind.ALWAYS, NodeKind.UNTIL):
+            return self.cells - 1 if reason.window[1] is None else reason.window[1]
+        return reason.cell
+
+
+def _leaves(reason: Reason) -> Iterator[Reason]:
+    if not reason.parts:
+        yield reason
+    for part in reason.parts:
+        yield from _leaves(part)
+
+
+def _deadline(reason: Reason) -> int | None:
+    """The end of the outermost window that looks ahead."""
+    if reason.kind in (NodeKind.EVENTUALLY, NodeKind.ALWAYS, NodeKind.UNTIL) and reason.window is not None:
+        return reason.window[1]
+    deadlines = [deadline for part in reason.parts if (deadline := _deadline(part)) is not None]
+    return max(deadlines, default=None)

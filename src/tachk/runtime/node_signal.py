@@ -1,0 +1,86 @@
+"""What one subformula is worth over the whole of a trace, in cells of time (docs/logic.md)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Truth(IntEnum):
+    """Three truth values; UNDETERMINED: the trace ends too early to tell."""
+
+    FALSE = 0
+    TRUE = 1
+    UNDETERMINED = 2
+
+    @property
+    def negated(self) -> Truth:
+        return self if self is Truth.UNDETERMINED else Truth(1 - self)
+
+    @property
+    def word(self) -> str:
+        return self.name.lower()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NodeSignal:
+    """Attributes:
+    starts: the first cell of each piece, ascending, the first one 0; neighbours may have the same value.
+    values: `Truth` of each piece.
+    cells: how many cells there are; the last piece ends before this one.
+    """
+
+    starts: NDArray[np.int64]
+    values: NDArray[np.uint8]
+    cells: int
+
+    def at(self, cell: int) -> Truth:
+        """What holds in a cell; beyond the trace nothing is determined."""
+        if cell >= self.cells:
+            return Truth.UNDETERMINED
+        return Truth(int(self.values[self._piece(cell)]))
+
+    def first(self, value: Truth, begin: int, end: int) -> int | None:
+        """The first cell of ``begin .. end`` (inclusive) with a value, within the trace."""
+        begin, end = max(begin, 0), min(end, self.cells - 1)
+        if begin > end:
+            return None
+        low, high = self._piece(begin), self._piece(end)
+        found = np.flatnonzero(self.values[low : high + 1] == value)
+        return max(int(self.starts[low + int(found[0])]), begin) if len(found) else None
+
+    def last(self, value: Truth, begin: int, end: int) -> int | None:
+        """The last cell of ``begin .. end`` (inclusive) with a value, within the trace."""
+        begin, end = max(begin, 0), min(end, self.cells - 1)
+        if begin > end:
+            return None
+        low, high = self._piece(begin), self._piece(end)
+        found = np.flatnonzero(self.values[low : high + 1] == value)
+        return min(self._end(low + int(found[-1])), end) if len(found) else None
+
+    def run(self, cell: int) -> tuple[int, int]:
+        """The first and the last cell of the longest stretch around a cell with the value it has."""
+        value = self.at(cell)
+        piece = self._piece(cell)
+        others = np.flatnonzero(self.values[piece + 1 :] != value)
+        last = self._end(piece + int(others[0])) if len(others) else self.cells - 1
+        others = np.flatnonzero(self.values[:piece] != value)
+        first = int(self.starts[int(others[-1]) + 1]) if len(others) else 0
+        return first, last
+
+    def stretches(self) -> list[tuple[int, int, Truth]]:
+        """The longest stretches of one value: first cell, last cell, value."""
+        kept = np.concatenate(([0], np.flatnonzero(self.values[1:] != self.values[:-1]) + 1))
+        starts = self.starts[kept].tolist()
+        ends = [start - 1 for start in starts[1:]] + [self.cells - 1]
+        values = self.values[kept].tolist()
+        return [(start, end, Truth(value)) for start, end, value in zip(starts, ends, values, strict=True)]
+
+    def _piece(self, cell: int) -> int:
+        return int(np.searchsorted(self.starts, cell, side="right")) - 1
+
+    def _end(self, piece: int) -> int:
+        return int(self.starts[piece + 1]) - 1 if piece + 1 < len(self.starts) else self.cells - 1
