@@ -1,0 +1,111 @@
+"""Processes that cannot influence an answer are held still, so that their states are not told apart.
+
+A cone of influence on the level of processes. A *spectator* only receives broadcasts or moves on its own, never
+forbids a delay (no invariant, no urgent or committed location, no rate) and writes nothing that a process that counts
+reads: every run of the others is possible with it and without it. Its own run-time errors are not looked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from tachk.model.expressions import Deadlock, Expression, LocationTest, Reference, Variable
+from tachk.model.network import DEFAULT_PRIORITY, Direction, Location, Network, Process
+from tachk.model.traversal import called_functions, statement_expressions, walk, written_variables
+from tachk.model.types import ChannelType, leaves
+
+
+def without_spectators(network: Network, targets: Sequence[Expression]) -> Network:
+    """The network with every process held in its initial location that cannot influence whether a target is reachable.
+
+    Processes keep their numbers. Nothing is held still where a target speaks of ``deadlock`` or where processes or
+    channels have priorities: there every possible action counts.
+    """
+    if _has_priorities(network) or any(isinstance(node, Deadlock) for target in targets for node in walk(target)):
+        return network
+    candidates = {number for number, process in enumerate(network.processes) if _only_watches(process)}
+    processes, variables = _mentioned(targets)
+    for number, process in enumerate(network.processes):
+        if number not in candidates:
+            seen_processes, seen_variables = _mentioned(list(_expressions(process)))
+            processes |= seen_processes
+            variables |= seen_variables
+    relevant = True
+    while relevant:
+        relevant = False
+        for number in sorted(candidates):
+            process = network.processes[number]
+            expressions = list(_expressions(process))
+            if number in processes or not variables.isdisjoint(written_variables(expressions)):
+                candidates.remove(number)
+                seen_processes, seen_variables = _mentioned(expressions)
+                processes |= seen_processes
+                variables |= seen_variables
+                relevant = True
+    return replace(
+        network,
+        processes=tuple(
+            _still(process) if number in candidates else process for number, process in enumerate(network.processes)
+        ),
+    )
+
+
+def _still(process: Process) -> Process:
+    return replace(process, locations=(process.locations[process.initial],), edges=(), initial=0, variables=())
+
+
+def _only_watches(process: Process) -> bool:
+    return not any(map(_forbids_delay, process.locations)) and all(
+        edge.synchronisation is None
+        or (edge.synchronisation.direction is Direction.RECEIVE and _is_broadcast(edge.synchronisation.channel))
+        for edge in process.edges
+    )
+
+
+def _forbids_delay(location: Location) -> bool:
+    return location.urgent or location.committed or location.invariant is not None or bool(location.rates)
+
+
+def _is_broadcast(channel: Expression) -> bool:
+    return isinstance(channel.type, ChannelType) and channel.type.broadcast
+
+
+def _has_priorities(network: Network) -> bool:
+    return (
+        network.default_priority != DEFAULT_PRIORITY
+        or any(process.priority != DEFAULT_PRIORITY for process in network.processes)
+        or any(
+            variable.priorities
+            for variable in network.all_variables()
+            if any(isinstance(leaf, ChannelType) for _, leaf in leaves(variable.type))
+        )
+    )
+
+
+def _expressions(process: Process) -> Iterator[Expression]:
+    for location in process.locations:
+        if location.invariant is not None:
+            yield location.invariant
+        for clock, rate in location.rates:
+            yield from (clock, rate)
+    for edge in process.edges:
+        if edge.guard is not None:
+            yield edge.guard
+        if edge.synchronisation is not None:
+            yield edge.synchronisation.channel
+        yield from edge.updates
+
+
+def _mentioned(expressions: Sequence[Expression]) -> tuple[set[int], set[Variable]]:
+    """The processes whose locations are tested and the variables that occur, functions included."""
+    bodies = [e for f in called_functions(expressions) for e in statement_expressions(f.body)]
+    processes: set[int] = set()
+    variables: set[Variable] = set()
+    for expression in (*expressions, *bodies):
+        for node in walk(expression):
+            if isinstance(node, LocationTest):
+                processes.add(node.process)
+            elif isinstance(node, Reference):
+                variables.add(node.variable)
+    return processes, variables
