@@ -36,6 +36,7 @@ class FormulaShape:
         rows: the largest number.
         gap: the largest time from one row to the next.
         equal_times: whether several rows may be for one instant.
+        constants: the share of true and false among the innermost operands.
     """
 
     depth: int = 3
@@ -50,6 +51,7 @@ class FormulaShape:
     rows: int = 8
     gap: int = 3
     equal_times: bool = True
+    constants: float = 0.04
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,12 +134,12 @@ def random_trace(random: Random, shape: FormulaShape) -> ExactTrace:
 
 
 def _leaf(random: Random, shape: FormulaShape) -> syntax.Formula:
-    kind = random.random()
-    if kind < 0.04:
+    if random.random() < shape.constants:
         return syntax.Truth(NOWHERE, random.random() < 0.5)
-    if shape.edges and kind < 0.12:
+    kind = random.random()
+    if shape.edges and kind < 0.08:
         return syntax.Change(NOWHERE, _name(random.choice(FLAGS + (NUMBERS if shape.numeric else ()))))
-    if not shape.numeric or kind < 0.5:
+    if not shape.numeric or kind < 0.48:
         return syntax.Atom(NOWHERE, _name(random.choice(FLAGS)))
     operator = random.choice(("<", "<=", ">", ">=", "<", "<=", ">", ">=", "==", "!="))
     left, right = _name(random.choice(NUMBERS)), _term(random)
