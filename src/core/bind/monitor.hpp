@@ -1,0 +1,6 @@
+// Adds the offline monitors to the extension module.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+void bind_monitor(nanobind::module_& m);

@@ -1,0 +1,28 @@
+// Reads tachk.semantics.monitor_program.MonitorProgram, and columns as NumPy holds them.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "tachk/monitor_program.hpp"
+#include "tachk/monitor_samples.hpp"
+
+using TickArray = nanobind::ndarray<const std::int64_t, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;
+
+// The program as C++ has it, validated.
+tachk::MonitorProgram monitor_program_from(nanobind::handle program);
+
+// Samples of ticks and columns (float64, uint8 or bool; contiguous) without copying; the arrays must outlive them.
+class NB_HIDDEN SampleView {
+ public:
+  SampleView(const TickArray& ticks, const nanobind::sequence& columns);
+  const tachk::Samples& samples() const { return samples_; }
+
+ private:
+  std::vector<nanobind::object> held_;
+  std::vector<tachk::Column> columns_;
+  tachk::Samples samples_;
+};
