@@ -13,6 +13,7 @@ from tachk.diagnostics.formula_codes import DURATION_CODES
 from tachk.diagnostics.lowering_codes import LOWERING_CODES
 from tachk.diagnostics.model_codes import MODEL_CODES
 from tachk.diagnostics.monitoring_codes import MONITORING_CODES
+from tachk.diagnostics.observer_codes import OBSERVER_CODES
 from tachk.diagnostics.sentence_codes import SENTENCE_CODES
 from tachk.diagnostics.syntax_codes import SYNTAX_CODES
 from tachk.diagnostics.trace_codes import TRACE_CODES
@@ -27,6 +28,7 @@ CODES: dict[str, Explanation] = {
     **DURATION_CODES,
     **LOWERING_CODES,
     **VERIFICATION_CODES,
+    **OBSERVER_CODES,
     **EXPORT_CODES,
     **MONITORING_CODES,
     **TRACE_CODES,

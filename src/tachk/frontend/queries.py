@@ -11,6 +11,7 @@ from tachk.frontend.clock_constraints import mentions_comparison
 from tachk.frontend.context import Context
 from tachk.frontend.expressions import condition, expression
 from tachk.frontend.findings import Findings
+from tachk.frontend.observers import elaborate_temporal
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.frontend.typing import describe, is_integral
 from tachk.model.expressions import Binary, BinaryOperator, Deadlock, Expression, Unary
@@ -47,7 +48,7 @@ class UncheckedQuery:
 
 
 def elaborate_query(
-    formula: ast.QueryFormula,
+    formula: ast.QueryFormula | ast.TemporalFormula,
     name: str,
     scope: Scope,
     context: Context,
@@ -55,6 +56,9 @@ def elaborate_query(
     expectation: str | None = None,
 ) -> Query | None:
     """A query with its names resolved, in a scope that has the processes; None after a report."""
+    if isinstance(formula, ast.TemporalFormula):
+        expected = None if expectation is None else Expectation(expectation)
+        return elaborate_temporal(formula, name, scope, context, title, expected)
     context = replace(context, in_query=True)
     kind = QueryKind(formula.kind)
     predicate: Expression | None = None

@@ -7,6 +7,7 @@ from enum import StrEnum
 
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.model.expressions import Expression
+from tachk.model.network import Process
 
 
 class QueryKind(StrEnum):
@@ -26,6 +27,21 @@ class Expectation(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
+class Observer:
+    """An automaton beside a network that watches for violations of a temporal formula and hinders nothing.
+
+    Attributes:
+        process: to be added to the network behind all others.
+        bad: the location that is reachable if and only if the formula can be violated.
+        formula: the formula with its bounds as numbers, as text.
+    """
+
+    process: Process
+    bad: int
+    formula: str
+
+
+@dataclass(frozen=True, slots=True)
 class Query:
     """Attributes:
     name: as given by a property line, else ``q1``, ``q2``, ... in order.
@@ -33,6 +49,7 @@ class Query:
     predicate: the state predicate; for LEADS_TO the left side, for SUPREMUM and the like the restriction or None.
     operands: LEADS_TO: the right side; SUPREMUM and the like: the expressions. Empty otherwise.
     text: the formula as the user wrote it.
+    observer: what has to be added to the network for this query alone; the predicate names its location.
     """
 
     name: str
@@ -43,3 +60,4 @@ class Query:
     title: str = ""
     expectation: Expectation | None = None
     span: Span = NOWHERE
+    observer: Observer | None = None

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from tachk.model.expressions import BOOL, Deadlock, Expression, Reference, Unary, UnaryOperator, Variable
-from tachk.model.query import Query, QueryKind
+from tachk.model.query import Observer, Query, QueryKind
 from tachk.model.traversal import walk
 from tachk.model.types import ClockType, leaves
 
@@ -21,22 +21,24 @@ class Task:
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """Tasks that are decided by one exploration."""
+    """Tasks that are decided by one exploration, of the network with the observer if there is one."""
 
     tasks: tuple[Task, ...]
+    observer: Observer | None = None
 
 
 def plan(queries: Sequence[Query]) -> tuple[Search, ...]:
     """One search for each set of queries that look at the same clocks and agree in asking for deadlock or not.
 
     A clock in a predicate stays alive everywhere, and ``deadlock`` needs a finer abstraction, so sharing a search with
-    such a query would make the others pay for it.
+    such a query would make the others pay for it. So would an observer: a query that has one is searched alone.
     """
-    searches: dict[tuple[bool, frozenset[Variable]], list[Task]] = {}
-    for query in queries:
+    searches: dict[tuple[bool, frozenset[Variable], int], list[Task]] = {}
+    for number, query in enumerate(queries, start=1):
         task = Task(query, target_of(query))
-        searches.setdefault(_demands(task.target), []).append(task)
-    return tuple(Search(tuple(tasks)) for tasks in searches.values())
+        alone = 0 if query.observer is None else number
+        searches.setdefault((*_demands(task.target), alone), []).append(task)
+    return tuple(Search(tuple(tasks), tasks[0].query.observer) for tasks in searches.values())
 
 
 def target_of(query: Query) -> Expression:

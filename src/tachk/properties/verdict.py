@@ -8,6 +8,7 @@ from enum import StrEnum
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.engines.protocol import RunTimeFault, Statistics
 from tachk.model.query import Expectation, Query
+from tachk.properties.observed import ObserverMove
 from tachk.semantics.trace import TimedTrace
 
 
@@ -28,6 +29,7 @@ class Verdict:
     trace: a replayed run that shows E<> true or A[] false; None where no run can.
     fault: the run-time error of the model that ended the search, if one did.
     unsupported: why this query cannot be checked at all.
+    moves: what the observer of a temporal property did along the trace, which is that of the model alone.
     """
 
     query: Query
@@ -38,6 +40,7 @@ class Verdict:
     trace: TimedTrace | None = None
     fault: RunTimeFault | None = None
     unsupported: Diagnostic | None = None
+    moves: tuple[ObserverMove, ...] = ()
 
     @property
     def met(self) -> bool | None:

@@ -18,6 +18,13 @@ from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query, QueryKind
 from tachk.properties.fault import explain
+from tachk.properties.observed import (
+    ObserverMove,
+    check_observable,
+    fault_without_observer,
+    observed,
+    without_observer,
+)
 from tachk.properties.plan import Search, Task, plan
 from tachk.properties.verdict import Answer, Verdict
 from tachk.semantics.discrete import environment, initial_discrete, prepare
@@ -49,6 +56,7 @@ def verify(
     supported = []
     for query in queries:
         try:
+            check_observable(network, query)
             check_supported(network, query)
         except UnsupportedError as error:
             verdicts[id(query)] = _unsupported(query, error.diagnostic)
@@ -110,10 +118,12 @@ def _unsupported(query: Query, diagnostic: Diagnostic) -> Verdict:
 def _run(
     network: Network, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
 ) -> list[Verdict]:
+    network = observed(network, search.observer)
     program, goals = lower(network, [task.target for task in search.tasks])
     outcome = explore(program, goals, options, limits, progress)
     if outcome.fault is not None:
-        outcome = replace(outcome, fault=explain(network, outcome.fault))
+        fault = explain(network, outcome.fault)
+        outcome = replace(outcome, fault=fault if search.observer is None else fault_without_observer(network, fault))
     pairs = zip(search.tasks, outcome.goals, strict=True)
     return [_verdict(network, task, goal, outcome, trace) for task, goal in pairs]
 
@@ -144,4 +154,7 @@ def _verdict(network: Network, task: Task, goal: GoalOutcome, outcome: Outcome, 
         if not outcome.exact:
             return replace(verdict, reason=_INEXACT)
         raise InternalError(f"the run found for {task.query.text!r} does not replay: {error}") from error
-    return replace(verdict, answer=on_reached, exact=True, reason="", trace=run)
+    moves: tuple[ObserverMove, ...] = ()
+    if task.query.observer is not None:
+        run, moves = without_observer(network, run)
+    return replace(verdict, answer=on_reached, exact=True, reason="", trace=run, moves=moves)

@@ -1,0 +1,29 @@
+"""Explanations of what is reported about temporal formulas that a model is checked against."""
+
+from __future__ import annotations
+
+from tachk.diagnostics.explanation import Explanation
+
+OBSERVER_CODES: dict[str, Explanation] = {
+    "E0730": Explanation(
+        "no observer for this formula",
+        "A temporal property is checked by an automaton beside the model that reaches a bad location exactly if the "
+        "formula can be violated. There is none for a formula that only a run without end can violate, such as F q "
+        "without a window, and tachk has none for some nestings of operators. docs/logic.md lists what it follows.",
+        "property p : G(P.a -> F P.b);",
+        "property p : G(P.a -> F[0,10] P.b);",
+    ),
+    "E0731": Explanation(
+        "clock in a temporal formula",
+        "Temporal operators speak of values that change at single instants, and a comparison of a clock changes while "
+        "time passes. Say the same with the window of an operator and with locations, or with a variable that an edge "
+        "sets.",
+        "property p : G(P.x > 5 -> P.done);",
+        "property p : G(rise(P.started) -> F[0,5] P.done);",
+    ),
+    "E0732": Explanation(
+        "temporal property of a model with priorities",
+        "An observer takes steps of its own. Where channels or processes have priorities, a step of a higher priority "
+        "keeps all others from happening, so the observer would change what the model does.",
+    ),
+}
