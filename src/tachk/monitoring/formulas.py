@@ -14,13 +14,17 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, Usage
 from tachk.diagnostics.span import Source, Span
 from tachk.frontend.load import load_model
 from tachk.logic.durations import length_of, resolve
+from tachk.logic.sentences import meaning
 from tachk.monitoring.constants import constant_value
-from tachk.properties.monitoring import columns_read
+from tachk.properties import monitoring
+from tachk.runtime.trace import Trace
+from tachk.semantics.monitor_program import MonitorProgram
 from tachk.syntax import ast
 from tachk.syntax.formula import Duration, Formula
 from tachk.syntax.formula_parser import parse_formula
 from tachk.syntax.formula_printer import print_formula
 from tachk.syntax.rewrite import rewrite
+from tachk.syntax.sentence_parser import parse_sentence
 from tachk.syntax.source_files import read_source
 
 FORMULA_SUFFIXES = (".stl",)
@@ -54,7 +58,7 @@ class NamedFormula:
     @property
     def columns(self) -> frozenset[str]:
         """The columns that it speaks about; a constant of the model may be among them."""
-        return columns_read(self.formula)
+        return monitoring.columns_read(self.formula)
 
 
 def read_formulas(given: str | os.PathLike[str]) -> tuple[NamedFormula, ...]:
@@ -73,12 +77,17 @@ def read_formulas(given: str | os.PathLike[str]) -> tuple[NamedFormula, ...]:
     return _checked([_read("p1", "", Span(source, 0, len(given)))], "the formula")
 
 
+def compile_for(named: NamedFormula, trace: Trace) -> MonitorProgram:
+    """The monitor of a formula for a trace. Raises InputError for columns that are not there and bounds in no unit."""
+    booleans = frozenset(name for name, values in trace.columns.items() if values.dtype.kind == "u")
+    formula = in_trace_units(named, trace.columns, trace.unit)
+    return monitoring.compile(formula, trace.columns, trace.ticks_per_unit, booleans=booleans)
+
+
 def in_trace_units(named: NamedFormula, columns: Collection[str], unit: str) -> Formula:
     """The formula over the columns of a trace, with bounds that are numbers in the unit of the trace.
 
-    A name that is no column but a constant of the model stands for its value.
-
-    Raises InputError.
+    A name that is no column but a constant of the model stands for its value. Raises InputError.
     """
     constants = {n: v for n, v in (named.constants or {}).items() if n not in columns}
     own = named.unit or unit
@@ -184,9 +193,6 @@ def _read(name: str, title: str, span: Span) -> NamedFormula | tuple[Diagnostic,
 
 
 def _sentence(name: str, title: str, span: Span) -> NamedFormula | tuple[Diagnostic, ...]:
-    from tachk.logic.sentences import meaning
-    from tachk.syntax.sentence_parser import parse_sentence
-
     sentence, found = parse_sentence(span)
     if sentence is None:
         return found
@@ -203,16 +209,11 @@ def _model_formulas(path: Path) -> tuple[NamedFormula, ...]:
     read: list[NamedFormula | tuple[Diagnostic, ...]] = []
     for item in loaded.items:
         if isinstance(item, ast.PropertyDeclaration) and isinstance(item.formula, ast.TemporalFormula):
-            temporal = item.formula
-            if temporal.formula is None:
-                each = _sentence(item.name.name, item.title, temporal.span)
-                if isinstance(each, NamedFormula):
-                    each = replace(each, unit=heading.time_unit, constants=constants)
-                read.append(each)
-            else:
-                read.append(
-                    NamedFormula(item.name.name, item.title, temporal.formula, "", heading.time_unit, constants)
-                )
+            temporal, name, title = item.formula, item.name.name, item.title
+            each = _read(name, title, temporal.span)
+            if isinstance(each, NamedFormula):
+                each = replace(each, unit=heading.time_unit, constants=constants)
+            read.append(each)
     if not read:
         raise UsageError(
             f"{path} states no property that a trace can be judged by",
