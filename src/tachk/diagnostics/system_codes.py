@@ -104,6 +104,13 @@ SYSTEM_CODES: dict[str, Explanation] = {
         "process P(int[0,99999] a) { state s; init s; }\nsystem P;",
         "process P(int[0,9] a) { state s; init s; }\nsystem P;",
     ),
+    "E0419": Explanation(
+        "expectation that fits no property",
+        "A line such as `expect A, B fails;` says what a system expects of properties, most often imported ones. Each "
+        "name is that of a property, and each property is named once.",
+        _P + "system P;\nproperty safe : A[] P.s;\nexpect save fails;",
+        _P + "system P;\nproperty safe : A[] P.s;\nexpect safe holds;",
+    ),
     "E0501": Explanation(
         "deadlock outside a query",
         "`deadlock` speaks about all that can happen later, so it cannot be part of the behaviour itself, nor of a "

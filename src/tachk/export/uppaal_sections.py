@@ -18,7 +18,13 @@ from tachk.syntax.parser import parse_declarations, parse_document, parse_parame
 from tachk.syntax.printer import write_item
 from tachk.syntax.writer import Writer
 
-_BESIDE = ast.PropertyDeclaration | ast.SignalDeclaration | ast.TimeUnitDeclaration | ast.ImportDeclaration
+_BESIDE = (
+    ast.PropertyDeclaration
+    | ast.ExpectationDeclaration
+    | ast.SignalDeclaration
+    | ast.TimeUnitDeclaration
+    | ast.ImportDeclaration
+)
 _DECLARED = (
     ast.VariableDeclaration
     | ast.TypedefDeclaration

@@ -11,6 +11,7 @@ from tachk.diagnostics.span import Source
 from tachk.frontend.context import Budget, Context
 from tachk.frontend.damage import beyond_damage
 from tachk.frontend.elaborate import Elaborated, elaborate
+from tachk.frontend.expectations import with_expectations
 from tachk.frontend.findings import Findings, did_you_mean
 from tachk.frontend.imports import Importer
 from tachk.frontend.queries import UncheckedQuery, elaborate_each, elaborate_entries, wrong_query
@@ -95,10 +96,11 @@ def load_model(
     findings = Findings()
     if is_xml(source):
         return _load_xml(parse_uppaal_xml(source), constants or {}, strict_xta)
-    document, items = Importer(findings, strict_xta).read(source)
+    document, merged = Importer(findings, strict_xta).read(source)
     if document is None:
         raise InputError(findings.sorted())
     unreadable = findings.sorted() if findings.has_errors else ()
+    items = with_expectations(merged, findings)
     _refuse_dynamic_templates(items, findings)
     overrides = _overrides(constants or {}, items, findings)
     context = Context(findings, budget=Budget(INSTANCES))

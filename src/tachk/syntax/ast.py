@@ -583,6 +583,14 @@ class PropertyDeclaration(Node):
 
 
 @dataclass(frozen=True, slots=True)
+class ExpectationDeclaration(Node):
+    """``expect A, B fails;``: what a system expects of properties that an imported file states."""
+
+    names: tuple[Identifier, ...]
+    expectation: str
+
+
+@dataclass(frozen=True, slots=True)
 class QueryEntry(Node):
     """One query of a .q file or of the command line, with the comment that describes it."""
 
@@ -601,6 +609,7 @@ Item = (
     | ProgressDeclaration
     | GanttDeclaration
     | PropertyDeclaration
+    | ExpectationDeclaration
 )
 
 

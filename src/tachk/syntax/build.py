@@ -181,6 +181,10 @@ class Builder(ExpressionBuilder, FormulaBuilder):
             keyword.doc,
         )
 
+    def expectation(self, children: Children) -> ast.ExpectationDeclaration:
+        names = tuple(child for child in children if isinstance(child, ast.Identifier))
+        return ast.ExpectationDeclaration(span_of(children), names, children[-2].text)
+
     # ---- templates ----
 
     def process(self, children: Children) -> ast.Template:

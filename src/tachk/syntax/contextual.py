@@ -218,6 +218,8 @@ class _Resolver:
             token.type = "DYNAMIC"
         elif word == "time_unit" and self.text(1) in ("=", ":=") and third == "INTEGER":
             token.type = "TIME_UNIT"
+        elif word == "expect" and following == "NAME" and (third == "NAME" or self.text(2) == ","):
+            self.expectation(token)
         elif word == "property" and following == "NAME" and (third == "STRING" or self.text(2) == ":"):
             token.type = "PROPERTY"
             length = 4 if third == "STRING" else 3
@@ -226,6 +228,16 @@ class _Resolver:
             self.query(self.end_of_property(), expectation=True)
             return True
         return False
+
+    def expectation(self, token: Token) -> None:
+        """Mark ``expect A, B holds;``, and leave a declaration ``expect x;`` with a type of that name alone."""
+        ahead = 2
+        while self.text(ahead) == "," and self.type(ahead + 1) == "NAME":
+            ahead += 2
+        if self.text(ahead) in ("holds", "fails") and self.text(ahead + 1) == ";":
+            token.type = "EXPECT"
+            outcome = self.tokens[self.position + ahead]
+            outcome.type = outcome.text.upper()
 
     def declares(self) -> bool:
         """Whether a name and parentheses, but no function body, follow."""

@@ -67,6 +67,11 @@ def write_item(writer: Writer, item: ast.Item) -> None:
             writer.line(f"time_unit = {amount} {unit};", item)
         case ast.PropertyDeclaration():
             _write_property(writer, item)
+        case ast.ExpectationDeclaration(names=names, expectation=expectation):
+            text = ", ".join(identifier.name for identifier in names)
+            writer.begin(item)
+            writer.filled("expect", f"{text} {expectation};".split(" "))
+            writer.behind(item)
         case _:
             write_declaration(writer, item)
 
