@@ -260,8 +260,8 @@ CATALOGUE: tuple[Family, ...] = (
             ),
             Pattern(
                 "response to a minimum duration, from its end",
-                "Whenever p becomes true and stays true for at least 3 s, counting from the end of min time, within 5 s,"
-                " q must be true.",
+                "Whenever p becomes true and stays true for at least 3 s, counting from the end of min time, "
+                "within 5 s, q must be true.",
                 "G (rise(p) && G[0, 3 s) p -> F[3 s, 3 s] F[0, 5 s] q)",
                 "",
                 "q comes at most 5 s after p has been true for 3 s",
@@ -275,16 +275,16 @@ CATALOGUE: tuple[Family, ...] = (
             ),
             Pattern(
                 "response to a maximum duration, from the fall",
-                "Whenever p becomes true and stays true for at most 3 s, counting from the fall, within 5 s,"
-                " q must be true.",
+                "Whenever p becomes true and stays true for at most 3 s, counting from the fall, within 5 s, "
+                "q must be true.",
                 "G (fall(p) && O(0, 3 s] rise(p) -> F[0, 5 s] q)",
                 "S2",
                 "q comes within 5 s of the fall of every stretch of p of 3 s or less",
             ),
             Pattern(
                 "response to a maximum duration, from its end",
-                "Whenever p becomes true and stays true for at most 3 s, counting from the end of max time, within 5 s,"
-                " q must be true.",
+                "Whenever p becomes true and stays true for at most 3 s, counting from the end of max time, "
+                "within 5 s, q must be true.",
                 "G (rise(p) && F(0, 3 s] !p -> F[3 s, 3 s] F[0, 5 s] q)",
                 "",
                 "the same, counted from 3 s after the rise",
@@ -298,8 +298,8 @@ CATALOGUE: tuple[Family, ...] = (
             ),
             Pattern(
                 "response to a bounded duration, from the fall",
-                "Whenever p becomes true and stays true for between 1 and 3 s, counting from the fall, within 5 s,"
-                " q must be true.",
+                "Whenever p becomes true and stays true for between 1 and 3 s, counting from the fall, within 5 s, "
+                "q must be true.",
                 "G (fall(p) && O[1 s, 3 s] rise(p) && H(0, 1 s] p -> F[0, 5 s] q)",
                 "S2",
                 "q comes within 5 s of the fall of every stretch of p of 1 s to 3 s",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 from tachk.syntax.sentence_readings import Candidate, exact_phrases
 from tachk.syntax.sentence_tables import Phrase, phrases
@@ -108,7 +110,7 @@ def _resemblances(words: Sequence[str], place: int, phrase: Phrase) -> Iterator[
             continue
         text = " ".join(stretch)
         most = _tolerance(target)
-        if most and abs(len(text) - len(target)) <= most:
+        if most and abs(len(text) - len(target)) <= most and _least_distance(text, target) <= most:
             cost = _distance(text, target, most)
             if 0 < cost <= most:
                 yield place + size, cost
@@ -116,6 +118,17 @@ def _resemblances(words: Sequence[str], place: int, phrase: Phrase) -> Iterator[
 
 def _tolerance(phrase: str) -> int:
     return 0 if len(phrase) < 4 else 1 if len(phrase) < 6 else 2 if len(phrase) < 12 else 3
+
+
+def _least_distance(one: str, other: str) -> int:
+    """How many letters one text has that the other lacks: a lower bound of their distance that is cheap."""
+    here, there = _letters(one), _letters(other)
+    return max((here - there).total(), (there - here).total())
+
+
+@lru_cache(maxsize=2000)
+def _letters(text: str) -> Counter[str]:
+    return Counter(text)
 
 
 def _distance(one: str, other: str, most: int) -> int:

@@ -34,7 +34,8 @@ class _Attempt:
     """What became of a reading.
 
     Attributes:
-        fault: 0 none, 1 in the order of the parts, 2 in what goes together, 3 in a condition or a duration.
+        fault: 0 none, 1 in the order of the parts, 2 in what goes together, 3 in what is a condition or a duration,
+            4 in the syntax of one.
     """
 
     sentence: Sentence | None
@@ -77,7 +78,8 @@ def _attempt(span: Span, reading: Reading) -> _Attempt:
         for token in reading.tokens:
             parts = stack.feed(Token(token.type, token.text, token.span))
     except Refused as refused:
-        return _Attempt(None, refused.diagnostics, reading.corrections, 3)
+        known = all(found.code in ("E0144", "E0146") for found in refused.diagnostics)
+        return _Attempt(None, refused.diagnostics, reading.corrections, 3 if known else 4)
     assert parts is not None, "a reading ends with the end of the text"
     sentence, found = assemble(span, parts)
     fault = 0 if not found else 1 if sentence is not None else 2

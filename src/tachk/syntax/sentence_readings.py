@@ -183,7 +183,7 @@ class Readings:
 
     def _durations(self, place: int) -> Iterator[int]:
         pieces = self._pieces
-        if place < len(pieces) and pieces[place].kind in ("number", "word", "group"):
+        if place < len(pieces) and pieces[place].kind in ("number", "word", "group", "quote"):
             yield place + 1
             if place + 1 < len(pieces) and pieces[place + 1].text.lower() in UNITS:
                 yield place + 2
