@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 from tachk.diagnostics.span import Span
 from tachk.logic.observer_conditions import Conjunction, all_of, is_false, negated, truth
 from tachk.logic.observer_names import location_names
-from tachk.logic.observer_tableau import SHOWN, Seen, State, Step, Tableau
-from tachk.logic.observer_violation import Goal, NoObserver, Saved, saved_expressions, violation
+from tachk.logic.observer_tableau import SHOWN, State, Step, Tableau
+from tachk.logic.observer_violation import Goal, NoObserver, saved_expressions, violation
 from tachk.syntax import ast
 from tachk.syntax.expression_printer import print_expression
 from tachk.syntax.formula import Formula
@@ -95,10 +95,11 @@ class _Writer:
 
     def template(self) -> ast.Template:
         locations = [self._location(state) for state in self.automaton.states]
-        if self.start is None:
+        if self.start is None and self.initial:
             locations.insert(0, self._beginning())
-        if self.gives_up or not locations:
-            locations.append(self._plain(self.passed, initial=not locations))
+        hopeless = not locations and self.start is None
+        if self.gives_up or hopeless:
+            locations.append(self._plain(self.passed, initial=hopeless))
         locations.append(self._plain(self.bad, initial=self.start == SHOWN))
         return ast.Template(
             self.span, self._identifier(self.name), (), self._declarations(), tuple(locations), classic=False
@@ -183,8 +184,11 @@ class _Writer:
 
     def _forgotten(self, source: State, target: State | None) -> list[ast.Expression]:
         """Updates that set saved values back that nobody looks at any more, so that states are not told apart."""
-        kept = set() if target is None else _watched(target)
-        return [self._assign(self.saved[e], self._number(0)) for e in _watched(source) - kept if e in self.saved]
+        kept = set() if target is None else self._saved_in(target)
+        return [self._assign(name, self._number(0)) for name in sorted(self._saved_in(source) - kept)]
+
+    def _saved_in(self, state: State) -> set[str]:
+        return {name for name in names_in(tuple(self.tableau.requirement(state))) if name in self.saved.values()}
 
     def _name_of(self, state: State) -> str:
         if state == SHOWN:
@@ -228,10 +232,6 @@ class _Writer:
 
     def _identifier(self, name: str) -> ast.Identifier:
         return ast.Identifier(self.span, name)
-
-
-def _watched(state: State) -> set[ast.Expression]:
-    return {item.past.expression for item in state if isinstance(item, Seen) and isinstance(item.past, Saved)}
 
 
 def _explored(tableau: Tableau, span: Span) -> _Automaton:

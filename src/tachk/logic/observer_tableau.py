@@ -35,6 +35,7 @@ from tachk.logic.observer_violation import (
     Throughout,
     Was,
     Window,
+    saved_expressions,
 )
 from tachk.syntax import ast
 
@@ -133,8 +134,9 @@ class Tableau:
     def __init__(self, goal: Goal, span: Span, saved: dict[ast.Expression, str]) -> None:
         self.span = span
         self.saved = saved
-        self.branches = self.expand(_looking_back(goal))
-        first = [branch for branch in self.branches if all(map(_initially, branch.pasts))]
+        goal = _looking_back(goal)
+        self.branches = self.expand(goal)
+        first = [branch for branch in self.expand(goal, at_start=True) if all(map(_initially, branch.pasts))]
         self.initial = [self._begun(branch) for branch in first]
         """The states that the run may begin in, each with the condition that has to hold then."""
         ever = [state for state, _ in self.initial if _waits_for_ever(state)]
@@ -146,15 +148,17 @@ class Tableau:
     def _begun(self, branch: Branch) -> tuple[State, Conjunction]:
         wanted = _wanted(branch.tasks)
         pasts = [Seen(past, "initial") for past in wanted if _initially(past)]
-        state = _numbered(frozenset((*branch.tasks, *self._settling(branch.now, FRESH), *pasts)))[0]
-        return state, branch.now
+        claims = self._settling(branch.now, FRESH)
+        if not branch.tasks and not claims:
+            return SHOWN, frozenset()
+        return _numbered(frozenset((*branch.tasks, *claims, *pasts)))[0], branch.now
 
     # ---- goals at an instant ----------------------------------------------------------------------------------------
 
-    def expand(self, goal: Goal) -> list[Branch]:
-        """The ways to reach a goal. Raises NoObserver if one of them never ends."""
+    def expand(self, goal: Goal, at_start: bool = False) -> list[Branch]:
+        """The ways to reach a goal at an instant, or when the run begins. Raises NoObserver if one never ends."""
         branches = []
-        for branch in self._expand(goal):
+        for branch in self._expand(goal, at_start):
             if is_false(branch.now) or any(_excludes(branch, forever) for forever in branch.forever):
                 continue
             if branch.forever:
@@ -166,30 +170,36 @@ class Tableau:
             branches.append(branch)
         return branches
 
-    def _expand(self, goal: Goal) -> list[Branch]:
+    def _expand(self, goal: Goal, at_start: bool) -> list[Branch]:
         match goal:
             case Holds(condition=condition):
                 return [Branch(conjunction((condition,)))]
+            case Preceded(past=Saved(initially=initially)) if at_start:
+                return [Branch()] if initially else []
             case Preceded(past=past):
                 return [Branch(pasts=frozenset((past,)))]
+            case Differs(equal=equal) if at_start:
+                return [Branch()] if equal else []
             case Differs(expression=expression, equal=equal):
                 return [Branch(frozenset((self.comparison(expression, equal),)))]
             case Either(parts=parts):
-                return [branch for part in parts for branch in self._expand(part)]
+                return [branch for part in parts for branch in self._expand(part, at_start)]
             case Both(parts=parts):
-                return [_joined(chosen) for chosen in product(*map(self._expand, parts))]
+                return [_joined(chosen) for chosen in product(*(self._expand(part, at_start) for part in parts))]
             case Forever():
                 return [Branch(forever=(goal,))]
             case Sometime(window=window):
-                return [Branch(tasks=frozenset((Task(goal, "on", () if window.is_ever else (FRESH,)),)))]
+                later = Branch(tasks=frozenset((Task(goal, "on", () if window.is_ever else (FRESH,)),)))
+                if at_start and window.low == 0 and window.low_closed and saved_expressions(goal.goal):
+                    return [later, *self._expand(goal.goal, at_start)]
+                return [later]
             case Throughout(window=window) | Recurring(window=window):
                 return [Branch(tasks=frozenset((Task(goal, "ahead" if window.low else "on", (FRESH,)),)))]
             case NeverRising(condition=condition, initially=initially):
+                high = Branch(pasts=frozenset((Before(condition, initially),)))
                 return [
                     Branch(tasks=frozenset((Task(goal, "low", (FRESH,)),))),
-                    Branch(
-                        pasts=frozenset((Before(condition, initially),)), tasks=frozenset((Task(goal, "on", (FRESH,)),))
-                    ),
+                    replace(high, tasks=frozenset((Task(goal, "on", (FRESH,)),))),
                 ]
 
     def comparison(self, expression: ast.Expression, equal: bool) -> ast.Expression:
@@ -306,7 +316,7 @@ class Tableau:
         others = [item for item in state if isinstance(item, Task) and item != done]
         after = frozenset((*others, *tasks))
         pasts = [item for item in state if isinstance(item, Seen) and item.past in _wanted(after)]
-        new = [part for task in tasks if not isinstance(task.goal, Sometime) for part in self._requirement(task)]
+        new = [part for task in tasks if not _may_pass(task) for part in self._requirement(task)]
         condition = conjunction((*guard, *now, *new))
         open_ = next((item for item in state if isinstance(item, Settling)), None)
         stuck = is_false(self.requirement(state))
@@ -486,9 +496,14 @@ def _now(goal: Holds) -> Conjunction:
     return conjunction((goal.condition,))
 
 
+def _may_pass(task: Task) -> bool:
+    """Whether the task may be exchanged for others at the instant at which it begins, whatever it requires."""
+    return isinstance(task.goal, Sometime) or (isinstance(task.goal, Recurring) and task.phase == "on")
+
+
 def _initially(past: Past) -> bool:
-    """Whether the past is there when the run begins."""
-    return isinstance(past, HeldFor) or (isinstance(past, Before | Saved) and past.initially)
+    """Whether the past is there when the run begins. Values are not saved by then; `Tableau.expand` sees to them."""
+    return isinstance(past, HeldFor) or (isinstance(past, Before) and past.initially)
 
 
 def _waits_for_ever(state: State) -> bool:
