@@ -3,18 +3,82 @@
 from __future__ import annotations
 
 import difflib
+import re
+from fractions import Fraction
 
 from tachk.cli.exit_status import ExitStatus
 from tachk.diagnostics.codes import CODES, explain
-from tachk.diagnostics.diagnostic import UsageError
+from tachk.diagnostics.diagnostic import InputError, UsageError
+from tachk.logic.durations import resolve
+from tachk.logic.fragment import outside_fragment
+from tachk.logic.horizon import horizon
+from tachk.monitoring.constants import constant_value
+from tachk.monitoring.formulas import NamedFormula, read_formulas
+from tachk.syntax.formula import Duration, Formula
+from tachk.syntax.formula_printer import print_formula, print_number
+from tachk.syntax.walk import nodes_of_kind
 
 
-def run_explain(code: str) -> ExitStatus:
-    """Prints what the code of a message means."""
+def run_explain(what: str) -> ExitStatus:
+    """Prints what the code of a message means, or what a formula, a sentence or the properties of a file say."""
+    if re.fullmatch(r"[A-Za-z]+[0-9]+|[A-Za-z]\w?", what):
+        print(_message(what))
+        return ExitStatus.AS_EXPECTED
+    formulas = read_formulas(what)
+    for number, named in enumerate(formulas):
+        if number:
+            print()
+        if len(formulas) > 1:
+            print(f"{named.name}: {named.title}" if named.title else named.name)
+        for line in _lines(named):
+            print(line)
+    return ExitStatus.AS_EXPECTED
+
+
+def _message(code: str) -> str:
     text = explain(code)
     if text is None:
         close = difflib.get_close_matches(code.upper(), CODES, n=3)
         help = f"did you mean {' or '.join(close)}?" if close else "a code is a letter and four digits, such as E0101"
         raise UsageError(f"no message has the code {code}", help)
-    print(text)
-    return ExitStatus.AS_EXPECTED
+    return text
+
+
+def _lines(named: NamedFormula) -> list[str]:
+    lines = [f"sentence  {named.sentence}"] if named.sentence else []
+    lines.append(f"formula   {named.text}")
+    formula = named.formula
+    try:
+        formula, unit = _resolved(named)
+        lines.append(f"horizon   {_horizon(formula, unit)}")
+    except InputError as error:
+        lines.append(f"horizon   not known: {error.diagnostics[0].message}")
+    offence = outside_fragment(formula)
+    if offence is None:
+        return [*lines, "STL_lb=0  yes: every interval begins at 0, and only an outermost G has no end"]
+    return [*lines, f"STL_lb=0  no, because of {print_formula(offence.formula)}: {offence.reason}"]
+
+
+def _resolved(named: NamedFormula) -> tuple[Formula, str]:
+    """The formula with numbers as bounds, and their unit, empty where nobody says it."""
+    constants = named.constants or {}
+    unit = named.unit
+    if not unit:
+        given = {bound.unit for bound in nodes_of_kind(named.formula, Duration) if bound.value != 0}
+        unit = next(iter(given)) if len(given) == 1 else "s" if "" not in given else ""
+    formula = resolve(named.formula, lambda expression: constant_value(expression, constants), unit)
+    return formula, unit
+
+
+def _horizon(formula: Formula, unit: str) -> str:
+    reach = horizon(formula)
+    if reach is None:
+        return "none: the verdict can stay open as long as the run goes on"
+    return f"decided after {_time(reach, unit)}" if reach else "decided at once"
+
+
+def _time(reach: Fraction, unit: str) -> str:
+    amount, _, name = unit.rpartition(" ")
+    if not name:
+        return f"{print_number(reach)} time unit{'' if reach == 1 else 's'}"
+    return f"{print_number(reach * Fraction(amount or 1))} {name}"

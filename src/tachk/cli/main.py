@@ -40,6 +40,18 @@ class Format(StrEnum):
     verifyta = "verifyta"
 
 
+class MonitorFormat(StrEnum):
+    text = "text"
+    json = "json"
+    junit = "junit"
+
+
+class Ending(StrEnum):
+    undetermined = "undetermined"
+    weak = "weak"
+    strong = "strong"
+
+
 class ExportFormat(StrEnum):
     xta = "xta"
     xml = "xml"
@@ -248,11 +260,23 @@ def draw(
 
 
 @app.command()
-def explain(code: Annotated[str, typer.Argument(help="The code of a message, such as E0214.")]) -> None:
-    """Explain a message: what it means, an example, how to mend it."""
+def explain(
+    what: Annotated[
+        str,
+        typer.Argument(
+            metavar="CODE|FORMULA|FILE",
+            help="The code of a message, such as E0214; a formula or sentence; or a file that states some.",
+        ),
+    ],
+) -> None:
+    """Explain a message, or what a property written as a formula or a sentence says.
+
+    Of a message: what it means, an example, how to mend it. Of a property: its formula in canonical form, how far it
+    looks ahead, and whether all its intervals begin at 0.
+    """
     from tachk.cli.explain import run_explain
 
-    raise typer.Exit(guarded(lambda: run_explain(code)))
+    raise typer.Exit(guarded(lambda: run_explain(what)))
 
 
 def run() -> None:
