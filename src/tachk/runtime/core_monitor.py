@@ -1,7 +1,7 @@
 """Recorded traces under the monitors of the C++ core: truth, robustness, whole signals of subformulas.
 
-Values are those at the first instant of the trace, which has to be finished. What lies after its end is not known: truth
-may be undetermined, and robustness is bounded by what continuations of the trace make of it.
+Values are those at the first instant of the trace, which has to be finished. What lies after its end is not known:
+truth may be undetermined, and robustness is bounded by what continuations of the trace make of it.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class TruthResult:
 
 @dataclass(frozen=True, slots=True)
 class RobustnessResult:
-    """All continuations of the trace have a robustness from ``low`` to ``high``; what the trace decides has low = high."""
+    """Every continuation of the trace has a robustness from ``low`` to ``high``; they are equal if the trace decides it."""
 
     low: float
     high: float
