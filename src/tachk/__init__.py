@@ -24,6 +24,9 @@ if TYPE_CHECKING:
         Verdict,
         load,
     )
+    from tachk.monitoring.offline import MonitorReport, monitor
+    from tachk.monitoring.online import Monitor
+    from tachk.runtime.node_signal import Truth
 
 __version__ = "0.1.0"
 
@@ -33,20 +36,32 @@ __all__ = [
     "InputError",
     "Limits",
     "Model",
+    "Monitor",
+    "MonitorReport",
     "Options",
     "Report",
     "SearchOrder",
     "TachkError",
+    "Truth",
     "UnsupportedError",
     "UsageError",
     "Verdict",
     "__version__",
     "load",
+    "monitor",
 ]
 
 
+_MONITORING = {
+    "Monitor": "tachk.monitoring.online",
+    "MonitorReport": "tachk.monitoring.offline",
+    "Truth": "tachk.runtime.node_signal",
+    "monitor": "tachk.monitoring.offline",
+}
+
+
 def __getattr__(name: str) -> object:
-    """Loads `tachk.api` when it is first needed, so that ``tachk --version`` need not wait for it."""
+    """Loads what is asked for when it is first needed, so that ``tachk --version`` need not wait for it."""
     if name in __all__:
-        return getattr(import_module("tachk.api"), name)
+        return getattr(import_module(_MONITORING.get(name, "tachk.api")), name)
     raise AttributeError(f"module 'tachk' has no attribute {name!r}")

@@ -17,8 +17,6 @@ from tachk.logic.durations import length_of, resolve
 from tachk.logic.sentences import meaning
 from tachk.monitoring.constants import constant_value
 from tachk.properties import monitoring
-from tachk.runtime.trace import Trace
-from tachk.semantics.monitor_program import MonitorProgram
 from tachk.syntax import ast
 from tachk.syntax.formula import Duration, Formula
 from tachk.syntax.formula_parser import parse_formula
@@ -75,13 +73,6 @@ def read_formulas(given: str | os.PathLike[str]) -> tuple[NamedFormula, ...]:
         return _model_formulas(path) if path.suffix.lower() in MODEL_SUFFIXES else _file_formulas(path)
     source = Source("<formula>", given)
     return _checked([_read("p1", "", Span(source, 0, len(given)))], "the formula")
-
-
-def compile_for(named: NamedFormula, trace: Trace) -> MonitorProgram:
-    """The monitor of a formula for a trace. Raises InputError for columns that are not there and bounds in no unit."""
-    booleans = frozenset(name for name, values in trace.columns.items() if values.dtype.kind == "u")
-    formula = in_trace_units(named, trace.columns, trace.unit)
-    return monitoring.compile(formula, trace.columns, trace.ticks_per_unit, booleans=booleans)
 
 
 def in_trace_units(named: NamedFormula, columns: Collection[str], unit: str) -> Formula:

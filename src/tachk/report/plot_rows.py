@@ -55,7 +55,7 @@ def formula_rows(verdict: MonitorVerdict) -> FormulaRows:
                 pending.append(operand)
     kept = [node for node in order if node == root or not _is_plain(program, node)][:MOST_ROWS]
     texts = tuple(program.nodes[node].text for node in kept)
-    return FormulaRows(tuple(kept), texts, tuple(explainer.signals[node] for node in kept))
+    return FormulaRows(tuple(kept), texts, tuple(explainer.signal(node) for node in kept))
 
 
 def _is_plain(program: MonitorProgram, node: int) -> bool:

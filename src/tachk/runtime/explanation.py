@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 
 from tachk.runtime.node_signal import NodeSignal, Truth
 from tachk.semantics.monitor_program import UNBOUNDED, MonitorNode, MonitorProgram, NodeKind, ValueOperator
@@ -60,43 +60,44 @@ class Finding:
 @dataclass(frozen=True, slots=True, eq=False)
 class Explainer:
     """Attributes:
-    signals: what each node of the program is worth over the trace.
+    compute: what a node of the program is worth over the trace; asked once for each node that matters.
     cells: of the trace, ``2 * end + 1``.
     """
 
     program: MonitorProgram
-    signals: Sequence[NodeSignal] = field(repr=False)
+    compute: Callable[[int], NodeSignal] = field(repr=False)
     cells: int
+    _known: dict[int, NodeSignal] = field(default_factory=dict, repr=False)
 
-    def finding(self) -> Finding | None:
-        """Where the formula is violated first, or where it hangs; None if it is true."""
+    def signal(self, node: int) -> NodeSignal:
+        """What a node of the program is worth over the trace."""
+        if node not in self._known:
+            self._known[node] = self.compute(node)
+        return self._known[node]
+
+    def finding(self, value: Truth) -> Finding | None:
+        """Where the formula is violated first, or where it hangs; None if it is true.
+
+        Args:
+            value: of the formula.
+        """
         root = len(self.program.nodes) - 1
-        value = self.signals[root].at(0)
         if value is Truth.TRUE:
             return None
         node, cell = self._body(root, value)
         trigger, response = self._trigger(node, cell)
         reason = self.reason(node if response is None else response, cell, value)
         blamed = tuple(_leaves(reason))
-        last = self.signals[node].run(cell)[1]
+        last = self.signal(node).run(cell)[1]
         return Finding(
             cell,
             last,
             None if trigger is None else self.program.nodes[trigger].text,
-            None if trigger is None else self.signals[trigger].run(cell),
+            None if trigger is None else self.signal(trigger).run(cell),
             reason,
             _deadline(reason),
             self._decided(reason) if value is Truth.FALSE else None,
             blamed,
-        )
-
-    def is_vacuous(self) -> bool:
-        """Whether the formula is ``G (trigger -> ...)``, or several of them, and no trigger is ever true."""
-        triggers = list(self._triggers(len(self.program.nodes) - 1, 0, self.cells - 1))
-        return bool(triggers) and all(
-            self.signals[node].first(Truth.TRUE, begin, end) is None
-            and self.signals[node].first(Truth.UNDETERMINED, begin, end) is None
-            for node, begin, end in triggers
         )
 
     def reason(self, node: int, cell: int, value: Truth) -> Reason:
@@ -128,10 +129,10 @@ class Explainer:
         while True:
             current = self.program.nodes[node]
             if current.kind is NodeKind.AND:
-                node = next(o for o in current.operands if self.signals[o].at(cell) is value)
+                node = next(o for o in current.operands if self.signal(o).at(cell) is value)
             elif current.kind is NodeKind.ALWAYS:
                 first, last = self._window(current, cell)
-                found = self.signals[current.operands[0]].first(value, first, self.cells - 1 if last is None else last)
+                found = self.signal(current.operands[0]).first(value, first, self.cells - 1 if last is None else last)
                 if found is None:
                     return node, cell
                 node, cell = current.operands[0], found
@@ -147,23 +148,7 @@ class Explainer:
         if self.program.nodes[negated].kind is not NodeKind.NOT:
             return None, None
         trigger = self.program.nodes[negated].operands[0]
-        return (trigger, response) if self.signals[trigger].at(cell) is Truth.TRUE else (None, None)
-
-    def _triggers(self, node: int, begin: int, end: int) -> Iterator[tuple[int, int, int]]:
-        current = self.program.nodes[node]
-        match current.kind:
-            case NodeKind.AND:
-                for operand in current.operands:
-                    yield from self._triggers(operand, begin, end)
-            case NodeKind.ALWAYS:
-                first, last = self._window(current, begin)
-                yield from self._triggers(current.operands[0], first, end if last is None else min(last, end))
-            case NodeKind.OR if len(current.operands) == 2:
-                negated = self.program.nodes[current.operands[0]]
-                if negated.kind is NodeKind.NOT:
-                    yield negated.operands[0], begin, end
-            case _:
-                pass
+        return (trigger, response) if self.signal(trigger).at(cell) is Truth.TRUE else (None, None)
 
     # ---- one step down ----
 
@@ -174,7 +159,7 @@ class Explainer:
                 return [self.reason(operands[0], cell, value.negated)], None
             case NodeKind.AND | NodeKind.OR:
                 decisive = Truth.FALSE if node.kind is NodeKind.AND else Truth.TRUE
-                same = [o for o in operands if self.signals[o].at(cell) is value]
+                same = [o for o in operands if self.signal(o).at(cell) is value]
                 chosen = same[:1] if value is decisive else same
                 return [self.reason(o, cell, value) for o in chosen], None
             case NodeKind.EVENTUALLY | NodeKind.ALWAYS | NodeKind.ONCE | NodeKind.HISTORICALLY:
@@ -183,7 +168,7 @@ class Explainer:
                 return self._until_parts(node, cell, value)
             case NodeKind.RISE | NodeKind.FALL:
                 wanted = Truth.TRUE if node.kind is NodeKind.RISE else Truth.FALSE
-                now = self.signals[operands[0]].at(cell)
+                now = self.signal(operands[0]).at(cell)
                 missing = value is Truth.FALSE and now is wanted.negated
                 return ([self.reason(operands[0], cell, now)] if missing else []), None
             case _:
@@ -198,7 +183,7 @@ class Explainer:
         decisive = Truth.FALSE if universal else Truth.TRUE
         if value is not decisive and value is not Truth.UNDETERMINED:
             return [], window
-        signal = self.signals[node.operands[0]]
+        signal = self.signal(node.operands[0])
         end = self.cells - 1 if window[1] is None else window[1]
         ahead = node.kind in (NodeKind.ALWAYS, NodeKind.EVENTUALLY)
         found = signal.first(value, window[0], end) if ahead else signal.last(value, window[0], end)
@@ -213,10 +198,10 @@ class Explainer:
         end = self.cells - 1 if window[1] is None else window[1]
         match value:
             case Truth.TRUE:
-                found = self.signals[right].first(Truth.TRUE, window[0], end)
+                found = self.signal(right).first(Truth.TRUE, window[0], end)
                 return ([] if found is None else [self.reason(right, found, Truth.TRUE)]), window
             case Truth.FALSE:
-                broken = self.signals[left].first(Truth.FALSE, cell, end)
+                broken = self.signal(left).first(Truth.FALSE, cell, end)
                 return ([] if broken is None else [self.reason(left, broken, Truth.FALSE)]), window
             case _:
                 return [], window
@@ -237,6 +222,36 @@ class Explainer:
         if reason.window is not None and reason.kind in (NodeKind.EVENTUALLY, NodeKind.ALWAYS, NodeKind.UNTIL):
             return self.cells - 1 if reason.window[1] is None else reason.window[1]
         return reason.cell
+
+
+def never_triggered(program: MonitorProgram) -> tuple[MonitorProgram, ...]:
+    """For a formula ``G (trigger -> ...)``, or several of them, the formulas ``G !trigger``; if all of them are true,
+    the formula is true for the reason only that nothing is ever asked for."""
+    return tuple(_triggers(program, len(program.nodes) - 1))
+
+
+def _triggers(program: MonitorProgram, node: int) -> Iterator[MonitorProgram]:
+    current = program.nodes[node]
+    if current.kind is NodeKind.AND:
+        for operand in current.operands:
+            yield from _triggers(program, operand)
+    elif current.kind is NodeKind.ALWAYS:
+        body = program.nodes[current.operands[0]]
+        if body.kind is NodeKind.OR and len(body.operands) == 2:
+            negated = body.operands[0]
+            if program.nodes[negated].kind is NodeKind.NOT:
+                nodes = (*program.nodes[: negated + 1], replace(current, operands=(negated,)))
+                yield replace(program, nodes=nodes)
+
+
+def horizon(program: MonitorProgram) -> int:
+    """How many ticks the bounded operators of a formula look ahead of an instant at most."""
+    ahead: list[int] = []
+    for node in program.nodes:
+        reach = max((ahead[operand] for operand in node.operands), default=0)
+        looks_ahead = node.kind in (NodeKind.EVENTUALLY, NodeKind.ALWAYS, NodeKind.UNTIL)
+        ahead.append(reach + (max(node.upper, node.lower) if looks_ahead else 0))
+    return ahead[-1]
 
 
 def _leaves(reason: Reason) -> Iterator[Reason]:

@@ -16,6 +16,9 @@ class Truth(IntEnum):
     TRUE = 1
     UNDETERMINED = 2
 
+    def __bool__(self) -> bool:
+        raise TypeError("a verdict has three values: compare it with Truth.TRUE, Truth.FALSE or Truth.UNDETERMINED")
+
     @property
     def negated(self) -> Truth:
         return self if self is Truth.UNDETERMINED else Truth(1 - self)

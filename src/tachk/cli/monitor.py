@@ -1,0 +1,96 @@
+"""`tachk monitor`."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
+
+from rich.console import Console
+
+from tachk.cli.exit_status import ExitStatus
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.monitoring.formulas import NamedFormula, read_formulas
+from tachk.monitoring.offline import judge, selected
+from tachk.report.monitor_json import monitor_to_json
+from tachk.report.monitor_junit import monitor_to_junit
+from tachk.report.monitor_record import Ending, MonitorRecord
+from tachk.report.monitor_text import print_monitor
+from tachk.runtime.node_signal import Truth
+from tachk.runtime.trace_files import open_trace
+
+_WIDTH = 1000
+"""Columns of a report that does not go to a terminal: wide enough for no line to be broken."""
+
+
+@dataclass(frozen=True, slots=True)
+class MonitorRequest:
+    """The options of the command as they were given."""
+
+    formula: str
+    trace: str
+    time: str | None = None
+    unit: str | None = None
+    end: str = "undetermined"
+    names: tuple[str, ...] = ()
+    robustness: bool = True
+    online: bool = False
+    follow: bool = False
+    decimals: int = 9
+    format: str = "text"
+    output: Path | None = None
+    quiet: bool = False
+
+
+def run_monitor(request: MonitorRequest) -> ExitStatus:
+    """Judges a trace, whole or row by row."""
+    formulas = selected(read_formulas(request.formula), request.names)
+    if request.online or request.follow or request.trace == "-":
+        from tachk.cli.monitor_online import run_online
+
+        return run_online(request, formulas)
+    return _run_offline(request, formulas)
+
+
+def _run_offline(request: MonitorRequest, formulas: tuple[NamedFormula, ...]) -> ExitStatus:
+    recording = open_trace(request.trace, request.time, request.unit)
+    source = request.formula if Path(request.formula).suffix else ""
+    record = judge(formulas, recording, Ending(request.end), request.robustness, source)
+    with destination(request.output, request.quiet) as out:
+        if out is not None:
+            _write(record, request.format, out)
+    return exit_status({verdict.truth for verdict in record.verdicts})
+
+
+def exit_status(truths: set[Truth]) -> ExitStatus:
+    """What the verdicts mean for the status of the command."""
+    if Truth.FALSE in truths:
+        return ExitStatus.NOT_AS_EXPECTED
+    return ExitStatus.UNKNOWN if Truth.UNDETERMINED in truths else ExitStatus.AS_EXPECTED
+
+
+@contextmanager
+def destination(output: Path | None, quiet: bool) -> Iterator[TextIO | None]:
+    """Where the report goes; None for nowhere."""
+    if output is not None:
+        with output.open("w", encoding="utf-8") as file:
+            yield file
+    else:
+        yield None if quiet else sys.stdout
+
+
+def _write(record: MonitorRecord, format_: str, out: TextIO) -> None:
+    match format_:
+        case "text":
+            print_monitor(record, Console(file=out, highlight=False, width=None if out.isatty() else _WIDTH))
+        case "json":
+            json.dump(monitor_to_json(record), out, indent=2)
+            out.write("\n")
+        case "junit":
+            out.write(monitor_to_junit(record))
+        case _:
+            raise UsageError(f"unknown format {format_}")

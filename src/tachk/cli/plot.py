@@ -1,0 +1,29 @@
+"""`tachk plot`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tachk.cli.exit_status import ExitStatus
+from tachk.monitoring.formulas import read_formulas
+from tachk.monitoring.offline import MonitorReport, judge, selected
+from tachk.report.monitor_record import Ending
+from tachk.runtime.trace_files import open_trace
+
+
+def run_plot(
+    formula: str,
+    trace: str,
+    output: Path,
+    time: str | None,
+    unit: str | None,
+    names: tuple[str, ...],
+    begin: float | None,
+    end: float | None,
+) -> ExitStatus:
+    """Draws a trace with what formulas are worth on it. The verdict has no influence on the exit status."""
+    formulas = selected(read_formulas(formula), names)
+    record = judge(formulas, open_trace(trace, time, unit), Ending.UNDETERMINED, robustness=True, source=formula)
+    MonitorReport(record).plot(output, begin, end)
+    print(f"written: {output}")
+    return ExitStatus.AS_EXPECTED

@@ -1,0 +1,248 @@
+"""Judging a whole recorded trace."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from io import StringIO
+from pathlib import Path
+from typing import Any, overload
+
+from rich.console import Console
+
+from tachk.diagnostics.diagnostic import InputError, UsageError
+from tachk.monitoring.formulas import NamedFormula, in_trace_units, read_formulas
+from tachk.properties.monitoring import compile as compile_formula
+from tachk.properties.monitoring import ticks_needed
+from tachk.report.json_report import Json
+from tachk.report.monitor_json import monitor_to_json
+from tachk.report.monitor_record import Ending, MonitorRecord, MonitorVerdict
+from tachk.report.monitor_text import print_monitor
+from tachk.runtime.core_monitor import monitor_robustness, monitor_truth, truth_signals
+from tachk.runtime.explanation import Explainer, horizon, never_triggered
+from tachk.runtime.node_signal import NodeSignal, Truth
+from tachk.runtime.trace import Recording, Trace
+from tachk.runtime.trace_files import open_trace
+from tachk.semantics.monitor_program import MonitorProgram, Relation
+
+
+def monitor(
+    formula: str | os.PathLike[str] | Sequence[str],
+    trace: Any,
+    *,
+    time: str | None = None,
+    unit: str | None = None,
+    end: str = "undetermined",
+    robustness: bool = True,
+    select: Collection[str] = (),
+) -> MonitorReport:
+    """Judges a recorded trace by one formula or several.
+
+    Args:
+        formula: a formula (``"G (p -> F[0, 5 s] q)"``), a sentence, several of them, the path of a file of formulas
+            (``.stl``), or of a model, whose formulas and sentences are taken.
+        trace: the path of a CSV, Parquet or VCD file, a data frame, or a mapping from names to arrays.
+        time: the name of the time column, where it is not ``time``, ``t`` or ``timestamp``.
+        unit: of the times, such as ``"ms"``, where the trace does not say it.
+        end: what counts where the trace ends too early to tell: ``"undetermined"``, ``"weak"`` (as satisfied) or
+            ``"strong"`` (as violated).
+        robustness: compute how far each verdict is from changing.
+        select: the names of the formulas that are judged; none: all.
+
+    Raises:
+        InputError: a formula or the trace is wrong; carries every finding.
+        UsageError: a file cannot be read, or an argument has no meaning.
+    """
+    try:
+        ending = Ending(end)
+    except ValueError:
+        raise UsageError(f"end={end!r}: expected undetermined, weak or strong") from None
+    formulas = selected(_formulas(formula), select)
+    recording = open_trace(trace, time, unit)
+    source = os.fspath(formula) if isinstance(formula, (str, os.PathLike)) and Path(formula).suffix else ""
+    return MonitorReport(judge(formulas, recording, ending, robustness, source))
+
+
+def judge(
+    formulas: Sequence[NamedFormula], recording: Recording, ending: Ending, robustness: bool, source: str = ""
+) -> MonitorRecord:
+    """The record of some formulas on a recording."""
+    trace, programs = prepare(formulas, recording)
+    verdicts = tuple(
+        _verdict(named, program, trace, ending, robustness) for named, program in zip(formulas, programs, strict=True)
+    )
+    return MonitorRecord(trace, source, verdicts, ending)
+
+
+def prepare(formulas: Sequence[NamedFormula], recording: Recording) -> tuple[Trace, tuple[MonitorProgram, ...]]:
+    """The trace, counted finely enough for all bounds, and a program for each formula. Raises InputError."""
+    known = frozenset(recording.columns)
+    wanted = frozenset().union(*(named.columns for named in formulas)) & known
+    resolved = []
+    found = []
+    for named in formulas:
+        try:
+            formula = in_trace_units(named, known, recording.unit)
+            compile_formula(formula, known, ticks_needed(formula))
+            resolved.append(formula)
+        except InputError as error:
+            found += error.diagnostics
+    if found:
+        raise InputError(found)
+    trace = recording.read(wanted).refined(math.lcm(*(ticks_needed(formula) for formula in resolved)))
+    booleans = frozenset(name for name, values in trace.columns.items() if values.dtype.kind == "u")
+    programs = tuple(compile_formula(formula, known, trace.ticks_per_unit, booleans=booleans) for formula in resolved)
+    return trace, programs
+
+
+def selected(formulas: Sequence[NamedFormula], names: Collection[str]) -> tuple[NamedFormula, ...]:
+    """The formulas of these names, all where there are none. Raises UsageError for a name that is not there."""
+    known = [named.name for named in formulas]
+    for name in names:
+        if name not in known:
+            raise UsageError(f"there is no formula {name!r}", f"there are: {', '.join(known)}")
+    return tuple(named for named in formulas if not names or named.name in names)
+
+
+def _formulas(given: str | os.PathLike[str] | Sequence[str]) -> tuple[NamedFormula, ...]:
+    if isinstance(given, (str, os.PathLike)):
+        return read_formulas(given)
+    read = [named for text in given for named in read_formulas(text)]
+    return tuple(replace(named, name=f"p{number}") for number, named in enumerate(read, 1))
+
+
+def _verdict(
+    named: NamedFormula, program: MonitorProgram, trace: Trace, ending: Ending, robustness: bool
+) -> MonitorVerdict:
+    measured = monitor_truth(program, trace).verdict
+
+    def compute(node: int) -> NodeSignal:
+        return truth_signals(program, trace, [node])[0]
+
+    explainer = Explainer(program, compute, 2 * trace.end + 1)
+    presumably = None
+    if measured is Truth.UNDETERMINED:
+        later = monitor_truth(program, replace(trace, end=trace.end + horizon(program))).verdict
+        presumably = None if later is Truth.UNDETERMINED else later
+    triggers = never_triggered(program) if measured is Truth.TRUE else ()
+    return MonitorVerdict(
+        named.name,
+        named.title,
+        named.text,
+        named.sentence,
+        measured,
+        counted(measured, ending),
+        presumably,
+        _robustness(program, trace, measured) if robustness else None,
+        explainer.finding(measured),
+        bool(triggers) and all(monitor_truth(never, trace).verdict is Truth.TRUE for never in triggers),
+        program,
+        explainer,
+    )
+
+
+def counted(measured: Truth, ending: Ending) -> Truth:
+    """What counts where the end of the trace has been given a meaning."""
+    if measured is not Truth.UNDETERMINED or ending is Ending.UNDETERMINED:
+        return measured
+    return Truth.TRUE if ending is Ending.WEAK else Truth.FALSE
+
+
+def _robustness(program: MonitorProgram, trace: Trace, measured: Truth) -> tuple[float, float]:
+    """The robustness; of a formula that compares no numbers it follows from its truth."""
+    if all(atom.relation is Relation.TRUTH for atom in program.atoms):
+        low = math.inf if measured is Truth.TRUE else -math.inf
+        high = -math.inf if measured is Truth.FALSE else math.inf
+        return low, high
+    result = monitor_robustness(program, trace)
+    return result.low, result.high
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MonitorReport(Sequence[MonitorVerdict]):
+    """The verdicts on one trace, in the order of the formulas; ``report["name"]`` finds one by name."""
+
+    record: MonitorRecord
+
+    @overload
+    def __getitem__(self, index: int | str) -> MonitorVerdict: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[MonitorVerdict, ...]: ...
+    def __getitem__(self, index: int | str | slice) -> MonitorVerdict | tuple[MonitorVerdict, ...]:
+        if isinstance(index, str):
+            for verdict in self.record.verdicts:
+                if verdict.name == index:
+                    return verdict
+            raise KeyError(index)
+        return self.record.verdicts[index]
+
+    def __len__(self) -> int:
+        return len(self.record.verdicts)
+
+    @property
+    def truth(self) -> Truth:
+        """FALSE if one verdict is, else UNDETERMINED if one is, else TRUE."""
+        truths = {verdict.truth for verdict in self.record.verdicts}
+        return next(t for t in (Truth.FALSE, Truth.UNDETERMINED, Truth.TRUE) if t in truths)
+
+    def to_dict(self) -> dict[str, Json]:
+        """The record as docs/schema/monitor.schema.json describes it."""
+        return monitor_to_json(self.record)
+
+    def to_rows(self) -> list[Mapping[str, str | float | bool | None]]:
+        """One flat dictionary for each verdict: what `pandas.DataFrame` takes. Instants are in the trace's unit."""
+        trace = self.record.trace
+        rows: list[Mapping[str, str | float | bool | None]] = []
+        for verdict in self.record.verdicts:
+            finding = verdict.finding
+            low, high = verdict.robustness or (None, None)
+            deadline = None if finding is None else finding.deadline
+            rows.append(
+                {
+                    "trace": trace.name,
+                    "name": verdict.name,
+                    "formula": verdict.formula,
+                    "verdict": verdict.truth.word,
+                    "presumably": None if verdict.presumably is None else verdict.presumably.word,
+                    "robustness_low": low,
+                    "robustness_high": high,
+                    "vacuous": verdict.vacuous,
+                    "trigger": None if finding is None else finding.trigger,
+                    "at": None if finding is None else float(trace.clock(finding.cell // 2)),
+                    "deadline": None if deadline is None else float(trace.clock(deadline // 2)),
+                    "blamed": None if finding is None else ", ".join(reason.text for reason in finding.blamed),
+                }
+            )
+        return rows
+
+    def plot(self, path: str | os.PathLike[str], begin: float | None = None, end: float | None = None) -> None:
+        """Draws signals, subformulas and verdicts; the ending of the path says the format (svg, png, pdf).
+
+        Args:
+            begin, end: the part that is drawn, in the units of the trace's clock; None: all of it.
+        """
+        from tachk.report.signal_plot import Span, plot_record
+
+        trace = self.record.trace
+        origin, scale = float(trace.origin), trace.ticks_per_unit
+        left = 0.0 if begin is None else max((begin - origin) * scale, 0.0)
+        right = float(max(trace.end, 1)) if end is None else (end - origin) * scale
+        if not left < right:
+            raise UsageError("there is nothing of the trace between these times")
+        plot_record(self.record, Path(path), Span(left, right))
+
+    def to_text(self) -> str:
+        """What `tachk monitor` prints."""
+        out = StringIO()
+        print_monitor(self.record, Console(file=out, width=1000, highlight=False))
+        return out.getvalue()
+
+    def __str__(self) -> str:
+        return self.to_text()
+
+    def _repr_html_(self) -> str:
+        from tachk.report.monitor_html import monitor_to_html
+
+        return monitor_to_html(self.record)
