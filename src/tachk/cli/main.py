@@ -271,6 +271,86 @@ def draw(
     raise typer.Exit(guarded(lambda: run_draw(model, output, template)))
 
 
+FormulaArgument = Annotated[
+    str, typer.Argument(metavar="FORMULA|FILE", help="A formula, a sentence, a file of them (.stl), or a model.")
+]
+TimeColumn = Annotated[
+    str | None, typer.Option("--time", metavar="NAME", help="The time column, if it is not time, t or timestamp.")
+]
+TimeUnit = Annotated[
+    str | None, typer.Option("--unit", metavar="UNIT", help="Of the times, if the trace does not say it: ms, s, ...")
+]
+Names = Annotated[list[str] | None, typer.Option("--property", metavar="NAME", help="Take this formula of the file.")]
+
+
+@app.command()
+def monitor(
+    formula: FormulaArgument,
+    trace: Annotated[
+        str, typer.Argument(metavar="TRACE", help="A CSV, Parquet or VCD file; - reads CSV rows as they come.")
+    ],
+    time: TimeColumn = None,
+    unit: TimeUnit = None,
+    end: Annotated[
+        Ending, typer.Option(help="What is pending at the end counts as: undetermined, satisfied (weak), violated.")
+    ] = Ending.undetermined,
+    properties: Names = None,
+    robustness: Annotated[
+        bool, typer.Option("--robustness/--no-robustness", help="Compute how far verdicts are from changing.")
+    ] = True,
+    online: Annotated[bool, typer.Option("--online", help="Judge row by row, with bounded memory.")] = False,
+    follow: Annotated[bool, typer.Option("--follow", help="Wait for further rows at the end of the file.")] = False,
+    decimals: Annotated[
+        int, typer.Option(metavar="N", min=0, max=15, help="Row by row: the decimals of times and bounds.")
+    ] = 9,
+    format: Annotated[MonitorFormat, typer.Option(help="Form of the report.")] = MonitorFormat.text,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write the report to a file.")
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print no report; the exit status tells.")] = False,
+) -> None:
+    """Judge a recorded trace by formulas, sentences or the properties of a model.
+
+    Exit status: 0 all are true, 10 some are false, 20 nothing worse than undetermined, 2 bad input.
+    """
+    from tachk.cli.monitor import MonitorRequest, run_monitor
+
+    request = MonitorRequest(
+        formula,
+        trace,
+        time,
+        unit,
+        end.value,
+        tuple(properties or ()),
+        robustness,
+        online,
+        follow,
+        decimals,
+        format.value,
+        output,
+        quiet,
+    )
+    raise typer.Exit(guarded(lambda: run_monitor(request)))
+
+
+@app.command()
+def plot(
+    formula: FormulaArgument,
+    trace: Annotated[str, typer.Argument(metavar="TRACE", help="A CSV, Parquet or VCD file.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="An .svg, .png or .pdf file.")],
+    time: TimeColumn = None,
+    unit: TimeUnit = None,
+    properties: Names = None,
+    begin: Annotated[float | None, typer.Option("--from", metavar="TIME", help="Draw from here.")] = None,
+    end: Annotated[float | None, typer.Option("--to", metavar="TIME", help="Draw up to here.")] = None,
+) -> None:
+    """Draw a trace with what formulas and their parts are worth on it, and where they are violated."""
+    from tachk.cli.plot import run_plot
+
+    names = tuple(properties or ())
+    raise typer.Exit(guarded(lambda: run_plot(formula, trace, output, time, unit, names, begin, end)))
+
+
 @app.command()
 def explain(
     what: Annotated[
