@@ -203,7 +203,7 @@ def _no_query(situation: Situation) -> Diagnostic | None:
             "E0115",
             "this is a condition, not a query",
             tokens[begin].span.to(tokens[index - 1].span),
-            "put A[] (always), E<> (possibly), A<> or E[] in front",
+            "put A[] (always), E<> (possibly), A<> or E[] in front; G and F make it a temporal formula",
         )
     for place in (index - 1, index - 2):
         if place >= begin and tokens[place].text in ("A", "E"):

@@ -50,7 +50,7 @@ def test_inside(text: str) -> None:
         ("p W q", "p W q", "has no end"),
         ("G (p -> O[0, 5] q)", "O[0, 5] q", "looks back"),
         ("G (p -> q S r)", "q S r", "looks back"),
-        ("G (rise(F[0, 1] p) -> q)", "rise(F[0, 1] p)", "'rise' is of the temporal formula F[0, 1] p"),
+        ("G (rise(F[0, 1] p) -> q)", "rise(F[0, 1] p)", "'rise' is about the temporal formula F[0, 1] p"),
         ("F[N, 5] p", "F[N, 5] p", "does not begin at 0"),
         ("F[0, 2] (q U[1, 2] r) && F[3, 4] p", "(q U[1, 2] r)", "does not begin at 0"),
     ],
