@@ -52,18 +52,6 @@ class Ending(StrEnum):
     strong = "strong"
 
 
-class MonitorFormat(StrEnum):
-    text = "text"
-    json = "json"
-    junit = "junit"
-
-
-class Ending(StrEnum):
-    undetermined = "undetermined"
-    weak = "weak"
-    strong = "strong"
-
-
 class ExportFormat(StrEnum):
     xta = "xta"
     xml = "xml"

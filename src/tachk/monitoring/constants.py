@@ -24,8 +24,8 @@ def constant_value(expression: ast.Expression, constants: Mapping[str, int]) -> 
             help_ = did_you_mean(name, constants) or "a bound is a number, or computed from constants of the model"
             raise InputError([Diagnostic("E0201", f"there is no constant `{name}`", span, help_)])
         case ast.UnaryExpression(operator="-" | "+" as operator, operand=operand):
-            value = constant_value(operand, constants)
-            return -value if operator == "-" else value
+            inner = constant_value(operand, constants)
+            return -inner if operator == "-" else inner
         case ast.BinaryExpression(operator="+" | "-" | "*" | "/" as operator, left=left, right=right):
             first, second = constant_value(left, constants), constant_value(right, constants)
             match operator:

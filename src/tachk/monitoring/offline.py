@@ -12,7 +12,7 @@ from typing import Any, overload
 
 from rich.console import Console
 
-from tachk.diagnostics.diagnostic import InputError, UsageError
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.monitoring.formulas import NamedFormula, in_trace_units, read_formulas
 from tachk.properties.monitoring import compile as compile_formula
 from tachk.properties.monitoring import ticks_needed
@@ -78,10 +78,10 @@ def judge(
 
 def prepare(formulas: Sequence[NamedFormula], recording: Recording) -> tuple[Trace, tuple[MonitorProgram, ...]]:
     """The trace, counted finely enough for all bounds, and a program for each formula. Raises InputError."""
-    known = frozenset(recording.columns)
-    wanted = frozenset().union(*(named.columns for named in formulas)) & known
+    known = recording.columns
+    wanted = {name for named in formulas for name in named.columns}.intersection(known)
     resolved = []
-    found = []
+    found: list[Diagnostic] = []
     for named in formulas:
         try:
             formula = in_trace_units(named, known, recording.unit)

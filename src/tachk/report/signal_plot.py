@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -40,7 +41,7 @@ _FACE = {Truth.TRUE: "#5a9367", Truth.FALSE: "#ffffff", Truth.UNDETERMINED: "#f1
 _INK = {Truth.TRUE: "#3d6b48", Truth.FALSE: "#a4161a", Truth.UNDETERMINED: "#777777"}
 _HATCH = {Truth.TRUE: "", Truth.FALSE: "//////", Truth.UNDETERMINED: "..."}
 _SIGNAL = "#22577a"
-_STYLE = {
+_STYLE: dict[Any, Any] = {
     "font.size": 9,
     "font.family": "DejaVu Sans",
     "hatch.linewidth": 0.7,
@@ -214,7 +215,7 @@ def _mark(axis: Axes, verdict: MonitorVerdict, span: Span, labelled: bool, trace
         return
     begin = finding.cell / 2
     deadline = None if finding.deadline is None else finding.deadline / 2
-    marks = [(begin, "trigger" if finding.trigger is not None else "violated", "-")]
+    marks: list[tuple[float, str, Any]] = [(begin, "trigger" if finding.trigger is not None else "violated", "-")]
     if verdict.measured is Truth.UNDETERMINED and finding.trigger is None:
         marks = [(begin, "pending from", "-")]
     if deadline is not None and deadline != begin:
