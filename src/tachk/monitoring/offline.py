@@ -209,7 +209,7 @@ class MonitorReport(Sequence[MonitorVerdict]):
                     "robustness_low": low,
                     "robustness_high": high,
                     "vacuous": verdict.vacuous,
-                    "trigger": None if finding is None else finding.trigger,
+                    "trigger": None if finding is None or finding.trigger is None else finding.trigger.text,
                     "at": None if finding is None else float(trace.clock(finding.cell // 2)),
                     "deadline": None if deadline is None else float(trace.clock(deadline // 2)),
                     "blamed": None if finding is None else ", ".join(reason.text for reason in finding.blamed),

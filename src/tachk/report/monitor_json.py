@@ -49,7 +49,7 @@ def _finding(record: MonitorRecord, verdict: MonitorVerdict, finding: Finding) -
         "kind": "violation" if verdict.measured is Truth.FALSE else "pending",
         "from": exact(trace, finding.cell),
         "until": exact(trace, 2 * ((finding.last + 1) // 2)),
-        "trigger": None if finding.trigger is None else finding.trigger,
+        "trigger": None if finding.trigger is None else finding.trigger.text,
         "triggered_from": None if finding.triggered is None else exact(trace, finding.triggered[0]),
         "deadline": None if finding.deadline is None else exact(trace, finding.deadline),
         "decided": None if finding.decided is None else exact(trace, finding.decided),

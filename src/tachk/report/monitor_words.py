@@ -33,15 +33,20 @@ def explain_verdict(record: MonitorRecord, verdict: MonitorVerdict) -> tuple[str
 def _trigger(trace: Trace, finding: Finding) -> Iterator[str]:
     if finding.trigger is None or finding.triggered is None:
         return
-    first = finding.triggered[0]
+    first, last = finding.triggered
+    trigger = finding.trigger
     at = cell_text(trace, first)
-    if finding.triggered[1] == first:
-        yield f"trigger: `{finding.trigger}` at {at}"
+    if trigger.kind is NodeKind.RISE:
+        yield f"trigger: `{trigger.operands[0]}` becomes true at {at}"
+    elif trigger.kind is NodeKind.FALL:
+        yield f"trigger: `{trigger.operands[0]}` becomes false at {at}"
+    elif first == last:
+        yield f"trigger: `{trigger.text}` at {at}"
     elif finding.cell == first:
         begins = "becomes true at" if first > 0 else "is true from the beginning, at"
-        yield f"trigger: `{finding.trigger}` {begins} {at}"
+        yield f"trigger: `{trigger.text}` {begins} {at}"
     else:
-        yield f"trigger: `{finding.trigger}` is true since {at}, also at {cell_text(trace, finding.cell)}"
+        yield f"trigger: `{trigger.text}` is true since {at}, also at {cell_text(trace, finding.cell)}"
 
 
 def _reason(trace: Trace, reason: Reason) -> Iterator[str]:
@@ -57,9 +62,9 @@ def _reason(trace: Trace, reason: Reason) -> Iterator[str]:
             for part in reason.parts:
                 yield from _reason(trace, part)
         case NodeKind.RISE, Truth.FALSE:
-            yield f"`{reason.text[5:-1]}` does not become true at {at}"
+            yield f"`{reason.operands[0]}` does not become true at {at}"
         case NodeKind.FALL, Truth.FALSE:
-            yield f"`{reason.text[5:-1]}` does not become false at {at}"
+            yield f"`{reason.operands[0]}` does not become false at {at}"
         case _:
             yield f"`{reason.text}` is {reason.value.word} at {at}"
 

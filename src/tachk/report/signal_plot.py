@@ -5,6 +5,7 @@ True, false and undetermined differ in shape, not only in colour: filled, hatche
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,11 +32,12 @@ _WIDTH = 9.0
 _ROW = 0.24
 _GRAPH = 0.85
 _LABEL = 8
-_LEFT, _RIGHT = 0.28, 0.985
+_LEFT, _RIGHT = 0.31, 0.985
 _TOP, _BOTTOM = 0.55, 0.72
 _TITLE, _GAP = 0.4, 0.16
-_LONGEST_LABEL = 38
-_LONGEST_TITLE = 78
+_LONGEST_LABEL = 43
+_LONGEST_TITLE = 74
+_LABEL_WIDTH = 0.2
 
 _FACE = {Truth.TRUE: "#5a9367", Truth.FALSE: "#ffffff", Truth.UNDETERMINED: "#f1f1f1"}
 _INK = {Truth.TRUE: "#3d6b48", Truth.FALSE: "#a4161a", Truth.UNDETERMINED: "#777777"}
@@ -162,8 +164,9 @@ def _draw_formula(axis: Axes, trace: Trace, verdict: MonitorVerdict, rows: Formu
             _draw_bands(axis, [band for band in bands if band.widened], base, truth, f"{name}-instants", 2)
     _rows(axis, [_short(text) for text in rows.texts])
     axis.get_yticklabels()[0].set_color(_title_ink(verdict))
-    robustness = robustness_text(verdict.robustness)
-    title = f"{verdict.name}: {answer_text(verdict)}" + (f", robustness {robustness}" if robustness else "")
+    title = f"{verdict.name}: {answer_text(verdict)}"
+    if any(math.isfinite(bound) for bound in verdict.robustness or ()):
+        title += f", robustness {robustness_text(verdict.robustness)}"
     axis.set_title(title, loc="left", fontsize=9, fontweight="bold", color=_title_ink(verdict), pad=4)
     text = verdict.sentence or verdict.title
     axis.set_title(_short(text, max(_LONGEST_TITLE - len(title), 0)), loc="right", fontsize=_LABEL, pad=4)
@@ -221,20 +224,23 @@ def _mark(axis: Axes, verdict: MonitorVerdict, span: Span, labelled: bool, trace
     if deadline is not None and deadline != begin:
         marks.append((deadline, "deadline", (0, (4, 2))))
         axis.axvspan(begin, min(deadline, span.end), color="#ffb703", alpha=0.16, linewidth=0, zorder=0)
-    for place, word, style in marks:
+    width = span.end - span.begin
+    close = len(marks) == 2 and marks[1][0] - marks[0][0] < _LABEL_WIDTH * width
+    for number, (place, word, style) in enumerate(marks):
         if not span.begin <= place <= span.end:
             continue
         line = axis.axvline(place, color="#000000", linewidth=1.1, linestyle=style, zorder=5)
         line.set_gid(f"{word.split()[0]}-{verdict.name}")
         if labelled:
-            right = place > span.begin + 0.8 * (span.end - span.begin)
+            leftwards = place > span.end - _LABEL_WIDTH * width or (close and number == 0)
+            fits = not (leftwards and place < span.begin + _LABEL_WIDTH * width)
             axis.annotate(
                 f"{word} {clock_text(trace, int(place))}",
                 (place, 1.0),
                 xycoords=("data", "axes fraction"),
-                xytext=(-2 if right else 2, 4),
+                xytext=(-2 if leftwards and fits else 2, 4 if fits else 14),
                 textcoords="offset points",
-                ha="right" if right else "left",
+                ha="right" if leftwards and fits else "left",
                 fontsize=_LABEL,
             )
 

@@ -39,7 +39,7 @@ class Finding:
     Attributes:
         cell: the instant; for ``G (p -> ...)`` that of the trigger.
         last: the last cell of the stretch in which it is so, the first being ``cell``.
-        trigger: the condition that asks for the response, if the formula has that form.
+        trigger: why the condition that asks for the response is true, if the formula has that form.
         triggered: the first and the last cell of the stretch around ``cell`` in which the trigger is true.
         response: why the response, or the whole, has its value.
         deadline: the last cell at which the response could have come or been broken; None: without end.
@@ -49,7 +49,7 @@ class Finding:
 
     cell: int
     last: int
-    trigger: str | None
+    trigger: Reason | None
     triggered: tuple[int, int] | None
     response: Reason
     deadline: int | None
@@ -92,7 +92,7 @@ class Explainer:
         return Finding(
             cell,
             last,
-            None if trigger is None else self.program.nodes[trigger].text,
+            None if trigger is None else self.reason(trigger, cell, Truth.TRUE),
             None if trigger is None else self.signal(trigger).run(cell),
             reason,
             _deadline(reason),
