@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.syntax.sentence_parser import with_full_stop
 
 MODEL_SUFFIXES = (".ta", ".xta", ".xml", ".tck")
 QUERY_SUFFIXES = (".q",)
@@ -19,8 +20,8 @@ _SIZES = {"": 1, "B": 1, "K": 10**3, "M": 10**6, "G": 10**9, "KI": 2**10, "MI": 
 def split_models_and_queries(arguments: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The arguments that are models and those that are queries, each in order.
 
-    A model is a file that exists, or a name that ends like one. Raises UsageError for an argument that is neither, or
-    if there is no model.
+    A model is a file that exists, or a name that ends like one. A sentence may lack its full stop here. Raises
+    UsageError for an argument that is neither model nor query, or if there is no model.
     """
     models: list[str] = []
     queries: list[str] = []
@@ -28,7 +29,7 @@ def split_models_and_queries(arguments: Sequence[str]) -> tuple[tuple[str, ...],
         if _is_model(argument):
             models.append(argument)
         else:
-            queries.append(argument)
+            queries.append(with_full_stop(argument))
     if not models:
         raise UsageError(
             "no model among the arguments",

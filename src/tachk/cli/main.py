@@ -359,6 +359,18 @@ def explain(
     raise typer.Exit(guarded(lambda: run_explain(what)))
 
 
+@app.command()
+def sentences(
+    words: Annotated[
+        list[str] | None, typer.Argument(metavar="WORD...", help="Only patterns with these words.")
+    ] = None,
+) -> None:
+    """List the sentences in which properties can be written, each with its formula and its meaning."""
+    from tachk.cli.sentences import run_sentences
+
+    raise typer.Exit(guarded(lambda: run_sentences(tuple(words or ()))))
+
+
 def run() -> None:
     """The console script."""
     app()

@@ -22,7 +22,7 @@ from tachk.syntax.formula import Duration, Formula
 from tachk.syntax.formula_parser import parse_formula
 from tachk.syntax.formula_printer import print_formula
 from tachk.syntax.rewrite import rewrite
-from tachk.syntax.sentence_parser import parse_sentence
+from tachk.syntax.sentence_parser import parse_sentence, with_full_stop
 from tachk.syntax.source_files import read_source
 
 FORMULA_SUFFIXES = (".stl",)
@@ -62,7 +62,7 @@ class NamedFormula:
 def read_formulas(given: str | os.PathLike[str]) -> tuple[NamedFormula, ...]:
     """The formulas of a text, a file of formulas, or a model.
 
-    A text is a formula, or a sentence, which ends with a full stop.
+    A text is a formula or a sentence, which may lack its full stop here.
 
     Raises:
         InputError: with everything that is wrong.
@@ -71,8 +71,8 @@ def read_formulas(given: str | os.PathLike[str]) -> tuple[NamedFormula, ...]:
     if not isinstance(given, str) or _is_file(given):
         path = Path(given)
         return _model_formulas(path) if path.suffix.lower() in MODEL_SUFFIXES else _file_formulas(path)
-    source = Source("<formula>", given)
-    return _checked([_read("p1", "", Span(source, 0, len(given)))], "the formula")
+    source = Source("<formula>", with_full_stop(given))
+    return _checked([_read("p1", "", Span(source, 0, len(source.text)))], "the formula")
 
 
 def in_trace_units(named: NamedFormula, columns: Collection[str], unit: str) -> Formula:

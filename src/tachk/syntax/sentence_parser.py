@@ -13,6 +13,7 @@ from itertools import islice, pairwise
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Source, Span
+from tachk.syntax.formula_tokens import is_sentence, lacks_full_stop
 from tachk.syntax.lalr import Stack
 from tachk.syntax.sentence import Sentence
 from tachk.syntax.sentence_conditions import Refused
@@ -20,8 +21,9 @@ from tachk.syntax.sentence_near import near_phrases
 from tachk.syntax.sentence_order import assemble
 from tachk.syntax.sentence_printer import print_sentence
 from tachk.syntax.sentence_readings import Correction, Reading, Readings, exact_phrases
-from tachk.syntax.sentence_tables import START, phrase_words, sentence_tables, spelling
+from tachk.syntax.sentence_tables import START, opening_words, sentence_tables, spelling
 from tachk.syntax.sentence_text import Piece, cut
+from tachk.syntax.tables import lexer
 from tachk.syntax.tokens import END, Token
 
 Diagnostics = tuple[Diagnostic, ...]
@@ -69,6 +71,13 @@ def parse_sentence(source: Source | Span) -> tuple[Sentence | None, Diagnostics]
     if sound:
         return None, (_ambiguous(span, sound),)
     return None, _why_not(span, pieces, readings, attempts)
+
+
+def with_full_stop(text: str) -> str:
+    """The text of an argument, completed if it is a sentence that only lacks its full stop."""
+    *tokens, _ = lexer().cut(Source("", text)).tokens
+    outcome = len(tokens) > 1 and tokens[-2].text == "expect"
+    return f"{text}." if not outcome and not is_sentence(tokens) and lacks_full_stop(tokens) else text
 
 
 def _attempt(span: Span, reading: Reading) -> _Attempt:
@@ -165,7 +174,7 @@ def _unreadable(attempt: _Attempt, pieces: tuple[Piece, ...]) -> Diagnostics:
         help = "write two sentences, or join the conditions: 'p and q must be true'"
         return (Diagnostic("E0144", "the sentence has a second 'must'", musts[1].span, help),)
     first, *others = attempt.diagnostics
-    if first.span.text.lower() in phrase_words():
+    if first.span.text.lower() in opening_words():
         help = "join conditions inside: 'whenever p and q is true', not 'whenever p is true and q is true'"
         message = f"'{first.span.text}' has no place in a condition"
         return (Diagnostic("E0140", message, first.span, help), *others)

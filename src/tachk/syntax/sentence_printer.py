@@ -9,7 +9,7 @@ from tachk.syntax import sentence as s
 from tachk.syntax.ast import Expression, NameExpression
 from tachk.syntax.formula import Atom, Duration, Formula
 from tachk.syntax.formula_printer import print_duration, print_formula
-from tachk.syntax.sentence_tables import phrase_words
+from tachk.syntax.sentence_tables import opening_words
 
 _WORD = re.compile(r"\w+")
 _INSTANTS = {
@@ -157,5 +157,5 @@ def _value(expression: Expression) -> str:
 
 
 def _confusing(text: str) -> bool:
-    """Whether words of the text might be taken for parts of the sentence."""
-    return not phrase_words().isdisjoint(word.lower() for word in _WORD.findall(text))
+    """Whether a word of the text might be taken for the beginning of a phrase."""
+    return not opening_words().isdisjoint(word.lower() for word in _WORD.findall(text))

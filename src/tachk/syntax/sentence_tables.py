@@ -76,10 +76,9 @@ def phrases() -> tuple[Phrase, ...]:
 
 
 @cache
-def phrase_words() -> frozenset[str]:
-    """Every word that occurs in a phrase, but `true` and `false`, which mean the same in conditions."""
-    words = {word for phrase in phrases() for word in phrase.words if word.isidentifier()}
-    return frozenset(words - {"true", "false"})
+def opening_words() -> frozenset[str]:
+    """Every word with which a phrase begins."""
+    return frozenset(phrase.words[0] for phrase in phrases())
 
 
 @cache

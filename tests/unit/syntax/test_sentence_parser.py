@@ -12,7 +12,7 @@ from tachk.diagnostics.span import NOWHERE, Source, Span
 from tachk.syntax import ast
 from tachk.syntax import sentence as s
 from tachk.syntax.formula import Atom, Duration, Formula, Not, Rise
-from tachk.syntax.sentence_parser import parse_sentence
+from tachk.syntax.sentence_parser import parse_sentence, with_full_stop
 from tachk.syntax.sentence_printer import print_sentence
 
 
@@ -198,6 +198,21 @@ def test_names_that_are_words_of_sentences() -> None:
     assert ranged.trigger == s.Whenever(NOWHERE, name("within_range"))
     seconds = read("whenever s, within s s, min must be true.")
     assert seconds.delay == s.Within(NOWHERE, Duration(NOWHERE, ast.NameExpression(NOWHERE, "s"), "s"))
+
+
+@pytest.mark.parametrize(
+    ("text", "completed"),
+    [
+        ("whenever p, q must be true", "whenever p, q must be true."),
+        ("whenever p, q must be true.", "whenever p, q must be true."),
+        ("whenever p, q must be true. expect holds", "whenever p, q must be true. expect holds"),
+        ("A[] not deadlock", "A[] not deadlock"),
+        ("G (p -> F[0, 5] q)", "G (p -> F[0, 5] q)"),
+        ("P.after --> P.until", "P.after --> P.until"),
+    ],
+)
+def test_an_argument_may_lack_its_full_stop(text: str, completed: str) -> None:
+    assert with_full_stop(text) == completed
 
 
 def test_quantifiers_calls_and_members() -> None:
