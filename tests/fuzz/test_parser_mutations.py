@@ -13,6 +13,8 @@ from tachk.diagnostics.render_json import diagnostic_to_json
 from tachk.diagnostics.span import Source
 from tachk.resources import data_root
 from tachk.syntax.canonical import canonical
+from tachk.syntax.formula_parser import parse_formula
+from tachk.syntax.formula_printer import print_formula
 from tachk.syntax.parser import has_errors, parse_document
 from tachk.syntax.printer import print_document
 from tachk.syntax.query_files import parse_queries
@@ -83,6 +85,56 @@ def test_mutated_queries() -> None:
         text = mutate(original, random)
         _, diagnostics = parse_queries(Source("m.q", text))
         assert all(0 <= d.span.start <= d.span.end <= len(text) for d in diagnostics)
+
+
+FORMULAS = """\
+G (p -> F[0, 180 s] q && x - y <= 3.5)
+(p U[0, 5) q) W (r S(2, inf) `odd name`) || !rise(T(1).loc) && change(n + 1)
+H[0, N + 1 ms] O(1, 2] abs(x) < 3 imply forall (i : id_t) not P(i).bad
+whenever p becomes true, within 20 s, q must stay true for at least 5 s.
+"""
+
+FORMULA_WORDS = """
+G F[0,5] U S W O H [0, (1, inf) 5 s] ) ( `G` `a b` -> && || ! rise( change( fall( , . : ; == = ++ A[] --> sum forall
+true deadlock whenever must within ` é 99999999999 1.5e3 expect holds "x" // /* 's
+"""
+
+
+def mutate_formula(random: Random) -> str:
+    text = random.choice(FORMULAS.splitlines())
+    for _ in range(random.randrange(1, 5)):
+        place = random.randrange(len(text) + 1)
+        end = place + random.choice([0, 0, 1, 2, 10])
+        text = text[:place] + f" {random.choice([*FORMULA_WORDS.split(), ''])} " + text[end:]
+    return text
+
+
+def test_mutated_formulas() -> None:
+    random = Random(11)
+    for _ in range(600):
+        text = mutate_formula(random)
+        formula, diagnostics = parse_formula(Source("f", text))
+        assert (formula is None) == has_errors(diagnostics)
+        for diagnostic in diagnostics:
+            assert 0 <= diagnostic.span.start <= diagnostic.span.end <= len(text)
+            assert render(diagnostic)
+        if formula is not None:
+            printed = print_formula(formula)
+            again, found = parse_formula(Source("again", printed))
+            assert again == formula, (text, printed, found)
+
+
+def test_mutated_properties() -> None:
+    random = Random(12)
+    for _ in range(300):
+        text = f"property a : {mutate_formula(random)};\nproperty b : A[] x;\n"
+        document, diagnostics = parse_document(Source("m.ta", text))
+        assert all(0 <= d.span.start <= d.span.end <= len(text) for d in diagnostics)
+        if document is not None and not has_errors(diagnostics):
+            printed = print_document(document)
+            again, found = parse_document(Source("again.ta", printed))
+            assert not has_errors(found), printed
+            assert again == canonical(document)
 
 
 @pytest.mark.parametrize("seed", range(20))

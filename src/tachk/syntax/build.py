@@ -12,7 +12,7 @@ from typing import Any
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.syntax import ast
 from tachk.syntax.build_expressions import Children, ExpressionBuilder, ListOf, nodes, only, span_of
-from tachk.syntax.build_formula import FormulaBuilder, as_formula
+from tachk.syntax.build_formula import FormulaBuilder, WholeFormula, as_formula
 from tachk.syntax.build_template import Clause, Line, clauses_of, template
 from tachk.syntax.chains import chain
 from tachk.syntax.misplaced import Misplaced
@@ -159,15 +159,13 @@ class Builder(ExpressionBuilder, FormulaBuilder):
         family = unchecked_family(re.findall(r"\w+|\S", token.text)) or "statistical"
         return ast.UncheckedFormula(token.span, token.text, family)
 
-    def temporal_formula(self, children: Children) -> ast.TemporalFormula:
-        formula = as_formula(children[1])
-        return ast.TemporalFormula(formula.span, formula)
-
     def sentence(self, children: Children) -> ast.TemporalFormula:
         return ast.TemporalFormula(children[0].span, None, children[0].text)
 
     def query(self, children: Children) -> ast.QueryEntry:
         formula, _, outcome = children
+        if isinstance(formula, WholeFormula):
+            formula = ast.TemporalFormula(formula.span, as_formula(formula.expression))
         return ast.QueryEntry(span_of(children), formula, "", outcome.text if outcome is not None else None)
 
     def property(self, children: Children) -> ast.PropertyDeclaration:

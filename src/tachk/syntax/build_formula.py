@@ -57,6 +57,21 @@ class TemporalExpression(ast.Node):
     operands: tuple[Any, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class RefusedPart(ast.Node):
+    """In place of an interval that is wrong. It is reported when the whole formula is read, for there reading can go on
+    behind it."""
+
+    diagnostic: Diagnostic
+
+
+@dataclass(frozen=True, slots=True)
+class WholeFormula(ast.Node):
+    """What stands where a formula stands, before `as_formula`."""
+
+    expression: Any
+
+
 class FormulaBuilder:
     """The callbacks of the rules of stl.lark."""
 
@@ -70,37 +85,28 @@ class FormulaBuilder:
 
     def until(self, children: Children) -> TemporalExpression:
         left, letter, interval, right = children
-        if letter.text == "W" and interval is not None:
-            raise Misplaced(
-                Diagnostic(
-                    "E0130",
-                    "'W' has no interval",
-                    interval.span,
-                    "write (p U[a, b] q) || G[0, b] p for a bounded one",
-                )
-            )
         return TemporalExpression(span_of(children), letter.text, interval, (left, right))
 
     def implies(self, children: Children) -> ast.BinaryExpression:
         return ast.BinaryExpression(span_of(children), "imply", children[0], children[2])
 
-    def interval(self, children: Children) -> Interval:
+    def interval(self, children: Children) -> Interval | RefusedPart:
         opening, lower, _, upper, closing = children
         bound = None if isinstance(upper, Token) else upper
-        if bound is not None and bound.unit and not lower.unit and isinstance(lower.value, Fraction) and lower.value:
-            raise Misplaced(
-                Diagnostic(
-                    "E0134",
-                    "this bound has no unit, the other has one",
-                    lower.span,
-                    f"write {lower.span.text} {bound.unit}",
-                )
-            )
+        for part in (lower, bound):
+            if isinstance(part, RefusedPart):
+                return part
+        for one, other in ((lower, bound), (bound, lower)):
+            if one is not None and other is not None and other.unit and _lacks_unit(one):
+                help_ = f"write {one.span.text} {other.unit}"
+                found = Diagnostic("E0134", "this bound has no unit, the other has one", one.span, help_)
+                return RefusedPart(one.span, found)
         closed = bound is None or closing.text == "]"
         return Interval(span_of(children), lower, bound, opening.text == "[", closed)
 
-    def half_interval(self, children: Children) -> Interval:
+    def half_interval(self, children: Children) -> RefusedPart:
         opening, *inside, closing = children
+        span = span_of(children)
         if not inside:
             message, help_ = "there are no bounds in these brackets", "leave the brackets out, or write [0, 5]"
         elif len(inside) == 1:
@@ -110,13 +116,16 @@ class FormulaBuilder:
         else:
             message = "the bounds of an interval are separated by a comma"
             help_ = f"write {opening.text}{inside[0].span.text}, {inside[2].span.text}{closing.text}"
-        raise Misplaced(Diagnostic("E0130", message, span_of(children), help_))
+        return RefusedPart(span, Diagnostic("E0130", message, span, help_))
 
-    def duration(self, children: Children) -> Duration:
+    def duration(self, children: Children) -> Duration | RefusedPart:
         expression, unit = children
         if unit is not None and unit.text not in UNITS:
-            raise Misplaced(unknown_unit(unit.text, unit.span))
+            return RefusedPart(unit.span, unknown_unit(unit.text, unit.span))
         return Duration(span_of(children), _number(expression), unit.text if unit is not None else "")
+
+    def temporal_formula(self, children: Children) -> WholeFormula:
+        return WholeFormula(children[1].span, children[1])
 
     def formula_fragment(self, children: Children) -> Formula:
         return as_formula(children[0])
@@ -136,6 +145,11 @@ def unknown_unit(unit: str, span: Span) -> Diagnostic:
     meant = familiar.get(unit)
     help_ = f"did you mean '{meant}'?" if meant else f"the units are {', '.join(UNITS)}"
     return Diagnostic("E0135", f"'{unit}' is no unit of time", span, help_)
+
+
+def _lacks_unit(duration: Duration) -> bool:
+    """Whether a bound is a number other than 0 without a unit; a constant of the model is in the model's unit."""
+    return not duration.unit and isinstance(duration.value, Fraction) and duration.value != 0
 
 
 def _number(expression: ast.Expression) -> Fraction | ast.Expression:
@@ -159,6 +173,8 @@ def as_formula(expression: Any) -> Formula:
         Misplaced: something in it cannot be part of a formula, or it is nested too deeply.
     """
     _refuse_depth(expression)
+    for part in nodes_of_kind(expression, RefusedPart):
+        raise Misplaced(part.diagnostic)
     return _formula(expression)
 
 
@@ -183,6 +199,9 @@ def _formula(node: Any) -> Formula:
             return Fall(span, _formula(operand))
         case TemporalExpression(operator="change", operands=(operand,)):
             return Change(span, _state_expression(operand, "'change' watches the value of an expression"))
+        case TemporalExpression(operator="W", interval=Interval(span=place)):
+            help_ = "write (p U[a, b] q) || G[0, b] p for a bounded one"
+            raise Misplaced(Diagnostic("E0130", "'W' has no interval", place, help_))
         case TemporalExpression(operator="W", operands=(left, right)):
             return WeakUntil(span, _formula(left), _formula(right))
         case TemporalExpression(operator=letter, interval=interval, operands=operands):
