@@ -506,8 +506,8 @@ class Splice : public Cloneable<Splice<Value>, Value> {
       const Stream<Value>& in = *inputs[n];
       while (at_[n] + 1 < in.end() && in.starts()[at_[n] + 1] <= std::min(stop, in.frontier - 1)) ++at_[n];
     }
-    if (end.finished && known == stop) {
-      const std::size_t side = end.high ? 2 : 1;
+    if (end.finished && known == stop && end.beyond != TraceEnd::Beyond::unknown) {
+      const std::size_t side = end.beyond == TraceEnd::Beyond::least ? 1 : 2;
       const Stream<Value>& in = *inputs[side];
       for (; at_[side] < in.end() && in.starts()[at_[side]] < in.frontier; ++at_[side])
         out.append(std::max(in.starts()[at_[side]], stop), in.values()[at_[side]]);

@@ -239,8 +239,8 @@ void OfflineMonitor<Value>::finish(std::int64_t end) {
     if (graph_.streams()[leaf].kind == StreamKind::change) side_.changes[leaf].settle(side_.streams[leaf]);
     side_.streams[leaf].frontier = side_.end.reached + 1;
   }
-  while (step(side_)) trim(side_);
   side_.end.finished = true;
+  drain(side_);
   low_ = copy(side_);
   conclude(low_, false);
   conclude(side_, true);
@@ -248,7 +248,7 @@ void OfflineMonitor<Value>::finish(std::int64_t end) {
 
 template <class Value>
 void OfflineMonitor<Value>::conclude(Side& side, bool high) {
-  side.end.high = high;
+  side.end.beyond = high ? TraceEnd::Beyond::greatest : TraceEnd::Beyond::least;
   const Value unknown = high ? Bounds<Value>::greatest : Bounds<Value>::least;
   for (const std::size_t leaf : leaves_) {
     const StreamNode& node = graph_.streams()[leaf];
@@ -270,6 +270,26 @@ Value OfflineMonitor<Value>::value_of(const Term& term, const std::vector<Fold>&
     value = term.conjunction ? Lattice<Value, true>::join(value, other) : Lattice<Value, false>::join(value, other);
   }
   return value;
+}
+
+template <class Value>
+Range<Value> OfflineMonitor<Value>::bounds_of(const Term& term) const {
+  if (term.leaf) {
+    const Fold& fold = side_.folds[term.fold];
+    if (fold.complete) return {fold.value, fold.value};
+    return fold.dual ? Range<Value>{Bounds<Value>::least, fold.value}
+                     : Range<Value>{fold.value, Bounds<Value>::greatest};
+  }
+  Range<Value> range = bounds_of(term.operands[0]);
+  for (std::size_t n = 1; n < term.operands.size(); ++n) {
+    const Range<Value> other = bounds_of(term.operands[n]);
+    if (term.conjunction) {
+      range = {std::min(range.low, other.low), std::min(range.high, other.high)};
+    } else {
+      range = {std::max(range.low, other.low), std::max(range.high, other.high)};
+    }
+  }
+  return range;
 }
 
 template <class Value>

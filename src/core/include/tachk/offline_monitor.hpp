@@ -68,6 +68,9 @@ class OfflineMonitor {
   std::size_t bytes() const;
 
   Range<Value> verdict() const;
+  // Before the end: bounds of the verdict of every continuation. They rest on what is decided at every cell of an
+  // outermost G or F, and need not be the narrowest.
+  Range<Value> so_far() const { return bounds_of(verdict_); }
   std::optional<FirstViolation> violation() const;
   Range<Value> probe(std::size_t number) const;
   Signal<Value> signal(std::size_t number) const;
@@ -119,6 +122,7 @@ class OfflineMonitor {
   void record(Recording& recording, const Side& side);
   void conclude(Side& side, bool high);
   Side copy(const Side& side) const;
+  Range<Value> bounds_of(const Term& term) const;
   Value value_of(const Term& term, const std::vector<Fold>& folds) const;
   void find_violation(const Term& term, const std::vector<Fold>& folds, std::optional<FirstViolation>& earliest) const;
 
