@@ -12,6 +12,8 @@
 #include <tuple>
 
 #include "csv.hpp"
+#include "monitor.hpp"
+#include "online.hpp"
 #include "tachk/explorer.hpp"
 
 namespace nb = nanobind;
@@ -73,4 +75,6 @@ NB_MODULE(_core, m) {
           "Which implementation of the zone operations is in use.");
 
   bind_csv(m);
+  bind_monitor(m);
+  bind_online(m);
 }

@@ -1,0 +1,245 @@
+#include "tachk/online_monitor.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+#include "tachk/online_rewriting.hpp"
+
+namespace tachk {
+namespace {
+
+constexpr std::size_t margin = 8;  // bytes before a block of truth values; the last one belongs to the sample before
+
+std::uint64_t eight_at(const std::uint8_t* bytes) {
+  std::uint64_t word;
+  std::memcpy(&word, bytes, sizeof(word));
+  return word;
+}
+
+MonitorProgram validated(MonitorProgram program) {
+  validate(program);
+  return program;
+}
+
+}  // namespace
+
+OnlineMonitor::OnlineMonitor(MonitorProgram program, bool quantitative)
+    : program_(validated(std::move(program))),
+      graph_(make_online_graph(program_)),
+      evaluator_(program_),
+      truth_(graph_),
+      earlier_truth_(graph_),
+      last_values_(program_.columns) {
+  for (std::size_t n = 0; n < graph_.nodes.size(); ++n) {
+    const OnlineNode& node = graph_.nodes[n];
+    if (node.kind != OnlineKind::atom && node.kind != OnlineKind::change) continue;
+    Leaf leaf;
+    leaf.node = n;
+    leaf.atom = node.atom;
+    leaf.change = node.kind == OnlineKind::change;
+    leaves_.push_back(leaf);
+    truths_.emplace_back(leaf.change ? 0 : AtomEvaluator::block + 2 * margin);
+    values_.emplace_back(leaf.change ? AtomEvaluator::block : 0);
+  }
+  for (const Leaf& leaf : leaves_)
+    if (leaf.change) truth_.know(leaf.node, {0, 1}, false);
+  truth_.step(-1, false);  // what holds without any sample
+  if (quantitative) {
+    margins_ = std::make_unique<OfflineMonitor<Robustness>>(program_, Requests{});
+    if (std::optional<MonitorProgram> other = falling_sooner(program_))
+      sooner_ = std::make_unique<OfflineMonitor<Robustness>>(std::move(*other), Requests{});
+  }
+  narrow(robustness_);
+}
+
+void OnlineMonitor::check_time(std::int64_t tick) const {
+  if (finished_) throw std::invalid_argument("the trace is over");
+  if (begun_ && tick < now_) throw std::invalid_argument("time goes back");
+  if (begun_ && tick - origin_ >= largest_tick / 2) throw std::invalid_argument("the trace is too long");
+}
+
+void OnlineMonitor::push(const Samples& samples) {
+  if (samples.count == 0) return;
+  std::int64_t least = samples.ticks[0];
+  bool ordered = true;
+  for (std::size_t n = 1; n < samples.count; ++n) ordered &= samples.ticks[n - 1] <= samples.ticks[n];
+  check_time(least);
+  if (!ordered) throw std::invalid_argument("time goes back");
+  const std::int64_t last = samples.ticks[samples.count - 1];
+  if (!begun_) {
+    if (least < -largest_tick || least > largest_tick) throw std::invalid_argument("the first time is too large");
+    if (last - least >= largest_tick / 2) throw std::invalid_argument("the trace is too long");
+    origin_ = now_ = least;
+    begun_ = true;
+  }
+  check_time(last);
+  for (std::size_t first = 0; first < samples.count; first += AtomEvaluator::block)
+    push_block(samples, first, std::min(AtomEvaluator::block, samples.count - first));
+  for (std::size_t n = 0; n < last_values_.size(); ++n) {
+    const Column& column = samples.columns[n];
+    const std::size_t row = samples.count - 1;
+    last_values_[n] = column.numbers != nullptr ? column.numbers[row] : column.flags[row] != 0 ? 1.0 : 0.0;
+  }
+  if (margins_) {
+    margins_->push(samples);
+    narrow(margins_->so_far());
+  }
+  if (sooner_) {
+    sooner_->push(samples);
+    narrow({Bounds<Robustness>::least, sooner_->so_far().high});
+  }
+  narrow(robustness_);
+}
+
+// What the range and the verdict say is true, so are the bounds found before.
+void OnlineMonitor::narrow(const Range<Robustness>& range) {
+  robustness_.low = std::max(robustness_.low, range.low);
+  robustness_.high = std::min(robustness_.high, range.high);
+  if (verdict() == Decision::yes) robustness_.low = std::max(robustness_.low, 0.0);
+  if (verdict() == Decision::no) robustness_.high = std::min(robustness_.high, 0.0);
+}
+
+void OnlineMonitor::push_block(const Samples& samples, std::size_t first, std::size_t count) {
+  const std::int64_t last = samples.ticks[first + count - 1];
+  if (!truth_.settled()) {
+    for (std::size_t n = 0; n < leaves_.size(); ++n) {
+      const Leaf& leaf = leaves_[n];
+      if (leaf.change) {
+        evaluator_.left_value(leaf.atom, samples, first, count, values_[n].data());
+      } else {
+        truths_[n][margin - 1] = leaf.holds;
+        evaluator_.truth(leaf.atom, samples, first, count, truths_[n].data() + margin);
+      }
+    }
+    const bool undetermined = truth_.verdict() == Decision::undetermined;
+    if (undetermined && count > 1) {
+      earlier_truth_ = truth_;
+      earlier_leaves_ = leaves_;
+    }
+    const Cell earlier = known_;
+    follow(samples, first, 0, count);
+    if (undetermined && truth_.verdict() != Decision::undetermined) {
+      std::size_t decisive = 0;
+      if (count > 1) {  // find the sample that decided it
+        std::swap(truth_, earlier_truth_);
+        leaves_ = earlier_leaves_;
+        known_ = earlier;
+        while (follow(samples, first, decisive, decisive + 1), truth_.verdict() == Decision::undetermined) ++decisive;
+        if (decisive + 1 < count) follow(samples, first, decisive + 1, count);
+      }
+      decided_at_ = samples.ticks[first + decisive];
+    }
+  }
+  now_ = last;
+  known_ = cell_of(last);
+}
+
+// Hands the samples begin to before end of the block that begins at `first` to the engine.
+void OnlineMonitor::follow(const Samples& samples, std::size_t first, std::size_t begin, std::size_t end) {
+  const std::int64_t* ticks = samples.ticks + first;
+  for (std::size_t n = 0; n < leaves_.size(); ++n) {
+    if (leaves_[n].change) {
+      follow_changes(leaves_[n], values_[n].data(), ticks, begin, end);
+    } else {
+      follow_atom(leaves_[n], truths_[n].data() + margin, ticks, begin, end);
+    }
+  }
+  known_ = cell_of(ticks[end - 1]);
+  truth_.step(known_, false);
+}
+
+void OnlineMonitor::follow_atom(Leaf& leaf, const std::uint8_t* holds, const std::int64_t* ticks, std::size_t begin,
+                                std::size_t end) {
+  Cell start = known_;
+  bool value = leaf.holds != 0;
+  const auto change_at = [&](std::size_t n) {
+    const Cell cell = cell_of(ticks[n]);
+    if (cell > start) truth_.know(leaf.node, {start, cell}, value);
+    start = cell;
+    value = !value;
+  };
+  std::size_t n = begin;
+  if constexpr (std::endian::native == std::endian::little) {
+    for (; n + 8 <= end; n += 8) {
+      std::uint64_t differs = eight_at(holds + n) ^ eight_at(holds + n - 1);
+      for (; differs != 0; differs &= differs - 1)
+        change_at(n + static_cast<std::size_t>(std::countr_zero(differs)) / 8);
+    }
+  }
+  for (; n < end; ++n)
+    if (holds[n] != (value ? 1 : 0)) change_at(n);
+  const Cell known = cell_of(ticks[end - 1]);
+  if (known > start) truth_.know(leaf.node, {start, known}, value);
+  leaf.holds = value ? 1 : 0;
+}
+
+void OnlineMonitor::follow_changes(Leaf& leaf, const double* values, const std::int64_t* ticks, std::size_t begin,
+                                   std::size_t end) {
+  Cell start = known_;
+  for (std::size_t n = begin; n < end; ++n) {
+    const Cell cell = cell_of(ticks[n]);
+    if (cell > start) {
+      const bool changed = start > 0 && leaf.before != leaf.value;
+      truth_.know(leaf.node, {start, start + 1}, changed);
+      truth_.know(leaf.node, {start + 1, cell}, false);
+      leaf.before = leaf.value;
+      start = cell;
+    }
+    leaf.value = values[n];
+  }
+}
+
+// Without a new sample: the last one goes on.
+void OnlineMonitor::hold_until(Cell end) {
+  for (Leaf& leaf : leaves_) {
+    if (leaf.change) {
+      truth_.know(leaf.node, {known_, known_ + 1}, known_ > 0 && leaf.before != leaf.value);
+      truth_.know(leaf.node, {known_ + 1, end}, false);
+      leaf.before = leaf.value;
+    } else {
+      truth_.know(leaf.node, {known_, end}, leaf.holds != 0);
+    }
+  }
+  known_ = end;
+}
+
+void OnlineMonitor::advance(std::int64_t tick) {
+  if (!begun_) throw std::invalid_argument("the trace has not begun");
+  const std::vector<double> values = last_values_;
+  std::vector<Column> columns(values.size());
+  for (std::size_t n = 0; n < columns.size(); ++n) columns[n].numbers = &values[n];
+  push({&tick, columns.data(), 1});
+}
+
+void OnlineMonitor::finish(std::int64_t tick) {
+  if (!begun_) throw std::invalid_argument("the trace has not begun");
+  check_time(tick);
+  const bool undetermined = truth_.verdict() == Decision::undetermined;
+  if (!truth_.settled()) {
+    hold_until(cell_of(tick) + 1);
+    truth_.step(cell_of(tick), true);
+  }
+  now_ = tick;
+  finished_ = true;
+  if (undetermined && truth_.verdict() != Decision::undetermined) decided_at_ = tick;
+  if (margins_) {
+    margins_->finish(tick);
+    narrow(margins_->verdict());
+  }
+  narrow(robustness_);
+  sooner_.reset();
+}
+
+std::size_t OnlineMonitor::bytes() const {
+  std::size_t total = sizeof(*this) + truth_.bytes() + earlier_truth_.bytes();
+  for (const auto* margins : {margins_.get(), sooner_.get()})
+    if (margins != nullptr) total += margins->bytes();
+  for (const auto& block : truths_) total += block.capacity();
+  for (const auto& block : values_) total += block.capacity() * sizeof(double);
+  return total;
+}
+
+}  // namespace tachk
