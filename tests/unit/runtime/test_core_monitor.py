@@ -1,0 +1,133 @@
+"""The door to the offline monitors: results, whole signals, portions, refusals."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime import core_monitor
+from tachk.runtime.core_monitor import RobustnessMonitor, RobustnessResult, TruthMonitor, Violation
+from tachk.runtime.node_signal import Truth
+from tachk.runtime.trace import Trace
+from tachk.semantics.monitor_program import (
+    MonitorAtom,
+    MonitorNode,
+    MonitorProgram,
+    NodeKind,
+    Relation,
+    ValueInstruction,
+    ValueOperator,
+)
+
+
+def column(number: int) -> tuple[ValueInstruction, ...]:
+    return (ValueInstruction(ValueOperator.COLUMN, number),)
+
+
+def constant(value: float) -> tuple[ValueInstruction, ...]:
+    return (ValueInstruction(ValueOperator.CONSTANT, value),)
+
+
+def response(deadline: int) -> MonitorProgram:
+    """``G (p -> F[0,deadline] x > 0.5)``"""
+    return MonitorProgram(
+        ("p", "x"),
+        (
+            MonitorAtom(Relation.TRUTH, column(0), (), "p"),
+            MonitorAtom(Relation.GREATER, column(1), constant(0.5), "x > 0.5"),
+        ),
+        (
+            MonitorNode(NodeKind.ATOM, atom=0),
+            MonitorNode(NodeKind.NOT, (0,)),
+            MonitorNode(NodeKind.ATOM, atom=1),
+            MonitorNode(NodeKind.EVENTUALLY, (2,), upper=deadline),
+            MonitorNode(NodeKind.OR, (1, 3)),
+            MonitorNode(NodeKind.ALWAYS, (4,)),
+        ),
+        1,
+    )
+
+
+def trace(end: int = 80) -> Trace:
+    return Trace(
+        "pulses",
+        np.array([0, 10, 11, 30, 31, 40, 60, 61]),
+        {"x": np.array([0, 0, 0, 0.75, 0, 0, 0.25, 0]), "p": np.array([0, 1, 0, 0, 0, 1, 0, 0], np.uint8)},
+        end,
+    )
+
+
+def test_a_missed_deadline_is_a_violation_while_the_trigger_lasts() -> None:
+    result = core_monitor.monitor_truth(response(20), trace())
+    assert result.verdict is Truth.FALSE
+    assert result.violation == Violation(node=4, first=80, last=119)
+
+
+def test_a_deadline_after_the_end_is_open() -> None:
+    assert core_monitor.monitor_truth(response(50), trace()).verdict is Truth.UNDETERMINED
+    assert core_monitor.monitor_robustness(response(50), trace()) == RobustnessResult(-0.25, 0.25)
+
+
+def test_robustness_is_the_distance_of_the_worst_response() -> None:
+    assert core_monitor.monitor_robustness(response(20), trace()) == RobustnessResult(-0.25, -0.25)
+
+
+def test_signals_of_subformulas() -> None:
+    (response_signal,) = core_monitor.truth_signals(response(20), trace(), [3])
+    assert response_signal.stretches() == [
+        (0, 19, Truth.FALSE),
+        (20, 61, Truth.TRUE),
+        (62, 120, Truth.FALSE),
+        (121, 160, Truth.UNDETERMINED),
+    ]
+    (trigger,) = core_monitor.robustness_signals(response(20), trace(), [1])
+    assert trigger.starts.tolist() == [0, 20, 22, 80, 120]
+    assert trigger.low.tolist() == [math.inf, -math.inf, math.inf, -math.inf, math.inf]
+    assert trigger.low.tolist() == trigger.high.tolist()
+
+
+def test_truth_at_places() -> None:
+    places = [(3, 19), (3, 20), (3, 61), (3, 121), (4, 79), (4, 80)]
+    assert core_monitor.truth_at(response(20), trace(), places) == (
+        Truth.FALSE,
+        Truth.TRUE,
+        Truth.TRUE,
+        Truth.UNDETERMINED,
+        Truth.TRUE,
+        Truth.FALSE,
+    )
+
+
+@pytest.mark.parametrize("size", [1, 3, 8])
+def test_portions_do_not_matter(size: int) -> None:
+    whole = trace()
+    truth, robustness = TruthMonitor(response(20)), RobustnessMonitor(response(20))
+    for begin in range(0, whole.rows, size):
+        rows = slice(begin, begin + size)
+        for monitor in (truth, robustness):
+            monitor.push(whole.times[rows], [whole.columns["p"][rows], whole.columns["x"][rows]])
+    assert truth.finish(80) == core_monitor.monitor_truth(response(20), whole)
+    assert robustness.finish(80) == core_monitor.monitor_robustness(response(20), whole)
+
+
+def test_columns_are_found_by_name() -> None:
+    with pytest.raises(UsageError, match="pulses has no column p"):
+        core_monitor.monitor_truth(response(20), Trace("pulses", np.array([0]), {"x": np.array([0.0])}, 1))
+
+
+def test_wrong_input_is_refused() -> None:
+    monitor = TruthMonitor(response(20))
+    flags, numbers = np.zeros(2, np.uint8), np.zeros(2)
+    with pytest.raises(ValueError, match="must not decrease"):
+        monitor.push(np.array([1, 0]), [flags, numbers])
+    with pytest.raises(ValueError, match="a column is missing"):
+        monitor.push(np.array([0, 1]), [flags])
+    with pytest.raises(ValueError, match="a value for every time"):
+        monitor.push(np.array([0, 1]), [flags, np.zeros(3)])
+    with pytest.raises(ValueError, match="contiguous array"):
+        monitor.push(np.array([0, 1]), [flags, np.zeros(2, np.float32)])  # type: ignore[list-item]
+    with pytest.raises(ValueError, match="at least one sample"):
+        monitor.finish(1)
