@@ -44,6 +44,7 @@ class Options:
         subsumption: drop a state whose zone lies inside a stored zone, not only equal ones.
         narrow: use 16-bit bounds where every constant fits.
         vector: use the widest vector instructions of this machine; off: portable code.
+        spectators: explore processes too that cannot influence the answer; off: hold them still.
     """
 
     order: SearchOrder = SearchOrder.BFS
@@ -53,6 +54,7 @@ class Options:
     subsumption: bool = True
     narrow: bool = True
     vector: bool = True
+    spectators: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,6 +30,8 @@ from tachk.properties.verdict import Answer, Verdict
 from tachk.semantics.discrete import environment, initial_discrete, prepare
 from tachk.semantics.features import check_supported
 from tachk.semantics.lower import lower
+from tachk.semantics.spectators import with_spectators, without_spectators
+from tachk.semantics.step import StepError
 
 
 def verify(
@@ -119,19 +121,25 @@ def _run(
     network: Network, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
 ) -> list[Verdict]:
     network = observed(network, search.observer)
-    program, goals = lower(network, [task.target for task in search.tasks])
+    targets = [task.target for task in search.tasks]
+    reduced = network if options.spectators else without_spectators(network, targets)
+    program, goals = lower(reduced, targets)
     outcome = explore(program, goals, options, limits, progress)
     if outcome.fault is not None:
-        fault = explain(network, outcome.fault)
+        fault = explain(reduced, outcome.fault)
+        if fault.run is not None:
+            fault = replace(fault, run=with_spectators(network, reduced, fault.run))
         outcome = replace(outcome, fault=fault if search.observer is None else fault_without_observer(network, fault))
     pairs = zip(search.tasks, outcome.goals, strict=True)
-    return [_verdict(network, task, goal, outcome, trace) for task, goal in pairs]
+    return [_verdict(network, reduced, task, goal, outcome, trace) for task, goal in pairs]
 
 
 _INEXACT = "the stopwatches make the search inexact, and the run it found is not possible"
 
 
-def _verdict(network: Network, task: Task, goal: GoalOutcome, outcome: Outcome, trace: bool) -> Verdict:
+def _verdict(
+    network: Network, reduced: Network, task: Task, goal: GoalOutcome, outcome: Outcome, trace: bool
+) -> Verdict:
     on_reached, otherwise = Answer.HOLDS, Answer.FAILS
     if task.query.kind is QueryKind.INVARIANTLY:
         on_reached, otherwise = otherwise, on_reached
@@ -143,14 +151,15 @@ def _verdict(network: Network, task: Task, goal: GoalOutcome, outcome: Outcome, 
         return replace(verdict, answer=otherwise, exact=True, reason="")
     if not trace and outcome.exact:
         return replace(verdict, answer=on_reached, reason="")
-    run = concretise(network, goal.path or (), task.target)
+    run = concretise(reduced, goal.path or (), task.target)
     if run is None:
         if outcome.exact:
             raise InternalError(f"the path found for {task.query.text!r} has no timed run")
         return replace(verdict, reason=_INEXACT)
     try:
+        run = with_spectators(network, reduced, run)
         replay(network, run, task.target)
-    except ReplayError as error:
+    except (StepError, ReplayError) as error:
         if not outcome.exact:
             return replace(verdict, reason=_INEXACT)
         raise InternalError(f"the run found for {task.query.text!r} does not replay: {error}") from error

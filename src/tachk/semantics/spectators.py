@@ -11,18 +11,23 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from tachk.model.expressions import Deadlock, Expression, LocationTest, Reference, Variable
-from tachk.model.network import DEFAULT_PRIORITY, Direction, Location, Network, Process
+from tachk.model.network import Direction, Location, Network, Process
 from tachk.model.traversal import called_functions, statement_expressions, walk, written_variables
-from tachk.model.types import ChannelType, leaves
+from tachk.model.types import ChannelType
+from tachk.semantics.discrete import has_priorities, prepare
+from tachk.semantics.step import StepError, delay, initial_state, possible
+from tachk.semantics.trace import Participant, TimedStep, TimedTrace
 
 
 def without_spectators(network: Network, targets: Sequence[Expression]) -> Network:
     """The network with every process held in its initial location that cannot influence whether a target is reachable.
 
-    Processes keep their numbers. Nothing is held still where a target speaks of ``deadlock`` or where processes or
-    channels have priorities: there every possible action counts.
+    Processes and variables keep their numbers. Nothing is held still where a target speaks of ``deadlock`` or where
+    processes or channels have priorities: there every possible action counts.
     """
-    if _has_priorities(network) or any(isinstance(node, Deadlock) for target in targets for node in walk(target)):
+    if has_priorities(prepare(network)) or any(
+        isinstance(node, Deadlock) for target in targets for node in walk(target)
+    ):
         return network
     candidates = {number for number, process in enumerate(network.processes) if _only_watches(process)}
     processes, variables = _mentioned(targets)
@@ -51,8 +56,38 @@ def without_spectators(network: Network, targets: Sequence[Expression]) -> Netwo
     )
 
 
+def with_spectators(network: Network, reduced: Network, trace: TimedTrace) -> TimedTrace:
+    """A run of the network that is the given run of the reduced one, with what the spectators hear on the way.
+
+    Raises:
+        StepError: there is none.
+    """
+    pairs = zip(network.processes, reduced.processes, strict=True)
+    still = {number for number, (process, held) in enumerate(pairs) if process != held}
+    if not still:
+        return trace
+
+    def others(participants: tuple[Participant, ...]) -> tuple[Participant, ...]:
+        return tuple(participant for participant in participants if participant.process not in still)
+
+    model = prepare(network)
+    state = initial = initial_state(model)
+    steps = []
+    for step in trace.steps:
+        state = delay(model, state, step.delay)
+        transition = None
+        if step.transition is not None:
+            wanted = step.transition.participants
+            found = next(((t, after) for t, after in possible(model, state) if others(t.participants) == wanted), None)
+            if found is None:
+                raise StepError("no transition of the whole network is the one of the reduced network")
+            transition, state = found
+        steps.append(TimedStep(step.delay, transition, state))
+    return TimedTrace(initial, tuple(steps))
+
+
 def _still(process: Process) -> Process:
-    return replace(process, locations=(process.locations[process.initial],), edges=(), initial=0, variables=())
+    return replace(process, locations=(process.locations[process.initial],), edges=(), initial=0)
 
 
 def _only_watches(process: Process) -> bool:
@@ -69,18 +104,6 @@ def _forbids_delay(location: Location) -> bool:
 
 def _is_broadcast(channel: Expression) -> bool:
     return isinstance(channel.type, ChannelType) and channel.type.broadcast
-
-
-def _has_priorities(network: Network) -> bool:
-    return (
-        network.default_priority != DEFAULT_PRIORITY
-        or any(process.priority != DEFAULT_PRIORITY for process in network.processes)
-        or any(
-            variable.priorities
-            for variable in network.all_variables()
-            if any(isinstance(leaf, ChannelType) for _, leaf in leaves(variable.type))
-        )
-    )
 
 
 def _expressions(process: Process) -> Iterator[Expression]:
