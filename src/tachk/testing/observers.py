@@ -55,7 +55,9 @@ def scaled(formula: Formula) -> Formula:
     """The formula with all bounds `SCALE` times as large."""
 
     def change(node: Any) -> Any:
-        return replace(node, value=node.value * SCALE) if isinstance(node, syntax.Duration) else node
+        if isinstance(node, syntax.Duration) and isinstance(node.value, Fraction):
+            return replace(node, value=node.value * SCALE)
+        return node
 
     return rewrite(formula, change)
 
@@ -130,7 +132,7 @@ def _trigger(random: Random) -> Formula:
         lambda: syntax.And(NOWHERE, (flag, _past(random))),
         lambda: _past(random),
     ]
-    return random.choices([make for make in makers], (5, 5, 1, 1, 1, 1, 1))[0]()
+    return random.choices(makers, (5, 5, 1, 1, 1, 1, 1))[0]()
 
 
 def _response(random: Random) -> Formula:

@@ -13,7 +13,7 @@ from tachk.testing.exact_trace import ExactTrace
 from tachk.testing.formulas import MonitoringCase
 
 
-def reduced(case: MonitoringCase, fails: Callable[[MonitoringCase], bool]) -> MonitoringCase:
+def reduced(case: MonitoringCase, fails: Callable[[MonitoringCase], object]) -> MonitoringCase:
     """A case that fails too and of which no part can be left out."""
     smaller = next((candidate for candidate in _candidates(case) if fails(candidate)), None)
     while smaller is not None:

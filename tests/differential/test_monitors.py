@@ -1,0 +1,51 @@
+"""The monitors of the core against exact definitions, on random formulas and traces.
+
+`python bench/monitor_agreement.py 10000 0` asks the same many more times.
+"""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tachk.syntax.formula_printer import print_formula
+from tachk.testing.formulas import FormulaShape, MonitoringCase, monitoring_cases, random_monitoring_case
+from tachk.testing.monitor_input import always
+from tachk.testing.offline_agreement import offline_problems
+from tachk.testing.online_agreement import online_problems
+from tachk.testing.reduction import describe
+
+SHAPES = {
+    "everything": FormulaShape(),
+    "deep": FormulaShape(depth=4, bound=2, rows=6),
+    "long": FormulaShape(grid=1, rows=12),
+    "thirds": FormulaShape(depth=2, grid=3, gap=2),
+    "bounded": FormulaShape(depth=2, unbounded=False, rows=16, gap=2),
+    "constants": FormulaShape(depth=2, bound=1, rows=10, gap=1, constants=0.1),
+}
+PACK = 10
+"""Cases in one test, so that reports stay short."""
+
+
+def check(case: MonitoringCase, seed: int) -> None:
+    refinement = (1, 1, 2, 5)[seed % 4]
+    text = f"{print_formula(case.formula)} on {describe(case.trace)}"
+    assert not offline_problems(case, refinement, seed), text
+    assert not online_problems(case, refinement, seed), text
+
+
+@pytest.mark.parametrize("pack", range(4))
+@pytest.mark.parametrize("name", SHAPES)
+def test_monitors_agree_with_the_definitions(name: str, pack: int) -> None:
+    for seed in range(PACK * pack, PACK * (pack + 1)):
+        case = random_monitoring_case(Random(seed), SHAPES[name])
+        check(MonitoringCase(always(case.formula), case.trace) if seed % 3 == 0 else case, seed)
+
+
+@settings(max_examples=60, deadline=None)
+@given(monitoring_cases(), st.integers(0, 1000))
+def test_monitors_agree_with_the_definitions_and_what_fails_is_small(case: MonitoringCase, seed: int) -> None:
+    check(case, seed)
