@@ -10,7 +10,7 @@ The shapes of observers, by what they have to remember:
 - S6 whether, or how long ago, something has been.
 - S7 the time since the last occurrence.
 - S8 the time since a rise.
-- S9 the open triggers and the time since a rise.
+- S9 a stretch and a window at once.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Pattern:
     name: as the literature calls it, with what distinguishes it.
     example: a sentence.
     formula: what the example means, in the syntax of formulas.
-    shape: of the observer, ``S1`` to ``S9``; empty where there is none.
+    shape: of the observer, ``S1`` to ``S9``; empty where there is none and runs can only be monitored.
     meaning: in one line.
     """
 
@@ -189,14 +189,14 @@ CATALOGUE: tuple[Family, ...] = (
                 "response of maximum duration",
                 "Whenever p is true, within 5 s, q must stay true for at most 2 s.",
                 "G (p -> F[0, 5 s] (q && F(0, 2 s] !q))",
-                "S9",
+                "",
                 "within 5 s q is true and at most 2 s later it is not",
             ),
             Pattern(
                 "response of bounded duration",
                 "Whenever p is true, within 5 s, q must stay true for between 1 and 2 s.",
                 "G (p -> F[0, 5 s] (G[0, 1 s) q && F[1 s, 2 s] !q))",
-                "S9",
+                "",
                 "within 5 s q is true, stays so for 1 s, and becomes false at most 2 s later",
             ),
             Pattern(
@@ -255,7 +255,7 @@ CATALOGUE: tuple[Family, ...] = (
                 "response to a minimum duration",
                 "Whenever p becomes true and stays true for at least 3 s, within 5 s, q must be true.",
                 "G (rise(p) && G[0, 3 s) p -> F[0, 5 s] q)",
-                "",
+                "S9",
                 "q comes within 5 s of the rise of every stretch of p of 3 s or more",
             ),
             Pattern(
@@ -263,14 +263,14 @@ CATALOGUE: tuple[Family, ...] = (
                 "Whenever p becomes true and stays true for at least 3 s, counting from the end of min time, "
                 "within 5 s, q must be true.",
                 "G (rise(p) && G[0, 3 s) p -> F[3 s, 3 s] F[0, 5 s] q)",
-                "",
+                "S9",
                 "q comes at most 5 s after p has been true for 3 s",
             ),
             Pattern(
                 "response to a maximum duration",
                 "Whenever p becomes true and stays true for at most 3 s, within 5 s, q must be true.",
                 "G (rise(p) && F(0, 3 s] !p -> F[0, 5 s] q)",
-                "",
+                "S9",
                 "q comes within 5 s of the rise of every stretch of p of 3 s or less",
             ),
             Pattern(
@@ -278,7 +278,7 @@ CATALOGUE: tuple[Family, ...] = (
                 "Whenever p becomes true and stays true for at most 3 s, counting from the fall, within 5 s, "
                 "q must be true.",
                 "G (fall(p) && O(0, 3 s] rise(p) -> F[0, 5 s] q)",
-                "S2",
+                "",
                 "q comes within 5 s of the fall of every stretch of p of 3 s or less",
             ),
             Pattern(
@@ -286,14 +286,14 @@ CATALOGUE: tuple[Family, ...] = (
                 "Whenever p becomes true and stays true for at most 3 s, counting from the end of max time, "
                 "within 5 s, q must be true.",
                 "G (rise(p) && F(0, 3 s] !p -> F[3 s, 3 s] F[0, 5 s] q)",
-                "",
+                "S9",
                 "the same, counted from 3 s after the rise",
             ),
             Pattern(
                 "response to a bounded duration",
                 "Whenever p becomes true and stays true for between 1 and 3 s, within 5 s, q must be true.",
                 "G (rise(p) && G[0, 1 s) p && F[1 s, 3 s] !p -> F[0, 5 s] q)",
-                "",
+                "S9",
                 "q comes within 5 s of the rise of every stretch of p of 1 s to 3 s",
             ),
             Pattern(
@@ -301,7 +301,7 @@ CATALOGUE: tuple[Family, ...] = (
                 "Whenever p becomes true and stays true for between 1 and 3 s, counting from the fall, within 5 s, "
                 "q must be true.",
                 "G (fall(p) && O[1 s, 3 s] rise(p) && H(0, 1 s] p -> F[0, 5 s] q)",
-                "S2",
+                "",
                 "q comes within 5 s of the fall of every stretch of p of 1 s to 3 s",
             ),
         ),
@@ -313,7 +313,7 @@ CATALOGUE: tuple[Family, ...] = (
                 "absence before",
                 "Before R, p must not occur.",
                 "F R -> !p U R",
-                "",
+                "S5",
                 "no p before the first R, if there is one",
             ),
             Pattern(
@@ -327,7 +327,7 @@ CATALOGUE: tuple[Family, ...] = (
                 "absence between",
                 "Between Q and R, p must not occur.",
                 "G (Q && !R && F R -> !p U R)",
-                "",
+                "S5",
                 "no p between a Q and the next R",
             ),
             Pattern(
@@ -361,7 +361,7 @@ CATALOGUE: tuple[Family, ...] = (
             Pattern(
                 "existence between",
                 "Between Q and R, p must occur.",
-                "G (Q && !R && F R -> !R U (p && !R))",
+                "G (Q && !R -> !R W (p && !R))",
                 "S5",
                 "between a Q and the next R there is a p",
             ),
@@ -410,8 +410,8 @@ CATALOGUE: tuple[Family, ...] = (
             Pattern(
                 "precedence between",
                 "Between Q and R, whenever p is true, q must have been true.",
-                "G (Q && !R && F R -> !p U (q || R))",
-                "",
+                "G (Q && !R && F R -> !p W (q || R))",
+                "S6",
                 "between a Q and the next R, no p before the first q",
             ),
             Pattern(

@@ -110,6 +110,10 @@ class _Meaning:
                 return WeakUntil(span, negation(end), both(span, wanted, negation(end)))
             case s.Before(end=end):
                 return implies(span, Eventually(span, self.unbounded(), end), self.eventually(interval, wanted))
+            case s.Between(start=start, end=end) if response.within is None:
+                opened = self.opened(start, end, bounded=False)
+                before = WeakUntil(span, negation(end), both(span, wanted, negation(end)))
+                return self.always(Implies(span, opened, before))
             case s.Between(start=start, end=end):
                 opened = self.opened(start, end, bounded=True)
                 return self.always(Implies(span, opened, self.eventually(interval, wanted)))
@@ -148,12 +152,8 @@ class _Meaning:
         span = self.span
         absent = negation(self.instant(self.sentence.trigger))
         reached = either(span, response.condition, scope.end)
-        bounded = isinstance(scope, s.Between)
-        opened = self.opened(scope.start, scope.end, bounded)
-        inner: Formula = WeakUntil(span, absent, reached)
-        if bounded:
-            inner = Until(span, self.unbounded(), absent, reached)
-        return self.always(Implies(span, opened, inner))
+        opened = self.opened(scope.start, scope.end, bounded=isinstance(scope, s.Between))
+        return self.always(Implies(span, opened, WeakUntil(span, absent, reached)))
 
     # ---- scopes ----
 
