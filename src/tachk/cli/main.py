@@ -223,12 +223,21 @@ def export(
     keep_names: Annotated[
         bool, typer.Option("--keep-names", help="Keep names that some version of UPPAAL refuses.")
     ] = False,
+    observers: Annotated[
+        bool,
+        typer.Option(
+            "--observers/--no-observers",
+            help="Temporal properties become automata beside the model; without, comments.",
+        ),
+    ] = True,
 ) -> None:
     """Write a model for UPPAAL, TChecker, Graphviz or other programs, with its queries beside it."""
     from tachk.cli.export import run_export
 
     name = None if format is None else format.value
-    raise typer.Exit(guarded(lambda: run_export(model, output, name, tuple(definitions or ()), explain, keep_names)))
+    raise typer.Exit(
+        guarded(lambda: run_export(model, output, name, tuple(definitions or ()), explain, keep_names, observers))
+    )
 
 
 @app.command()
@@ -301,7 +310,8 @@ def monitor(
 
     Exit status: 0 all are true, 10 some are false, 20 nothing worse than undetermined, 2 bad input.
     """
-    from tachk.cli.monitor import MonitorRequest, run_monitor
+    from tachk.cli.monitor import run_monitor
+    from tachk.cli.monitor_request import MonitorRequest
 
     request = MonitorRequest(
         formula,

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import json
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
 from rich.console import Console
 
 from tachk.cli.exit_status import ExitStatus
+from tachk.cli.monitor_request import MonitorRequest, destination, exit_status
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.monitoring.formulas import NamedFormula, read_formulas
 from tachk.monitoring.offline import judge, selected
@@ -20,30 +17,10 @@ from tachk.report.monitor_json import monitor_to_json
 from tachk.report.monitor_junit import monitor_to_junit
 from tachk.report.monitor_record import Ending, MonitorRecord
 from tachk.report.monitor_text import print_monitor
-from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace_files import open_trace
 
 _WIDTH = 1000
 """Columns of a report that does not go to a terminal: wide enough for no line to be broken."""
-
-
-@dataclass(frozen=True, slots=True)
-class MonitorRequest:
-    """The options of the command as they were given."""
-
-    formula: str
-    trace: str
-    time: str | None = None
-    unit: str | None = None
-    end: str = "undetermined"
-    names: tuple[str, ...] = ()
-    robustness: bool = True
-    online: bool = False
-    follow: bool = False
-    decimals: int = 9
-    format: str = "text"
-    output: Path | None = None
-    quiet: bool = False
 
 
 def run_monitor(request: MonitorRequest) -> ExitStatus:
@@ -64,23 +41,6 @@ def _run_offline(request: MonitorRequest, formulas: tuple[NamedFormula, ...]) ->
         if out is not None:
             _write(record, request.format, out)
     return exit_status({verdict.truth for verdict in record.verdicts})
-
-
-def exit_status(truths: set[Truth]) -> ExitStatus:
-    """What the verdicts mean for the status of the command."""
-    if Truth.FALSE in truths:
-        return ExitStatus.NOT_AS_EXPECTED
-    return ExitStatus.UNKNOWN if Truth.UNDETERMINED in truths else ExitStatus.AS_EXPECTED
-
-
-@contextmanager
-def destination(output: Path | None, quiet: bool) -> Iterator[TextIO | None]:
-    """Where the report goes; None for nowhere."""
-    if output is not None:
-        with output.open("w", encoding="utf-8") as file:
-            yield file
-    else:
-        yield None if quiet else sys.stdout
 
 
 def _write(record: MonitorRecord, format_: str, out: TextIO) -> None:

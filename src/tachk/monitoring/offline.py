@@ -55,11 +55,8 @@ def monitor(
         InputError: a formula or the trace is wrong; carries every finding.
         UsageError: a file cannot be read, or an argument has no meaning.
     """
-    try:
-        ending = Ending(end)
-    except ValueError:
-        raise UsageError(f"end={end!r}: expected undetermined, weak or strong") from None
-    formulas = selected(_formulas(formula), select)
+    ending = ending_of(end)
+    formulas = selected(formulas_of(formula), select)
     recording = open_trace(trace, time, unit)
     source = os.fspath(formula) if isinstance(formula, (str, os.PathLike)) and Path(formula).suffix else ""
     return MonitorReport(judge(formulas, recording, ending, robustness, source))
@@ -71,7 +68,7 @@ def judge(
     """The record of some formulas on a recording."""
     trace, programs = prepare(formulas, recording)
     verdicts = tuple(
-        _verdict(named, program, trace, ending, robustness) for named, program in zip(formulas, programs, strict=True)
+        verdict_on(named, program, trace, ending, robustness) for named, program in zip(formulas, programs, strict=True)
     )
     return MonitorRecord(trace, source, verdicts, ending)
 
@@ -106,16 +103,31 @@ def selected(formulas: Sequence[NamedFormula], names: Collection[str]) -> tuple[
     return tuple(named for named in formulas if not names or named.name in names)
 
 
-def _formulas(given: str | os.PathLike[str] | Sequence[str]) -> tuple[NamedFormula, ...]:
+def ending_of(name: str) -> Ending:
+    """The ending of this name. Raises UsageError."""
+    try:
+        return Ending(name)
+    except ValueError:
+        raise UsageError(f"end={name!r}: expected undetermined, weak or strong") from None
+
+
+def formulas_of(
+    given: str | os.PathLike[str] | Sequence[str] | Sequence[NamedFormula],
+) -> tuple[NamedFormula, ...]:
+    """The formulas of a text, a file, or several texts; these are named ``p1``, ``p2``, ... in order."""
     if isinstance(given, (str, os.PathLike)):
         return read_formulas(given)
-    read = [named for text in given for named in read_formulas(text)]
+    ready = tuple(named for named in given if isinstance(named, NamedFormula))
+    if ready:
+        return ready
+    read = [named for text in given if isinstance(text, str) for named in read_formulas(text)]
     return tuple(replace(named, name=f"p{number}") for number, named in enumerate(read, 1))
 
 
-def _verdict(
+def verdict_on(
     named: NamedFormula, program: MonitorProgram, trace: Trace, ending: Ending, robustness: bool
 ) -> MonitorVerdict:
+    """The verdict of one program on a whole trace, with its explanation."""
     measured = monitor_truth(program, trace).verdict
 
     def compute(node: int) -> NodeSignal:

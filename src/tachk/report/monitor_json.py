@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from fractions import Fraction
 
 from tachk.report.json_report import Json
 from tachk.report.monitor_record import MonitorRecord, MonitorVerdict, cell_time, value_text
 from tachk.report.monitor_words import explain_verdict
-from tachk.runtime.explanation import Finding, Reason
+from tachk.report.quantity import decimal
+from tachk.runtime.explanation import Reason
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Trace
 
@@ -39,12 +39,15 @@ def verdict_to_json(record: MonitorRecord, verdict: MonitorVerdict) -> dict[str,
         "presumably": None if verdict.presumably is None else verdict.presumably.word,
         "robustness": None if verdict.robustness is None else [number(value) for value in verdict.robustness],
         "vacuous": verdict.vacuous,
-        "finding": None if verdict.finding is None else _finding(record, verdict, verdict.finding),
+        "finding": finding_to_json(record, verdict),
     }
 
 
-def _finding(record: MonitorRecord, verdict: MonitorVerdict, finding: Finding) -> dict[str, Json]:
-    trace = record.trace
+def finding_to_json(record: MonitorRecord, verdict: MonitorVerdict) -> dict[str, Json] | None:
+    """Where the formula is violated first, or hangs; None where it is true."""
+    finding, trace = verdict.finding, record.trace
+    if finding is None:
+        return None
     return {
         "kind": "violation" if verdict.measured is Truth.FALSE else "pending",
         "from": exact(trace, finding.cell),
@@ -70,9 +73,7 @@ def _blamed(trace: Trace, verdict: MonitorVerdict, reason: Reason) -> dict[str, 
 
 def exact(trace: Trace, cell: int) -> str:
     """The instant of a cell as the clock of the recording shows it; between two ticks the middle."""
-    value = trace.clock(cell_time(cell))
-    text = f"{float(value):.15g}"
-    return text if "e" not in text and Fraction(text) == value else str(value)
+    return decimal(trace.clock(cell_time(cell)), 18)
 
 
 def number(value: float) -> Json:

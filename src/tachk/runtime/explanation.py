@@ -254,6 +254,16 @@ def horizon(program: MonitorProgram) -> int:
     return ahead[-1]
 
 
+def memory(program: MonitorProgram) -> int:
+    """How many ticks the bounded operators of a formula look back from an instant at most."""
+    behind: list[int] = []
+    for node in program.nodes:
+        reach = max((behind[operand] for operand in node.operands), default=0)
+        looks_back = node.kind in (NodeKind.ONCE, NodeKind.HISTORICALLY, NodeKind.SINCE)
+        behind.append(reach + (max(node.upper, node.lower) if looks_back else 0))
+    return behind[-1]
+
+
 def _leaves(reason: Reason) -> Iterator[Reason]:
     if not reason.parts:
         yield reason

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Collection, Iterator
+from contextlib import closing
 from dataclasses import dataclass, field
 from enum import IntEnum
 from fractions import Fraction
 from pathlib import Path
-from typing import BinaryIO
+from typing import Protocol
 
 import numpy as np
 
@@ -23,6 +24,17 @@ PIECE = 1 << 20
 
 _SEPARATORS = ",;\t"
 _LONGEST_HEADER = 1 << 24
+
+
+class ByteStream(Protocol):
+    """What is asked of a file or pipe; `io.BufferedReader` has it."""
+
+    def readline(self, size: int = -1, /) -> bytes: ...
+    def read1(self, size: int = -1, /) -> bytes:
+        """What is there already, or waits for something; empty at the end."""
+        ...
+
+    def close(self) -> None: ...
 
 
 class FaultKind(IntEnum):
@@ -66,12 +78,11 @@ class CsvRecording:
     """
 
     name: str
-    stream: BinaryIO = field(repr=False)
+    stream: ByteStream = field(repr=False)
     header: Header
     separator: str
     line: int
     size: int | None = None
-    at_once: bool = True
 
     @property
     def unit(self) -> str:
@@ -85,9 +96,9 @@ class CsvRecording:
         """The whole trace; it begins with its first row and ends with its last one."""
         places = self.header.numbers(columns, self.name)
         reader = self._reader(places, decimals=0, most_decimals=18)
-        with self.stream:
+        with closing(self.stream):
             read = 0
-            while piece := self.stream.read(PIECE):
+            while piece := self.stream.read1(PIECE):
                 if not reader.feed(piece):
                     break
                 if read == 0 and self.size is not None and self.size > len(piece):
@@ -113,8 +124,8 @@ class CsvRecording:
         """
         places = self.header.numbers(columns, self.name)
         reader = self._reader(places, decimals, decimals)
-        with self.stream:
-            while piece := self._next_piece():
+        with closing(self.stream):
+            while piece := self.stream.read1(PIECE):
                 going_on = reader.feed(piece)
                 if reader.rows():
                     yield self._taken(reader, places)
@@ -124,10 +135,6 @@ class CsvRecording:
         if reader.rows():
             yield self._taken(reader, places)
         self._refuse(reader)
-
-    def _next_piece(self) -> bytes:
-        """What there is: a line at a time from a pipe, so that no row waits for the next one."""
-        return self.stream.read(PIECE) if self.at_once else self.stream.readline()
 
     def _reader(self, places: dict[str, int], decimals: int, most_decimals: int) -> _core.CsvReader:
         return _core.CsvReader(
@@ -198,8 +205,8 @@ class CsvRecording:
             ),
             FaultKind.TIME_TOO_FINE: (
                 "E0915",
-                f"the time {value} has more decimals than can be counted",
-                "online, say beforehand how many there will be, for example --decimals 9",
+                f"the time {value} has too many digits to be counted exactly",
+                "row by row, the number of decimals is fixed beforehand: --decimals 9",
             ),
             FaultKind.OPEN_QUOTE: ("E0911", "this quotation mark is not closed in its line", None),
             FaultKind.LINE_TOO_LONG: ("E0911", "this line has more than 16 million characters", "is it a text file?"),
@@ -225,18 +232,13 @@ def open_csv(path: str | Path, time: str | None = None, unit: str | None = None)
 
 
 def open_csv_stream(
-    stream: BinaryIO,
+    stream: ByteStream,
     name: str,
     time: str | None = None,
     unit: str | None = None,
     size: int | None = None,
-    at_once: bool = True,
 ) -> CsvRecording:
-    """Reads the header of a stream.
-
-    Args:
-        at_once: the stream is read in large pieces, else line by line.
-    """
+    """Reads the header of a stream. Raises InputError and UsageError."""
     number = 0
     while True:
         line = stream.readline(_LONGEST_HEADER)
@@ -260,7 +262,7 @@ def open_csv_stream(
             ]
         )
     header = read_header(cells, time, unit, name)
-    return CsvRecording(name, stream, header, separator, number + 1, size, at_once)
+    return CsvRecording(name, stream, header, separator, number + 1, size)
 
 
 def _is_number(cell: str) -> bool:

@@ -1,0 +1,49 @@
+"""What both ways of monitoring share: the options, the destination of the report, the exit status."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
+
+from tachk.cli.exit_status import ExitStatus
+from tachk.runtime.node_signal import Truth
+
+
+@dataclass(frozen=True, slots=True)
+class MonitorRequest:
+    """The options of the command as they were given."""
+
+    formula: str
+    trace: str
+    time: str | None = None
+    unit: str | None = None
+    end: str = "undetermined"
+    names: tuple[str, ...] = ()
+    robustness: bool = True
+    online: bool = False
+    follow: bool = False
+    decimals: int = 9
+    format: str = "text"
+    output: Path | None = None
+    quiet: bool = False
+
+
+def exit_status(truths: set[Truth]) -> ExitStatus:
+    """What the verdicts mean for the status of the command."""
+    if Truth.FALSE in truths:
+        return ExitStatus.NOT_AS_EXPECTED
+    return ExitStatus.UNKNOWN if Truth.UNDETERMINED in truths else ExitStatus.AS_EXPECTED
+
+
+@contextmanager
+def destination(output: Path | None, quiet: bool) -> Iterator[TextIO | None]:
+    """Where the report goes; None for nowhere."""
+    if output is not None:
+        with output.open("w", encoding="utf-8") as file:
+            yield file
+    else:
+        yield None if quiet else sys.stdout
