@@ -20,13 +20,14 @@ def run_export(
     definitions: tuple[str, ...],
     explain: bool,
     keep_names: bool,
+    observers: bool = True,
 ) -> ExitStatus:
     """Writes a model in another format, with its queries beside it where the format has no place for them."""
     constants = parse_definitions(definitions)
     format_ = _format(output, format_name)
     model = api.load(path, **constants)
     print_diagnostics(model.warnings)
-    exported = export_model(model.loaded, format_, tuple(constants), not keep_names)
+    exported = export_model(model.loaded, format_, tuple(constants), not keep_names, observers=observers)
     write_exported(exported, output)
     if explain:
         _explain(exported)

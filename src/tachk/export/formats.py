@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 
@@ -12,13 +12,15 @@ from tachk.diagnostics.diagnostic import UsageError
 from tachk.export.dot import to_dot
 from tachk.export.expansion import expand
 from tachk.export.network_json import network_to_json
-from tachk.export.plain import PlainModel, Step
+from tachk.export.observers import with_observers
+from tachk.export.plain import PlainModel, PlainQuery, Step
 from tachk.export.query_file import print_queries
 from tachk.export.tchecker import to_tchecker
 from tachk.export.uppaal import print_uppaal
 from tachk.export.uppaal_limits import refuses_deadlock
 from tachk.export.xta import print_xta
 from tachk.frontend.load import LoadedModel
+from tachk.syntax import ast
 from tachk.syntax.layout import Layout
 from tachk.syntax.layout_json import read_layout_beside
 
@@ -71,6 +73,7 @@ def export_model(
     definitions: Iterable[str] = (),
     repair_names: bool = True,
     layout: Layout | None = None,
+    observers: bool = False,
 ) -> Exported:
     """A model in another format.
 
@@ -78,6 +81,7 @@ def export_model(
         definitions: the names of the constants that were given another value when the model was loaded.
         repair_names: rename what a version of UPPAAL would not take as a name.
         layout: the picture for XML, where the model has none of its own and no side file.
+        observers: give temporal properties observers; otherwise they are comments for UPPAAL.
 
     Raises:
         UnsupportedError: something in the model cannot be said in the format (E0801, E0802).
@@ -91,7 +95,19 @@ def export_model(
             name = Path(model.document.span.source.name).stem
             return Exported(to_tchecker(model.network, model.queries, name).text)
         case ExportFormat.XTA | ExportFormat.QUERIES | ExportFormat.XML:
-            return _plain(model, format_, expand(model, definitions, repair_names), layout)
+            if not observers:
+                return _plain(model, format_, expand(model, definitions, repair_names), layout)
+            watched, steps = with_observers(model)
+            plain = expand(watched, definitions, repair_names)
+            queries = tuple(_with_formula(query, watched) for query in plain.queries)
+            plain = replace(plain, queries=queries, steps=(*plain.steps, *steps), observed=watched is not model)
+            return _plain(watched, format_, plain, layout)
+
+
+def _with_formula(query: PlainQuery, watched: LoadedModel) -> PlainQuery:
+    """The query with its documentation below its title: that of an observer says which formula it is about."""
+    item = next(i for i in watched.items if isinstance(i, ast.PropertyDeclaration) and i.name.name == query.name)
+    return replace(query, comment="\n".join(part for part in (item.title, item.doc) if part))
 
 
 def _plain(model: LoadedModel, format_: ExportFormat, plain: PlainModel, layout: Layout | None) -> Exported:

@@ -14,7 +14,7 @@ class Step:
 
     Attributes:
         kind: the construct: ``"import"``, ``"location blocks"``, ``"value passing"``, ``"signal"``, ``"property"``,
-            ``"constant"``, ``"name"``, ``"time unit"``, ``"UPPAAL 3.x"``.
+            ``"observer"``, ``"constant"``, ``"name"``, ``"time unit"``, ``"UPPAAL 3.x"``.
         text: what became what, a sentence without a full stop.
     """
 
@@ -46,6 +46,7 @@ class PlainModel:
     templates: all in the classic form.
     comments: those of the document itself.
     steps: how it came from the original.
+    observed: there are observers in it, whose steps of their own leave no deadlock.
     """
 
     span: Span
@@ -59,6 +60,7 @@ class PlainModel:
     time_unit: str = ""
     comments: tuple[ast.Comment, ...] = ()
     steps: tuple[Step, ...] = ()
+    observed: bool = False
 
     def items(self) -> tuple[ast.Item, ...]:
         """Everything but the queries in the order in which UPPAAL reads it."""

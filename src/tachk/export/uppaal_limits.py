@@ -12,7 +12,9 @@ from tachk.syntax.rewrite import names_in
 
 def refuses_deadlock(plain: PlainModel) -> bool:
     """Whether UPPAAL refuses every query about deadlocks of a model: it has priorities, or a template, used or not,
-    receives broadcasts under clock guards."""
+    receives broadcasts under clock guards. With observers in it, the answer would not be about the model."""
+    if plain.observed:
+        return True
     if len(plain.system.groups) > 1:
         return True
     if any(isinstance(item, ast.ChannelPriorityDeclaration) for item in plain.declarations):

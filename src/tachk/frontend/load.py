@@ -14,12 +14,14 @@ from tachk.frontend.elaborate import Elaborated, elaborate
 from tachk.frontend.expectations import with_expectations
 from tachk.frontend.findings import Findings, did_you_mean
 from tachk.frontend.imports import Importer
+from tachk.frontend.observers import temporal_formula
 from tachk.frontend.queries import UncheckedQuery, elaborate_each, elaborate_entries, wrong_query
 from tachk.frontend.scope import Scope
 from tachk.model.expressions import Variable
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.syntax import ast
+from tachk.syntax.formula import Formula
 from tachk.syntax.layout import Layout
 from tachk.syntax.parser import parse_expression
 from tachk.syntax.query_files import parse_each_query
@@ -27,7 +29,14 @@ from tachk.syntax.source_files import read_source
 from tachk.syntax.strict import additions
 from tachk.syntax.uppaal_xml import XmlModel, is_xml, parse_uppaal_xml
 
-__all__ = ["LoadedModel", "UncheckedQuery", "elaborate_queries", "elaborate_query_file", "load_model"]
+__all__ = [
+    "LoadedModel",
+    "UncheckedQuery",
+    "elaborate_queries",
+    "elaborate_query_file",
+    "load_model",
+    "temporal_formula_of",
+]
 
 INSTANCES = 2**16
 """Quantifiers are written out at most that many times in one model."""
@@ -72,6 +81,11 @@ class LoadedModel:
     def variables(self) -> tuple[Variable, ...]:
         """The global variables that are not refused."""
         return self._elaborated.variables
+
+    @property
+    def names(self) -> Scope:
+        """The names that queries may use."""
+        return self._scope
 
 
 def load_model(
@@ -176,6 +190,11 @@ def _explained(unchecked: Iterable[UncheckedQuery], refusals: Sequence[Diagnosti
     )
 
 
+def temporal_formula_of(loaded: LoadedModel, node: ast.TemporalFormula) -> Formula | None:
+    """What a temporal property of the model says, bounds in its time units; None where it is wrong."""
+    return temporal_formula(node, loaded._scope, replace(loaded._constants, findings=Findings(), in_query=True))
+
+
 def elaborate_queries(loaded: LoadedModel, text: str | Source) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
     """The queries of the command line, named ``q1``, ``q2``, ... in order.
 
@@ -193,9 +212,7 @@ def elaborate_queries(loaded: LoadedModel, text: str | Source) -> tuple[tuple[Qu
 def elaborate_query_file(loaded: LoadedModel, source: Source) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
     """The queries of a .q file, named as by `elaborate_queries`; a wrong one is unchecked and harms no other."""
     known = loaded._constants
-    context = Context(
-        Findings(), known.constants, known.effects, budget=Budget(INSTANCES), time_unit=known.time_unit
-    )
+    context = Context(Findings(), known.constants, known.effects, budget=Budget(INSTANCES), time_unit=known.time_unit)
     queries, unchecked = elaborate_entries(parse_each_query(source), loaded._scope, context)
     return queries, _explained(unchecked, loaded.refusals)
 
