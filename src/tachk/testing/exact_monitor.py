@@ -23,8 +23,8 @@ The meaning (docs/logic.md states it for users), at an instant t of a trace that
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from collections.abc import Callable, Iterable, Iterator
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -72,14 +72,23 @@ class Window:
             return self
         return Window(self.lower, self.lower_closed, end, True)
 
-    def representatives(self, points: Iterable[Fraction]) -> Iterator[Fraction]:
-        """One instant for each piece of time that meets the window, where pieces are points and what lies between."""
+    def representatives(self, points: Sequence[Fraction]) -> Iterator[Fraction]:
+        """One instant for each piece of time that meets the window, where pieces are points and what lies between.
+
+        Args:
+            points: ascending.
+        """
         if self.upper is not None and self.lower > self.upper:
             return
-        inside = {point for point in points if self.lower <= point and (self.upper is None or point <= self.upper)}
-        bounds = sorted(inside | {self.lower} | (set() if self.upper is None else {self.upper}))
+        first = bisect_left(points, self.lower)
+        last = len(points) if self.upper is None else bisect_right(points, self.upper)
+        bounds = list(points[first:last])
+        if not bounds or bounds[0] != self.lower:
+            bounds.insert(0, self.lower)
+        if self.upper is not None and bounds[-1] != self.upper:
+            bounds.append(self.upper)
         for index, bound in enumerate(bounds):
-            if (bound > self.lower or self.lower_closed) and (bound != self.upper or self.upper_closed):
+            if (index > 0 or self.lower_closed) and (bound != self.upper or self.upper_closed):
                 yield bound
             if index + 1 < len(bounds):
                 yield (bound + bounds[index + 1]) / 2
@@ -197,7 +206,7 @@ def _before(signal: ExactSignal, instant: Fraction) -> Value:
 def _ahead(interval: syntax.Interval, left: ExactSignal, right: ExactSignal, trace: ExactTrace) -> ExactSignal:
     """``left U interval right``."""
     lower, upper = _bounds(interval)
-    points = {*left.points, *right.points, trace.end}
+    points = sorted({*left.points, *right.points, trace.end})
     shifts = {Fraction(0), lower, *(() if upper is None else (upper,))}
 
     def at(instant: Fraction) -> Value:
@@ -227,7 +236,7 @@ def _ahead(interval: syntax.Interval, left: ExactSignal, right: ExactSignal, tra
 def _behind(interval: syntax.Interval, left: ExactSignal, right: ExactSignal) -> ExactSignal:
     """``left S interval right``."""
     lower, upper = _bounds(interval)
-    points = {*left.points, *right.points}
+    points = sorted({*left.points, *right.points})
     shifts = {Fraction(0), lower, *(() if upper is None else (upper,))}
 
     def at(instant: Fraction) -> Value:
