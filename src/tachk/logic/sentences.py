@@ -255,7 +255,8 @@ class _Meaning:
             case s.Within(duration=duration):
                 return self.eventually(self.up_to(duration), response)
             case s.Window(lower=lower, upper=upper):
-                return self.eventually(Interval(self.span, lower, upper), response)
+                first = zero(lower) if lower.value == 0 else lower
+                return self.eventually(Interval(self.span, first, upper), response)
             case s.Exactly(duration=duration):
                 return self.eventually(Interval(self.span, duration, duration), response)
             case s.Eventually():

@@ -75,7 +75,7 @@ def meant(text: str) -> Formula:
         ),
         (
             "At any point of time, whenever s is true, with a delay of between 0 and 50 seconds, not a must be true.",
-            "G (s -> F[0 s, 50 s] !a)",
+            "G (s -> F[0, 50 s] !a)",
         ),
         ("whenever n == 10 is true then, with no delay, sent == toDDS must be true.", "G (n == 10 -> sent == toDDS)"),
     ],
