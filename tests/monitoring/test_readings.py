@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+import tachk
+from tachk.runtime.node_signal import Truth
 from tachk.testing.exact_monitor import verdict
 from tachk.testing.exact_trace import ExactTrace
 from tachk.testing.tricky import read_formula
@@ -36,6 +38,7 @@ def recorded() -> ExactTrace:
 def test_the_readings_differ(name: str) -> None:
     text, expected = READINGS[name]
     assert verdict(read_formula(text), recorded()).truth is expected
+    assert tachk.monitor(text, RECORDING).truth is (Truth.UNDETERMINED if expected is None else Truth(expected))
 
 
 def test_the_window_at_every_moment_of_sleep_is_too_strong() -> None:
