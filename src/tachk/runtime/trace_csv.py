@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import closing
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -72,13 +72,13 @@ class CsvRecording:
     """A file or stream whose header has been read.
 
     Attributes:
-        stream: stands behind the header; it is read once.
+        opened: gives the stream, standing behind the header; of a pipe it can be used once.
         line: the number of the first line behind the header.
         size: bytes of the whole, where that is known.
     """
 
     name: str
-    stream: ByteStream = field(repr=False)
+    opened: Callable[[], ByteStream] = field(repr=False)
     header: Header
     separator: str
     line: int
@@ -96,9 +96,9 @@ class CsvRecording:
         """The whole trace; it begins with its first row and ends with its last one."""
         places = self.header.numbers(columns, self.name)
         reader = self._reader(places, decimals=0, most_decimals=18)
-        with closing(self.stream):
+        with closing(self.opened()) as stream:
             read = 0
-            while piece := self.stream.read1(PIECE):
+            while piece := stream.read1(PIECE):
                 if not reader.feed(piece):
                     break
                 if read == 0 and self.size is not None and self.size > len(piece):
@@ -124,8 +124,8 @@ class CsvRecording:
         """
         places = self.header.numbers(columns, self.name)
         reader = self._reader(places, decimals, decimals)
-        with closing(self.stream):
-            while piece := self.stream.read1(PIECE):
+        with closing(self.opened()) as stream:
+            while piece := stream.read1(PIECE):
                 going_on = reader.feed(piece)
                 if reader.rows():
                     yield self._taken(reader, places)
@@ -217,28 +217,32 @@ class CsvRecording:
 def open_csv(path: str | Path, time: str | None = None, unit: str | None = None) -> CsvRecording:
     """Opens a file and reads its header. Raises InputError and UsageError."""
     file = Path(path)
-    try:
+
+    def opened() -> ByteStream:
         stream = file.open("rb")
-        size = file.stat().st_size
+        stream.seek(offset)
+        return stream
+
+    try:
+        with file.open("rb") as stream:
+            header, separator, line = _header(stream, str(path), time, unit)
+            offset = stream.tell()
+            size = file.stat().st_size
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
-    try:
-        return open_csv_stream(stream, str(path), time, unit, size)
-    except BaseException:
-        stream.close()
-        raise
+    return CsvRecording(str(path), opened, header, separator, line, size)
 
 
-def open_csv_stream(
-    stream: ByteStream,
-    name: str,
-    time: str | None = None,
-    unit: str | None = None,
-    size: int | None = None,
-) -> CsvRecording:
-    """Reads the header of a stream. Raises InputError and UsageError."""
+def open_csv_stream(stream: ByteStream, name: str, time: str | None = None, unit: str | None = None) -> CsvRecording:
+    """Reads the header of a stream, which can be read once. Raises InputError and UsageError."""
+    header, separator, line = _header(stream, name, time, unit)
+    return CsvRecording(name, lambda: stream, header, separator, line)
+
+
+def _header(stream: ByteStream, name: str, time: str | None, unit: str | None) -> tuple[Header, str, int]:
+    """The header, the separator, and the number of the line behind."""
     number = 0
     while True:
         line = stream.readline(_LONGEST_HEADER)
@@ -261,8 +265,7 @@ def open_csv_stream(
                 )
             ]
         )
-    header = read_header(cells, time, unit, name)
-    return CsvRecording(name, stream, header, separator, number + 1, size)
+    return read_header(cells, time, unit, name), separator, number + 1
 
 
 def _is_number(cell: str) -> bool:

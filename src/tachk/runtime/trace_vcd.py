@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +37,6 @@ class VcdVariable:
 @dataclass(frozen=True, slots=True, eq=False)
 class VcdRecording:
     """Attributes:
-    tokens: behind the declarations; they are read once.
     magnitude: ticks between two numbers of the time, such as 10 for a timescale of ``10 ns``.
     """
 
@@ -46,7 +45,6 @@ class VcdRecording:
     unit: str
     ticks_per_unit: int
     magnitude: int
-    tokens: Iterator[Token] = field(repr=False)
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -58,14 +56,15 @@ class VcdRecording:
             if name not in self.columns:
                 raise no_such_column(name, self.columns, self.name)
         try:
-            times, rows = self._changes(wanted)
+            with Path(self.name).open("rb") as stream:
+                times, rows = self._changes(wanted, tokenize(stream))
         except VCDParseError as error:
             raise _error(self.name, str(error).split(": ", 1)[-1], error.loc) from None
         held = {variable.name: _values(variable, [row[i] for row in rows]) for i, variable in enumerate(wanted)}
         ticks = np.array(times, dtype=np.int64) * self.magnitude
         return trace_of(self.name, ticks, self.ticks_per_unit, self.unit, held)
 
-    def _changes(self, wanted: list[VcdVariable]) -> tuple[list[int], list[tuple[float, ...]]]:
+    def _changes(self, wanted: list[VcdVariable], tokens: Iterator[Token]) -> tuple[list[int], list[tuple[float, ...]]]:
         """The instants at which something wanted changed, and all wanted values from then on."""
         places: dict[str, list[int]] = {}
         for place, variable in enumerate(wanted):
@@ -87,7 +86,7 @@ class VcdRecording:
             times.append(now or 0)
             rows.append(tuple(value for value in values if value is not None))
 
-        for token in self.tokens:
+        for token in tokens:
             if token.kind is TokenKind.CHANGE_TIME:
                 time = token.time_change
                 if now is not None and time < now:
@@ -129,42 +128,42 @@ def open_vcd(path: str | Path, unit: str | None = None) -> VcdRecording:
     """
     name = str(path)
     try:
-        stream = Path(path).open("rb")  # noqa: SIM115 - it is read on by the recording
+        with Path(path).open("rb") as stream:
+            variables, (shown, ticks), magnitude = _declarations(tokenize(stream), name)
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
-    tokens = tokenize(stream)
+    except VCDParseError as error:
+        raise _error(name, str(error).split(": ", 1)[-1], error.loc) from None
+    if unit is not None and known_unit(unit) != shown:
+        raise UsageError(f"{name} counts its time in {shown}, not in {unit}", "its $timescale says so")
+    return VcdRecording(name, variables, shown, ticks, magnitude)
+
+
+def _declarations(tokens: Iterator[Token], name: str) -> tuple[tuple[VcdVariable, ...], tuple[str, int], int]:
+    """The variables, the unit of time with its ticks, and the ticks between two numbers of the time."""
     scopes: list[str] = []
     variables: dict[str, VcdVariable] = {}
     scale, magnitude = ("ns", 1), 1
-    try:
-        for token in tokens:
-            match token.kind:
-                case TokenKind.SCOPE:
-                    scopes.append(token.scope.ident)
-                case TokenKind.UPSCOPE if scopes:
-                    scopes.pop()
-                case TokenKind.TIMESCALE:
-                    magnitude = int(token.timescale.magnitude)
-                    scale = _TICKS_PER_UNIT.get(token.timescale.unit.value, _FEMTOSECONDS)
-                case TokenKind.VAR:
-                    variable = _variable(token, scopes)
-                    if variables.setdefault(variable.name, variable).code != variable.code:
-                        raise UsageError(f"{name} has two variables {variable.name!r}")
-                case TokenKind.ENDDEFINITIONS:
-                    break
-                case _:
-                    pass
-        else:
-            raise _error(name, "the declarations do not end with $enddefinitions", Location(1, 1))
-    except VCDParseError as error:
-        stream.close()
-        raise _error(name, str(error).split(": ", 1)[-1], error.loc) from None
-    shown, ticks = scale
-    if unit is not None and known_unit(unit) != shown:
-        raise UsageError(f"{name} counts its time in {shown}, not in {unit}", "its $timescale says so")
-    return VcdRecording(name, tuple(variables.values()), shown, ticks, magnitude, tokens)
+    for token in tokens:
+        match token.kind:
+            case TokenKind.SCOPE:
+                scopes.append(token.scope.ident)
+            case TokenKind.UPSCOPE if scopes:
+                scopes.pop()
+            case TokenKind.TIMESCALE:
+                magnitude = int(token.timescale.magnitude)
+                scale = _TICKS_PER_UNIT.get(token.timescale.unit.value, _FEMTOSECONDS)
+            case TokenKind.VAR:
+                variable = _variable(token, scopes)
+                if variables.setdefault(variable.name, variable).code != variable.code:
+                    raise UsageError(f"{name} has two variables {variable.name!r}")
+            case TokenKind.ENDDEFINITIONS:
+                return tuple(variables.values()), scale, magnitude
+            case _:
+                pass
+    raise _error(name, "the declarations do not end with $enddefinitions", Location(1, 1))
 
 
 _NO_VALUE = "x and z are no values; a variable that a formula reads has a value from the first time on"

@@ -1,0 +1,106 @@
+"""Value change dumps: scopes, timescales, vectors, reals; unknown values and malformed files have their place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tachk.diagnostics.diagnostic import InputError, UsageError
+from tachk.runtime.trace import Trace
+from tachk.runtime.trace_files import open_trace
+
+HEAD = """$date today $end
+$timescale 10 ns $end
+$scope module top $end
+$var wire 1 ! clk $end
+$var reg 4 " cnt [3:0] $end
+$var integer 32 # level $end
+$scope module sub $end
+$var real 64 $ temp $end
+$upscope $end
+$upscope $end
+$enddefinitions $end
+"""
+BODY = """#0
+$dumpvars
+0!
+bx "
+b11111111111111111111111111111110 #
+r1.5 $
+$end
+#5
+1!
+b0011 "
+#10
+0!
+r-2.25 $
+#10
+b0100 "
+#20
+"""
+
+
+def write(tmp_path: Path, text: str) -> Path:
+    path = tmp_path / "wave.vcd"
+    path.write_text(text)
+    return path
+
+
+def read(tmp_path: Path, text: str, columns: list[str] | None = None) -> Trace:
+    return open_trace(write(tmp_path, text)).read(columns)
+
+
+def test_values_over_time(tmp_path: Path) -> None:
+    trace = read(tmp_path, HEAD + BODY, ["top.clk", "top.level", "top.sub.temp"])
+    assert (trace.unit, trace.ticks_per_unit, trace.end) == ("ns", 1, 200)
+    assert trace.times.tolist() == [0, 50, 100, 200]
+    assert trace.columns["top.clk"].tolist() == [0, 1, 0, 0]
+    assert trace.columns["top.level"].tolist() == [-2.0] * 4
+    assert trace.columns["top.sub.temp"].tolist() == [1.5, 1.5, -2.25, -2.25]
+    assert {name: values.dtype.kind for name, values in trace.columns.items()} == {
+        "top.clk": "u",
+        "top.level": "f",
+        "top.sub.temp": "f",
+    }
+
+
+def test_all_variables_are_listed(tmp_path: Path) -> None:
+    recording = open_trace(write(tmp_path, HEAD + BODY))
+    assert recording.columns == ("top.clk", "top.cnt", "top.level", "top.sub.temp")
+
+
+@pytest.mark.parametrize(("scale", "unit", "ticks"), [("1 us", "us", 1), ("100 ps", "ns", 1000), ("1 fs", "ns", 10**6)])
+def test_timescales(tmp_path: Path, scale: str, unit: str, ticks: int) -> None:
+    trace = read(tmp_path, HEAD.replace("10 ns", scale) + BODY, ["top.clk"])
+    assert (trace.unit, trace.ticks_per_unit) == (unit, ticks)
+
+
+@pytest.mark.parametrize(
+    ("text", "column", "place"),
+    [
+        (HEAD + BODY, "top.cnt", "15:"),  # it is x at the first time
+        (HEAD + BODY.replace('bx "\n', ""), "top.cnt", "12:"),  # it has no value at the first time
+        (HEAD + BODY.replace("#20", "#7"), "top.clk", "26:"),
+        (HEAD + BODY.replace("1!", "1"), "top.clk", "20:"),
+        (HEAD.replace("$enddefinitions $end\n", ""), "top.clk", "1:"),
+    ],
+)
+def test_mistakes_have_their_place(tmp_path: Path, text: str, column: str, place: str) -> None:
+    with pytest.raises(InputError) as error:
+        read(tmp_path, text, [column])
+    (diagnostic,) = error.value.diagnostics
+    assert diagnostic.code == "E0917"
+    assert str(diagnostic.span).startswith(f"{tmp_path / 'wave.vcd'}:{place}")
+
+
+def test_refusals(tmp_path: Path) -> None:
+    path = write(tmp_path, HEAD + BODY)
+    with pytest.raises(UsageError, match=r"no column 'top\.clock'"):
+        open_trace(path).read(["top.clock"])
+    with pytest.raises(UsageError, match="counts its time in ns"):
+        open_trace(path, unit="s")
+    with pytest.raises(UsageError, match="no time column to choose"):
+        open_trace(path, time="top.clk")
+    with pytest.raises(UsageError, match="has no times"):
+        read(tmp_path, HEAD)
