@@ -1,13 +1,14 @@
 """Runs the documents of this folder: Markdown whose code blocks say which diagnostics they cause.
 
-A ``ta`` block is a model, a ``q`` block a query file. A comment ``// error: [E0102] "expected ';'"`` (or ``warning``)
-demands a diagnostic of that code on its line whose message contains the quoted text; several on one line are separated
-by blanks. Nothing else may be reported. A model is elaborated if it can be parsed.
+A ``ta`` block is a model, a ``q`` block a query file, a ``sentence`` block holds a sentence on each line. A comment
+``// error: [E0102] "expected ';'"`` (or ``warning``) demands a diagnostic of that code on its line whose message
+contains the quoted text; several on one line are separated by blanks. Nothing else may be reported. A model is elaborated if it can be parsed.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,9 +16,10 @@ import pytest
 
 from tachk.diagnostics.codes import CODES
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
-from tachk.diagnostics.span import Source
+from tachk.diagnostics.span import Source, Span
 from tachk.frontend.load import load_model
 from tachk.syntax.query_files import parse_queries
+from tachk.syntax.sentence_parser import parse_sentence
 
 FOLDER = Path(__file__).parent
 MARK = re.compile(r'// (?:error|warning):((?: \[[EW]\d{4}\] "(?:[^"\\]|\\.)*")+)')
@@ -41,7 +43,7 @@ def blocks() -> list[Block]:
     found: list[Block] = []
     for path in sorted(FOLDER.glob("*.md")):
         text = path.read_text(encoding="utf-8")
-        for match in re.finditer(r"^```(ta|q)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+        for match in re.finditer(r"^```(ta|q|sentence)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
             line = text.count("\n", 0, match.start()) + 1
             found.append(Block(path.stem, line, match.group(1), match.group(2)))
     return found
@@ -60,11 +62,20 @@ def reported(block: Block) -> tuple[Diagnostic, ...]:
     source = Source(block.name, block.text)
     if block.language == "q":
         return parse_queries(source)[1]
+    if block.language == "sentence":
+        return tuple(found for line in lines(source) for found in parse_sentence(line)[1])
     try:
         loaded = load_model(source)
         return (*loaded.refusals, *loaded.warnings)
     except InputError as error:
         return error.diagnostics
+
+
+def lines(source: Source) -> Iterator[Span]:
+    start = 0
+    for line in source.text.splitlines(keepends=True):
+        yield Span(source, start, start + len(line))
+        start += len(line)
 
 
 @pytest.mark.parametrize("block", blocks(), ids=str)
