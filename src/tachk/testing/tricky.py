@@ -120,4 +120,4 @@ TRICKY_CASES = (
         "C20", "what is true at the beginning has risen", "G[0,10] (rise(p) -> q)", pulses(10, p=[(0, 11)], q=[]), False
     ),
 )
-"""The names are those of the comparison of monitors in docs/logic.md."""
+"""The names are those of docs/logic.md."""
