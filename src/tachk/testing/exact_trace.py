@@ -51,7 +51,13 @@ class Value:
         return Value(None if self.truth is None else not self.truth, -self.high, -self.low)
 
     def __and__(self, other: Value) -> Value:
-        return ~(~self | ~other)
+        if self.truth is False or other.truth is False:
+            truth: bool | None = False
+        elif self.truth is None or other.truth is None:
+            truth = None
+        else:
+            truth = True
+        return Value(truth, min(self.low, other.low), min(self.high, other.high))
 
     def __or__(self, other: Value) -> Value:
         if self.truth is True or other.truth is True:

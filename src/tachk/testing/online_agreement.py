@@ -35,7 +35,7 @@ def _problems(case: MonitoringCase, given: MonitorInput, random: Random) -> Iter
     bounds = -math.inf, math.inf
     for reached in _fed(monitor, given, random):
         finished = monitor.finished
-        for time in reached:
+        for time in dict.fromkeys(reached):
             if known is Truth.UNDETERMINED:
                 prefix = case.trace if finished else case.trace.prefix(_instant(given, time), Ending.OPEN)
                 known = truth_of(verdict(case.formula, prefix))
