@@ -2,7 +2,8 @@
 
 A ``ta`` block is a model, a ``q`` block a query file, a ``sentence`` block holds a sentence on each line. A comment
 ``// error: [E0102] "expected ';'"`` (or ``warning``) demands a diagnostic of that code on its line whose message
-contains the quoted text; several on one line are separated by blanks. Nothing else may be reported. A model is elaborated if it can be parsed.
+contains the quoted text; several on one line are separated by blanks. Nothing else may be reported. A model is
+elaborated if it can be parsed.
 """
 
 from __future__ import annotations

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import lark
-from lark.lexer import Lexer as LarkLexer
 from lark.lexer import PatternStr
 
 from tachk.resources import grammar_text
 from tachk.syntax.lalr import Tables
 from tachk.syntax.sentence_build import SentenceBuilder
+from tachk.syntax.tables import cached_parser
 
 START = "sentence"
 
@@ -36,27 +34,9 @@ class Phrase:
         return " ".join(self.words)
 
 
-class _NoLexer(LarkLexer):
-    """Where phrases and conditions end is found by `tachk.syntax.sentence_readings`."""
-
-    def __init__(self, lexer_conf: Any) -> None:
-        pass
-
-    def lex(self, *_: Any) -> Iterator[Any]:
-        return iter(())
-
-
 @cache
 def _parser() -> lark.Lark:
-    return lark.Lark(
-        grammar_text("sentences"),
-        parser="lalr",
-        lexer=_NoLexer,
-        start=START,
-        keep_all_tokens=True,
-        maybe_placeholders=True,
-        transformer=SentenceBuilder(),
-    )
+    return cached_parser(grammar_text("sentences"), (START,), SentenceBuilder())
 
 
 @cache

@@ -11,7 +11,7 @@ import io
 import os
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -55,20 +55,24 @@ class _NoLexer(LarkLexer):
 @cache
 def parser_tables() -> lark.Lark:
     """The parser of the whole grammar, one start symbol for each kind of text."""
-    text = "\n".join(grammar_text(name) for name in GRAMMAR_FILES)
-    path = _cache_path(text)
+    return cached_parser("\n".join(grammar_text(name) for name in GRAMMAR_FILES), STARTS, Builder())
+
+
+def cached_parser(grammar: str, starts: Sequence[str], builder: Any) -> lark.Lark:
+    """The LALR parser of a grammar whose rules call the methods of a builder, from the cache where it is there."""
+    path = _cache_path(grammar, starts)
     if path is not None:
         with suppress(Exception):
             # Whatever is wrong with a cache file must not stand in the user's way.
-            return _load(path)
+            return _load(path, builder)
     built = lark.Lark(
-        text,
+        grammar,
         parser="lalr",
         lexer=_NoLexer,
-        start=list(STARTS),
+        start=list(starts),
         keep_all_tokens=True,
         maybe_placeholders=True,
-        transformer=Builder(),
+        transformer=builder,
     )
     if path is not None:
         with suppress(OSError):
@@ -94,9 +98,9 @@ def terminal_spelling() -> dict[str, str]:
     return {name: text for text, name in (*cutter.keywords.items(), *cutter.symbols.items())}
 
 
-def _cache_path(grammar: str) -> Path | None:
-    """Where the tables of this grammar are kept, or None where there is no home directory."""
-    what = f"{grammar}{STARTS}{lark.__version__}{sys.version_info[:2]}"
+def _cache_path(grammar: str, starts: Sequence[str]) -> Path | None:
+    """Where the tables of a grammar are kept, or None where there is no home directory."""
+    what = f"{grammar}{tuple(starts)}{lark.__version__}{sys.version_info[:2]}"
     name = hashlib.sha256(what.encode()).hexdigest()[:20]
     root = os.environ.get("XDG_CACHE_HOME")
     try:
@@ -106,9 +110,9 @@ def _cache_path(grammar: str) -> Path | None:
     return folder / "tachk" / f"grammar-{name}.bin"
 
 
-def _load(path: Path) -> lark.Lark:
+def _load(path: Path, builder: Any) -> lark.Lark:
     """Tables from the cache. `lark.Lark.load` cannot take a transformer, the method behind it can."""
-    return lark.Lark.__new__(lark.Lark)._load(io.BytesIO(path.read_bytes()), transformer=Builder())
+    return lark.Lark.__new__(lark.Lark)._load(io.BytesIO(path.read_bytes()), transformer=builder)
 
 
 def _store(tables: lark.Lark, path: Path) -> None:
