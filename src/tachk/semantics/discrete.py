@@ -6,16 +6,19 @@ Interprets the `Network` directly, on purpose without the compiled program: it i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import product
 
 from tachk.model.evaluate import Environment, channel_number, clock_number, evaluate, execute
-from tachk.model.expressions import Expression, Field, Index, Reference
+from tachk.model.expressions import Binary, Constant, Expression, Field, Index, Reference, Unary, Variable
+from tachk.model.fault import EvaluationFault
 from tachk.model.layout import CellLayout, cell_layout
 from tachk.model.network import Direction, Edge, Location, Network
-from tachk.model.types import ChannelType, bounds, cell_count
+from tachk.model.traversal import walk
+from tachk.model.types import ChannelType, bounds, cell_count, leaves
 from tachk.semantics.trace import DiscreteState, Participant, Transition
 
 Priority = tuple[int, int]
@@ -29,12 +32,14 @@ class Model:
     Attributes:
         instances: for each process and location, the outgoing edges, once for each combination of select values.
         channels: for each channel its type and priority.
+        fixed: the channels of those synchronisations that name the same one in every state.
     """
 
     network: Network
     layout: CellLayout
     instances: tuple[tuple[tuple[Participant, ...], ...], ...]
     channels: tuple[tuple[ChannelType, int], ...]
+    fixed: dict[Participant, int] = field(repr=False)
 
     @property
     def dimension(self) -> int:
@@ -67,7 +72,34 @@ def prepare(network: Network) -> Model:
             if isinstance(type_, ChannelType):
                 given = variable.priorities
                 channels.append((type_, given[cell] if given else network.default_priority))
-    return Model(network, layout, tuple(_instances(network, p) for p in range(len(network.processes))), tuple(channels))
+    instances = tuple(_instances(network, p) for p in range(len(network.processes)))
+    return Model(network, layout, instances, tuple(channels), _fixed_channels(network, layout, instances))
+
+
+def _fixed_channels(
+    network: Network, layout: CellLayout, instances: Iterable[Iterable[Iterable[Participant]]]
+) -> dict[Participant, int]:
+    scratch = Environment(layout, list(layout.initial), tuple(process.initial for process in network.processes))
+    found = {}
+    for participant in (p for of_process in instances for of_location in of_process for p in of_location):
+        edge = network.processes[participant.process].edges[participant.edge]
+        if edge.synchronisation is None or not _is_fixed(edge.synchronisation.channel, edge.selects):
+            continue
+        for variable, value in zip(edge.selects, participant.selects, strict=True):
+            scratch.bind(variable, value)
+        with suppress(EvaluationFault):  # whoever takes the edge will meet the fault
+            found[participant] = channel_number(edge.synchronisation.channel, scratch)
+    return found
+
+
+def _is_fixed(channel: Expression, selects: Sequence[Variable]) -> bool:
+    def is_fixed(node: Expression) -> bool:
+        if isinstance(node, Reference):
+            of_channels = all(isinstance(leaf, ChannelType) for _, leaf in leaves(node.variable.type))
+            return of_channels or node.variable in selects
+        return isinstance(node, Constant | Index | Field | Binary | Unary)
+
+    return all(map(is_fixed, walk(channel)))
 
 
 def _instances(network: Network, process: int) -> tuple[tuple[Participant, ...], ...]:
@@ -114,9 +146,10 @@ def offer(model: Model, participant: Participant, scratch: Environment) -> Offer
     synchronisation = model.edge(participant).synchronisation
     if synchronisation is None:
         return Offer(participant, None, sends=False)
-    return Offer(
-        participant, channel_number(synchronisation.channel, scratch), synchronisation.direction is Direction.SEND
-    )
+    channel = model.fixed.get(participant)
+    if channel is None:
+        channel = channel_number(synchronisation.channel, scratch)
+    return Offer(participant, channel, synchronisation.direction is Direction.SEND)
 
 
 def may_denote(model: Model, place: Expression, channel: int) -> bool:
