@@ -7,7 +7,7 @@ import pytest
 from tachk import api
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.diagnostics.span import Source
-from tachk.engines.protocol import Limits
+from tachk.engines.protocol import Limits, Options
 from tachk.export.tchecker import TCheckerModel, to_tchecker
 from tachk.frontend.load import load_model
 
@@ -19,7 +19,8 @@ def export(text: str) -> TCheckerModel:
 
 def states(text: str, name: str) -> tuple[int, int]:
     model = api.Model(name, load_model(Source(name, text)))
-    statistics = model.verify("E<> false", limits=Limits(states=50_000))[0].statistics
+    report = model.verify("E<> false", limits=Limits(states=50_000), options=Options(spectators=True))
+    statistics = report[0].statistics
     return statistics.states_stored, statistics.transitions
 
 
