@@ -11,7 +11,12 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
+from tachk.diagnostics.span import Source
 from tachk.logic.patterns import CATALOGUE, Pattern, patterns
+from tachk.logic.sentences import meaning
+from tachk.syntax.formula_printer import print_formula
+from tachk.syntax.sentence_parser import parse_sentence
+from tachk.syntax.sentence_printer import print_sentence
 
 DOCS = Path(__file__).resolve().parent
 PAGE = DOCS / "sentences.md"
@@ -314,7 +319,35 @@ def catalogue() -> str:
                 f"| {pattern.example} | `{formula}` | {pattern.shape or '–'} | {pattern.name}: {pattern.meaning} "
                 f"| ![{pattern.name}](sentences/{file_name(pattern)}) |"
             )
-    return "\n".join(lines).strip()
+    return "\n".join((*lines, *scoped_patterns())).strip()
+
+
+SCOPES = ("", "before R, ", "after Q, ", "between Q and R, ", "after Q until R, ", "while Q, ")
+DEMANDS = {
+    "absence": "p must not occur.",
+    "universality": "p must be true.",
+    "existence": "p must occur.",
+    "bounded existence": "p must occur within 5 s.",
+    "response": "whenever p is true, eventually, q must be true.",
+    "bounded response": "whenever p is true, within 5 s, q must be true.",
+    "bounded invariance": "whenever p is true, q must stay true for at least 5 s.",
+    "precedence": "whenever p is true, q must have been true.",
+    "bounded recurrence": "p must occur at least every 5 s.",
+    "minimum duration": "whenever p becomes true, p must stay true for at least 5 s.",
+    "maximum duration": "whenever p becomes true, p must stay true for at most 5 s.",
+}
+
+
+def scoped_patterns() -> Iterator[str]:
+    """Every pattern in every scope, with its formula."""
+    yield from ("", "### Every pattern in every scope", "", "| pattern | sentence | formula |", "|---|---|---|")
+    for name, demand in DEMANDS.items():
+        for number, scope in enumerate(SCOPES):
+            text = scope + demand
+            sentence, found = parse_sentence(Source("catalogue", text))
+            assert sentence is not None, found
+            formula = print_formula(meaning(sentence)).replace("|", "\\|")
+            yield f"| {'' if number else name} | {print_sentence(sentence)} | `{formula}` |"
 
 
 def page(text: str) -> str:

@@ -143,7 +143,7 @@ class SentenceBuilder:
         return s.MustStay(_span(children), _condition(*children[:2]), children[3])
 
     def must_stay_until(self, children: Children) -> s.MustStayUntil:
-        condition, stays, end, _, duration = children
+        condition, stays, end, *_, duration = children
         return s.MustStayUntil(_span(children), _condition(condition, stays), end, _optional(duration))
 
     def must_stay_on(self, children: Children) -> s.MustStayOn:

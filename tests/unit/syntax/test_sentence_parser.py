@@ -154,6 +154,7 @@ def test_delays(text: str, delay: s.Delay) -> None:
         ("q must stay true for at most 5 s", s.MustStay(NOWHERE, Q, s.AtMost(NOWHERE, time(5)))),
         ("q must stay true for between 1 and 5 s", s.MustStay(NOWHERE, Q, s.FromTo(NOWHERE, time(1), time(5)))),
         ("q must stay true until r within 5 s", s.MustStayUntil(NOWHERE, Q, R, time(5))),
+        ("q must stay true until r is true, within a maximum of 5 s", s.MustStayUntil(NOWHERE, Q, R, time(5))),
         ("q must stay true until r is true", s.MustStayUntil(NOWHERE, Q, R)),
         ("q must stay true until r becomes true", s.MustStayUntil(NOWHERE, Q, Rise(NOWHERE, R))),
         ("q must stay true from then on", s.MustStayOn(NOWHERE, Q)),
