@@ -218,7 +218,7 @@ class Explainer:
     def _decided(self, reason: Reason) -> int:
         """From which cell on nothing can change the value, the end of the trace at the latest."""
         if reason.parts:
-            return max(self._decided(part) for part in reason.parts)
+            return max(reason.cell, *(self._decided(part) for part in reason.parts))
         if reason.window is not None and reason.kind in (NodeKind.EVENTUALLY, NodeKind.ALWAYS, NodeKind.UNTIL):
             return self.cells - 1 if reason.window[1] is None else reason.window[1]
         return reason.cell

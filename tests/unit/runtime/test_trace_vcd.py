@@ -81,8 +81,8 @@ def test_timescales(tmp_path: Path, scale: str, unit: str, ticks: int) -> None:
     [
         (HEAD + BODY, "top.cnt", "15:"),  # it is x at the first time
         (HEAD + BODY.replace('bx "\n', ""), "top.cnt", "12:"),  # it has no value at the first time
-        (HEAD + BODY.replace("#20", "#7"), "top.clk", "26:"),
-        (HEAD + BODY.replace("1!", "1"), "top.clk", "20:"),
+        (HEAD + BODY.replace("#20", "#7"), "top.clk", "27:"),
+        (HEAD + BODY.replace("1!", "1"), "top.clk", "21:"),  # an identifier is missing
         (HEAD.replace("$enddefinitions $end\n", ""), "top.clk", "1:"),
     ],
 )

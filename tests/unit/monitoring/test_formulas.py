@@ -1,0 +1,115 @@
+"""Formulas from texts, files and models; bounds in the unit of the trace; constants of the model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tachk.diagnostics.diagnostic import InputError, UsageError
+from tachk.monitoring.formulas import in_trace_units, read_formulas
+from tachk.syntax.formula_printer import print_formula
+
+FILE = """\
+# what the plant is judged by
+response "it answers": G (p -> F[0, 180 s] q)  // in three minutes
+
+never: G !(p
+    // a comment in the middle
+    && q)
+G x < 3   // without a name
+quiet:
+    Whenever p becomes true,
+    within 5 s, q must be true.
+"""
+
+MODEL = """\
+time_unit = 100 ms;
+const int D = 20;
+const int LIMIT = -3;
+int n;
+process P() { init location A; }
+signal hot = n > 3;
+system P;
+property answered "hot in time" : G (P.A -> F[0, D] hot);
+property cold : G (P.A -> F[0, 500 ms] n > LIMIT);
+property reachable : E<> P.A;
+"""
+
+
+def codes(error: pytest.ExceptionInfo[InputError]) -> list[str]:
+    return [f"{found.code} {found.span}" for found in error.value.diagnostics]
+
+
+def test_files_hold_named_formulas_and_sentences(tmp_path: Path) -> None:
+    path = tmp_path / "plant.stl"
+    path.write_text(FILE)
+    read = read_formulas(path)
+    assert [(f.name, f.title, f.text) for f in read] == [
+        ("response", "it answers", "G (p -> F[0, 180 s] q)"),
+        ("never", "", "G !(p && q)"),
+        ("p3", "", "G (x < 3)"),
+        ("quiet", "", "G (rise(p) -> F[0, 5 s] q)"),
+    ]
+    assert read[3].sentence == "Whenever p becomes true, within 5 s, q must be true."
+    assert [sorted(f.columns) for f in read] == [["p", "q"], ["p", "q"], ["x"], ["p", "q"]]
+
+
+def test_every_mistake_of_a_file_is_reported(tmp_path: Path) -> None:
+    path = tmp_path / "bad.stl"
+    path.write_text("a: G (p\nb: G q\nb: F q\nc: F[2] q\n")
+    with pytest.raises(InputError) as error:
+        read_formulas(path)
+    assert codes(error) == [f"E0113 {path}:1:6", f"E0202 {path}:3:1", f"E0130 {path}:4:5"]
+
+
+def test_bounds_are_converted_to_the_unit_of_the_trace() -> None:
+    (formula,) = read_formulas("G (p -> F[500 ms, 2 s] H[0, 5] q)")
+    assert print_formula(in_trace_units(formula, ["p", "q"], "ms")) == "G (p -> F[500, 2000] H[0, 5] q)"
+    with pytest.raises(InputError) as error:
+        in_trace_units(formula, ["p", "q"], "")
+    assert (
+        error.value.diagnostics[0].help
+        == "say what one unit of the trace's time is: --unit s, unit='s', or time [s] in the header"
+    )
+
+
+def test_a_model_gives_its_formulas_its_unit_and_its_constants(tmp_path: Path) -> None:
+    path = tmp_path / "m.ta"
+    path.write_text(MODEL)
+    answered, cold = read_formulas(str(path))
+    assert (answered.name, answered.title) == ("answered", "hot in time")
+    columns = ["P.A", "hot", "n"]
+    assert print_formula(in_trace_units(answered, columns, "s")) == "G (P.A -> F[0, 2] hot)"
+    assert print_formula(in_trace_units(cold, columns, "ms")) == "G (P.A -> F[0, 500] (n > -3))"
+    assert print_formula(in_trace_units(answered, columns, "")) == "G (P.A -> F[0, 20] hot)"
+    assert print_formula(in_trace_units(cold, [*columns, "LIMIT"], "ms")) == "G (P.A -> F[0, 500] (n > LIMIT))"
+
+
+@pytest.mark.parametrize(
+    ("bound", "value"), [("2 * D", "40"), ("(D - 5)", "15"), ("D / 8", "2.5"), ("-D + 30", "10"), ("0.5 * D", "10")]
+)
+def test_bounds_may_be_computed_from_constants(tmp_path: Path, bound: str, value: str) -> None:
+    path = tmp_path / "m.ta"
+    path.write_text(MODEL.replace("F[0, D]", f"F[0, {bound}]"))
+    formula = read_formulas(path)[0]
+    assert print_formula(in_trace_units(formula, ["P.A", "hot"], "")) == f"G (P.A -> F[0, {value}] hot)"
+
+
+@pytest.mark.parametrize(("bound", "code"), [("M", "E0201"), ("1 / 0", "E0602"), ("f(1)", "E0602")])
+def test_bounds_that_are_no_numbers(bound: str, code: str) -> None:
+    (formula,) = read_formulas(f"F[0, {bound}] q")
+    with pytest.raises(InputError) as error:
+        in_trace_units(formula, ["q"], "s")
+    assert error.value.diagnostics[0].code == code
+
+
+def test_refusals(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="there is no file"):
+        read_formulas("gone.stl")
+    (tmp_path / "only.stl").write_text("// nothing\n")
+    with pytest.raises(UsageError, match="there is no formula"):
+        read_formulas(tmp_path / "only.stl")
+    (tmp_path / "m.ta").write_text(MODEL.partition("property")[0])
+    with pytest.raises(UsageError, match="states no property"):
+        read_formulas(tmp_path / "m.ta")

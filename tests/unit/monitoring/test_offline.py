@@ -1,0 +1,238 @@
+"""Verdicts on whole traces with their explanation: trigger, deadline, blame, what is presumed, what never happened."""
+
+from __future__ import annotations
+
+import json
+import math
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import jsonschema
+import pandas as pd
+import pytest
+
+import tachk
+from tachk.diagnostics.diagnostic import InputError, UsageError
+from tachk.monitoring.offline import MonitorReport
+from tachk.report.monitor_junit import monitor_to_junit
+from tachk.report.monitor_record import cell_text
+from tachk.report.monitor_words import explain_verdict
+from tachk.runtime.explanation import Finding
+
+SCHEMA = Path(__file__).parents[3] / "docs/schema/monitor.schema.json"
+
+TRACE = {
+    "t": [0, 1, 2, 4, 6.5, 9, 12, 15, 20],
+    "p": [0, 1, 1, 0, 0, 0, 1, 0, 0],
+    "q": [0, 0, 0, 0, 0, 1, 0, 0, 0],
+    "x": [1, 2, 3, 5, 2, 1, 0, 7, 1],
+}
+
+
+def judged(*formulas: str, **options: Any) -> MonitorReport:
+    return tachk.monitor(formulas, TRACE, unit="s", **options)
+
+
+def story(formula: str) -> tuple[str, ...]:
+    record = judged(formula).record
+    return explain_verdict(record, record.verdicts[0])
+
+
+def places(report: MonitorReport) -> tuple[str | None, ...]:
+    finding = report[0].finding
+    assert isinstance(finding, Finding)
+    cells = (finding.cell, finding.deadline, finding.decided)
+    return tuple(None if cell is None else cell_text(report.record.trace, cell) for cell in cells)
+
+
+@pytest.mark.parametrize(
+    ("formula", "expected"),
+    [
+        ("G (p -> F[0,3] q)", ("1 s", "4 s", "4 s")),
+        ("G (p -> F[0,3) q)", ("1 s", "just after 3.9 s", "just after 3.9 s")),
+        ("G (p -> G[0,8] !q)", ("1 s", "9 s", "9 s")),
+        ("G (p -> G[0,8) !q)", ("just after 1 s", "just after 9 s", "9 s")),
+        ("G (x < 5)", ("4 s", None, "4 s")),
+        ("G (p -> q)", ("1 s", None, "1 s")),
+        ("F[0,8] q", ("0 s", "8 s", "8 s")),
+        ("F (x > 10)", ("0 s", None, "20 s")),
+        ("G (p -> (x < 5 U[0,10] q))", ("1 s", "11 s", "4 s")),
+        ("G (p -> (x < 6 U[0,5] q))", ("1 s", "6 s", "6 s")),
+        ("G (q -> O[0,5] p)", ("9 s", None, "9 s")),
+        ("G (q -> O[0,6] p)", ("10 s", None, "10 s")),
+        ("G (q -> H[0,2] x < 2)", ("9 s", None, "9 s")),
+        ("G (rise(p) -> q) && G (x < 9)", ("1 s", None, "1 s")),
+        ("!F q", ("0 s", None, "9 s")),
+    ],
+)
+def test_the_first_violation(formula: str, expected: tuple[str | None, ...]) -> None:
+    report = judged(formula)
+    assert report[0].truth is tachk.Truth.FALSE
+    assert places(report) == expected
+
+
+def test_the_story_of_a_missed_deadline() -> None:
+    assert story("G (p -> F[0,3] (q && x < 5))") == (
+        "trigger: `p` becomes true at 1 s",
+        "`q && x < 5` is true at no instant from 1 s to 4 s, the deadline",
+        "seen at 4 s: q = false, x = 5",
+        "the violation is certain at 4 s",
+        "violated from 1 s until 4 s",
+    )
+
+
+def test_the_story_names_the_broken_part_of_a_conjunction_only() -> None:
+    assert story("G (rise(p) -> G[0,5] (x < 5 && !q))") == (
+        "trigger: `p` becomes true at 1 s",
+        "`x < 5 && !q` should be true at every instant from 1 s to 6 s",
+        "`x < 5` is false at 4 s",
+        "seen at 4 s: x = 5",
+        "the violation is certain at 4 s",
+    )
+
+
+def test_the_story_of_an_open_verdict() -> None:
+    assert story("G (p -> F[0,9] q)") == (
+        "trigger: `p` becomes true at 12 s",
+        "`q` has not been true yet; it is awaited from 12 s to 21 s, the deadline",
+        "the trace ends at 20 s, too early to tell",
+        "if nothing changes any more it will be false",
+    )
+
+
+def test_blame_lies_with_the_innermost_subformulas() -> None:
+    (verdict,) = judged("G (x < 5 || G[0, 10] x > 0)")
+    assert verdict.finding is not None
+    blamed = [
+        (reason.text, cell_text(judged("G x > 0").record.trace, reason.cell)) for reason in verdict.finding.blamed
+    ]
+    assert blamed == [("x < 5", "4 s"), ("x > 0", "12 s")]
+
+
+@pytest.mark.parametrize(
+    ("formula", "truth", "presumably"),
+    [
+        ("G (p -> F[0,9] q)", "undetermined", "false"),
+        ("G (x == 7 -> G[0,9] !p)", "undetermined", "true"),
+        ("F[0,30] x > 10", "undetermined", "false"),
+        ("G x < 9", "true", None),
+        ("F x > 10", "false", None),
+    ],
+)
+def test_what_the_end_leaves_open_is_undetermined(formula: str, truth: str, presumably: str | None) -> None:
+    (verdict,) = judged(formula)
+    assert verdict.truth.word == truth
+    assert (None if verdict.presumably is None else verdict.presumably.word) == presumably
+
+
+def test_the_end_can_be_given_a_meaning() -> None:
+    formulas = ("G (p -> F[0,9] q)", "G x < 9", "G x < 3")
+    assert [v.truth.word for v in judged(*formulas, end="weak")] == ["true", "true", "false"]
+    assert [v.truth.word for v in judged(*formulas, end="strong")] == ["false", "true", "false"]
+    assert [v.measured.word for v in judged(*formulas, end="strong")] == ["undetermined", "true", "false"]
+    with pytest.raises(UsageError, match="expected undetermined, weak or strong"):
+        judged("G p", end="maybe")
+
+
+@pytest.mark.parametrize(
+    ("formula", "vacuous"),
+    [
+        ("G (x > 10 -> q)", True),
+        ("G (x > 10 -> F[0,50] q) && G (x < -5 -> q)", True),
+        ("G (x > 10 -> F[0,5] q) && G (q -> q)", False),
+        ("G (q -> q)", False),
+        ("G x < 10", False),
+    ],
+)
+def test_formulas_whose_trigger_never_happens_are_pointed_out(formula: str, vacuous: bool) -> None:
+    (verdict,) = judged(formula)
+    assert (verdict.truth, verdict.vacuous) == (tachk.Truth.TRUE, vacuous)
+
+
+def test_robustness() -> None:
+    values, flags, open_ = judged("G x < 10", "G (p -> F[0,3] q)", "F[0,30] x > 10")
+    assert values.robustness == (3, 3)
+    assert flags.robustness == (-math.inf, -math.inf)
+    assert open_.robustness == (-3, math.inf)
+    assert judged("G x < 10", robustness=False)[0].robustness is None
+
+
+def test_bounds_finer_than_the_trace_refine_its_ticks() -> None:
+    report = judged("G (rise(p) -> F[0, 2999 ms] x >= 3)", "G (rise(p) -> F[0, 9 / 3] x >= 3)", "F[0, 1 / 3] x > 1")
+    assert report.record.trace.ticks_per_unit == 3000
+    assert [v.truth.word for v in report] == ["false", "true", "false"]
+
+
+def test_times_are_told_as_the_clock_of_the_recording_shows_them() -> None:
+    shifted = {**TRACE, "t": [1700000000 + t for t in TRACE["t"]]}
+    report = tachk.monitor("G (p -> F[0, 3 s] q)", shifted, unit="s")
+    assert places(report) == ("1700000001 s", "1700000004 s", "1700000004 s")
+    assert report.to_dict()["begin"] == "1700000000"
+
+
+def test_all_mistakes_of_all_formulas_are_reported() -> None:
+    with pytest.raises(InputError) as error:
+        judged("G (a -> F[0, 3] q)", "G b", "F[0, 3 s] x < y")
+    assert [found.code for found in error.value.diagnostics] == ["E0901"] * 3
+    with pytest.raises(UsageError, match="there is no formula 'z'"):
+        judged("G p", select=["z"])
+
+
+def test_a_verdict_is_no_boolean() -> None:
+    with pytest.raises(TypeError, match="three values"):
+        bool(judged("G p")[0].truth)
+
+
+def test_rows_and_names() -> None:
+    report = judged("G (p -> F[0,3] q)", "G x < 9")
+    assert report["p2"].truth is tachk.Truth.TRUE
+    with pytest.raises(KeyError):
+        report["p3"]
+    assert report.truth is tachk.Truth.FALSE
+    frame = pd.DataFrame(report.to_rows())
+    assert frame[["name", "verdict", "at", "deadline", "blamed"]].iloc[0].tolist() == [
+        "p1",
+        "false",
+        1.0,
+        4.0,
+        "F[0, 3] q",
+    ]
+
+
+def test_the_machine_form_follows_its_schema() -> None:
+    schema = json.loads(SCHEMA.read_text())
+    formulas = (
+        "G (p -> F[0,3] q)",
+        "G (p -> F[0,9] q)",
+        "G x < 9",
+        "F x > 10",
+        "Whenever p becomes true, within 3 s, q must be true.",
+    )
+    data = judged(*formulas).to_dict()
+    jsonschema.validate(json.loads(json.dumps(data)), schema)
+    first = data["results"][0]  # type: ignore[index]
+    assert first["finding"]["from"] == "1"  # type: ignore[index,call-overload]
+
+
+def test_text_html_and_junit_escape_and_count() -> None:
+    report = judged("G (p -> F[0,3] x < 1 && q)", "G (p -> F[0,9] q)", "G (x > 10 -> q)")
+    text = report.to_text()
+    assert "1 true, 1 false, 1 undetermined" in text
+    assert "true (nothing triggered)" in text
+    assert "undetermined, presumably false" in text
+    assert "x &lt; 1" in report._repr_html_()
+    suite = ElementTree.fromstring(monitor_to_junit(report.record)).find("testsuite")
+    assert suite is not None
+    assert {name: suite.get(name) for name in ("tests", "failures", "errors")} == {
+        "tests": "3",
+        "failures": "1",
+        "errors": "1",
+    }
+
+
+def test_exact_instants_between_ticks() -> None:
+    data = {"t": [Fraction(0), Fraction(1, 3), Fraction(1)], "p": [0, 1, 0]}
+    report = tachk.monitor("G !p", data)
+    assert report.to_dict()["results"][0]["finding"]["from"] == "1/3"  # type: ignore[index,call-overload]

@@ -1,0 +1,112 @@
+"""Event by event: the verdicts of the whole trace, as early as they are decided, with bounded memory."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import tachk
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.report.monitor_words import explain_verdict
+from tachk.report.online_report import decided_to_text
+
+EVENTS = [(0, 0, 0, 1), (1, 1, 0, 2), (2, 1, 0, 3), (4, 0, 0, 5), (6.5, 0, 0, 2), (9, 0, 1, 1)]
+
+
+def test_verdicts_come_as_early_as_they_are_decided() -> None:
+    monitor = tachk.Monitor(["G (p -> F[0, 3 s] (q && x < 5))", "F (x > 4)", "G x < 6"], unit="s")
+    seen = [monitor.update(time, p=p, q=q, x=x).word for time, p, q, x in EVENTS]
+    assert seen == ["undetermined"] * 4 + ["false"] * 2
+    late, reached, low = monitor.verdicts
+    assert (late.decided_at, late.truth) == (Fraction(13, 2), tachk.Truth.FALSE)
+    assert (reached.decided_at, reached.truth) == (Fraction(13, 2), tachk.Truth.TRUE)
+    assert low.truth is tachk.Truth.UNDETERMINED
+    assert not monitor.decided
+    assert [v.truth.word for v in monitor.finish(12)] == ["false", "true", "true"]
+    assert monitor["p3"].decided_at == 12
+
+
+def test_a_violation_is_explained_from_the_rows_that_were_kept() -> None:
+    monitor = tachk.Monitor("G (p -> F[0, 3] q)", unit="s")
+    for time in range(1000):
+        monitor.update(time, p=time == 900, q=False)
+    (verdict,) = monitor.verdicts
+    assert verdict.story is not None
+    assert explain_verdict(verdict.story, verdict.story.verdicts[0])[:2] == (
+        "trigger: `p` becomes true at 900 s",
+        "`q` is true at no instant from 900 s to 903 s, the deadline",
+    )
+    assert decided_to_text(verdict, "s").startswith("904 s: p1 is false\n  trigger: `p` becomes true at 900 s\n")
+
+
+def test_time_can_pass_without_events() -> None:
+    monitor = tachk.Monitor("G (p -> F[0, 3] q)")
+    assert monitor.update(0, p=1, q=0) is tachk.Truth.UNDETERMINED
+    assert monitor.advance(3) is tachk.Truth.UNDETERMINED
+    assert monitor.advance(Fraction(7, 2)) is tachk.Truth.FALSE
+
+
+def test_values_hold_until_they_are_given_anew() -> None:
+    monitor = tachk.Monitor("G (a -> b)")
+    with pytest.raises(UsageError, match="'b' has no value yet"):
+        monitor.update(0, a=1)
+    monitor.update(0, {"a": 0, "b": 0, "other": 5})
+    assert monitor.update(1, a=1) is tachk.Truth.UNDETERMINED
+    assert monitor.update(2, a=0) is tachk.Truth.FALSE
+
+
+def test_the_end_can_be_given_a_meaning() -> None:
+    for end, truth in (("weak", "true"), ("strong", "false"), ("undetermined", "undetermined")):
+        monitor = tachk.Monitor("G (p -> F[0, 3] q)", end=end)
+        monitor.update(0, p=1, q=0)
+        assert monitor.truth is tachk.Truth.UNDETERMINED
+        (verdict,) = monitor.finish(2)
+        assert (verdict.truth.word, verdict.measured.word) == (truth, "undetermined")
+
+
+def test_refusals() -> None:
+    monitor = tachk.Monitor("G p", decimals=1)
+    with pytest.raises(UsageError, match="no rows"):
+        monitor.finish()
+    monitor.update(5, p=1)
+    with pytest.raises(UsageError, match="lies before"):
+        monitor.update(4, p=1)
+    with pytest.raises(UsageError, match="finer than"):
+        monitor.update(Fraction(51, 9), p=1)
+
+
+def test_memory_is_bounded() -> None:
+    monitor = tachk.Monitor("G (p -> F[0, 50] q)")
+    sizes = []
+    for block in range(20):
+        times = np.arange(block * 1000, (block + 1) * 1000, dtype=np.int64)
+        flags = {"p": (times % 7 == 0).astype(np.uint8), "q": (times % 11 == 0).astype(np.uint8)}
+        assert monitor.push(times, flags, 0) is tachk.Truth.UNDETERMINED
+        sizes.append(monitor.bytes_used)
+    assert max(sizes[10:]) < 1.1 * max(sizes[:10])
+    assert monitor.rows == 20_000
+
+
+FORMULAS = ("G (p -> F[0, 3] q)", "G (p -> G[0, 2) x < 4)", "F[1, 5] (q && x > 2)", "G (q -> O[0, 2] p)", "p U q")
+ROWS = st.lists(st.tuples(st.integers(0, 3), st.booleans(), st.booleans(), st.integers(0, 5)), min_size=1, max_size=12)
+
+
+@given(ROWS, st.sampled_from(FORMULAS))
+def test_the_end_agrees_with_the_judgement_of_the_whole(rows: list[tuple[int, bool, bool, int]], formula: str) -> None:
+    times = np.cumsum([row[0] for row in rows])
+    columns = {name: [row[place] for row in rows] for place, name in enumerate("pqx", 1)}
+    report = tachk.monitor(formula, {"t": times, **columns})
+    monitor = tachk.Monitor(formula)
+    for time, (_, p, q, x) in zip(times.tolist(), rows, strict=True):
+        monitor.update(time, p=p, q=q, x=x)
+    (verdict,) = monitor.finish()
+    whole = report[0]
+    assert verdict.truth is whole.truth
+    if verdict.story is not None and whole.finding is not None:
+        found = verdict.story.verdicts[0].finding
+        assert found is not None
+        assert verdict.story.trace.clock(found.cell // 2) == report.record.trace.clock(whole.finding.cell // 2)
