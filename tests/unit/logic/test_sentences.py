@@ -214,7 +214,13 @@ SCOPES = ("globally", "before R", "after Q", "between Q and R", "after Q until R
 
 
 @pytest.mark.parametrize("scope", SCOPES)
-@pytest.mark.parametrize("pattern", ["absence", "universality", "existence", "precedence", "response", "recurrence"])
+@pytest.mark.parametrize(
+    "pattern",
+    [
+        *("absence", "universality", "existence", "bounded existence", "precedence", "response", "recurrence"),
+        *("invariance", "maximum duration"),
+    ],
+)
 def test_patterns_in_scopes(pattern: str, scope: str) -> None:
     text = {
         "absence": "p must not occur.",
@@ -223,10 +229,13 @@ def test_patterns_in_scopes(pattern: str, scope: str) -> None:
         "precedence": "whenever p, q must have been true.",
         "response": "whenever p, within 3, q must be true.",
         "recurrence": "p must occur at least every 4.",
+        "bounded existence": "p must occur within 3.",
+        "invariance": "whenever p is true, q must stay true for at least 3.",
+        "maximum duration": "whenever p becomes true, p must stay true for at most 3.",
     }[pattern]
     random = Random(9)
     answers = set()
-    for number in range(80):
+    for number in range(200):
         if number >= 12 and answers == {True, False}:
             break
         runs = {"p": random_runs(random), "q": random_runs(random), "R": random_runs(random, 2)}
@@ -255,12 +264,21 @@ def test_patterns_in_scopes(pattern: str, scope: str) -> None:
                 case "response":
                     stop = len(q) if scope in ("globally", "after Q", "while Q") else part.stop
                     return all(any(q[c : min(c + 7, stop)]) for c in part if p[c])
+                case "bounded existence":
+                    return any(p[part.start : min(part.start + 7, part.stop)])
+                case "invariance":
+                    stop = len(q) if scope in ("globally", "after Q", "while Q") else part.stop
+                    return all(all(q[c : min(c + 6 + c % 2, stop)]) for c in part if p[c])
+                case "maximum duration":
+                    rises = [c for c in part if p[c] and (c == 0 or not p[c - 1])]
+                    over = part.stop if scope not in ("globally", "after Q", "while Q") else len(p)
+                    return all(over <= c + 6 or not all(p[c + 1 : c + 7]) for c in rises)
                 case _:
                     return all(c + 9 > part.stop + (part.stop == len(p)) * 99 or any(p[c : c + 9]) for c in part)
 
         if pattern == "recurrence" and any(part.stop == len(p) for part in parts):
             continue
-        if pattern == "response" and any(p[-8:]):
+        if pattern in ("response", "invariance", "maximum duration") and any(p[-8:]):
             continue
         expected = all(holds(part) for part in parts)
         assert answer(f"{scope}, {text}", trace_of(**runs)) is expected, runs
