@@ -5,14 +5,14 @@ from __future__ import annotations
 from tachk.diagnostics.explanation import Explanation
 
 EXPORT_CODES: dict[str, Explanation] = {
-    "E0130": Explanation(
+    "E0820": Explanation(
         "not readable as TChecker's format",
         "A .tck file has one declaration on each line: a word, its arguments between colons, and attributes in braces. "
         "The first is `system:NAME`.",
         "clock:x",
         "clock:1:x",
     ),
-    "E0131": Explanation(
+    "E0821": Explanation(
         "vector of events without a counterpart",
         "Two events become a channel from the first process to the second; one event followed by weak ones (`P@e?`) "
         "becomes a broadcast channel. Vectors of three or more events that all must happen, and vectors of weak events "

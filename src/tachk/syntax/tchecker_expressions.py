@@ -219,4 +219,4 @@ class Reader:
 
 
 def failure(message: str, span: Span) -> InputError:
-    return InputError([Diagnostic("E0130", message, span)])
+    return InputError([Diagnostic("E0820", message, span)])
