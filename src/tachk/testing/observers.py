@@ -15,16 +15,22 @@ from typing import Any
 from tachk.diagnostics.span import NOWHERE, Source
 from tachk.engines.protocol import Limits, Options, Status
 from tachk.engines.zone import explore
+from tachk.frontend.context import Context
+from tachk.frontend.findings import Findings
 from tachk.frontend.load import LoadedModel, load_model
 from tachk.frontend.observers import elaborate_temporal
+from tachk.frontend.scope import LocationSymbol, ProcessSymbol, Scope, Symbol, ValueSymbol
+from tachk.model.expressions import Reference
+from tachk.model.network import Network
 from tachk.model.query import Query
+from tachk.model.types import IntType
 from tachk.properties.observed import observed
 from tachk.properties.plan import target_of
 from tachk.semantics.lower import lower
 from tachk.syntax import ast
 from tachk.syntax import formula as syntax
 from tachk.syntax.formula import Formula
-from tachk.syntax.rewrite import rewrite
+from tachk.syntax.rewrite import rewrite, substitute
 from tachk.testing.exact_trace import ExactTrace
 from tachk.testing.formulas import FLAGS, FormulaShape, random_formula, random_interval, random_trace
 
@@ -82,8 +88,8 @@ def replaying(trace: ExactTrace) -> LoadedModel:
 
 def query_of(formula: Formula, model: LoadedModel) -> Query | None:
     """The query that asks for a violation; None where there is no observer for the formula."""
-    context = replace(model._constants, findings=type(model._constants.findings)())
-    return elaborate_temporal(ast.TemporalFormula(NOWHERE, formula), "property", model._scope, context, "", None)
+    node = ast.TemporalFormula(NOWHERE, formula)
+    return elaborate_temporal(node, "property", model.names, Context(Findings()), "", None)
 
 
 def violated(model: LoadedModel, query: Query, options: Options = Options()) -> bool:
@@ -93,6 +99,34 @@ def violated(model: LoadedModel, query: Query, options: Options = Options()) -> 
     outcome = explore(program, goals, options, Limits(states=100_000))
     assert outcome.goals[0].status is not Status.UNDECIDED, outcome.reason
     return outcome.goals[0].status is Status.REACHED
+
+
+def random_watched(random: Random, network: Network) -> Query | None:
+    """A query with an observer over locations and integers of a network; None where the formula drawn has none."""
+    formula = random_formula(random, SHAPE, 2) if random.random() < 0.2 else _shaped(random)
+    atoms = {name: _random_atom(random, network) for name in FLAGS}
+    watched = rewrite(formula, lambda node: substitute(node, atoms) if isinstance(node, ast.NameExpression) else node)
+    node = ast.TemporalFormula(NOWHERE, watched)
+    return elaborate_temporal(node, "property", scope_of(network), Context(Findings()), "", None)
+
+
+def scope_of(network: Network) -> Scope:
+    """The names of a network that was not made from text: ``P.location``, and global variables."""
+    scope = Scope(None, "the network", {v.name: ValueSymbol(Reference(v), True, "variable") for v in network.variables})
+    for number, process in enumerate(network.processes):
+        locations: dict[str, Symbol] = {l.name: LocationSymbol(index) for index, l in enumerate(process.locations)}
+        scope.symbols[process.name] = ProcessSymbol(number, Scope(scope, process.name, locations))
+    return scope
+
+
+def _random_atom(random: Random, network: Network) -> ast.Expression:
+    integers = [v.name for v in network.variables if isinstance(v.type, IntType) and not v.meta]
+    if integers and random.random() < 0.3:
+        value = ast.IntegerLiteral(NOWHERE, random.randint(0, 2))
+        return ast.BinaryExpression(NOWHERE, "==", ast.NameExpression(NOWHERE, random.choice(integers)), value)
+    process = random.choice(network.processes)
+    location = ast.Identifier(NOWHERE, random.choice(process.locations).name)
+    return ast.MemberExpression(NOWHERE, ast.NameExpression(NOWHERE, process.name), location)
 
 
 def _text(value: object) -> str:

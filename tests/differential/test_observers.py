@@ -1,0 +1,145 @@
+"""Observers against the exact monitor along single runs, and observed networks against the networks alone."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from fractions import Fraction
+from random import Random
+
+import pytest
+
+from tachk.engines.digitised import _capped, _next_region, _spread
+from tachk.logic.observer import NoObserver, build_observer
+from tachk.properties.observed import observed
+from tachk.properties.plan import target_of
+from tachk.semantics.clock_constants import clock_constants
+from tachk.semantics.discrete import Model, prepare
+from tachk.semantics.step import StepError, delay, initial_state, successors
+from tachk.semantics.trace import DiscreteState, TimedState, Transition
+from tachk.syntax.formula_printer import print_formula
+from tachk.testing import Case, Shape, random_case
+from tachk.testing.agreement import VARIANTS, Effort, compare
+from tachk.testing.exact_monitor import verdict
+from tachk.testing.observers import query_of, random_observer_case, random_watched, replaying, violated
+
+SMALL = Shape(processes=2, locations=3, clocks=2, constant=3, deadlocks=False)
+MAXIMAL_STATES = 400
+
+
+@pytest.mark.parametrize("block", range(5))
+def test_an_observer_can_reach_its_bad_location_where_the_monitor_says_false(block: int) -> None:
+    compared = 0
+    for seed in range(40 * block, 40 * block + 40):
+        case = random_observer_case(Random(seed))
+        try:
+            build_observer(case.formula, "Observer")
+        except NoObserver:
+            continue
+        model = replaying(case.trace)
+        query = query_of(case.formula, model)
+        assert query is not None
+        truth = verdict(case.formula, case.trace).truth
+        assert violated(model, query) == (truth is False), f"seed {seed}: {print_formula(case.formula)} is {truth}"
+        compared += 1
+    assert compared > 25
+
+
+@pytest.mark.parametrize("block", range(3))
+def test_an_observer_never_keeps_the_network_from_acting_and_never_delays_it(block: int) -> None:
+    watched = 0
+    for seed in range(8 * block, 8 * block + 8):
+        random = Random(seed)
+        network = random_case(random, SMALL).network
+        query = random_watched(random, network)
+        if query is None:
+            continue
+        watched += 1
+        alone, with_observer = prepare(network), prepare(observed(network, query.observer))
+        states, complete = _reachable(with_observer)
+        for state in states:
+            own = _projected(alone, state)
+            assert _actions(alone, own) == _actions(with_observer, state, len(network.processes)), f"seed {seed}"
+            assert _may_wait(alone, own) <= any(
+                _may_wait(with_observer, later) for later in _observer_moves(with_observer, state)
+            ), f"seed {seed}: time stands still"
+        expected, all_expected = _reachable(alone)
+        if complete and all_expected:
+            constants = clock_constants(network, []).maximum[1:]
+            assert {_normal(_projected(alone, state), constants) for state in states} == {
+                _normal(state, constants) for state in expected
+            }, f"seed {seed}"
+    assert watched > 3
+
+
+@pytest.mark.parametrize("block", range(3))
+def test_no_option_changes_the_verdict_of_an_observer(block: int) -> None:
+    for seed in range(100 + 6 * block, 106 + 6 * block):
+        random = Random(seed)
+        network = random_case(random, SMALL).network
+        query = random_watched(random, network)
+        if query is not None:
+            case = Case(observed(network, query.observer), (target_of(query),))
+            assert compare(case, VARIANTS, Effort(200, 300)).problems == (), f"seed {seed}"
+
+
+# ---- regions --------------------------------------------------------------------------------------------------------
+
+
+def _reachable(model: Model) -> tuple[set[TimedState], bool]:
+    """A point of every reachable region, and whether these are all."""
+    constants = clock_constants(model.network, []).maximum[1:]
+    start = _normal(initial_state(model), constants)
+    found, waiting = {start}, deque([start])
+    while waiting:
+        if len(found) > MAXIMAL_STATES:
+            return found, False
+        state = waiting.popleft()
+        after = [later for _, later in successors(model, state)]
+        duration = _next_region(tuple(v for v, m in zip(state.clocks, constants, strict=True) if v <= m))
+        after += _waited(model, state, duration)
+        for later in after:
+            normal = _normal(later, constants)
+            if normal not in found:
+                found.add(normal)
+                waiting.append(normal)
+    return found, True
+
+
+def _normal(state: TimedState, constants: tuple[int, ...]) -> TimedState:
+    return TimedState(state.discrete, _spread(_capped(state.clocks, constants)), Fraction(0))
+
+
+def _waited(model: Model, state: TimedState, duration: Fraction | None) -> list[TimedState]:
+    try:
+        return [] if duration is None else [delay(model, state, duration)]
+    except StepError:
+        return []
+
+
+def _projected(alone: Model, state: TimedState) -> TimedState:
+    """The state of the network alone: its processes, variables and clocks come first."""
+    processes, cells = len(alone.network.processes), len(alone.layout.initial)
+    discrete = DiscreteState(state.discrete.locations[:processes], state.discrete.values[:cells])
+    return TimedState(discrete, state.clocks[: alone.dimension - 1], state.time)
+
+
+def _actions(model: Model, state: TimedState, observer: int = -1) -> set[Transition]:
+    return {t for t, _ in successors(model, state) if all(p.process != observer for p in t.participants)}
+
+
+def _observer_moves(model: Model, state: TimedState) -> Iterator[TimedState]:
+    """The state and those that the observer alone can lead to while no time passes."""
+    observer = len(model.network.processes) - 1
+    found, waiting = {state}, deque([state])
+    while waiting:
+        current = waiting.popleft()
+        yield current
+        for transition, after in successors(model, current):
+            if transition.participants[0].process == observer and after not in found:
+                found.add(after)
+                waiting.append(after)
+
+
+def _may_wait(model: Model, state: TimedState) -> bool:
+    return bool(_waited(model, state, Fraction(1, 64)))
