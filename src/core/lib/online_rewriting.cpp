@@ -1,8 +1,12 @@
 #include "tachk/online_rewriting.hpp"
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
+
+#include "tachk/monitor_cells.hpp"
 
 namespace tachk {
 namespace {
@@ -38,7 +42,10 @@ class Rewriting {
       }
     }
     if (!changed_) return std::nullopt;
-    junction(NodeKind::logical_and, rewritten);
+    junction(NodeKind::logical_and, rewritten);  // a single one has been made last
+    std::int64_t reach = 0;
+    for (const MonitorNode& node : program_.nodes) reach += std::max(node.lower, node.upper);
+    if (reach >= largest_tick / 2) return std::nullopt;
     return std::move(program_);
   }
 
@@ -93,12 +100,11 @@ class Rewriting {
     negation.operands = {part.node};
     return add(negation);
   }
-  // The last node made is the formula, so a single operand is made into a node of its own, too.
   std::size_t junction(NodeKind kind, const std::vector<std::size_t>& operands) {
+    if (operands.size() == 1) return operands[0];
     MonitorNode node;
     node.kind = kind;
     node.operands = operands;
-    if (operands.size() == 1) node.operands.push_back(operands[0]);
     return add(node);
   }
   std::size_t add(const MonitorNode& node) {

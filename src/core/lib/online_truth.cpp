@@ -7,9 +7,13 @@ namespace {
 
 // Appends the cells of `spans` that are in `set`.
 void intersect(const std::vector<Span>& spans, const SpanSet& set, std::vector<Span>& out) {
+  std::size_t n = 0;
   for (const Span& span : spans) {
-    for (std::size_t n = set.find(span.first); n < set.size() && set[n].first < span.end; ++n)
+    n = set.find(span.first, n);
+    for (; n < set.size() && set[n].first < span.end; ++n) {
       out.push_back({std::max(span.first, set[n].first), std::min(span.end, set[n].end)});
+      if (set[n].end > span.end) break;
+    }
   }
 }
 
@@ -60,8 +64,19 @@ void TruthEngine::step(Cell limit, bool finished) {
     for (State& state : states_) state = State{};
     settled_ = true;
   } else {
-    forget();
+    if (forgets_now()) forget();
+    for (State& state : states_)
+      for (std::vector<Span>& list : state.news) list.clear();
   }
+}
+
+// Not after every small step: that would cost more than the step.
+bool TruthEngine::forgets_now() {
+  std::size_t count = 0;
+  for (const State& state : states_) count += state.news[0].size() + state.news[1].size();
+  if (++steps_ < 16 && count < 4 * states_.size()) return false;
+  steps_ = 0;
+  return true;
 }
 
 void TruthEngine::decide_merged(State& state, bool value, const std::vector<Span>& left,
@@ -101,14 +116,15 @@ void TruthEngine::step_window(const OnlineNode& node, State& state, Cell limit, 
     for (const Span& span : news(node.left, true))
       decide(state, true, shape.meets_from(span.first), shape.meets_to(span.end - 1) + 1);
   }
+  std::size_t index = 0;
   for (const Span& span : news(node.left, false)) {
-    const std::size_t index = fails.find(span.first);
+    index = fails.find(span.first, index);
     if (index == fails.size()) continue;  // nothing asks for it any more
     const Cell first = fails[index].first;
     decide(state, false, shape.within_from(first), shape.within_to(fails[index].end - 1) + 1);
   }
   if (node.to_the_end && finished) {
-    const std::size_t index = fails.find(limit);
+    index = fails.find(limit);
     if (index < fails.size() && fails[index].first <= limit)
       decide(state, false, shape.within_from(fails[index].first), limit + 1);
     decide(state, false, shape.meets_to(limit) + 1, limit + 1);
@@ -296,7 +312,6 @@ void TruthEngine::forget() {
   for (std::size_t n = states_.size(); n-- > 0;) {
     const OnlineNode& node = graph_->nodes[n];
     State& state = states_[n];
-    for (std::vector<Span>& list : state.news) list.clear();
     const bool remembers =
         node.kind == OnlineKind::strict_since || (node.kind == OnlineKind::window && node.window.odd.first == -endless);
     if (!remembers) state.open = std::max(state.open, state.wanted);

@@ -32,6 +32,13 @@ class SpanSet {
     return static_cast<std::size_t>(
         std::partition_point(begin, runs_.end(), [cell](const Span& run) { return run.end <= cell; }) - begin);
   }
+  // The same, where it is likely to be `near` or soon after.
+  std::size_t find(Cell cell, std::size_t near) const {
+    if (near > size() || (near > 0 && (*this)[near - 1].end > cell)) return find(cell);
+    for (int n = 0; n < 4; ++n, ++near)
+      if (near == size() || (*this)[near].end > cell) return near;
+    return find(cell);
+  }
   bool holds(Cell cell) const {
     const std::size_t index = find(cell);
     return index < size() && (*this)[index].first <= cell;

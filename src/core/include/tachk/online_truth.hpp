@@ -67,6 +67,7 @@ class TruthEngine {
   void since_holds(const OnlineNode& node, State& state, const Span& run);
   void conclude(Cell limit, bool finished);
   void forget();
+  bool forgets_now();
   void want(Operand operand, Cell cell) {
     State& state = states_[operand.node];
     state.wanted = std::min(state.wanted, std::max<Cell>(cell, 0));
@@ -75,6 +76,7 @@ class TruthEngine {
   const OnlineGraph* graph_;
   std::vector<State> states_;
   bool begun_ = false;
+  int steps_ = 0;  // since something was forgotten
   std::vector<Span> scratch_[2];
   std::optional<Operand> guarded_;  // of a formula G f: f
   Cell guarded_open_ = 0;           // f is decided true before
