@@ -5,7 +5,8 @@ folder. A ``console`` block holds commands (``$ tachk ...``), each followed by i
 as one text and, unless the status is 0, by a line ``[exit N]``. ``...`` stands for any text in a line, or, alone on a
 line, for any number of lines.
 
-The README is such a document too. It shows what really happens, so there measured times and sizes may differ.
+The README and docs/monitoring.md are such documents too. They show what really happens, so there measured times and
+sizes may differ.
 """
 
 from __future__ import annotations
@@ -96,8 +97,9 @@ def test_document(path: Path, tmp_path: Path) -> None:
             check(path, command, *run(command.arguments))
 
 
-def test_readme() -> None:
-    readme = CHECKOUT / "README.md"
+@pytest.mark.parametrize("name", ["README.md", "docs/monitoring.md"])
+def test_pages_that_show_commands_in_the_checkout(name: str) -> None:
+    readme = CHECKOUT / name
     _, commands = read_document(readme)
     assert commands
     with chdir(CHECKOUT):

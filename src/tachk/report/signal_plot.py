@@ -41,7 +41,7 @@ _LABEL_WIDTH = 0.2
 
 _FACE = {Truth.TRUE: "#5a9367", Truth.FALSE: "#ffffff", Truth.UNDETERMINED: "#f1f1f1"}
 _INK = {Truth.TRUE: "#3d6b48", Truth.FALSE: "#a4161a", Truth.UNDETERMINED: "#777777"}
-_HATCH = {Truth.TRUE: "", Truth.FALSE: "//////", Truth.UNDETERMINED: "..."}
+_HATCH = {Truth.TRUE: "", Truth.FALSE: "//////", Truth.UNDETERMINED: ".."}
 _SIGNAL = "#22577a"
 _STYLE: dict[Any, Any] = {
     "font.size": 9,
