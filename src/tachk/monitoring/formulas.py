@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
@@ -12,6 +12,8 @@ from typing import Any
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UsageError
 from tachk.diagnostics.span import Source, Span
+from tachk.frontend.findings import Findings
+from tachk.frontend.imports import Importer
 from tachk.frontend.load import load_model
 from tachk.logic.durations import length_of, resolve
 from tachk.logic.sentences import meaning
@@ -24,6 +26,7 @@ from tachk.syntax.formula_printer import print_formula
 from tachk.syntax.rewrite import rewrite
 from tachk.syntax.sentence_parser import parse_sentence, with_full_stop
 from tachk.syntax.source_files import read_source
+from tachk.syntax.uppaal_xml import is_xml
 
 FORMULA_SUFFIXES = (".stl",)
 MODEL_SUFFIXES = (".ta", ".xta", ".xml")
@@ -194,16 +197,13 @@ def _sentence(name: str, title: str, span: Span) -> NamedFormula | tuple[Diagnos
 
 
 def _model_formulas(path: Path) -> tuple[NamedFormula, ...]:
-    loaded = load_model(path)
-    heading = loaded.heading
-    constants = dict(heading.constants)
+    items, unit, constants = _stated(path)
     read: list[NamedFormula | tuple[Diagnostic, ...]] = []
-    for item in loaded.items:
+    for item in items:
         if isinstance(item, ast.PropertyDeclaration) and isinstance(item.formula, ast.TemporalFormula):
-            temporal, name, title = item.formula, item.name.name, item.title
-            each = _read(name, title, temporal.span)
+            each = _read(item.name.name, item.title, item.formula.span)
             if isinstance(each, NamedFormula):
-                each = replace(each, unit=heading.time_unit, constants=constants)
+                each = replace(each, unit=unit, constants=constants)
             read.append(each)
     if not read:
         raise UsageError(
@@ -211,3 +211,38 @@ def _model_formulas(path: Path) -> tuple[NamedFormula, ...]:
             "formulas (G (p -> F[0, 5] q)) and sentences can be monitored; E<> and A[] speak about all runs",
         )
     return _checked(read, str(path))
+
+
+def _stated(path: Path) -> tuple[Sequence[ast.Item], str, dict[str, int]]:
+    """The declarations of a model, its time unit, its constants.
+
+    A file without a system line is no model but part of several ones, so its names have no meaning yet: it is read only.
+    """
+    source = read_source(path)
+    if not is_xml(source):
+        findings = Findings()
+        document, items = Importer(findings).read(source)
+        if document is not None and not any(isinstance(item, ast.SystemLine) for item in items):
+            if findings.has_errors:
+                raise InputError(findings.sorted())
+            units = [f"{item.amount} {item.unit}" for item in items if isinstance(item, ast.TimeUnitDeclaration)]
+            return items, units[0] if units else "", _plain_constants(items)
+    loaded = load_model(source)
+    return loaded.items, loaded.heading.time_unit, dict(loaded.heading.constants)
+
+
+def _plain_constants(items: Iterable[ast.Item]) -> dict[str, int]:
+    """The constants whose values follow from numbers and each other alone."""
+    constants: dict[str, int] = {}
+    for item in items:
+        if isinstance(item, ast.VariableDeclaration) and (item.type is None or "const" in item.type.prefixes):
+            for declarator in item.declarators:
+                if declarator.initialiser is None or declarator.dimensions:
+                    continue
+                try:
+                    value = constant_value(declarator.initialiser, constants)
+                except InputError:
+                    continue
+                if value.denominator == 1:
+                    constants[declarator.name.name] = int(value)
+    return constants
