@@ -216,7 +216,7 @@ def _model_formulas(path: Path) -> tuple[NamedFormula, ...]:
 def _stated(path: Path) -> tuple[Sequence[ast.Item], str, dict[str, int]]:
     """The declarations of a model, its time unit, its constants.
 
-    A file without a system line is no model but part of several ones, so its names have no meaning yet: it is read only.
+    A file without a system line is no model but a part of models, so its names have no meaning yet: it is read only.
     """
     source = read_source(path)
     if not is_xml(source):

@@ -89,7 +89,8 @@ def test_a_model_gives_its_formulas_its_unit_and_its_constants(tmp_path: Path) -
 def test_a_file_without_a_system_line_is_read_without_asking_what_its_names_mean(tmp_path: Path) -> None:
     (tmp_path / "units.ta").write_text("time_unit = 1 s;\nconst int D = 2 * 10, A[2] = {1, 2};\n")
     (tmp_path / "list.ta").write_text(
-        'import "units.ta";\nsignal hot = Vessel.Hot;\nproperty warm : Whenever hot is true, within D s, cold must be true.;\n'
+        'import "units.ta";\nsignal hot = Vessel.Hot;\n'
+        "property warm : Whenever hot is true, within D s, cold must be true.;\n"
         "property late : G (hot -> F[0, D] cold);\n"
     )
     formulas = read_formulas(tmp_path / "list.ta")
