@@ -24,7 +24,9 @@ from tachk.testing.exact_monitor import satisfaction
 from tachk.testing.exact_trace import ExactTrace
 from tachk.testing.formulas import FLAGS, NUMBERS, FormulaShape, random_formula, random_trace
 
-SHAPE = FormulaShape(open_bounds=False, unbounded=False, edges=False, equal_times=False, gap=4, rows=10)
+SHAPE = FormulaShape(
+    open_bounds=False, unbounded=False, edges=False, arithmetic=False, equal_times=False, gap=4, rows=10
+)
 COLUMNS = (*FLAGS, *NUMBERS, "one")
 SAMPLES = tuple(Fraction(n, 8) for n in range(8 * 12))
 """Instants at which values are compared, on the grid of bounds and rows and between them."""

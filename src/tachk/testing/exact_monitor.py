@@ -13,7 +13,8 @@ The meaning (docs/logic.md states it for users), at an instant t of a trace that
 - ``rise(f)`` at t is f at t and not f just before t (the limit from the left); ``fall(f)`` is not f at t and f just
   before. At 0, ``rise(f)`` is f and ``fall(f)`` is false. Between two points, where f does not move, "just before" has
   the value of t itself, also behind a point at which f differs: so nothing depends on how finely time is divided.
-  ``change(e)``: e at t differs from e just before t, with infinite robustness; false at 0.
+  ``change(e)``: e at t differs from e just before t, with infinite robustness; false at 0. Of a comparison or another
+  condition c it is ``fall(c) || fall(!c)``, with the robustness of that.
 - Atoms are unknown after T (for an open trace also at T). Everything else follows by Kleene's rules, truth and
   robustness alike, and an instant after T is evaluated like any other.
 - An operator without upper bound speaks about the trace up to its end. At an instant t <= T of a finished trace its
@@ -30,7 +31,18 @@ from fractions import Fraction
 from itertools import pairwise
 
 from tachk.syntax import formula as syntax
-from tachk.testing.exact_trace import FALSE, TRUE, UNKNOWN, Ending, ExactTrace, Scalar, Value, condition, number
+from tachk.testing.exact_trace import (
+    FALSE,
+    TRUE,
+    UNKNOWN,
+    Ending,
+    ExactTrace,
+    Scalar,
+    Value,
+    condition,
+    is_condition,
+    number,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +125,10 @@ def satisfaction(formula: syntax.Formula, trace: ExactTrace) -> ExactSignal:
             return _signal({Fraction(0)}, lambda _: TRUE if value else FALSE)
         case syntax.Atom(expression=expression):
             return _of_states(trace, lambda state: condition(expression, state))
+        case syntax.Change(span=span, expression=expression) if is_condition(expression):
+            atom = syntax.Atom(span, expression)
+            falls = syntax.Fall(span, atom), syntax.Fall(span, syntax.Not(span, atom))
+            return satisfaction(syntax.Or(span, falls), trace)
         case syntax.Change(expression=expression):
             return _change(trace, lambda state: number(expression, state))
         case syntax.Not(operand=operand):

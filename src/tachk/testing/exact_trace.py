@@ -210,14 +210,19 @@ def _equivalence(left: Value, right: Value) -> Value:
     return (left & right) | (~left & ~right)
 
 
-def _is_truth(expression: ast.Expression, state: Mapping[str, Scalar]) -> bool:
-    """Whether an expression is a condition by its form or by the values of its column, not a number."""
+def is_condition(expression: ast.Expression) -> bool:
+    """Whether an expression is a condition by its form."""
     match expression:
-        case ast.NameExpression() | ast.MemberExpression() | ast.IndexExpression():
-            return isinstance(state[print_expression(expression)], bool)
         case ast.UnaryExpression(operator=operator):
             return operator == "!"
         case ast.BinaryExpression(operator=operator):
             return operator in {"&&", "||", "imply", "xor", "<", "<=", ">", ">=", "==", "!="}
         case _:
             return isinstance(expression, ast.BooleanLiteral)
+
+
+def _is_truth(expression: ast.Expression, state: Mapping[str, Scalar]) -> bool:
+    """Whether an expression is a condition by its form or by the values of its column, not a number."""
+    if isinstance(expression, ast.NameExpression | ast.MemberExpression | ast.IndexExpression):
+        return isinstance(state[print_expression(expression)], bool)
+    return is_condition(expression)

@@ -32,7 +32,7 @@ class FormulaShape:
         depth: the largest number of operators inside each other.
         bound: the largest bound of an interval.
         grid: bounds and times are multiples of its reciprocal.
-        open_bounds, unbounded, until, past, edges, numeric: what occurs.
+        open_bounds, unbounded, until, past, edges, numeric, arithmetic: what occurs.
         rows: the largest number.
         gap: the largest time from one row to the next.
         equal_times: whether several rows may be for one instant.
@@ -48,6 +48,7 @@ class FormulaShape:
     past: bool = True
     edges: bool = True
     numeric: bool = True
+    arithmetic: bool = True
     rows: int = 8
     gap: int = 3
     equal_times: bool = True
@@ -138,20 +139,42 @@ def _leaf(random: Random, shape: FormulaShape) -> syntax.Formula:
         return syntax.Truth(NOWHERE, random.random() < 0.5)
     kind = random.random()
     if shape.edges and kind < 0.08:
-        return syntax.Change(NOWHERE, _name(random.choice(FLAGS + (NUMBERS if shape.numeric else ()))))
-    if not shape.numeric or kind < 0.48:
+        return syntax.Change(NOWHERE, _changing(random, shape))
+    if not shape.numeric or kind < 0.44:
         return syntax.Atom(NOWHERE, _name(random.choice(FLAGS)))
+    if kind < 0.48:
+        operator, second = random.choice(("==", "!=")), _name(random.choice(FLAGS))
+        return syntax.Atom(NOWHERE, ast.BinaryExpression(NOWHERE, operator, _name(random.choice(FLAGS)), second))
+    return syntax.Atom(NOWHERE, _comparison(random, shape))
+
+
+def _changing(random: Random, shape: FormulaShape) -> ast.Expression:
+    if not shape.numeric or random.random() < 0.4:
+        return _name(random.choice(FLAGS))
+    return _comparison(random, shape) if random.random() < 0.3 else _term(random, shape)
+
+
+def _comparison(random: Random, shape: FormulaShape) -> ast.Expression:
     operator = random.choice(("<", "<=", ">", ">=", "<", "<=", ">", ">=", "==", "!="))
-    left, right = _name(random.choice(NUMBERS)), _term(random)
-    return syntax.Atom(NOWHERE, ast.BinaryExpression(NOWHERE, operator, left, right))
+    return ast.BinaryExpression(NOWHERE, operator, _name(random.choice(NUMBERS)), _term(random, shape))
 
 
-def _term(random: Random) -> ast.Expression:
+def _term(random: Random, shape: FormulaShape) -> ast.Expression:
+    """Divisors and moduli are powers of two, so that the result is dyadic."""
     literal = ast.FloatLiteral(NOWHERE, str(random.randint(0, 4) / 2))
     number: ast.Expression = ast.UnaryExpression(NOWHERE, "-", literal) if random.random() < 0.4 else literal
-    if random.random() < 0.7:
+    column = _name(random.choice(NUMBERS))
+    kind = random.random()
+    if kind < 0.6:
         return number
-    return ast.BinaryExpression(NOWHERE, random.choice(("+", "-", "*")), _name(random.choice(NUMBERS)), number)
+    if kind < 0.8 or not shape.arithmetic:
+        return ast.BinaryExpression(NOWHERE, random.choice(("+", "-", "*")), column, number)
+    if kind < 0.87:
+        power = ast.IntegerLiteral(NOWHERE, random.choice((1, 2, 4)))
+        return ast.BinaryExpression(NOWHERE, random.choice(("/", "%")), column, power)
+    if kind < 0.93:
+        return ast.CallExpression(NOWHERE, _name("abs"), (column,))
+    return ast.CallExpression(NOWHERE, _name(random.choice(("min", "max"))), (column, number))
 
 
 def _name(name: str) -> ast.Expression:

@@ -110,6 +110,9 @@ def test_since_is_open_at_the_witness() -> None:
         ("!(x < 3)", -2),
         ("F[1,3) x >= 2", -1),
         ("change(x)", -math.inf),
+        ("F[3,3] change(x)", math.inf),
+        ("F[3,3] change(x < 3)", 2),
+        ("F[3,3] change(x < 9)", -2),
     ],
 )
 def test_robustness(text: str, expected: float) -> None:
