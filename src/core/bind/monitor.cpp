@@ -17,6 +17,7 @@
 
 #include "monitor.hpp"
 #include "monitor_program.hpp"
+#include "tachk/linear_monitor.hpp"
 #include "tachk/offline_monitor.hpp"
 
 namespace nb = nanobind;
@@ -49,6 +50,13 @@ std::unique_ptr<tachk::OfflineMonitor<Value>> make_monitor(nb::handle program, b
   return std::make_unique<tachk::OfflineMonitor<Value>>(std::move(read), std::move(requests));
 }
 
+using ViolationTuple = std::tuple<std::size_t, tachk::Cell, tachk::Cell>;
+
+std::optional<ViolationTuple> violation_tuple(const std::optional<tachk::FirstViolation>& found) {
+  if (!found) return std::nullopt;
+  return ViolationTuple{found->node, found->first, found->last};
+}
+
 template <class Value>
 void bind_offline(nb::module_& m, const char* name, const char* description) {
   using Monitor = tachk::OfflineMonitor<Value>;
@@ -76,12 +84,7 @@ void bind_offline(nb::module_& m, const char* name, const char* description) {
           },
           "The bounds of the value at the beginning.")
       .def(
-          "violation",
-          [](const Monitor& self) -> std::optional<std::tuple<std::size_t, tachk::Cell, tachk::Cell>> {
-            const auto found = self.violation();
-            if (!found) return std::nullopt;
-            return std::make_tuple(found->node, found->first, found->last);
-          },
+          "violation", [](const Monitor& self) { return violation_tuple(self.violation()); },
           "(node, first cell, last cell) of the earliest certain violation, or None.")
       .def(
           "probe",
@@ -100,9 +103,76 @@ void bind_offline(nb::module_& m, const char* name, const char* description) {
           nb::arg("number"), "(first cells of the pieces, lower bounds, upper bounds) up to the end of the trace.");
 }
 
+void bind_linear(nb::module_& m) {
+  using Monitor = tachk::LinearMonitor;
+  nb::class_<Monitor>(m, "LinearMonitor", "Columns that are linear between samples; robustness in time.")
+      .def(nb::new_([](nb::handle program, int measure) {
+             if (measure < 0 || measure > 2) throw std::invalid_argument("there is no such measure");
+             return std::make_unique<Monitor>(monitor_program_from(program), static_cast<tachk::Measure>(measure));
+           }),
+           nb::arg("program"), nb::kw_only(), nb::arg("measure"))
+      .def(
+          "push",
+          [](Monitor& self, const TickArray& times, const nb::sequence& columns) {
+            const SampleView view(times, columns);
+            if (nb::len(columns) != self.columns()) throw std::invalid_argument("a column is missing or too many");
+            nb::gil_scoped_release released;
+            self.push(view.samples());
+          },
+          nb::arg("times"), nb::arg("columns"), "Takes samples: ticks that do not decrease, and the columns.")
+      .def("finish", &Monitor::finish, nb::arg("end"), "The trace ends at this tick.")
+      .def(
+          "robustness",
+          [](Monitor& self, std::size_t node, bool high) {
+            if (node >= self.nodes()) throw std::invalid_argument("there is no such node");
+            std::vector<double> starts;
+            std::vector<double> at;
+            std::vector<double> after;
+            std::vector<double> before;
+            {
+              nb::gil_scoped_release released;
+              for (const tachk::LinearPiece& piece : self.robustness(node, high)) {
+                starts.push_back(piece.start);
+                at.push_back(piece.at);
+                after.push_back(piece.after);
+                before.push_back(piece.before);
+              }
+            }
+            return nb::make_tuple(as_array(std::move(starts)), as_array(std::move(at)), as_array(std::move(after)),
+                                  as_array(std::move(before)));
+          },
+          nb::arg("node"), nb::arg("high"), "(starts in ticks, values there, limits behind them, limits at the ends)")
+      .def(
+          "truth",
+          [](const Monitor& self) {
+            std::optional<Monitor::Judgement> found;
+            {
+              nb::gil_scoped_release released;
+              found = self.truth();
+            }
+            return nb::make_tuple(found->verdict.low, found->verdict.high, violation_tuple(found->violation));
+          },
+          "The bounds of the truth, and (node, first cell, last cell) of the first violation or None.")
+      .def(
+          "truth_signal",
+          [](const Monitor& self, std::size_t node) {
+            if (node >= self.nodes()) throw std::invalid_argument("there is no such node");
+            tachk::Signal<tachk::Truth> signal;
+            {
+              nb::gil_scoped_release released;
+              signal = self.truth_signal(node);
+            }
+            return nb::make_tuple(as_array(std::move(signal.starts)), as_array(std::move(signal.low)),
+                                  as_array(std::move(signal.high)));
+          },
+          nb::arg("node"), "(first cells of the pieces, lower bounds, upper bounds)")
+      .def("refinement", &Monitor::refinement, "Into how many parts ticks are divided for truth.");
+}
+
 }  // namespace
 
 void bind_monitor(nb::module_& m) {
   bind_offline<tachk::Truth>(m, "OfflineTruth", "Is a formula true on a trace?");
   bind_offline<tachk::Robustness>(m, "OfflineRobustness", "How robustly is a formula true on a trace?");
+  bind_linear(m);
 }

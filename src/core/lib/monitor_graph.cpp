@@ -2,7 +2,7 @@
 
 namespace tachk {
 
-StreamGraph::StreamGraph(const MonitorProgram& program) : program_(&program) {
+StreamGraph::StreamGraph(const MonitorProgram& program, Leaves leaves) : program_(&program), leaves_(leaves) {
   for (const MonitorNode& node : program.nodes) {
     bool pointwise = false;
     switch (node.kind) {
@@ -14,7 +14,7 @@ StreamGraph::StreamGraph(const MonitorProgram& program) : program_(&program) {
       case NodeKind::logical_not:
       case NodeKind::logical_and:
       case NodeKind::logical_or:
-        pointwise = true;
+        pointwise = leaves == Leaves::combined;
         for (const std::size_t operand : node.operands) pointwise = pointwise && pointwise_[operand];
         break;
       default:
@@ -81,7 +81,7 @@ std::size_t StreamGraph::junction(std::size_t number, bool negated) {
   leaf.source = number;
   std::vector<std::size_t> streams;
   for (const std::size_t operand : node.operands) {
-    if (pointwise_[operand]) {
+    if (pointwise_[operand] && leaves_ == Leaves::combined) {
       leaf.parts.push_back(operand);
     } else {
       streams.push_back(stream_of(operand, negated));

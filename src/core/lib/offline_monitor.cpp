@@ -8,10 +8,10 @@
 namespace tachk {
 
 template <class Value>
-OfflineMonitor<Value>::OfflineMonitor(MonitorProgram program, Requests requests)
+OfflineMonitor<Value>::OfflineMonitor(MonitorProgram program, Requests requests, Leaves leaves)
     : program_((validate(program), std::move(program))),
       requests_(std::move(requests)),
-      graph_(program_),
+      graph_(program_, leaves),
       pointwise_(program_),
       left_values_(AtomEvaluator::block) {
   if (requests_.verdict) verdict_ = plan(program_.nodes.size() - 1, false);
@@ -239,6 +239,21 @@ void OfflineMonitor<Value>::finish(std::int64_t end) {
     if (graph_.streams()[leaf].kind == StreamKind::change) side_.changes[leaf].settle(side_.streams[leaf]);
     side_.streams[leaf].frontier = side_.end.reached + 1;
   }
+  close();
+}
+
+template <class Value>
+void OfflineMonitor<Value>::judge(Cell last, const std::function<void(const StreamNode&, Stream<Value>&)>& fill) {
+  side_.end.reached = last;
+  for (const std::size_t leaf : leaves_) {
+    fill(graph_.streams()[leaf], side_.streams[leaf]);
+    side_.streams[leaf].frontier = last + 1;
+  }
+  close();
+}
+
+template <class Value>
+void OfflineMonitor<Value>::close() {
   side_.end.finished = true;
   drain(side_);
   low_ = copy(side_);
@@ -313,6 +328,7 @@ template <class Value>
 std::optional<FirstViolation> OfflineMonitor<Value>::violation() const {
   std::optional<FirstViolation> earliest;
   find_violation(verdict_, side_.folds, earliest);
+  if (!earliest && verdict().high == Bounds<Value>::least) earliest = {program_.nodes.size() - 1, 0, 0};
   return earliest;
 }
 

@@ -42,10 +42,13 @@ struct StreamNode {
   std::vector<std::size_t> parts = {};
 };
 
+// What one leaf may be: any combination of atoms, or an atom only.
+enum class Leaves { combined, single };
+
 // The streams that a program needs. Operands come before operators.
 class StreamGraph {
  public:
-  explicit StreamGraph(const MonitorProgram& program);
+  explicit StreamGraph(const MonitorProgram& program, Leaves leaves = Leaves::combined);
 
   const std::vector<StreamNode>& streams() const { return streams_; }
   // The stream of a node of the program, or of its negation.
@@ -68,6 +71,7 @@ class StreamGraph {
   std::size_t spliced(std::size_t cut, std::size_t own, std::size_t full, bool dual);
 
   const MonitorProgram* program_;
+  Leaves leaves_;
   std::vector<bool> pointwise_;
   std::vector<StreamNode> streams_;
   std::map<std::pair<std::size_t, bool>, std::size_t> known_;

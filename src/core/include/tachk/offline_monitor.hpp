@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -21,7 +22,8 @@ struct Range {
   Value high;
 };
 
-// The earliest cells at which something that must always hold certainly does not.
+// The earliest cells at which something that must always hold certainly does not; cell 0 if the formula is certainly
+// false for another reason.
 struct FirstViolation {
   std::size_t node;
   Cell first;
@@ -53,7 +55,7 @@ struct Signal {
 template <class Value>
 class OfflineMonitor {
  public:
-  OfflineMonitor(MonitorProgram program, Requests requests);
+  OfflineMonitor(MonitorProgram program, Requests requests, Leaves leaves = Leaves::combined);
   OfflineMonitor(const OfflineMonitor&) = delete;
   OfflineMonitor& operator=(const OfflineMonitor&) = delete;
 
@@ -61,6 +63,8 @@ class OfflineMonitor {
   void push(const Samples& samples);
   // The trace ends at this tick, which is not before the last sample. There must be a sample.
   void finish(std::int64_t end);
+  // Instead of samples and an end: whole signals of the leaves, of which only the cells up to `last` count.
+  void judge(Cell last, const std::function<void(const StreamNode&, Stream<Value>&)>& fill);
   // Whether further samples cannot change any result.
   bool settled() const;
   std::size_t columns() const { return program_.columns; }
@@ -120,6 +124,7 @@ class OfflineMonitor {
   void trim(Side& side);
   void collect(Fold& fold, const Side& side);
   void record(Recording& recording, const Side& side);
+  void close();
   void conclude(Side& side, bool high);
   Side copy(const Side& side) const;
   Range<Value> bounds_of(const Term& term) const;
