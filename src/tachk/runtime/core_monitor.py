@@ -21,6 +21,9 @@ from tachk.semantics.monitor_program import MonitorProgram
 _SLICE = 1 << 18
 """Rows between two looks at whether Ctrl-C was pressed."""
 
+_SPACE, _AHEAD, _BEHIND = 0, 1, 2
+"""What `LinearMonitor` of the core measures."""
+
 
 @dataclass(frozen=True, slots=True)
 class Violation:
@@ -44,7 +47,7 @@ class TruthResult:
 
 @dataclass(frozen=True, slots=True)
 class RobustnessResult:
-    """Every continuation of the trace has a robustness from ``low`` to ``high``; they are equal if the trace decides it."""
+    """Every continuation of the trace has a robustness from ``low`` to ``high``; equal if the trace decides it."""
 
     low: float
     high: float
@@ -137,14 +140,106 @@ def robustness_signals(program: MonitorProgram, trace: Trace, nodes: Sequence[in
     return tuple(RobustnessSignal(*core.signal(number), _cells(trace)) for number in range(len(nodes)))
 
 
+@dataclass(frozen=True, slots=True)
+class LinearViolation:
+    """The earliest stretch in which something that must always hold certainly does not, on lines.
+
+    Attributes:
+        node: as of `Violation`.
+        start, end: ticks since the trace begins, rounded to parts of a tick.
+    """
+
+    node: int
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True)
+class LinearTruthResult:
+    verdict: Truth
+    violation: LinearViolation | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LinearSignal:
+    """A signal that is linear between its break points, where it may jump. Times are ticks since the trace begins.
+
+    Attributes:
+        starts: the break points, ascending, the first one 0.
+        at: the values there.
+        after: the limits there from the right.
+        before: the limits from the left at the next break points; behind the last one the signal is constant.
+    """
+
+    starts: NDArray[np.float64]
+    at: NDArray[np.float64]
+    after: NDArray[np.float64]
+    before: NDArray[np.float64]
+
+
+def monitor_linear_truth(program: MonitorProgram, trace: Trace) -> LinearTruthResult:
+    """The truth of the formula where numbers move linearly from one row to the next; truth values do not move.
+
+    After the last row they keep their values. Raises ValueError for what is not linear: ``%``, products and quotients
+    of columns.
+    """
+    core = _linear(program, trace, _SPACE)
+    low, high, found = core.truth()
+    parts = 2 * core.refinement()
+    violation = None if found is None else LinearViolation(found[0], found[1] / parts, found[2] / parts)
+    return LinearTruthResult(_truth(low, high), violation)
+
+
+def monitor_linear_robustness(program: MonitorProgram, trace: Trace) -> RobustnessResult:
+    """The robustness of the formula where numbers move linearly from one row to the next."""
+    return _first_value(_linear(program, trace, _SPACE), program)
+
+
+def linear_robustness_signal(program: MonitorProgram, trace: Trace, node: int) -> tuple[LinearSignal, LinearSignal]:
+    """The bounds of the robustness of a node, where numbers move linearly from one row to the next."""
+    core = _linear(program, trace, _SPACE)
+    return LinearSignal(*core.robustness(node, False)), LinearSignal(*core.robustness(node, True))
+
+
+def time_robustness_ahead(program: MonitorProgram, trace: Trace) -> RobustnessResult:
+    """By how many ticks all changes of atoms may come earlier before the truth of the formula changes: at each instant
+    an atom counts as many ticks as it will go on to have the truth that it has, negative if it is false (Donze, Maler
+    2010). Columns keep their values between rows."""
+    return _first_value(_linear(program, trace, _AHEAD), program)
+
+
+def time_robustness_behind(program: MonitorProgram, trace: Trace) -> RobustnessResult:
+    """The same looking back: by how many ticks all changes may come later. What was before the trace is not counted."""
+    return _first_value(_linear(program, trace, _BEHIND), program)
+
+
+def _linear(program: MonitorProgram, trace: Trace, measure: int) -> _core.LinearMonitor:
+    core = _core.LinearMonitor(program, measure=measure)
+    columns = _columns(program, trace)
+    for begin in range(0, trace.rows, _SLICE):
+        end = begin + _SLICE
+        core.push(trace.times[begin:end], [column[begin:end] for column in columns])
+    core.finish(trace.end)
+    return core
+
+
+def _first_value(core: _core.LinearMonitor, program: MonitorProgram) -> RobustnessResult:
+    root = len(program.nodes) - 1
+    return RobustnessResult(float(core.robustness(root, False)[1][0]), float(core.robustness(root, True)[1][0]))
+
+
 def _run(core: _core.OfflineTruth | _core.OfflineRobustness, program: MonitorProgram, trace: Trace) -> None:
+    _push(core, trace.times, _columns(program, trace))
+    core.finish(trace.end)
+
+
+def _columns(program: MonitorProgram, trace: Trace) -> list[Values]:
     if trace.ticks_per_unit != program.ticks_per_unit:
         raise ValueError("the formula and the trace count different ticks")
     missing = [name for name in program.columns if name not in trace.columns]
     if missing:
         raise UsageError(f"{trace.name} has no column {missing[0]}")
-    _push(core, trace.times, [trace.columns[name] for name in program.columns])
-    core.finish(trace.end)
+    return [trace.columns[name] for name in program.columns]
 
 
 def _push(core: _core.OfflineTruth | _core.OfflineRobustness, times: Ticks, columns: Sequence[Values]) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime import core_monitor
-from tachk.runtime.core_monitor import RobustnessMonitor, RobustnessResult, TruthMonitor, Violation
+from tachk.runtime.core_monitor import LinearViolation, RobustnessMonitor, RobustnessResult, TruthMonitor, Violation
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Trace
 from tachk.semantics.monitor_program import (
@@ -131,3 +131,31 @@ def test_wrong_input_is_refused() -> None:
         monitor.push(np.array([0, 1]), [flags, np.zeros(2, np.float32)])  # type: ignore[list-item]
     with pytest.raises(ValueError, match="at least one sample"):
         monitor.finish(1)
+
+
+def test_lines_cross_between_rows() -> None:
+    slope = Trace("slope", np.array([0, 8, 16]), {"p": np.ones(3, np.uint8), "x": np.array([0.0, 1.0, 0.0])}, 40)
+    result = core_monitor.monitor_linear_truth(response(4), slope)
+    assert result.verdict is Truth.FALSE
+    assert result.violation == LinearViolation(4, 0, 0)
+    assert core_monitor.monitor_linear_robustness(response(4), slope) == RobustnessResult(-0.5, -0.5)
+    (low, high) = core_monitor.linear_robustness_signal(response(4), slope, 3)
+    assert low.starts.tolist()[:3] == [0, 4, 8]
+    assert low.at.tolist()[:2] == [0, 0.5]
+    assert high.at[0] == 0
+
+
+def test_time_robustness_is_the_slack_of_the_response() -> None:
+    assert core_monitor.time_robustness_ahead(response(25), trace()) == RobustnessResult(-20, -15)
+    assert core_monitor.time_robustness_behind(response(25), trace()) == RobustnessResult(-20, -15)
+
+
+def test_products_are_not_linear() -> None:
+    square = MonitorProgram(
+        ("x",),
+        (MonitorAtom(Relation.TRUTH, (*column(0), *column(0), ValueInstruction(ValueOperator.MULTIPLY)), (), "x * x"),),
+        (MonitorNode(NodeKind.ATOM, atom=0),),
+        1,
+    )
+    with pytest.raises(ValueError, match="a product of columns is not linear"):
+        core_monitor.monitor_linear_truth(square, trace())
