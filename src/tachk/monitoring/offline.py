@@ -23,9 +23,12 @@ from tachk.report.monitor_text import print_monitor
 from tachk.runtime.core_monitor import monitor_robustness, monitor_truth, truth_signals
 from tachk.runtime.explanation import Explainer, horizon, never_triggered
 from tachk.runtime.node_signal import NodeSignal, Truth
+from tachk.runtime.online_monitor import OnlineMonitor
 from tachk.runtime.trace import Recording, Trace
 from tachk.runtime.trace_files import open_trace
 from tachk.semantics.monitor_program import MonitorProgram, Relation
+
+_ROWS_AT_ONCE = 4096
 
 
 def monitor(
@@ -133,7 +136,10 @@ def verdict_on(
     def compute(node: int) -> NodeSignal:
         return truth_signals(program, trace, [node])[0]
 
-    explainer = Explainer(program, compute, 2 * trace.end + 1)
+    def decide(tick: int) -> int:
+        return first_certain(program, trace, tick)
+
+    explainer = Explainer(program, compute, decide, 2 * trace.end + 1)
     presumably = None
     if measured is Truth.UNDETERMINED:
         later = monitor_truth(program, replace(trace, end=trace.end + horizon(program))).verdict
@@ -153,6 +159,22 @@ def verdict_on(
         program,
         explainer,
     )
+
+
+def first_certain(program: MonitorProgram, trace: Trace, tick: int) -> int:
+    """The first tick from ``tick`` on, or else the first row, at which no continuation could make the formula true."""
+    columns = [trace.columns[name] for name in program.columns]
+    monitor = OnlineMonitor(program, robustness=False)
+    row = int(trace.times.searchsorted(tick, side="right"))
+    monitor.push(trace.times[:row], [column[:row] for column in columns])
+    if monitor.advance(tick + 1) is Truth.FALSE:
+        return tick
+    while row < trace.rows and monitor.verdict is Truth.UNDETERMINED:
+        last = min(row + _ROWS_AT_ONCE, trace.rows)
+        monitor.push(trace.times[row:last], [column[row:last] for column in columns])
+        row = last
+    at = monitor.decided_at
+    return trace.end if at is None else at
 
 
 def counted(measured: Truth, ending: Ending) -> Truth:

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field, replace
 from tachk.runtime.node_signal import NodeSignal, Truth
 from tachk.semantics.monitor_program import UNBOUNDED, MonitorNode, MonitorProgram, NodeKind, ValueOperator
 
+_AHEAD = (NodeKind.EVENTUALLY, NodeKind.ALWAYS, NodeKind.UNTIL)
+
 
 @dataclass(frozen=True, slots=True)
 class Reason:
@@ -61,11 +63,14 @@ class Finding:
 class Explainer:
     """Attributes:
     compute: what a node of the program is worth over the trace; asked once for each node that matters.
+    decide: the first tick from the given one on at which a violation is certain; asked where the parts of a formula do
+        not tell by themselves, because windows lie within windows.
     cells: of the trace, ``2 * end + 1``.
     """
 
     program: MonitorProgram
     compute: Callable[[int], NodeSignal] = field(repr=False)
+    decide: Callable[[int], int] = field(repr=False)
     cells: int
     _known: dict[int, NodeSignal] = field(default_factory=dict, repr=False)
 
@@ -86,17 +91,18 @@ class Explainer:
             return None
         node, cell = self._body(root, value)
         trigger, response = self._trigger(node, cell)
+        cause = None if trigger is None else self.reason(trigger, cell, Truth.TRUE)
         reason = self.reason(node if response is None else response, cell, value)
         blamed = tuple(_leaves(reason))
         last = self.signal(node).run(cell)[1]
         return Finding(
             cell,
             last,
-            None if trigger is None else self.reason(trigger, cell, Truth.TRUE),
+            cause,
             None if trigger is None else self.signal(trigger).run(cell),
             reason,
             _deadline(reason),
-            self._decided(reason) if value is Truth.FALSE else None,
+            self._certain(reason, cause) if value is Truth.FALSE else None,
             blamed,
         )
 
@@ -215,13 +221,34 @@ class Explainer:
             return (0 if high is None else max(cell - high, 0)), cell - low
         return cell + low, None if high is None else cell + high
 
+    def _certain(self, response: Reason, trigger: Reason | None) -> int:
+        """The cell from which on the violation is certain."""
+        reasons = [response] if trigger is None else [response, trigger]
+        decided = max(self._decided(reason) for reason in reasons)
+        last = self.cells - 1
+        if decided >= last or not any(self._looks_further(reason) for reason in reasons):
+            return min(decided, last)
+        return min(2 * self.decide((decided + 1) // 2), last)
+
     def _decided(self, reason: Reason) -> int:
-        """From which cell on nothing can change the value, the end of the trace at the latest."""
+        """From which cell on nothing can change the value, unless it hangs on windows within windows."""
         if reason.parts:
             return max(reason.cell, *(self._decided(part) for part in reason.parts))
-        if reason.window is not None and reason.kind in (NodeKind.EVENTUALLY, NodeKind.ALWAYS, NodeKind.UNTIL):
+        if reason.window is not None and reason.kind in _AHEAD:
             return self.cells - 1 if reason.window[1] is None else reason.window[1]
         return reason.cell
+
+    def _looks_further(self, reason: Reason) -> bool:
+        """Whether operands that the reasons say nothing about look ahead of the window of their operator."""
+        if reason.parts and reason.kind is not NodeKind.UNTIL:
+            return any(self._looks_further(part) for part in reason.parts)
+        pending = list(self.program.nodes[reason.node].operands)
+        while pending:
+            node = self.program.nodes[pending.pop()]
+            if node.kind in _AHEAD:
+                return True
+            pending += node.operands
+        return False
 
 
 def never_triggered(program: MonitorProgram) -> tuple[MonitorProgram, ...]:
@@ -249,7 +276,7 @@ def horizon(program: MonitorProgram) -> int:
     ahead: list[int] = []
     for node in program.nodes:
         reach = max((ahead[operand] for operand in node.operands), default=0)
-        looks_ahead = node.kind in (NodeKind.EVENTUALLY, NodeKind.ALWAYS, NodeKind.UNTIL)
+        looks_ahead = node.kind in _AHEAD
         ahead.append(reach + (max(node.upper, node.lower) if looks_ahead else 0))
     return ahead[-1]
 
@@ -273,7 +300,7 @@ def _leaves(reason: Reason) -> Iterator[Reason]:
 
 def _deadline(reason: Reason) -> int | None:
     """The end of the outermost window that looks ahead."""
-    if reason.kind in (NodeKind.EVENTUALLY, NodeKind.ALWAYS, NodeKind.UNTIL) and reason.window is not None:
+    if reason.kind in _AHEAD and reason.window is not None:
         return reason.window[1]
     deadlines = [deadline for part in reason.parts if (deadline := _deadline(part)) is not None]
     return max(deadlines, default=None)
