@@ -165,6 +165,55 @@ void test_deadlock() {
   CHECK(!explorer.reached(2));
 }
 
+// The second clock is never reset and equals the first: with LU bounds it seems to have no upper bound.
+void test_a_seeming_deadlock_has_no_run() {
+  Program program = two_locations();
+  program.clocks = 2;
+  program.maximum_constants = {0, 2, 5};
+  program.largest_constant = 5;
+  program.processes = {{0, {location(atoms({at_most(1, 2)}), {}, {{1, 2}, {2, 5}}), location()}}};
+  program.edges = {edge(0, 0, 0, atoms({at_most(2, 5)}))};
+  program.goals = {goal({}, DeadlockLiteral::required), goal({}, DeadlockLiteral::forbidden)};
+  Explorer widened(program, Options{});
+  CHECK(widened.run(UINT64_MAX) == Status::finished);
+  CHECK(widened.reached(0).has_value());
+  Options exact;
+  exact.extrapolation = Extrapolation::none;
+  CHECK(!Explorer(program, exact).leads_to(widened.path(*widened.reached(0)), 0));
+  CHECK(Explorer(program, exact).leads_to({}, 1));
+  CHECK(Explorer(program, exact).leads_to({{0}, {0}}, 1));
+  CHECK(!Explorer(program, exact).leads_to({{1}}, 1));
+}
+
+// A clock that is set, stopped and never compared takes no part in the zones, by whichever way it is set.
+void test_idle_clocks_are_left_out() {
+  Program program = two_locations();
+  program.clocks = 3;
+  program.maximum_constants = {0, -1, 2, -1};
+  program.has_stopwatches = true;
+  program.processes = {{0, {location(atoms({at_most(2, 2)}), {{2, 2}}, {{2, 2}}), location()}}};
+  program.processes[0].locations[1].stopped = {{3, no_code}};
+  // Clock 3 := 7, clock 2 := 0.
+  program.code = {1, 3, 1, 7, 9, 1, 2, 1, 0, 9, 0};
+  program.edges = {edge(0, 0, 0, atoms({at_least(2, 1)}), Update{{}, {}, 0}),
+                   edge(0, 0, 1, atoms({at_least(2, 1)}), Update{{}, {{1, 1}, {2, 0}}, no_code})};
+  Condition late = tests({{0, Comparison::equal, 0}});
+  late.atoms = {more_than(2, 2)};
+  program.goals = {goal(tests({{0, Comparison::equal, 1}})), goal(late)};
+  const Program reduced = without_idle_clocks(program);
+  CHECK(reduced.clocks == 1);
+  CHECK(reduced.renumbered(2) == 1);
+  for (const bool reduce : {true, false}) {
+    Options options;
+    options.local_bounds = reduce;
+    Explorer explorer(program, options);
+    CHECK(explorer.run(UINT64_MAX) == Status::finished);
+    CHECK(explorer.reached(0).has_value());
+    CHECK(!explorer.reached(1));
+    CHECK(explorer.program().clocks == (reduce ? 1 : 3));
+  }
+}
+
 void test_fault_reports_where_and_how() {
   Program program = two_locations();
   program.state_slots = 2;
@@ -254,6 +303,8 @@ int main() {
   test_options_do_not_change_answers();
   test_slices_and_limits();
   test_deadlock();
+  test_a_seeming_deadlock_has_no_run();
+  test_idle_clocks_are_left_out();
   test_fault_reports_where_and_how();
   test_broadcast_splits_on_the_receivers_clock();
   test_priority_blocks_only_where_the_higher_action_is_possible();

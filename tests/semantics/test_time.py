@@ -188,6 +188,39 @@ def test_an_invariant_that_ends_time_before_the_guard_makes_a_deadlock(reaches) 
     assert not reaches(network, b.reached)
 
 
+def test_the_invariant_that_bounds_the_waiting_counts_in_a_deadlock(reaches) -> None:
+    network = NetworkBuilder()
+    x = network.clock("x")
+    process = network.process("P")
+    a, b = process.location("A", invariant=x <= 1), process.location("B")
+    process.edge(a, b, guard=x > 0)
+    process.edge(a, b, guard=x > 3)
+    assert not reaches(network, deadlock() & a.reached)
+
+
+def test_a_deadlock_only_in_the_widened_zone_is_none(reaches) -> None:
+    # With LU bounds nothing keeps y from growing, although it always equals x.
+    network = NetworkBuilder()
+    x, y = network.clock("x"), network.clock("y")
+    process = network.process("P")
+    a = process.location("A", invariant=x <= 3)
+    process.edge(a, a, guard=y <= 5)
+    assert not reaches(network, deadlock())
+
+
+def test_what_is_possible_only_in_the_widened_zone_ends_no_deadlock(reaches) -> None:
+    # With LU bounds x may lie beyond 3, where y could have reached 5 from anywhere.
+    network = NetworkBuilder()
+    x, y = network.clock("x"), network.clock("y")
+    process = network.process("P")
+    a, b, c = process.location("A"), process.location("B", invariant=x <= 3), process.location("C")
+    process.edge(a, b, updates=[x.assign(0)])
+    process.edge(b, c, guard=y >= 5)
+    process.edge(c, c)
+    assert reaches(network, deadlock() & b.reached)
+    assert not reaches(network, deadlock() & b.reached & (y > 5))
+
+
 def test_a_target_invariant_that_cannot_hold_makes_a_deadlock(reaches) -> None:
     network = NetworkBuilder()
     x = network.clock("x")

@@ -69,6 +69,8 @@ NB_MODULE(_core, m) {
           "(explored, stored, transitions, bytes)")
       .def("reached", &tachk::Explorer::reached, nb::arg("goal"), "The node where a goal was reached first, or None.")
       .def("path", &tachk::Explorer::path, nb::arg("node"), "The edge numbers of each action on the way to a node.")
+      .def("leads_to", &tachk::Explorer::leads_to, nb::arg("actions"), nb::arg("goal"),
+           "Whether these actions, as edge numbers, can end in a goal; for a fresh explorer without extrapolation.")
       .def("fault", &fault_of, "(kind, code position, path, edges of the action) of a run-time error, or None.")
       .def(
           "kernel", [](const tachk::Explorer& self) { return std::string(self.operations().name); },

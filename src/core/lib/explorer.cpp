@@ -21,7 +21,7 @@ ZoneOperations choose_operations(const Program& program, const Options& options)
 }  // namespace
 
 Explorer::Explorer(Program program, const Options& options)
-    : program_(std::move(program)),
+    : program_(options.local_bounds ? without_idle_clocks(std::move(program)) : std::move(program)),
       options_(options),
       operations_(choose_operations(program_, options)),
       dimension_(program_.dimension()),
@@ -29,6 +29,7 @@ Explorer::Explorer(Program program, const Options& options)
       passed_(program_, operations_),
       random_(options.seed),
       reached_(program_.goals.size(), no_node),
+      deadlocks_(operations_, dimension_),
       lower_(operations_),
       upper_(operations_),
       source_(program_.slots.size()),
@@ -51,6 +52,7 @@ struct Explorer::Collector {
   std::uint32_t parent;
   std::uint32_t discrete = 0;
 
+  void possible(const void* guarded, const Effect& effect) const { explorer.pass_to_deadlock(guarded, effect); }
   bool wants(std::int32_t* slots, const void* zone) {
     if (parent != no_node) ++explorer.transitions_;
     discrete = explorer.passed_.locate(slots);
@@ -65,10 +67,34 @@ struct Explorer::Recogniser {
   const Node& child;
   std::optional<std::vector<std::uint32_t>>& found;
 
+  void possible(const void*, const Effect&) const {}
   bool wants(std::int32_t*, const void*) const { return !found; }
   void take(std::int32_t* slots, const void* zone) const {
     if (explorer.passed_.equals(child, slots, zone)) found = *explorer.current_edges_;
   }
+};
+
+// Keeps what an action leads to, or all there is where no action has been taken yet.
+struct Explorer::Follower {
+  Explorer& explorer;
+  std::vector<State>& states;
+  const std::vector<std::uint32_t>* edges = nullptr;
+
+  void possible(const void*, const Effect&) const {}
+  bool wants(std::int32_t*, const void*) const { return edges == nullptr || *explorer.current_edges_ == *edges; }
+  void take(std::int32_t* slots, const void* zone) const {
+    states.push_back({{slots, slots + explorer.program_.slots.size()}, ZoneBuffer(explorer.operations_)});
+    states.back().zone.assign(zone);
+  }
+};
+
+// Wants no successors, only to know whether there are any.
+struct Explorer::Prober {
+  Explorer& explorer;
+
+  void possible(const void* guarded, const Effect& effect) const { explorer.pass_to_deadlock(guarded, effect); }
+  bool wants(std::int32_t*, const void*) const { return false; }
+  void take(std::int32_t*, const void*) const {}
 };
 
 // ---- the loop -------------------------------------------------------------------------------------------------------
@@ -87,7 +113,11 @@ Status Explorer::run(std::uint64_t expansions) {
 }
 
 Status Explorer::explore(std::uint64_t expansions) {
-  if (!std::exchange(started_, true)) start();
+  if (!std::exchange(started_, true)) {
+    fresh_.clear();
+    start(Collector{*this, no_node});
+    if (options_.order != SearchOrder::breadth_first) stack_ = fresh_;
+  }
   while (!all_reached()) {
     if (expansions-- == 0) return Status::running;
     const std::uint32_t number = next_waiting();
@@ -102,9 +132,10 @@ Status Explorer::explore(std::uint64_t expansions) {
     passed_.unpack(node, source_.data());
     current_node_ = number;
     ++explored_;
-    if (deadlock_open_) check_deadlock(number, zone);
     fresh_.clear();
+    if (deadlock_open_) begin_deadlock(zone);
     expand(zone, Collector{*this, number});
+    if (deadlock_open_) end_deadlock(number);
     if (options_.order == SearchOrder::random_depth_first) std::shuffle(fresh_.begin(), fresh_.end(), random_);
     if (options_.order != SearchOrder::breadth_first) stack_.insert(stack_.end(), fresh_.begin(), fresh_.end());
     if (passed_.stored() > options_.state_limit) return Status::state_limit;
@@ -113,16 +144,15 @@ Status Explorer::explore(std::uint64_t expansions) {
   return Status::finished;
 }
 
-void Explorer::start() {
+template <class Sink>
+void Explorer::start(Sink&& sink) {
   for (std::size_t slot = 0; slot < program_.slots.size(); ++slot) source_[slot] = program_.slots[slot].initial;
   effect_.slots = source_;
   effect_.resets.clear();
   effect_.invariant.clear();
   if (!semantics_.invariant(effect_.slots.data(), effect_.invariant)) return;
   operations_.make_zero(scratch_.get(), dimension_);
-  fresh_.clear();
-  finish(scratch_.get(), effect_, Collector{*this, no_node});
-  if (options_.order != SearchOrder::breadth_first) stack_ = fresh_;
+  finish(scratch_.get(), effect_, sink);
 }
 
 std::uint32_t Explorer::next_waiting() {
@@ -162,7 +192,10 @@ void Explorer::expand(const void* zone, Sink&& sink) {
   }
   semantics_.for_each_action(source_.data(), zone, [&](const Action& action, const void* guarded) {
     current_edges_ = &action.edges;
-    if (semantics_.apply(action.edges, source_.data(), effect_)) finish(guarded, effect_, sink);
+    if (semantics_.apply(action.edges, source_.data(), effect_)) {
+      sink.possible(guarded, effect_);
+      finish(guarded, effect_, sink);
+    }
     current_edges_ = nullptr;
   });
 }
@@ -186,21 +219,19 @@ void Explorer::expand_by_priority(const void* zone, Sink&& sink) {
                           semantics_.weakest_precondition(ranked.effect, ranked.possible);
     current_edges_ = nullptr;
     if (!possible) return;
+    sink.possible(guarded, ranked.effect);
     ranked.priority = semantics_.priority(action.edges, source_.data());
     actions.push_back(std::move(ranked));
   });
   for (Ranked& action : actions) {
-    std::vector<ZoneBuffer> pieces{action.guarded};
-    for (const Ranked& other : actions) {
-      if (other.priority <= action.priority) continue;
-      std::vector<ZoneBuffer> rest;
-      for (const ZoneBuffer& piece : pieces) subtract(piece, other.possible, rest);
-      pieces = std::move(rest);
-    }
+    Federation first(operations_, dimension_);  // where no action of higher priority is possible
+    first.add(action.guarded.get());
+    for (const Ranked& other : actions)
+      if (other.priority > action.priority) first.subtract(other.possible);
     current_edges_ = &action.edges;
-    for (const ZoneBuffer& piece : pieces) {
+    for (std::size_t piece = 0; piece < first.size(); ++piece) {
       Effect effect = action.effect;
-      finish(piece.get(), effect, sink);
+      finish(first[piece], effect, sink);
     }
     current_edges_ = nullptr;
   }
@@ -278,6 +309,35 @@ std::vector<std::vector<std::uint32_t>> Explorer::path(std::uint32_t node) {
   return actions;
 }
 
+bool Explorer::leads_to(const std::vector<std::vector<std::uint32_t>>& actions, std::size_t goal) {
+  std::vector<State> states;
+  std::vector<State> next;
+  try {
+    start(Follower{*this, states});
+    for (const std::vector<std::uint32_t>& action : actions) {
+      next.clear();
+      for (const State& state : states) {
+        source_ = state.slots;
+        expand(state.zone.get(), Follower{*this, next, &action});
+      }
+      states.swap(next);
+    }
+    for (State& state : states) {
+      source_ = state.slots;
+      check_goals(0, state.slots.data(), state.zone.get());
+      if (!deadlock_open_) continue;
+      begin_deadlock(state.zone.get());
+      expand(state.zone.get(), Prober{*this});
+      end_deadlock(0);
+    }
+  } catch (const ModelFault&) {
+    current_edges_ = nullptr;
+  } catch (const ConstantOverflow&) {
+    current_edges_ = nullptr;
+  }
+  return reached_[goal] != no_node;
+}
+
 // ---- goals ----------------------------------------------------------------------------------------------------------
 
 // Whether some valuation of the zone satisfies the condition; `atoms` are its clock constraints.
@@ -326,81 +386,48 @@ void Explorer::check(const Watch& watch, std::uint32_t node, std::int32_t* slots
   std::erase(open_goals_, watch.goal);
 }
 
-// Deadlock: no action is possible now or after any delay. The zone is closed under the delays that its invariant
-// admits.
-void Explorer::check_deadlock(std::uint32_t node, const void* zone) {
-  std::vector<std::pair<std::size_t, const Disjunct*>> candidates;
+void Explorer::begin_deadlock(const void* zone) {
+  candidates_.clear();
   deadlock_open_ = false;
+  bool wants_live = false;
   for (const std::size_t goal : open_goals_)
     for (const Disjunct& disjunct : program_.goals[goal].disjuncts) {
       if (disjunct.deadlock == DeadlockLiteral::absent) continue;
       deadlock_open_ = true;
-      if (meets(disjunct.condition, source_.data(), zone, goal_atoms_)) candidates.emplace_back(goal, &disjunct);
+      if (!meets(disjunct.condition, source_.data(), zone, goal_atoms_)) continue;
+      candidates_.emplace_back(goal, &disjunct);
+      wants_live |= disjunct.deadlock == DeadlockLiteral::forbidden;
     }
-  if (candidates.empty()) return;
-
-  const bool delays = semantics_.time_passes(source_.data());
-  // Where clocks stand still the past of a zone is no zone: too few valuations count as live then, and too many as
-  // perhaps live, so that both literals stay over-approximated.
+  if (candidates_.empty()) return;
+  Delay delay = semantics_.time_passes(source_.data()) ? Delay::free : Delay::none;
   const std::uint8_t* stopped = semantics_.stopped_clocks(source_.data());
-  const bool stops = stopped != nullptr && std::find(stopped, stopped + dimension_, 1) != stopped + dimension_;
-  std::vector<ZoneBuffer> dead;
-  std::vector<ZoneBuffer> live;
-  dead.emplace_back(operations_).assign(zone);
-  semantics_.for_each_action(source_.data(), zone, [&](const Action& action, const void* guarded) {
-    ZoneBuffer possible(operations_);
-    possible.assign(guarded);
-    current_edges_ = &action.edges;
-    std::vector<Atom> atoms;
-    const bool fires =
-        semantics_.apply(action.edges, source_.data(), effect_) && semantics_.weakest_precondition(effect_, atoms);
-    current_edges_ = nullptr;
-    if (!fires || !operations_.intersect(possible.get(), dimension_, atoms.data(), atoms.size())) return;
-    if (delays && !stops) operations_.down(possible.get(), dimension_);
-    atoms = atoms_of(possible.get(), zone);
-    std::vector<ZoneBuffer> rest;
-    for (const ZoneBuffer& piece : dead) subtract(piece, atoms, rest);
-    dead = std::move(rest);
-    ZoneBuffer here(operations_);
-    here.assign(zone);
-    if (!stops) operations_.intersect(here.get(), dimension_, atoms.data(), atoms.size());
-    live.push_back(std::move(here));
-  });
-  for (const auto& [goal, disjunct] : candidates) {
+  if (stopped != nullptr && std::find(stopped, stopped + dimension_, 1) != stopped + dimension_) delay = Delay::partial;
+  deadlock_atoms_.clear();
+  semantics_.invariant(source_.data(), deadlock_atoms_);
+  deadlocks_.begin(zone, deadlock_atoms_, delay, wants_live);
+}
+
+void Explorer::pass_to_deadlock(const void* guarded, const Effect& effect) {
+  if (candidates_.empty() || !deadlocks_.open()) return;
+  deadlock_atoms_.clear();
+  if (semantics_.weakest_precondition(effect, deadlock_atoms_)) deadlocks_.add(guarded, deadlock_atoms_);
+}
+
+void Explorer::end_deadlock(std::uint32_t node) {
+  for (const auto& [goal, disjunct] : candidates_) {
     if (reached_[goal] != no_node) continue;
-    const std::vector<ZoneBuffer>& pieces = disjunct->deadlock == DeadlockLiteral::required ? dead : live;
-    const bool met = std::any_of(pieces.begin(), pieces.end(), [&](const ZoneBuffer& piece) {
-      return meets(disjunct->condition, source_.data(), piece.get(), goal_atoms_);
-    });
+    const Federation& pieces = disjunct->deadlock == DeadlockLiteral::required ? deadlocks_.dead() : deadlocks_.live();
+    bool met = false;
+    for (std::size_t piece = 0; piece < pieces.size() && !met; ++piece)
+      met = meets(disjunct->condition, source_.data(), pieces[piece], goal_atoms_);
     if (!met) continue;
     reached_[goal] = node;
     std::erase(open_goals_, goal);
   }
+  candidates_.clear();
 }
 
 // ---- zones ----------------------------------------------------------------------------------------------------------
-
-// The constraints of a zone that are tighter than those of another one.
-std::vector<Atom> Explorer::atoms_of(const void* zone, const void* within) const {
-  std::vector<Atom> atoms;
-  for (int i = 0; i < dimension_; ++i)
-    for (int j = 0; j < dimension_; ++j) {
-      const Raw raw = operations_.entry(zone, dimension_, i, j);
-      if (i != j && raw < operations_.entry(within, dimension_, i, j))
-        atoms.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), raw});
-    }
-  return atoms;
-}
-
-void Explorer::subtract(const ZoneBuffer& zone, const std::vector<Atom>& atoms, std::vector<ZoneBuffer>& pieces) const {
-  ZoneBuffer rest(zone);
-  for (const Atom& atom : atoms) {
-    ZoneBuffer outside(rest);
-    const Atom complement = negated(atom);
-    if (operations_.intersect(outside.get(), dimension_, &complement, 1)) pieces.push_back(std::move(outside));
-    if (!operations_.intersect(rest.get(), dimension_, &atom, 1)) return;
-  }
-}
 
 void Explorer::check_magnitude(const void* zone) const {
   for (int i = 0; i < dimension_; ++i)

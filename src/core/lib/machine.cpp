@@ -101,9 +101,10 @@ std::int64_t Machine::run(std::int32_t code, std::int32_t* memory, std::vector<C
         const std::int64_t clock = pop();
         if (value < 0) fault(FaultKind::negative_clock);
         if (value > largest_reset_) fault(FaultKind::bound);
-        if (resets == nullptr || clock < 1 || clock > program_.clocks)
+        if (resets == nullptr || clock < 1 || clock > program_.numbered_clocks())
           throw std::logic_error("reset outside an update");
-        resets->push_back({static_cast<std::uint16_t>(clock), static_cast<std::int32_t>(value)});
+        const auto number = static_cast<std::uint16_t>(program_.renumbered(clock));
+        if (number != 0) resets->push_back({number, static_cast<std::int32_t>(value)});
         break;
       }
       case Opcode::duplicate:

@@ -214,4 +214,59 @@ class Decoder {
 
 Program decode_program(std::span<const std::int32_t> image) { return Decoder(image).decode(); }
 
+Program without_idle_clocks(Program program) {
+  // An idle clock has no bound anywhere, so no constraint mentions it.
+  std::vector<bool> compared(static_cast<std::size_t>(program.dimension()), false);
+  for (const Process& process : program.processes)
+    for (const Location& location : process.locations)
+      for (const std::vector<ClockBound>* bounds : {&location.lower, &location.upper})
+        for (const ClockBound& bound : *bounds) compared[bound.clock] = true;
+  if (std::find(compared.begin() + 1, compared.end(), false) == compared.end()) return program;
+
+  std::vector<std::uint16_t> numbers(compared.size(), 0);
+  std::uint16_t last = 0;
+  for (std::size_t clock = 1; clock < compared.size(); ++clock)
+    if (compared[clock]) numbers[clock] = ++last;
+  const auto mentioned = [&](auto& clock) {
+    const auto old = static_cast<std::size_t>(clock);
+    if (old != 0 && numbers[old] == 0) throw std::invalid_argument("a clock that is compared has no bound");
+    clock = numbers[old];
+  };
+  const auto renumber = [&](auto& items) {
+    for (auto& item : items) {
+      mentioned(item.left);
+      mentioned(item.right);
+    }
+  };
+  const auto renumber_condition = [&](Condition& condition) {
+    renumber(condition.atoms);
+    renumber(condition.computed);
+  };
+  // For anything that has a clock and means nothing if that is idle.
+  const auto renumber_each = [&](auto& items) {
+    std::erase_if(items, [&](const auto& item) { return numbers[item.clock] == 0; });
+    for (auto& item : items) item.clock = numbers[item.clock];
+  };
+  for (Process& process : program.processes)
+    for (Location& location : process.locations) {
+      renumber_condition(location.invariant);
+      renumber_each(location.stopped);
+      renumber_each(location.lower);
+      renumber_each(location.upper);
+    }
+  for (Edge& edge : program.edges) {
+    renumber_condition(edge.guard);
+    renumber_each(edge.update.resets);
+  }
+  for (Goal& goal : program.goals)
+    for (Disjunct& disjunct : goal.disjuncts) renumber_condition(disjunct.condition);
+  renumber(program.diagonals);
+  for (std::size_t clock = 1; clock < numbers.size(); ++clock)
+    if (numbers[clock] != 0) program.maximum_constants[numbers[clock]] = program.maximum_constants[clock];
+  program.maximum_constants.resize(std::size_t{last} + 1);
+  program.clocks = last;
+  program.clock_numbers = std::move(numbers);
+  return program;
+}
+
 }  // namespace tachk

@@ -60,8 +60,9 @@ void Semantics::resolve(const Condition& condition, std::int32_t* slots, std::ve
   for (const Atom& atom : condition.atoms) atoms.push_back(atom);
   for (const ComputedConstraint& c : condition.computed) {
     if (c.condition != no_code && machine_.value(c.condition, slots) == 0) continue;
-    const std::int64_t left = c.left_code == no_code ? c.left : machine_.value(c.left_code, slots);
-    const std::int64_t right = c.right_code == no_code ? c.right : machine_.value(c.right_code, slots);
+    const std::int64_t left = c.left_code == no_code ? c.left : program_.renumbered(machine_.value(c.left_code, slots));
+    const std::int64_t right =
+        c.right_code == no_code ? c.right : program_.renumbered(machine_.value(c.right_code, slots));
     const std::int64_t bound = c.bound_code == no_code ? c.bound : machine_.value(c.bound_code, slots);
     if (bound > operations_.largest_constant || bound < -operations_.largest_constant)
       throw ModelFault(FaultKind::bound, c.bound_code);
@@ -124,6 +125,7 @@ bool Semantics::apply(const std::vector<std::uint32_t>& edges, const std::int32_
 }
 
 bool Semantics::weakest_precondition(const Effect& effect, std::vector<Atom>& atoms) const {
+  if (effect.invariant.empty()) return true;
   constexpr std::int32_t unset = -1;
   std::vector<std::int32_t> value(static_cast<std::size_t>(program_.dimension()), unset);
   for (const ClockReset& reset : effect.resets) value[reset.clock] = reset.value;

@@ -19,7 +19,8 @@ class SearchOrder(StrEnum):
 
 class Extrapolation(StrEnum):
     LU = "lu"
-    """Extra+LU of Behrmann, Bouyer, Larsen, Pelánek 2006 (LU+); falls back to MAX where LU would be unsound."""
+    """Extra+LU of Behrmann, Bouyer, Larsen, Pelánek 2006 (LU+). A deadlock found
+    with it is tried exactly, and MAX searches again where it proves not to be one."""
     MAX = "max"
     """The same operator with L = U = the larger of both: preserves enabledness (deadlock, priorities)."""
     NONE = "none"

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import time
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from tachk import _core
 from tachk.diagnostics.diagnostic import InternalError
@@ -62,12 +63,54 @@ def explore(
     """Search the zone graph until every goal is decided or a limit is hit.
 
     Ctrl-C ends the search with the reason INTERRUPTED. ``progress`` is called a few times a second.
+
+    LU bounds do not preserve deadlock: a widened zone holds valuations that can do less than those they stand for, so
+    that some may be stuck where no true one is. But every true valuation is in a stored zone, so that a search that
+    finds no deadlock has proved that there is none, and it is much smaller than one with MAX, which does preserve it.
+    What is found is tried without widening along its path; only where that fails MAX decides. Other places where it
+    matters that an action is impossible are seen to by the bounds themselves (`tachk.semantics.bounds`).
     """
-    explorer = _core.Explorer(
+    outcome, doubtful = _search(program, goals, options, limits, progress)
+    if not doubtful:
+        return outcome
+    if outcome.reason == INTERRUPTED:
+        goals_left = dict.fromkeys(doubtful, GoalOutcome(Status.UNDECIDED))
+        return replace(outcome, goals=_with_goals(outcome, goals_left))
+    if limits.seconds is not None:
+        limits = replace(limits, seconds=max(limits.seconds - outcome.statistics.seconds, 0.0))
+    finer = replace(options, extrapolation=Extrapolation.MAX)
+    second, _ = _search(program, [goals[number] for number in doubtful], finer, limits, progress)
+    return _joined(outcome, second, doubtful)
+
+
+def _search(
+    program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
+) -> tuple[Outcome, list[int]]:
+    """The outcome of one exploration, and the goals that may be REACHED only seemingly."""
+    explorer = _explorer(program, goals, options, limits)
+    start = time.perf_counter()
+    status, reason = _run(explorer, start, limits, progress)
+    fault = _fault(program, explorer) if status == _FAULT else None
+    outcomes = tuple(_goal_outcome(program, explorer, number, status) for number in range(len(goals)))
+    outcome = Outcome(outcomes, _statistics(explorer, start), reason, fault, exact=not program.has_stopwatches)
+    if options.extrapolation is not Extrapolation.LU:
+        return outcome, []
+    exact = replace(options, extrapolation=Extrapolation.NONE, narrow=False)
+    doubtful = []
+    for number, goal in enumerate(goals):
+        node = explorer.reached(number)
+        if node is not None and any(d.deadlock is not DeadlockLiteral.ABSENT for d in goal.disjuncts):
+            if not _explorer(program, goals, exact, Limits()).leads_to(explorer.path(node), number):
+                doubtful.append(number)
+    return outcome, doubtful
+
+
+def _explorer(program: Program, goals: Sequence[Goal], options: Options, limits: Limits) -> _core.Explorer:
+    return _core.Explorer(
         _encode(program, goals),
         order=_ORDERS[options.order],
         seed=options.seed,
-        extrapolation=_EXTRAPOLATIONS[_sound_extrapolation(goals, options.extrapolation)],
+        extrapolation=_EXTRAPOLATIONS[options.extrapolation],
         local_bounds=options.bounds is BoundScope.LOCAL,
         subsumption=options.subsumption,
         narrow=options.narrow,
@@ -76,11 +119,28 @@ def explore(
         memory_limit=_UNLIMITED if limits.memory_bytes is None else limits.memory_bytes,
         depth_limit=2**32 - 1 if limits.depth is None else min(limits.depth, 2**32 - 2),
     )
-    start = time.perf_counter()
-    status, reason = _run(explorer, start, limits, progress)
-    fault = _fault(program, explorer) if status == _FAULT else None
-    outcomes = tuple(_goal_outcome(program, explorer, number, status) for number in range(len(goals)))
-    return Outcome(outcomes, _statistics(explorer, start), reason, fault, exact=not program.has_stopwatches)
+
+
+def _joined(first: Outcome, second: Outcome, repeated: Sequence[int]) -> Outcome:
+    """The outcome of a search with some of its goals searched for again: the work adds up."""
+    a, b = first.statistics, second.statistics
+    return replace(
+        first,
+        goals=_with_goals(first, dict(zip(repeated, second.goals, strict=True))),
+        statistics=Statistics(
+            a.states_explored + b.states_explored,
+            max(a.states_stored, b.states_stored),
+            a.transitions + b.transitions,
+            a.seconds + b.seconds,
+            max(a.peak_bytes, b.peak_bytes),
+        ),
+        reason=first.reason or second.reason,
+        fault=first.fault or second.fault,
+    )
+
+
+def _with_goals(outcome: Outcome, others: Mapping[int, GoalOutcome]) -> tuple[GoalOutcome, ...]:
+    return tuple(others.get(number, goal) for number, goal in enumerate(outcome.goals))
 
 
 def _run(explorer: _core.Explorer, start: float, limits: Limits, progress: Progress | None) -> tuple[int, str]:
@@ -107,13 +167,6 @@ def _run(explorer: _core.Explorer, start: float, limits: Limits, progress: Progr
             slice_size *= 2
         elif now - begun > 2 * _SLICE_SECONDS:
             slice_size = max(slice_size // 2, 1)
-
-
-def _sound_extrapolation(goals: Sequence[Goal], wanted: Extrapolation) -> Extrapolation:
-    """LU bounds do not preserve deadlock; MAX does. Other places where it matters that an action is impossible are seen
-    to by the bounds themselves (`tachk.semantics.bounds`)."""
-    asks_for_deadlock = any(d.deadlock is not DeadlockLiteral.ABSENT for goal in goals for d in goal.disjuncts)
-    return Extrapolation.MAX if wanted is Extrapolation.LU and asks_for_deadlock else wanted
 
 
 def _statistics(explorer: _core.Explorer, start: float) -> Statistics:

@@ -164,8 +164,10 @@ def _telling_moments(model: Model, state: TimedState, before: Fraction | None) -
 
 
 def _constraints_in_sight(model: Model, discrete: DiscreteState) -> Iterator[Constraint]:
-    """The clock constraints of all guards, and of the invariants behind all transitions that values do not rule out."""
+    """The clock constraints of all guards, and of the invariants here and behind all transitions that values do not
+    rule out."""
     scratch = environment(model, discrete)
+    yield from _constraints(_invariants(model, discrete), scratch)
     in_guards: list[Constraint] = []
 
     def is_open(participant: Participant) -> bool:

@@ -4,8 +4,11 @@
 #include <cstdint>
 #include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
+#include "tachk/deadlock.hpp"
+#include "tachk/federation.hpp"
 #include "tachk/program.hpp"
 #include "tachk/store.hpp"
 #include "tachk/successor.hpp"
@@ -72,6 +75,9 @@ class Explorer {
   const std::optional<FaultReport>& fault() const { return fault_; }
   // The actions, as edge numbers, that lead from the initial state to a node.
   std::vector<std::vector<std::uint32_t>> path(std::uint32_t node);
+  // Whether these actions, taken one after the other from the initial state, can end in a goal. Asked of an explorer
+  // without extrapolation that has not run; false also if clock values become too large on the way.
+  bool leads_to(const std::vector<std::vector<std::uint32_t>>& actions, std::size_t goal);
 
  private:
   // The clock bounds of the locations, each row in a buffer of its own, and a last row without any bound.
@@ -86,21 +92,34 @@ class Explorer {
     const Condition* condition;
   };
 
+  // A state that is not stored.
+  struct State {
+    std::vector<std::int32_t> slots;
+    ZoneBuffer zone;
+  };
+
   struct Collector;
   struct Recogniser;
+  struct Follower;
+  struct Prober;
 
   Status explore(std::uint64_t expansions);
-  void start();
+  template <class Sink>
+  void start(Sink&& sink);
   std::uint32_t next_waiting();
   void add(std::uint32_t discrete, std::int32_t* slots, const void* zone, std::uint32_t parent);
   void watch_goals();
   void check(const Watch& watch, std::uint32_t node, std::int32_t* slots, const void* zone);
   void check_goals(std::uint32_t node, std::int32_t* slots, const void* zone);
   bool meets(const Condition& condition, std::int32_t* slots, const void* zone, std::vector<Atom>& atoms);
-  void check_deadlock(std::uint32_t node, const void* zone);
+  // Deadlock, asked of the state in source_: begin, expand with a sink that passes actions on, end.
+  void begin_deadlock(const void* zone);
+  void pass_to_deadlock(const void* guarded, const Effect& effect);
+  void end_deadlock(std::uint32_t node);
   bool all_reached() const;
 
-  // Calls sink.take(slots, zone) for every successor of the state in source_ with this zone, unless sink.wants(slots,
+  // Goes through the actions of the state in source_ with this zone. Calls sink.possible(guarded, effect) for each that
+  // breaks no integer part of an invariant, and sink.take(slots, zone) for every successor, unless sink.wants(slots,
   // zone) has said no to the zone before its abstraction.
   template <class Sink>
   void expand(const void* zone, Sink&& sink);
@@ -117,9 +136,6 @@ class Explorer {
   void prepare_bounds();
   void collect_bounds(const std::int32_t* slots);
   void check_magnitude(const void* zone) const;
-  std::vector<Atom> atoms_of(const void* zone, const void* within) const;
-  // The disjoint zones that make up `zone` without the conjunction of atoms.
-  void subtract(const ZoneBuffer& zone, const std::vector<Atom>& atoms, std::vector<ZoneBuffer>& pieces) const;
 
   Program program_;
   Options options_;
@@ -137,7 +153,9 @@ class Explorer {
 
   std::vector<std::uint32_t> reached_;
   std::vector<std::size_t> open_goals_;
-  bool deadlock_open_ = false;
+  bool deadlock_open_ = false;                                       // some open goal asks for deadlock
+  std::vector<std::pair<std::size_t, const Disjunct*>> candidates_;  // for a deadlock in the state being expanded
+  DeadlockFinder deadlocks_;
   std::vector<std::vector<Watch>> watches_at_;  // for each location, the disjuncts that ask for it
   std::vector<Watch> watches_anywhere_;
 
@@ -150,6 +168,7 @@ class Explorer {
   ZoneBuffer target_;
   ZoneBuffer scratch_;
   std::vector<Atom> goal_atoms_;
+  std::vector<Atom> deadlock_atoms_;
   std::vector<const void*> lower_rows_;
   std::vector<const void*> upper_rows_;
   const std::vector<std::uint32_t>* current_edges_ = nullptr;

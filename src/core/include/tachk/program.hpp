@@ -128,8 +128,18 @@ struct Program {
   Raw largest_constant = 0;          // in any atom, reset or bound that is known before the search
   bool has_computed_resets = false;  // some clock is set to a value that is not
 
+  // The clocks as the code numbers them, with their numbers here; empty if those are the same.
+  std::vector<std::uint16_t> clock_numbers;
+
   int dimension() const { return clocks + 1; }
+  int numbered_clocks() const { return clock_numbers.empty() ? clocks : static_cast<int>(clock_numbers.size()) - 1; }
+  std::int64_t renumbered(std::int64_t clock) const {
+    return clock_numbers.empty() ? clock : clock_numbers[static_cast<std::size_t>(clock)];
+  }
 };
+
+// The program without the clocks that are never compared with anything.
+Program without_idle_clocks(Program program);
 
 // Reads the flat form that tachk.engines.zone writes: the fields of the dataclasses in order, each sequence preceded by
 // its length. Throws std::invalid_argument if the numbers do not make a program.
