@@ -33,7 +33,7 @@ class TableRecording:
 
     @property
     def unit(self) -> str:
-        return self.header.unit or known_unit(_own_unit(np.asarray(self.cells[self.header.time])))
+        return self.header.unit or known_unit(_own_unit(self._times()))
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -41,12 +41,19 @@ class TableRecording:
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
         places = self.header.numbers(columns, self.name)
-        times, ticks_per_unit = exact_ticks(np.asarray(self.cells[self.header.time]), self.name)
+        times, ticks_per_unit = exact_ticks(self._times(), self.name)
         held = {name: held_values(self.cells[place], name, self.name) for name, place in places.items()}
         for name, values in held.items():
             if len(values) != len(times):
                 raise UsageError(f"{self.name}: column {name!r} has {len(values)} values for {len(times)} times")
         return trace_of(self.name, times, ticks_per_unit, self.unit, held)
+
+    def _times(self) -> NDArray[Any]:
+        """The times as an array; instants with a time zone as those of universal time."""
+        cells = self.cells[self.header.time]
+        if getattr(getattr(cells, "dtype", None), "tz", None) is not None:
+            return np.asarray(cells.to_numpy(dtype="datetime64[ns]"))
+        return np.asarray(cells)
 
 
 def open_table(data: Any, time: str | None = None, unit: str | None = None, name: str = "the trace") -> TableRecording:

@@ -51,6 +51,12 @@ def test_data_frames_with_a_time_column_or_an_index_of_instants() -> None:
     assert trace.end == trace.ticks_per_unit
 
 
+def test_instants_with_a_time_zone() -> None:
+    frame = pd.DataFrame({"p": [1, 0]}, index=pd.date_range("2026-03-29", periods=2, freq="D", tz="Europe/Berlin"))
+    trace = open_trace(frame).read()
+    assert trace.clock(trace.end) - trace.origin == 23 * 3600  # the clocks were put forward
+
+
 def test_fractions_are_exact() -> None:
     trace = open_table({"t": [Fraction(1, 3), Fraction(1, 2)], "p": [1, 0]}).read()
     assert (trace.times.tolist(), trace.ticks_per_unit, trace.origin) == ([0, 1], 6, Fraction(1, 3))
