@@ -12,8 +12,10 @@ from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.logic.durations import resolve
 from tachk.logic.fragment import outside_fragment
 from tachk.logic.horizon import horizon
+from tachk.logic.observer import NoObserver, build_observer
 from tachk.monitoring.constants import constant_value
 from tachk.monitoring.formulas import NamedFormula, read_formulas
+from tachk.syntax.ast import BuiltinType, VariableDeclaration
 from tachk.syntax.formula import Duration, Formula
 from tachk.syntax.formula_printer import print_formula, print_number
 from tachk.syntax.walk import nodes_of_kind
@@ -55,8 +57,29 @@ def _lines(named: NamedFormula) -> list[str]:
         lines.append(f"horizon   not known: {error.diagnostics[0].message}")
     offence = outside_fragment(formula)
     if offence is None:
-        return [*lines, "STL_lb=0  yes: every interval begins at 0, and only an outermost G has no end"]
-    return [*lines, f"STL_lb=0  no, because of {print_formula(offence.formula)}: {offence.reason}"]
+        lines.append("STL_lb=0  yes: every interval begins at 0, and only an outermost G has no end")
+    else:
+        lines.append(f"STL_lb=0  no, because of {print_formula(offence.formula)}: {offence.reason}")
+    if all(isinstance(duration.value, Fraction) for duration in nodes_of_kind(formula, Duration)):
+        lines.append(f"observer  {_observer(formula)}")
+    return lines
+
+
+def _observer(formula: Formula) -> str:
+    """What the automaton is like with which a model is checked against the formula."""
+    try:
+        template = build_observer(formula, "Observer")
+    except NoObserver as reason:
+        return f"none: {reason.reason}"
+    names = ", ".join(location.name.name for location in template.locations)
+    clocks = sum(
+        len(declaration.declarators)
+        for declaration in template.declarations
+        if isinstance(declaration, VariableDeclaration)
+        and declaration.type is not None
+        and declaration.type.base == BuiltinType(declaration.span, "clock")
+    )
+    return f"{len(template.locations)} locations ({names}), {clocks} {'clock' if clocks == 1 else 'clocks'}"
 
 
 def _resolved(named: NamedFormula) -> tuple[Formula, str]:

@@ -230,9 +230,7 @@ class Tableau:
             case Seen(past=Before(condition=condition) | HeldFor(condition=condition)):
                 yield condition
             case Seen(past=Was(since=since, there=there), phase=phase):
-                yield since
-                if phase == "on":
-                    yield there
+                yield there if phase == "on" else since
             case Seen(past=Saved(expression=expression)):
                 yield self.comparison(expression, True)
 
@@ -404,7 +402,7 @@ class Tableau:
                 yield from self._past_step(state, without | {follow}, over, (ClockGuard(item.clocks[0], ">", 0),))
             if isinstance(past, Was) and item.phase == "since":
                 again = Seen(past, "on", (FRESH,))
-                found = conjunction((past.since, past.there))
+                found = conjunction((past.there,))
                 yield from self._past_step(state, without | {again}, found, (), forced=True)
             if not is_false(fails):
                 yield from self._past_step(state, without, fails, ())

@@ -95,7 +95,7 @@ class HeldFor:
 
 @dataclass(frozen=True, slots=True)
 class Was:
-    """At an instant less than ``length`` ago ``there`` held, and ``since`` from then on until now."""
+    """``there`` held for some time that ended less than ``length`` ago, and ``since`` from then on."""
 
     since: ast.Expression
     there: ast.Expression
@@ -242,7 +242,7 @@ def _goal(node: Formula, positive: bool) -> Goal:
             return _ahead(node, interval, operand, positive, sometime=not positive)
         case formula.Until(interval=interval, left=left, right=right):
             window = window_of(interval)
-            return _until(window, left, right) if positive else _not_until(window, left, right)
+            return _until(window, left, right) if positive else _not_until(node, window, left, right)
         case formula.WeakUntil(left=left, right=right):
             ever = Window(0, None)
             if positive:
@@ -355,7 +355,7 @@ def _until(window: Window, left: Formula, right: Formula) -> Goal:
     return _sometime(window, _condition(left), _goal(right, True))
 
 
-def _not_until(window: Window, left: Formula, right: Formula) -> Goal:
+def _not_until(node: Formula, window: Window, left: Formula, right: Formula) -> Goal:
     """That every instant of the window without ``left`` before it lacks ``right``: until ``left`` fails or the window
     is over, ``right`` is false."""
     if window.is_empty:
@@ -375,7 +375,7 @@ def _not_until(window: Window, left: Formula, right: Formula) -> Goal:
         return either(
             (
                 Sometime(Window(0, window.low, True, False), free, Holds(negated(kept))),
-                _always(formula.Atom(right.span, reached), window, Holds(negated(reached))),
+                _always(node, window, Holds(negated(reached))),
                 Sometime(
                     Window(window.low, window.low),
                     free,
@@ -387,17 +387,19 @@ def _not_until(window: Window, left: Formula, right: Formula) -> Goal:
         )
     return either(
         (
-            _always(formula.Atom(right.span, reached), window, Holds(negated(reached))),
+            _always(node, window, Holds(negated(reached))),
             _sometime(window, negated(reached), Holds(_neither(kept, reached))),
         )
     )
 
 
 def _always(node: Formula, window: Window, goal: Goal) -> Goal:
-    """``goal`` at every instant of a window that is neither empty nor only the present."""
+    """``goal`` at every instant of a window that is neither empty nor only the present; ``node`` asks for it."""
     span = node.span
     match goal:
         case Holds(condition=condition):
+            if condition == truth(True, span):
+                return goal
             return Forever(condition, span) if window.high is None else Throughout(window, condition)
         case Both(parts=parts):
             return both(tuple(_always(node, window, part) for part in parts))
@@ -474,13 +476,16 @@ def _since(interval: formula.Interval, left: ast.Expression, right: ast.Expressi
     if window.is_now:
         return Holds(right if positive else negated(right))
     if positive:
-        return Either((Holds(right), Both((Holds(left), Preceded(Was(left, right, window.high))))))
-    absent, broken = negated(right), _neither(left, right)
+        there = all_of((left, right), right.span)
+        return Either((Holds(right), Both((Holds(left), Preceded(Was(left, there, window.high))))))
+    # Either the window lacks `right`, or it does so from the end of a time without `left` on, the last instant of which
+    # need not exist; `right` before that end is of no use, as `left` is false between.
+    absent = negated(right)
     return Either(
         (
-            Holds(broken),
+            Holds(_neither(left, right)),
             Both((Holds(absent), Preceded(HeldFor(absent, window.high)))),
-            Both((Holds(absent), Preceded(Was(absent, broken, window.high)))),
+            Both((Holds(absent), Preceded(Was(absent, negated(left), None)))),
         )
     )
 

@@ -47,7 +47,16 @@ def verdict_to_json(network: Network, verdict: Verdict) -> dict[str, Json]:
         },
         "trace": None if verdict.trace is None else trace_to_json(view_trace(network, verdict.trace)),
         "fault": None if verdict.fault is None else _fault(network, verdict.fault),
+        "observer": _observer(verdict),
     }
+
+
+def _observer(verdict: Verdict) -> Json:
+    observer = verdict.query.observer
+    if observer is None:
+        return None
+    moves = [{"time": str(move.time), "location": move.location} for move in verdict.moves]
+    return {"formula": observer.formula, "moves": moves}
 
 
 def trace_to_json(trace: TraceView) -> list[dict[str, Json]]:

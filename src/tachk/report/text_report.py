@@ -14,7 +14,7 @@ from tachk.diagnostics.span import Span
 from tachk.engines.protocol import RunTimeFault
 from tachk.model.fault import RuntimeErrorKind
 from tachk.model.network import Direction, Network
-from tachk.model.query import QueryKind
+from tachk.model.query import Observer, QueryKind
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.quantity import bytes_, count, duration, seconds
 from tachk.report.record import RunRecord
@@ -59,6 +59,8 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, cl
             console.print()
             console.print(Text(_trace_title(record.network, verdict), style="bold"))
             print_trace(view_trace(record.network, verdict.trace), console, record.network.time_unit, clocks)
+            if verdict.query.observer is not None:
+                console.print(_observer_line(verdict, verdict.query.observer, record.network.time_unit))
     console.print()
     console.print(_summary(record))
 
@@ -179,6 +181,18 @@ def _trace_title(network: Network, verdict: Verdict) -> str:
     shows = "is satisfied" if verdict.query.kind is QueryKind.POSSIBLY else "is violated"
     plural = "step" if steps == 1 else "steps"
     return f"{verdict.query.name} {shows} by this run of {steps} {plural}, at time {end}:"
+
+
+def _observer_line(verdict: Verdict, observer: Observer, time_unit: str) -> Text:
+    """What the observer followed at last: when it began, and when the violation was certain."""
+    idle = [number for number, move in enumerate(verdict.moves) if move.location == "Idle"]
+    followed = verdict.moves[idle[-1] + 1 :] if idle else verdict.moves
+    bad = observer.process.locations[observer.bad].name
+    words = [
+        f"{'violated' if move.location == bad else move.location} at {duration(move.time, time_unit)}"
+        for move in followed
+    ]
+    return Text(f"  {observer.formula}: {', '.join(words)}", style="italic")
 
 
 def _when(time: Fraction | None, delay: Fraction | None, time_unit: str) -> str:
