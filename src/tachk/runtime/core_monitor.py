@@ -98,7 +98,7 @@ class RobustnessMonitor:
     def finish(self, end: int) -> RobustnessResult:
         """The trace is over; it includes the tick ``end``."""
         self._core.finish(end)
-        return RobustnessResult(*self._core.verdict())
+        return _robustness_result(*self._core.verdict())
 
 
 def monitor_truth(program: MonitorProgram, trace: Trace) -> TruthResult:
@@ -112,7 +112,7 @@ def monitor_robustness(program: MonitorProgram, trace: Trace) -> RobustnessResul
     """How far the formula is from changing its truth on a trace."""
     core = _core.OfflineRobustness(program, verdict=True, probes=[], signals=[])
     _run(core, program, trace)
-    return RobustnessResult(*core.verdict())
+    return _robustness_result(*core.verdict())
 
 
 def truth_at(program: MonitorProgram, trace: Trace, places: Sequence[tuple[int, int]]) -> tuple[Truth, ...]:
@@ -225,7 +225,8 @@ def _linear(program: MonitorProgram, trace: Trace, measure: int) -> _core.Linear
 
 def _first_value(core: _core.LinearMonitor, program: MonitorProgram) -> RobustnessResult:
     root = len(program.nodes) - 1
-    return RobustnessResult(float(core.robustness(root, False)[1][0]), float(core.robustness(root, True)[1][0]))
+    low, high = (core.robustness(root, side)[1][0] for side in (False, True))
+    return _robustness_result(float(low), float(high))
 
 
 def _run(core: _core.OfflineTruth | _core.OfflineRobustness, program: MonitorProgram, trace: Trace) -> None:
@@ -254,6 +255,10 @@ def _push(core: _core.OfflineTruth | _core.OfflineRobustness, times: Ticks, colu
 def _truth_result(core: _core.OfflineTruth) -> TruthResult:
     found = core.violation()
     return TruthResult(_truth(*core.verdict()), None if found is None else Violation(*found))
+
+
+def _robustness_result(low: float, high: float) -> RobustnessResult:
+    return RobustnessResult(low + 0.0, high + 0.0)  # never -0.0
 
 
 def _truth(low: int, high: int) -> Truth:
