@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import difflib
 import re
+from dataclasses import replace
 from fractions import Fraction
+from math import lcm
+from typing import Any
 
 from tachk.cli.exit_status import ExitStatus
 from tachk.diagnostics.codes import CODES, explain
@@ -18,6 +21,7 @@ from tachk.monitoring.formulas import NamedFormula, read_formulas
 from tachk.syntax.ast import BuiltinType, VariableDeclaration
 from tachk.syntax.formula import Duration, Formula
 from tachk.syntax.formula_printer import print_formula, print_number
+from tachk.syntax.rewrite import rewrite
 from tachk.syntax.walk import nodes_of_kind
 
 
@@ -66,9 +70,20 @@ def _lines(named: NamedFormula) -> list[str]:
 
 
 def _observer(formula: Formula) -> str:
-    """What the automaton is like with which a model is checked against the formula."""
+    """What the automaton is like with which a model is checked against the formula; its size does not depend on the
+    unit of time, which is taken small enough for all bounds."""
+    values = [duration.value for duration in nodes_of_kind(formula, Duration) if isinstance(duration.value, Fraction)]
+    scale = lcm(*(value.denominator for value in values))
+
+    def change(node: Any) -> Any:
+        match node:
+            case Duration(value=Fraction() as value):
+                return replace(node, value=value * scale)
+            case _:
+                return node
+
     try:
-        template = build_observer(formula, "Observer")
+        template = build_observer(rewrite(formula, change), "Observer")
     except NoObserver as reason:
         return f"none: {reason.reason}"
     names = ", ".join(location.name.name for location in template.locations)
