@@ -76,8 +76,9 @@ void OnlineMonitor::push(const Samples& samples) {
     begun_ = true;
   }
   check_time(last);
-  for (std::size_t first = 0; first < samples.count; first += AtomEvaluator::block)
-    push_block(samples, first, std::min(AtomEvaluator::block, samples.count - first));
+  follow_all(samples);
+  now_ = last;
+  known_ = cell_of(last);
   for (std::size_t n = 0; n < last_values_.size(); ++n) {
     const Column& column = samples.columns[n];
     const std::size_t row = samples.count - 1;
@@ -102,42 +103,68 @@ void OnlineMonitor::narrow(const Range<Robustness>& range) {
   if (verdict() == Decision::no) robustness_.high = std::min(robustness_.high, 0.0);
 }
 
-void OnlineMonitor::push_block(const Samples& samples, std::size_t first, std::size_t count) {
-  const std::int64_t last = samples.ticks[first + count - 1];
-  if (!truth_.settled()) {
-    for (std::size_t n = 0; n < leaves_.size(); ++n) {
-      const Leaf& leaf = leaves_[n];
-      if (leaf.change) {
-        evaluator_.left_value(leaf.atom, samples, first, count, values_[n].data());
-      } else {
-        truths_[n][margin - 1] = leaf.holds;
-        evaluator_.truth(leaf.atom, samples, first, count, truths_[n].data() + margin);
-      }
+// Blocks are followed at once. When one has decided the verdict, its samples are followed again one by one, to find the
+// decisive one, from a copy of the engine; copies are made so rarely that they cost less than the samples between them.
+void OnlineMonitor::follow_all(const Samples& samples) {
+  constexpr std::size_t block = AtomEvaluator::block;
+  std::optional<std::size_t> copied;  // the block before which the copy was made
+  for (std::size_t first = 0; first < samples.count && !truth_.settled(); first += block) {
+    const std::size_t count = std::min(block, samples.count - first);
+    evaluate(samples, first, count);
+    if (truth_.verdict() != Decision::undetermined) {
+      follow(samples, first, 0, count);
+      continue;
     }
-    const bool undetermined = truth_.verdict() == Decision::undetermined;
-    if (undetermined && count > 1) {
+    const std::size_t pieces = truth_.pieces();
+    if (64 * samples.count < pieces) {
+      follow_singly(samples, first, count);
+      continue;
+    }
+    if (!copied || 2 * (first - *copied) > pieces) {
+      copied = first;
       earlier_truth_ = truth_;
       earlier_leaves_ = leaves_;
+      earlier_known_ = known_;
     }
-    const Cell earlier = known_;
     follow(samples, first, 0, count);
-    if (undetermined && truth_.verdict() != Decision::undetermined) {
-      std::size_t decisive = 0;
-      if (count > 1) {  // find the sample that decided it
-        std::swap(truth_, earlier_truth_);
-        leaves_ = earlier_leaves_;
-        known_ = earlier;
-        while (follow(samples, first, decisive, decisive + 1), truth_.verdict() == Decision::undetermined) ++decisive;
-        if (decisive + 1 < count) follow(samples, first, decisive + 1, count);
-      }
-      decided_at_ = samples.ticks[first + decisive];
+    if (truth_.verdict() == Decision::undetermined) continue;
+    std::swap(truth_, earlier_truth_);
+    std::swap(leaves_, earlier_leaves_);
+    known_ = earlier_known_;
+    for (std::size_t again = *copied; again < first; again += block) {
+      evaluate(samples, again, block);
+      follow(samples, again, 0, block);
     }
+    evaluate(samples, first, count);
+    follow_singly(samples, first, count);
   }
-  now_ = last;
-  known_ = cell_of(last);
 }
 
-// Hands the samples begin to before end of the block that begins at `first` to the engine.
+void OnlineMonitor::follow_singly(const Samples& samples, std::size_t first, std::size_t count) {
+  std::size_t n = 0;
+  while (n < count && truth_.verdict() == Decision::undetermined) {
+    follow(samples, first, n, n + 1);
+    ++n;
+  }
+  if (truth_.verdict() == Decision::undetermined) return;
+  decided_at_ = samples.ticks[first + n - 1];
+  if (n < count) follow(samples, first, n, count);
+}
+
+// What the leaves are at the samples of a block.
+void OnlineMonitor::evaluate(const Samples& samples, std::size_t first, std::size_t count) {
+  for (std::size_t n = 0; n < leaves_.size(); ++n) {
+    const Leaf& leaf = leaves_[n];
+    if (leaf.change) {
+      evaluator_.left_value(leaf.atom, samples, first, count, values_[n].data());
+    } else {
+      truths_[n][margin - 1] = leaf.holds;
+      evaluator_.truth(leaf.atom, samples, first, count, truths_[n].data() + margin);
+    }
+  }
+}
+
+// Hands the samples begin to before end of the evaluated block that begins at `first` to the engine.
 void OnlineMonitor::follow(const Samples& samples, std::size_t first, std::size_t begin, std::size_t end) {
   const std::int64_t* ticks = samples.ticks + first;
   for (std::size_t n = 0; n < leaves_.size(); ++n) {

@@ -25,6 +25,23 @@ Cell first_needed(Cell witness) { return is_instant(witness) ? witness + 1 : wit
 
 TruthEngine::TruthEngine(const OnlineGraph& graph) : graph_(&graph), states_(graph.nodes.size()) {
   if (graph.is_everywhere_ahead(graph.root)) guarded_ = !graph.nodes[graph.root.node].left;
+  for (std::size_t n = 0; n < states_.size(); ++n) {
+    const OnlineNode& node = graph.nodes[n];
+    const bool leaf = node.kind == OnlineKind::atom || node.kind == OnlineKind::change;
+    states_[n].asked = {!leaf, !leaf};
+    const bool of_time = node.kind == OnlineKind::strict_until || node.kind == OnlineKind::strict_since;
+    for (const bool value : {false, true}) {
+      if (node.kind == OnlineKind::window && (!value || node.to_the_end)) ask(node.left, value);
+      if (of_time || (node.kind == OnlineKind::either && !value)) {
+        ask(node.left, value);
+        ask(node.right, value);
+      }
+    }
+  }
+  for (const bool value : {false, true}) {
+    ask(graph.root, value);
+    if (guarded_) ask(*guarded_, value);
+  }
 }
 
 void TruthEngine::know(std::size_t leaf, Span span, bool value) { decide(states_[leaf], value, span.first, span.end); }
@@ -344,6 +361,12 @@ void TruthEngine::forget() {
         break;
     }
   }
+}
+
+std::size_t TruthEngine::pieces() const {
+  std::size_t total = 0;
+  for (const State& state : states_) total += state.cells[0].size() + state.cells[1].size();
+  return total;
 }
 
 std::size_t TruthEngine::bytes() const {

@@ -57,7 +57,9 @@ class OnlineMonitor {
 
   Cell cell_of(std::int64_t tick) const { return cell_of_tick(tick - origin_); }
   void check_time(std::int64_t tick) const;
-  void push_block(const Samples& samples, std::size_t first, std::size_t count);
+  void follow_all(const Samples& samples);
+  void follow_singly(const Samples& samples, std::size_t first, std::size_t count);
+  void evaluate(const Samples& samples, std::size_t first, std::size_t count);
   void follow(const Samples& samples, std::size_t first, std::size_t begin, std::size_t end);
   void follow_atom(Leaf& leaf, const std::uint8_t* holds, const std::int64_t* ticks, std::size_t begin,
                    std::size_t end);
@@ -72,8 +74,9 @@ class OnlineMonitor {
   std::vector<std::vector<std::uint8_t>> truths_;  // of each leaf that is an atom: the last sample before, the block
   std::vector<std::vector<double>> values_;        // of each leaf that is a change
   TruthEngine truth_;
-  TruthEngine earlier_truth_;  // before the current block
+  TruthEngine earlier_truth_;  // some blocks ago
   std::vector<Leaf> earlier_leaves_;
+  Cell earlier_known_ = 0;
   std::optional<std::int64_t> decided_at_;
   std::unique_ptr<OfflineMonitor<Robustness>> margins_;
   std::unique_ptr<OfflineMonitor<Robustness>> sooner_;  // of another form, for upper bounds before the end

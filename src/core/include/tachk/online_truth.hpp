@@ -36,6 +36,8 @@ class TruthEngine {
   const std::optional<Violation>& violation() const { return violation_; }
   // Nothing that follows can change verdict or violation.
   bool settled() const { return settled_; }
+  // How many runs of cells it keeps.
+  std::size_t pieces() const;
   std::size_t bytes() const;
 
  private:
@@ -44,6 +46,7 @@ class TruthEngine {
     std::array<std::vector<Span>, 2> news;  // what this step has added to them
     Cell wanted = 0;                        // the first cell that anything above asks for
     Cell open = 0;                          // the first wanted cell that is not decided
+    std::array<bool, 2> asked{true, true};  // of a leaf: whether the sets are looked at, not only their growth
     Cell matured = -1;                      // witnesses up to here count for operators that look to the end
   };
 
@@ -68,6 +71,7 @@ class TruthEngine {
   void conclude(Cell limit, bool finished);
   void forget();
   bool forgets_now();
+  void ask(Operand operand, bool value) { states_[operand.node].asked[value != operand.negated ? 1 : 0] = true; }
   void want(Operand operand, Cell cell) {
     State& state = states_[operand.node];
     state.wanted = std::min(state.wanted, std::max<Cell>(cell, 0));
