@@ -13,8 +13,6 @@ from tachk.cli.monitor_request import MonitorRequest, destination, exit_status
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.monitoring.formulas import NamedFormula, read_formulas
 from tachk.monitoring.offline import judge, selected
-from tachk.report.monitor_json import monitor_to_json
-from tachk.report.monitor_junit import monitor_to_junit
 from tachk.report.monitor_record import Ending, MonitorRecord
 from tachk.report.monitor_text import print_monitor
 from tachk.runtime.trace_files import open_trace
@@ -48,9 +46,13 @@ def _write(record: MonitorRecord, format_: str, out: TextIO) -> None:
         case "text":
             print_monitor(record, Console(file=out, highlight=False, width=None if out.isatty() else _WIDTH))
         case "json":
+            from tachk.report.monitor_json import monitor_to_json
+
             json.dump(monitor_to_json(record), out, indent=2)
             out.write("\n")
         case "junit":
+            from tachk.report.monitor_junit import monitor_to_junit
+
             out.write(monitor_to_junit(record))
         case _:
             raise UsageError(f"unknown format {format_}")

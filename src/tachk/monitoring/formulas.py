@@ -13,8 +13,6 @@ from typing import Any
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UsageError
 from tachk.diagnostics.span import Source, Span
 from tachk.frontend.findings import Findings
-from tachk.frontend.imports import Importer
-from tachk.frontend.load import load_model
 from tachk.logic.durations import length_of, resolve
 from tachk.logic.sentences import meaning
 from tachk.monitoring.constants import constant_value
@@ -218,6 +216,10 @@ def _stated(path: Path) -> tuple[Sequence[ast.Item], str, dict[str, int]]:
 
     A file without a system line is no model but a part of models, so its names have no meaning yet: it is read only.
     """
+    # Half of the start of a process that only reads formulas.
+    from tachk.frontend.imports import Importer
+    from tachk.frontend.load import load_model
+
     source = read_source(path)
     if not is_xml(source):
         findings = Findings()

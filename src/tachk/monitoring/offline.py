@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import StringIO
 from pathlib import Path
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 from rich.console import Console
 
@@ -16,8 +16,6 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.monitoring.formulas import NamedFormula, in_trace_units, read_formulas
 from tachk.properties.monitoring import compile as compile_formula
 from tachk.properties.monitoring import ticks_needed
-from tachk.report.json_report import Json
-from tachk.report.monitor_json import monitor_to_json
 from tachk.report.monitor_record import Ending, MonitorRecord, MonitorVerdict
 from tachk.report.monitor_text import print_monitor
 from tachk.runtime.core_monitor import monitor_robustness, monitor_truth, truth_signals
@@ -27,6 +25,9 @@ from tachk.runtime.online_monitor import OnlineMonitor
 from tachk.runtime.trace import Recording, Trace
 from tachk.runtime.trace_files import open_trace
 from tachk.semantics.monitor_program import MonitorProgram, Relation
+
+if TYPE_CHECKING:
+    from tachk.report.json_report import Json
 
 _ROWS_AT_ONCE = 4096
 
@@ -223,6 +224,8 @@ class MonitorReport(Sequence[MonitorVerdict]):
 
     def to_dict(self) -> dict[str, Json]:
         """The record as docs/schema/monitor.schema.json describes it."""
+        from tachk.report.monitor_json import monitor_to_json
+
         return monitor_to_json(self.record)
 
     def to_rows(self) -> list[Mapping[str, str | float | bool | None]]:
