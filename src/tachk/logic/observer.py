@@ -14,9 +14,11 @@ from dataclasses import dataclass, field
 
 from tachk.diagnostics.span import Span
 from tachk.logic.observer_conditions import Conjunction, all_of, is_false, negated, truth
+from tachk.logic.observer_goals import Goal, NoObserver, saved_expressions
 from tachk.logic.observer_names import location_names
-from tachk.logic.observer_tableau import SHOWN, State, Step, Tableau
-from tachk.logic.observer_violation import Goal, NoObserver, saved_expressions, violation
+from tachk.logic.observer_states import SHOWN, State
+from tachk.logic.observer_tableau import Step, Tableau
+from tachk.logic.observer_violation import violation
 from tachk.syntax import ast
 from tachk.syntax.expression_printer import print_expression
 from tachk.syntax.formula import Formula

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from tachk.logic.observer_tableau import Seen, Settling, State, Task
-from tachk.logic.observer_violation import HeldFor, Sometime, Throughout, Was
+from tachk.logic.observer_goals import HeldFor, Sometime, Throughout, Was
+from tachk.logic.observer_states import Seen, Settling, State, Task
 from tachk.syntax.rewrite import fresh_name
 
 

@@ -1,100 +1,54 @@
-"""The states of an observer: what has yet to be shown for a violation, found by expanding its goal.
+"""The steps of an observer: its states (`observer_states`) unfolded from its goal (`observer_expansion`).
 
-A state is a set of *items*: tasks that look ahead, conditions that were claimed of the present instant and have to
-last for some time (`Settling`), and pasts that were seen so far. Time passes in a state only while its requirement
-holds. What holds at an instant is what lasts for some time from then on; values that are overwritten in the same
-instant are nobody's business. A step happens at one instant, several steps may happen at the same one.
-
-Clocks are handed out to the items of a state; those that begin at the same instant share one.
+Time passes in a state only while its requirement holds. What holds at an instant is what lasts for some time from then
+on; values that are overwritten in the same instant are nobody's business. A step happens at one instant, several steps
+may happen at the same one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
-from itertools import product
 
 from tachk.diagnostics.span import Span
-from tachk.logic.observer_conditions import Conjunction, all_of, conjunction, is_false, negated, truth
-from tachk.logic.observer_violation import (
+from tachk.logic.observer_conditions import Conjunction, all_of, conjunction, is_false, negated
+from tachk.logic.observer_expansion import Branch, SavedNames, branches_of, comparison, looking_back
+from tachk.logic.observer_goals import (
     Before,
-    Both,
-    Differs,
-    Either,
-    Forever,
     Goal,
     HeldFor,
     Holds,
     NeverRising,
-    NoObserver,
     Past,
-    Preceded,
     Recurring,
     Saved,
     Sometime,
     Throughout,
     Was,
     Window,
-    saved_expressions,
+)
+from tachk.logic.observer_states import (
+    FRESH,
+    SHOWN,
+    ClockGuard,
+    Item,
+    Seen,
+    Settling,
+    State,
+    Task,
+    implies_positive,
+    inside,
+    is_there_initially,
+    may_pass,
+    numbered,
+    ordered,
+    over,
+    pasts_wanted,
+    readiness,
+    still,
+    waits_for_ever,
 )
 from tachk.syntax import ast
-
-FRESH = -1
-"""The clock that a step sets to 0, before it has a number."""
-
-Lasting = Sometime | Throughout | Recurring | NeverRising
-
-
-@dataclass(frozen=True, slots=True)
-class Task:
-    """Something to be shown from now on.
-
-    Attributes:
-        phase: ``ahead`` of the window; ``on`` inside it; ``gap``: an answer is awaited; ``low``: what must not become
-            true is false.
-        clocks: the time since the task began; in a gap also the time since the gap began.
-    """
-
-    goal: Lasting
-    phase: str
-    clocks: tuple[int, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Settling:
-    """Conditions claimed of an instant: they have to hold until the clock, 0 then, is positive."""
-
-    conditions: Conjunction
-    clock: int
-
-
-@dataclass(frozen=True, slots=True)
-class Seen:
-    """A past that is being watched.
-
-    Attributes:
-        phase: ``initial``: since the run began; ``on``; ``since``: what had to be there is over.
-    """
-
-    past: Past
-    phase: str
-    clocks: tuple[int, ...] = ()
-
-
-Item = Task | Settling | Seen
-State = frozenset[Item]
-
-SHOWN: State = frozenset()
-"""Nothing is left to be shown: the formula is violated."""
-
-
-@dataclass(frozen=True, slots=True)
-class ClockGuard:
-    """``clock operator value``"""
-
-    clock: int
-    operator: str
-    value: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,16 +68,6 @@ class Step:
     saved: ast.Expression | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Branch:
-    """One way to reach a goal at an instant: what holds there, what was before, what is to follow."""
-
-    now: Conjunction = frozenset()
-    pasts: frozenset[Past] = frozenset()
-    tasks: frozenset[Task] = frozenset()
-    forever: tuple[Forever, ...] = ()
-
-
 class Tableau:
     """The steps of an observer.
 
@@ -131,81 +75,29 @@ class Tableau:
         saved: a variable for each expression whose changes matter.
     """
 
-    def __init__(self, goal: Goal, span: Span, saved: dict[ast.Expression, str]) -> None:
+    def __init__(self, goal: Goal, span: Span, saved: SavedNames) -> None:
         self.span = span
         self.saved = saved
-        goal = _looking_back(goal)
-        self.branches = self.expand(goal)
-        first = [branch for branch in self.expand(goal, at_start=True) if all(map(_initially, branch.pasts))]
+        goal = looking_back(goal)
+        self.branches = branches_of(goal, self.saved)
+        first = [
+            branch for branch in branches_of(goal, saved, at_start=True) if all(map(is_there_initially, branch.pasts))
+        ]
         self.initial = [self._begun(branch) for branch in first]
         """The states that the run may begin in, each with the condition that has to hold then."""
-        ever = [state for state, _ in self.initial if _waits_for_ever(state)]
+        ever = [state for state, _ in self.initial if waits_for_ever(state)]
         self.idle: State | None = None
         """Where the observer goes when what it was following comes to nothing; None: there it gives up."""
         if ever:
             self.idle = frozenset(item for item in ever[0] if isinstance(item, Task))
 
     def _begun(self, branch: Branch) -> tuple[State, Conjunction]:
-        wanted = _wanted(branch.tasks)
-        pasts = [Seen(past, "initial") for past in wanted if _initially(past)]
+        wanted = pasts_wanted(branch.tasks)
+        pasts = [Seen(past, "initial") for past in wanted if is_there_initially(past)]
         claims = self._settling(branch.now, FRESH)
         if not branch.tasks and not claims:
             return SHOWN, frozenset()
-        return _numbered(frozenset((*branch.tasks, *claims, *pasts)))[0], branch.now
-
-    # ---- goals at an instant ----------------------------------------------------------------------------------------
-
-    def expand(self, goal: Goal, at_start: bool = False) -> list[Branch]:
-        """The ways to reach a goal at an instant, or when the run begins. Raises NoObserver if one never ends."""
-        branches = []
-        for branch in self._expand(goal, at_start):
-            if is_false(branch.now) or any(_excludes(branch, forever) for forever in branch.forever):
-                continue
-            if branch.forever:
-                raise NoObserver(
-                    branch.forever[0].span,
-                    "only a run without end shows that this is violated: it sets no deadline",
-                    "give the operator a window, as in `F[0,10]`",
-                )
-            branches.append(branch)
-        return branches
-
-    def _expand(self, goal: Goal, at_start: bool) -> list[Branch]:
-        match goal:
-            case Holds(condition=condition):
-                return [Branch(conjunction((condition,)))]
-            case Preceded(past=Saved(initially=initially)) if at_start:
-                return [Branch()] if initially else []
-            case Preceded(past=past):
-                return [Branch(pasts=frozenset((past,)))]
-            case Differs(equal=equal) if at_start:
-                return [Branch()] if equal else []
-            case Differs(expression=expression, equal=equal):
-                return [Branch(frozenset((self.comparison(expression, equal),)))]
-            case Either(parts=parts):
-                return [branch for part in parts for branch in self._expand(part, at_start)]
-            case Both(parts=parts):
-                return [_joined(chosen) for chosen in product(*(self._expand(part, at_start) for part in parts))]
-            case Forever():
-                return [Branch(forever=(goal,))]
-            case Sometime(window=window):
-                later = Branch(tasks=frozenset((Task(goal, "on", () if window.is_ever else (FRESH,)),)))
-                if at_start and window.low == 0 and window.low_closed and saved_expressions(goal.goal):
-                    return [later, *self._expand(goal.goal, at_start)]
-                return [later]
-            case Throughout(window=window) | Recurring(window=window):
-                return [Branch(tasks=frozenset((Task(goal, "ahead" if window.low else "on", (FRESH,)),)))]
-            case NeverRising(condition=condition, initially=initially):
-                high = Branch(pasts=frozenset((Before(condition, initially),)))
-                return [
-                    Branch(tasks=frozenset((Task(goal, "low", (FRESH,)),))),
-                    replace(high, tasks=frozenset((Task(goal, "on", (FRESH,)),))),
-                ]
-
-    def comparison(self, expression: ast.Expression, equal: bool) -> ast.Expression:
-        span = expression.span
-        name = ast.NameExpression(span, self.saved[expression])
-        return ast.BinaryExpression(span, "==" if equal else "!=", expression, name)
+        return numbered(frozenset((*branch.tasks, *claims, *pasts)))[0], branch.now
 
     # ---- what a state requires --------------------------------------------------------------------------------------
 
@@ -232,7 +124,7 @@ class Tableau:
             case Seen(past=Was(since=since, there=there), phase=phase):
                 yield there if phase == "on" else since
             case Seen(past=Saved(expression=expression)):
-                yield self.comparison(expression, True)
+                yield comparison(expression, True, self.saved)
 
     def deadlines(self, state: State) -> dict[tuple[int, int], State | None]:
         """Pairs (clock, value): when a clock has reached its value, the state is of no more use than the one that the
@@ -256,7 +148,7 @@ class Tableau:
 
     def steps(self, state: State) -> Iterator[Step]:
         """The steps that lead on from a state."""
-        for item in _ordered(state):
+        for item in ordered(state):
             if isinstance(item, Task):
                 yield from self._task_steps(state, item)
         yield from self._settled(state)
@@ -265,8 +157,8 @@ class Tableau:
     def _task_steps(self, state: State, task: Task) -> Iterator[Step]:
         match task:
             case Task(goal=Sometime(window=window, goal=goal)):
-                guards = _inside(window, task.clocks)
-                for branch in self.expand(goal):
+                guards = inside(window, task.clocks)
+                for branch in branches_of(goal, self.saved):
                     for ready in self._ready(state, branch.pasts):
                         yield from self._step(state, task, branch.tasks, branch.now, (*guards, *ready))
             case Task(goal=goal, phase="ahead", clocks=(clock, *_)):
@@ -277,15 +169,15 @@ class Tableau:
                 in_time = ClockGuard(gap, "<=" if closed else "<", length)
                 on = Task(task.goal, "on", (window_clock,))
                 now = conjunction((answer,))
-                yield from self._step(state, task, (on,), now, (in_time, _still(window, window_clock)))
-                yield from self._step(state, task, (), now, (in_time, _over(window, window_clock)))
+                yield from self._step(state, task, (on,), now, (in_time, still(window, window_clock)))
+                yield from self._step(state, task, (), now, (in_time, over(window, window_clock)))
             case Task(goal=Throughout() | Recurring() | NeverRising() as goal, clocks=(clock, *_)):
-                yield from self._step(state, task, (), frozenset(), (_over(goal.window, clock),))
+                yield from self._step(state, task, (), frozenset(), (over(goal.window, clock),))
                 if isinstance(goal, Recurring):
                     open_ = conjunction((negated(_or(goal.condition, goal.answer)),))
                     gap_task = Task(goal, "gap", (clock, FRESH))
                     yield from self._step(
-                        state, task, (gap_task,), frozenset(), (_still(goal.window, clock),), guard=open_
+                        state, task, (gap_task,), frozenset(), (still(goal.window, clock),), guard=open_
                     )
                 if isinstance(goal, NeverRising) and task.phase == "on":
                     low = replace(task, phase="low")
@@ -297,7 +189,7 @@ class Tableau:
         """What clocks must say for all pasts to be there; nothing if one is not being watched."""
         seen = {item.past: item for item in state if isinstance(item, Seen)}
         if all(past in seen for past in pasts):
-            guards = [_readiness(seen[past]) for past in pasts]
+            guards = [readiness(seen[past]) for past in pasts]
             if None not in guards:
                 yield tuple(guard for found in guards for guard in found or ())
 
@@ -313,8 +205,8 @@ class Tableau:
         """A step with a task exchanged for others. Claims of the same instant stay open, older ones are settled."""
         others = [item for item in state if isinstance(item, Task) and item != done]
         after = frozenset((*others, *tasks))
-        pasts = [item for item in state if isinstance(item, Seen) and item.past in _wanted(after)]
-        new = [part for task in tasks if not _may_pass(task) for part in self._requirement(task)]
+        pasts = [item for item in state if isinstance(item, Seen) and item.past in pasts_wanted(after)]
+        new = [part for task in tasks if not may_pass(task) for part in self._requirement(task)]
         condition = conjunction((*guard, *now, *new))
         open_ = next((item for item in state if isinstance(item, Settling)), None)
         stuck = is_false(self.requirement(state))
@@ -322,7 +214,7 @@ class Tableau:
             yield from self._made(state, (*after, *pasts, *self._settling(now, FRESH)), clocks, condition, open_)
         # A window that is over stays over, so that what is claimed may be settled first.
         ends = not tasks and not now
-        if open_ is not None and not ends and not any(_implies_positive(clock, open_.clock) for clock in clocks):
+        if open_ is not None and not ends and not any(implies_positive(clock, open_.clock) for clock in clocks):
             kept = self._settling(open_.conditions | now, FRESH if now else open_.clock)
             condition = conjunction((*condition, *open_.conditions))
             yield from self._made(state, (*after, *pasts, *kept), clocks, condition, None)
@@ -337,9 +229,9 @@ class Tableau:
     ) -> Iterator[Step]:
         if is_false(condition):
             return
-        if settled is not None and not any(_implies_positive(clock, settled.clock) for clock in clocks):
+        if settled is not None and not any(implies_positive(clock, settled.clock) for clock in clocks):
             clocks = (*clocks, ClockGuard(settled.clock, ">", 0))
-        target, reset = _numbered(frozenset(items))
+        target, reset = numbered(frozenset(items))
         if not any(isinstance(item, Task | Settling) for item in target):
             target = SHOWN
         yield Step(state, target, clocks, condition, reset, forced=self._may_force(state, target, clocks))
@@ -388,7 +280,7 @@ class Tableau:
         when what has to last does not."""
         watched = {item.past: item for item in state if isinstance(item, Seen)}
         claim = next((item for item in state if isinstance(item, Settling)), None)
-        for past in sorted(_wanted(item for item in state if isinstance(item, Task)), key=repr):
+        for past in sorted(pasts_wanted(item for item in state if isinstance(item, Task)), key=repr):
             item = watched.get(past)
             if item is None:
                 yield from self._begin(state, past, claim)
@@ -433,36 +325,11 @@ class Tableau:
     ) -> Iterator[Step]:
         if is_false(condition):
             return
-        target, reset = _numbered(items)
+        target, reset = numbered(items)
         yield Step(state, target, clocks, condition, reset, forced)
 
 
 # ---- small questions ------------------------------------------------------------------------------------------------
-
-
-def _looking_back(goal: Goal) -> Goal:
-    """``F(p && F[0,b] g)`` says the same as ``F(g && O[0,b] p)``, whose observer has nothing to guess."""
-    match goal:
-        case Sometime(window=window, meanwhile=meanwhile, goal=Both(parts=(Holds(condition=condition), later))) if (
-            window.is_ever
-            and isinstance(later, Sometime)
-            and later.window.low == 0
-            and later.window.low_closed
-            and later.meanwhile == meanwhile == truth(True, meanwhile.span)
-        ):
-            first = _and(Holds(condition), later.goal)
-            return replace(
-                goal,
-                goal=Either((first, Both((later.goal, Preceded(Was(meanwhile, condition, later.window.high)))))),
-            )
-        case _:
-            return goal
-
-
-def _and(one: Holds, other: Goal) -> Goal:
-    if isinstance(other, Holds):
-        return Holds(all_of((one.condition, other.condition), one.condition.span))
-    return Both((one, other))
 
 
 def _or(one: ast.Expression, other: ast.Expression) -> ast.Expression:
@@ -471,140 +338,6 @@ def _or(one: ast.Expression, other: ast.Expression) -> ast.Expression:
     return ast.BinaryExpression(one.span, "||", one, other)
 
 
-def _joined(branches: Iterable[Branch]) -> Branch:
-    parts = list(branches)
-    return Branch(
-        conjunction(part for branch in parts for part in branch.now),
-        frozenset(past for branch in parts for past in branch.pasts),
-        frozenset(task for branch in parts for task in branch.tasks),
-        tuple(forever for branch in parts for forever in branch.forever),
-    )
-
-
-def _excludes(branch: Branch, forever: Forever) -> bool:
-    """Whether something else in the branch is impossible if the condition holds for ever."""
-    opposite = conjunction((negated(forever.condition),))
-    return any(
-        isinstance(task.goal, Sometime) and isinstance(task.goal.goal, Holds) and opposite <= _now(task.goal.goal)
-        for task in branch.tasks
-    )
-
-
-def _now(goal: Holds) -> Conjunction:
-    return conjunction((goal.condition,))
-
-
-def _may_pass(task: Task) -> bool:
-    """Whether the task may be exchanged for others at the instant at which it begins, whatever it requires."""
-    return isinstance(task.goal, Sometime) or (isinstance(task.goal, Recurring) and task.phase == "on")
-
-
-def _initially(past: Past) -> bool:
-    """Whether the past is there when the run begins. Values are not saved by then; `Tableau.expand` sees to them."""
-    return isinstance(past, HeldFor) or (isinstance(past, Before) and past.initially)
-
-
-def _waits_for_ever(state: State) -> bool:
-    tasks = [item for item in state if isinstance(item, Task)]
-    return (
-        len(tasks) == 1
-        and not any(isinstance(item, Settling) for item in state)
-        and isinstance(tasks[0].goal, Sometime)
-        and tasks[0].goal.window.is_ever
-        and tasks[0].goal.meanwhile == truth(True, tasks[0].goal.meanwhile.span)
-    )
-
-
 def _first_goals(tableau: Tableau, state: State) -> list[Branch]:
     goals = [item.goal.goal for item in state if isinstance(item, Task) and isinstance(item.goal, Sometime)]
-    return [branch for goal in goals for branch in tableau.expand(goal)]
-
-
-def _wanted(tasks: Iterable[Item]) -> frozenset[Past]:
-    """The pasts that some goal ahead asks for."""
-    found: set[Past] = set()
-    pending: list[Goal] = [
-        task.goal.goal for task in tasks if isinstance(task, Task) and isinstance(task.goal, Sometime)
-    ]
-    while pending:
-        goal = pending.pop()
-        match goal:
-            case Preceded(past=past):
-                found.add(past)
-            case NeverRising(condition=condition, initially=initially):
-                found.add(Before(condition, initially))
-            case Both(parts=parts) | Either(parts=parts):
-                pending += parts
-            case Sometime(goal=inner):
-                pending.append(inner)
-            case _:
-                pass
-    return frozenset(found)
-
-
-def _readiness(item: Seen) -> tuple[ClockGuard, ...] | None:
-    """What the clock must say for the past to count."""
-    match item:
-        case Seen(phase="initial"):
-            return ()
-        case Seen(past=HeldFor(length=int(length)), clocks=(clock,)):
-            return (ClockGuard(clock, ">=", length),)
-        case Seen(past=Was(length=int(length)), phase="since", clocks=(clock,)):
-            return (ClockGuard(clock, "<", length),)
-        case Seen(past=Was(), phase="since"):
-            return ()
-        case Seen(clocks=(clock,)):
-            return (ClockGuard(clock, ">", 0),)
-        case _:
-            return None
-
-
-def _inside(window: Window, clocks: tuple[int, ...]) -> tuple[ClockGuard, ...]:
-    if not clocks:
-        return ()
-    found = []
-    if window.low > 0 or not window.low_closed:
-        found.append(ClockGuard(clocks[0], ">=" if window.low_closed else ">", window.low))
-    if window.high is not None:
-        found.append(ClockGuard(clocks[0], "<=" if window.high_closed else "<", window.high))
-    return tuple(found)
-
-
-def _still(window: Window, clock: int) -> ClockGuard:
-    """The window is not over: another instant of it is to come or is now."""
-    assert window.high is not None
-    return ClockGuard(clock, "<=" if window.high_closed else "<", window.high)
-
-
-def _over(window: Window, clock: int) -> ClockGuard:
-    assert window.high is not None
-    return ClockGuard(clock, ">" if window.high_closed else ">=", window.high)
-
-
-def _implies_positive(guard: ClockGuard, clock: int) -> bool:
-    return guard.clock == clock and (guard.operator == ">" or (guard.operator in (">=", "==") and guard.value > 0))
-
-
-def _numbered(items: frozenset[Item]) -> tuple[State, int | None]:
-    """The items with the fresh clock replaced by the first one that is free."""
-    clocks = {clock for item in items for clock in _clocks(item)}
-    if FRESH not in clocks:
-        return items, None
-    free = next(number for number in range(len(clocks)) if number not in clocks)
-    return frozenset(_with_clock(item, free) for item in items), free
-
-
-def _clocks(item: Item) -> tuple[int, ...]:
-    return (item.clock,) if isinstance(item, Settling) else item.clocks
-
-
-def _with_clock(item: Item, number: int) -> Item:
-    if isinstance(item, Settling):
-        return replace(item, clock=number) if item.clock == FRESH else item
-    if FRESH not in item.clocks:
-        return item
-    return replace(item, clocks=tuple(number if clock == FRESH else clock for clock in item.clocks))
-
-
-def _ordered(state: State) -> list[Item]:
-    return sorted(state, key=repr)
+    return [branch for goal in goals for branch in branches_of(goal, tableau.saved)]
