@@ -16,7 +16,7 @@ from tachk.logic.durations import resolve
 from tachk.logic.fragment import outside_fragment
 from tachk.logic.horizon import horizon
 from tachk.logic.observer import NoObserver, build_observer
-from tachk.monitoring.constants import constant_value
+from tachk.monitoring.constants import constants_by_name
 from tachk.monitoring.formulas import NamedFormula, read_formulas
 from tachk.syntax.ast import BuiltinType, VariableDeclaration
 from tachk.syntax.formula import Duration, Formula
@@ -99,12 +99,11 @@ def _observer(formula: Formula) -> str:
 
 def _resolved(named: NamedFormula) -> tuple[Formula, str]:
     """The formula with numbers as bounds, and their unit, empty where nobody says it."""
-    constants = named.constants or {}
     unit = named.unit
     if not unit:
         given = {bound.unit for bound in nodes_of_kind(named.formula, Duration) if bound.value != 0}
         unit = next(iter(given)) if len(given) == 1 else "s" if "" not in given else ""
-    formula = resolve(named.formula, lambda expression: constant_value(expression, constants), unit)
+    formula = resolve(named.formula, constants_by_name(named.constants or {}), unit)
     return formula, unit
 
 

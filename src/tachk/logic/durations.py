@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Label
-from tachk.syntax.ast import Expression
+from tachk.logic.constants import Evaluate, value_of
 from tachk.syntax.build_formula import UNITS, unknown_unit
 from tachk.syntax.formula import Duration, Formula, Interval
 from tachk.syntax.formula_printer import print_number
@@ -18,8 +17,6 @@ NANOSECONDS = dict(
     zip(UNITS, (1, 10**3, 10**6, 10**9, 60 * 10**9, 3600 * 10**9, 24 * 3600 * 10**9), strict=True),
 )
 """The length of each unit of time."""
-
-Evaluate = Callable[[Expression], Fraction | int]
 
 
 def resolve(
@@ -31,7 +28,7 @@ def resolve(
     """The formula with every bound a number in the unit of the model or the trace, without a unit of its own.
 
     Args:
-        evaluate: the value of an expression over constants; raises InputError where there is none.
+        evaluate: the value of a constant; arithmetic on constants is exact. Raises InputError where there is none.
         unit: what one unit of time is, such as ``1 ms``, ``10 us`` or ``s``; empty where nobody says.
         remedy: how to say it, for the message about a bound with a unit where nobody says.
 
@@ -111,7 +108,7 @@ class _Resolver:
         if isinstance(duration.value, Fraction):
             return duration.value
         try:
-            return Fraction(self.evaluate(duration.value))
+            return value_of(duration.value, self.evaluate)
         except InputError as error:
             self.found += error.diagnostics
             return None

@@ -33,6 +33,7 @@ from tachk.logic.observer_goals import (
 )
 from tachk.syntax import ast, formula
 from tachk.syntax.formula import Formula
+from tachk.syntax.formula_printer import print_number
 
 LARGEST = 2**26 - 2
 """The largest duration, in time units; one less than the largest constant that clocks are compared with."""
@@ -121,7 +122,7 @@ def _units(duration: formula.Duration) -> int:
     if value.denominator != 1:
         raise NoObserver(
             duration.span,
-            f"the bound is {value} time units, and clocks are compared with whole numbers",
+            f"the bound is {print_number(value)} time units, and clocks are compared with whole numbers",
             "choose a smaller `time_unit` for the model",
         )
     if value > LARGEST:

@@ -13,9 +13,10 @@ from typing import Any
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UsageError
 from tachk.diagnostics.span import Source, Span
 from tachk.frontend.findings import Findings
+from tachk.logic.constants import value_of, whole_quotient
 from tachk.logic.durations import length_of, resolve
 from tachk.logic.sentences import meaning
-from tachk.monitoring.constants import constant_value
+from tachk.monitoring.constants import constants_by_name
 from tachk.properties import monitoring
 from tachk.syntax import ast
 from tachk.syntax.formula import Duration, Formula
@@ -84,7 +85,7 @@ def in_trace_units(named: NamedFormula, columns: Collection[str], unit: str) -> 
     constants = {n: v for n, v in (named.constants or {}).items() if n not in columns}
     own = named.unit or unit
     remedy = "say what one unit of the trace's time is: --unit s, unit='s', or time [s] in the header"
-    formula = resolve(named.formula, lambda expression: constant_value(expression, constants), own, remedy)
+    formula = resolve(named.formula, constants_by_name(constants), own, remedy)
     scale = _ratio(own, unit)
 
     def change(node: Any) -> Any:
@@ -242,7 +243,7 @@ def _plain_constants(items: Iterable[ast.Item]) -> dict[str, int]:
                 if declarator.initialiser is None or declarator.dimensions:
                     continue
                 try:
-                    value = constant_value(declarator.initialiser, constants)
+                    value = value_of(declarator.initialiser, constants_by_name(constants), whole_quotient)
                 except InputError:
                     continue
                 if value.denominator == 1:

@@ -36,6 +36,8 @@ def canonical(text: str, unit: str = "", **constants: int) -> str:
         ("F[0, TABLE[1]] P.B", "F[0, 7] P.B"),
         ("F[0, twice(BOUND)] P.B", "F[0, 6] P.B"),
         ("G[BOUND - 3, BOUND) P.B", "G[0, 3) P.B"),
+        ("F[0, BOUND / 2 * 2] P.B", "F[0, 3] P.B"),
+        ("F[0, 0.5 * twice(TABLE[0])] P.B", "F[0, 4] P.B"),
     ],
 )
 def test_constants(text: str, expected: str) -> None:
@@ -67,6 +69,7 @@ def test_queries_of_the_command_line_know_the_time_unit() -> None:
         ("F[0, n] P.B", "E0601", "n"),
         ("F[0, GONE] P.B", "E0201", "GONE"),
         ("F[0, 2 - BOUND] P.B", "E0504", "2 - BOUND"),
+        ("F[0, 1 / (BOUND - 3)] P.B", "E0602", "1 / (BOUND - 3)"),
         ("G (P.A -> F[BOUND, 2] P.B)", "E0505", "[BOUND, 2]"),
         ("F[0, 5 s] P.B", "E0506", "5 s"),
         ("whenever P.A, within 5 s, P.B must be true.", "E0506", "5 s"),
@@ -76,3 +79,9 @@ def test_wrong_bounds(text: str, code: str, place: str) -> None:
     with pytest.raises(InputError) as caught:
         canonical(text)
     assert [(d.code, d.span.text) for d in caught.value.diagnostics] == [(code, place)]
+
+
+def test_a_bound_that_is_no_whole_number_is_not_rounded() -> None:
+    loaded = load_model(Source("m.ta", MODEL % "property p : F[0, BOUND / 2] P.B;"))
+    ((diagnostic,),) = [query.diagnostics for query in loaded.unchecked]
+    assert (diagnostic.span.text, "1.5 time units" in diagnostic.message) == ("BOUND / 2", True)

@@ -87,7 +87,7 @@ def test_a_model_gives_its_formulas_its_unit_and_its_constants(tmp_path: Path) -
 
 
 def test_a_file_without_a_system_line_is_read_without_asking_what_its_names_mean(tmp_path: Path) -> None:
-    (tmp_path / "units.ta").write_text("time_unit = 1 s;\nconst int D = 2 * 10, A[2] = {1, 2};\n")
+    (tmp_path / "units.ta").write_text("time_unit = 1 s;\nconst int D = 21 / 2 * 2, A[2] = {1, 2};\n")
     (tmp_path / "list.ta").write_text(
         'import "units.ta";\nsignal hot = Vessel.Hot;\n'
         "property warm : Whenever hot is true, within D s, cold must be true.;\n"
@@ -99,7 +99,8 @@ def test_a_file_without_a_system_line_is_read_without_asking_what_its_names_mean
 
 
 @pytest.mark.parametrize(
-    ("bound", "value"), [("2 * D", "40"), ("(D - 5)", "15"), ("D / 8", "2.5"), ("-D + 30", "10"), ("0.5 * D", "10")]
+    ("bound", "value"),
+    [("2 * D", "40"), ("(D - 5)", "15"), ("D / 8", "2.5"), ("D / 3 * 3", "20"), ("-D + 30", "10"), ("0.5 * D", "10")],
 )
 def test_bounds_may_be_computed_from_constants(tmp_path: Path, bound: str, value: str) -> None:
     path = tmp_path / "m.ta"
