@@ -8,15 +8,11 @@ from typing import Any
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Label
 from tachk.logic.constants import Evaluate, value_of
-from tachk.syntax.build_formula import UNITS, unknown_unit
+from tachk.syntax.build_formula import unknown_unit
 from tachk.syntax.formula import Duration, Formula, Interval
 from tachk.syntax.formula_printer import print_number
 from tachk.syntax.rewrite import rewrite
-
-NANOSECONDS = dict(
-    zip(UNITS, (1, 10**3, 10**6, 10**9, 60 * 10**9, 3600 * 10**9, 24 * 3600 * 10**9), strict=True),
-)
-"""The length of each unit of time."""
+from tachk.time_units import length_of
 
 
 def resolve(
@@ -41,18 +37,6 @@ def resolve(
     if resolver.found:
         raise InputError(sorted(resolver.found, key=lambda diagnostic: diagnostic.span.start))
     return result
-
-
-def length_of(unit: str) -> Fraction | None:
-    """The nanoseconds of ``1 ms``, ``10 us`` or ``s``; None for what is no unit."""
-    amount, _, name = unit.strip().rpartition(" ")
-    if name not in NANOSECONDS:
-        return None
-    try:
-        length = Fraction(amount or 1) * NANOSECONDS[name]
-    except (ValueError, ZeroDivisionError):
-        return None
-    return length if length > 0 else None
 
 
 class _Resolver:

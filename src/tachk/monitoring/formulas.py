@@ -14,7 +14,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, Usage
 from tachk.diagnostics.span import Source, Span
 from tachk.frontend.findings import Findings
 from tachk.logic.constants import value_of, whole_quotient
-from tachk.logic.durations import length_of, resolve
+from tachk.logic.durations import resolve
 from tachk.logic.sentences import meaning
 from tachk.monitoring.constants import constants_by_name
 from tachk.properties import monitoring
@@ -26,6 +26,7 @@ from tachk.syntax.rewrite import rewrite
 from tachk.syntax.sentence_parser import parse_sentence, with_full_stop
 from tachk.syntax.source_files import read_source
 from tachk.syntax.uppaal_xml import is_xml
+from tachk.time_units import length_of
 
 FORMULA_SUFFIXES = (".stl",)
 MODEL_SUFFIXES = (".ta", ".xta", ".xml")

@@ -6,24 +6,13 @@ import difflib
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.time_units import SPELLINGS, UNITS
 
 TIME_NAMES = ("time", "t", "timestamp")
 """The names by which a time column is known without being told, in this order."""
 
-UNIT_SECONDS = {
-    "ns": Fraction(1, 10**9),
-    "us": Fraction(1, 10**6),
-    "µs": Fraction(1, 10**6),
-    "ms": Fraction(1, 1000),
-    "s": Fraction(1),
-    "min": Fraction(60),
-    "h": Fraction(3600),
-}
-
-_SPELLINGS = {"µs": "us", "μs": "us", "sec": "s", "second": "s", "seconds": "s", "milliseconds": "ms"}
 _WITH_UNIT = re.compile(r"\s*(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]\s*")
 
 
@@ -75,10 +64,9 @@ def read_header(cells: Sequence[str], time: str | None, unit: str | None, trace:
 
 def known_unit(unit: str) -> str:
     """The unit in its usual spelling; empty stays empty. Raises UsageError for one that is not known."""
-    spelled = _SPELLINGS.get(unit.lower(), unit.lower())
-    if spelled and spelled not in UNIT_SECONDS:
-        raise UsageError(f"{unit!r} is no unit of time", f"known are {', '.join(u for u in UNIT_SECONDS if u != 'µs')}")
-    return spelled
+    if unit and unit.lower() not in SPELLINGS:
+        raise UsageError(f"{unit!r} is no unit of time", f"known are {', '.join(UNITS)}")
+    return SPELLINGS.get(unit.lower(), "")
 
 
 def no_such_column(name: str, columns: Sequence[str], trace: str) -> UsageError:

@@ -40,9 +40,7 @@ from tachk.syntax.formula import (
 from tachk.syntax.misplaced import Misplaced
 from tachk.syntax.tokens import Token
 from tachk.syntax.walk import nodes_of_kind
-
-UNITS = ("ns", "us", "ms", "s", "min", "h", "d")
-"""The units of time, shortest first."""
+from tachk.time_units import SPELLINGS, UNITS
 
 _Prefix = type[Eventually] | type[Always] | type[Once] | type[Historically]
 _PREFIX: dict[str, _Prefix] = {"F": Eventually, "G": Always, "O": Once, "H": Historically}
@@ -133,16 +131,7 @@ class FormulaBuilder:
 
 def unknown_unit(unit: str, span: Span) -> Diagnostic:
     """The diagnostic for a word that is no unit of time."""
-    familiar = {
-        **dict.fromkeys(("sec", "secs", "second", "seconds", "S"), "s"),
-        **dict.fromkeys(("msec", "millis", "millisecond", "milliseconds", "mS"), "ms"),
-        **dict.fromkeys(("usec", "micros", "microsecond", "microseconds"), "us"),
-        **dict.fromkeys(("nsec", "nanos", "nanosecond", "nanoseconds"), "ns"),
-        **dict.fromkeys(("m", "mins", "minute", "minutes"), "min"),
-        **dict.fromkeys(("hr", "hrs", "hour", "hours"), "h"),
-        **dict.fromkeys(("day", "days"), "d"),
-    }
-    meant = familiar.get(unit)
+    meant = SPELLINGS.get(unit.lower()) or ("min" if unit == "m" else None)
     help_ = f"did you mean '{meant}'?" if meant else f"the units are {', '.join(UNITS)}"
     return Diagnostic("E0135", f"'{unit}' is no unit of time", span, help_)
 

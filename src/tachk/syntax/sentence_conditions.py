@@ -9,7 +9,8 @@ from tachk.diagnostics.span import Span
 from tachk.syntax import ast
 from tachk.syntax.formula import And, Atom, Change, Duration, Fall, Formula, Implies, Not, Or, Rise, Truth, operands
 from tachk.syntax.formula_parser import parse_formula
-from tachk.syntax.sentence_text import UNITS, Piece, cut
+from tachk.syntax.sentence_text import Piece, cut
+from tachk.time_units import SPELLINGS
 
 _TEMPORAL_HELP = "a condition is about one instant; a property with operators like F and G is written as a formula"
 
@@ -66,7 +67,7 @@ def read_duration(span: Span) -> Duration:
         Refused: it is none.
     """
     (amount, *unit), _ = cut(span)
-    return Duration(span, _amount(amount), UNITS[unit[0].text.lower()] if len(unit) == 1 else "")
+    return Duration(span, _amount(amount), SPELLINGS[unit[0].text.lower()] if len(unit) == 1 else "")
 
 
 def _amount(piece: Piece) -> Fraction | ast.Expression:

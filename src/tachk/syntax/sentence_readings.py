@@ -16,8 +16,9 @@ from itertools import count
 from tachk.diagnostics.span import Span
 from tachk.syntax.lalr import Tables
 from tachk.syntax.sentence_tables import START, Phrase, phrases, sentence_tables
-from tachk.syntax.sentence_text import UNITS, Piece
+from tachk.syntax.sentence_text import Piece
 from tachk.syntax.tokens import END, Token
+from tachk.time_units import SPELLINGS
 
 States = tuple[int, ...]
 Node = tuple[int, States]
@@ -185,7 +186,7 @@ class Readings:
         pieces = self._pieces
         if place < len(pieces) and pieces[place].kind in ("number", "word", "group", "quote"):
             yield place + 1
-            if place + 1 < len(pieces) and pieces[place + 1].text.lower() in UNITS:
+            if place + 1 < len(pieces) and pieces[place + 1].text.lower() in SPELLINGS:
                 yield place + 2
             if place + 2 < len(pieces) and [p.text.lower() for p in pieces[place + 1 : place + 3]] in _TIME_UNITS:
                 yield place + 3

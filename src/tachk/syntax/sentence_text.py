@@ -25,17 +25,6 @@ _PIECE = re.compile(
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
 _END_QUOTES = {'"': '"', "`": "`", "“": "”", "„": "“”"}
 
-UNITS = {
-    **dict.fromkeys(("ns", "nanosecond", "nanoseconds"), "ns"),
-    **dict.fromkeys(("us", "µs", "μs", "microsecond", "microseconds"), "us"),
-    **dict.fromkeys(("ms", "msec", "msecs", "millisecond", "milliseconds"), "ms"),
-    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), "s"),
-    **dict.fromkeys(("min", "mins", "minute", "minutes"), "min"),
-    **dict.fromkeys(("h", "hr", "hrs", "hour", "hours"), "h"),
-    **dict.fromkeys(("d", "day", "days"), "d"),
-}
-"""The units of time as sentences may spell them."""
-
 LONGEST = 200
 """Pieces of a sentence; more is no sentence."""
 

@@ -8,10 +8,11 @@ import pytest
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.diagnostics.span import Source
-from tachk.logic.durations import length_of, resolve
+from tachk.logic.durations import resolve
 from tachk.syntax import ast
 from tachk.syntax.formula_parser import parse_formula
 from tachk.syntax.formula_printer import print_formula
+from tachk.time_units import length_of
 
 
 def evaluate(expression: ast.Expression) -> int:
