@@ -11,7 +11,6 @@ Wrong input raises `InputError` with every finding; a limit that is hit is an an
 
 from __future__ import annotations
 
-import difflib
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -22,6 +21,7 @@ from rich.console import Console
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
+from tachk.diagnostics.suggestion import closest
 from tachk.engines.protocol import Extrapolation, Limits, Options, Progress, SearchOrder
 from tachk.frontend.load import LoadedModel, UncheckedQuery, elaborate_queries, elaborate_query_file, load_model
 from tachk.model.network import Network
@@ -177,10 +177,10 @@ class Model:
             if query.name == name:
                 return query
         names = [query.name for query in self.properties]
-        close = difflib.get_close_matches(name, names, n=1)
+        close = closest(name, names)
         raise UsageError(
             f"{self.path} has no property {name!r}",
-            f"did you mean {close[0]}?" if close else f"it has: {', '.join(names) or 'none'}",
+            f"did you mean {close}?" if close else f"it has: {', '.join(names) or 'none'}",
         )
 
 

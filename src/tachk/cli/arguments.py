@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.diagnostics.suggestion import closest
 from tachk.syntax.sentence_parser import with_full_stop
 
 MODEL_SUFFIXES = (".ta", ".xta", ".xml", ".tck")
@@ -62,8 +62,8 @@ def _similar_files(path: Path) -> str | None:
     if not path.parent.is_dir():
         return f"there is no folder {path.parent}"
     names = [p.name for p in path.parent.iterdir()]
-    close = difflib.get_close_matches(path.name, names, n=1)
-    return f"did you mean {path.with_name(close[0])}?" if close else None
+    close = closest(path.name, names)
+    return f"did you mean {path.with_name(close)}?" if close else None
 
 
 def parse_definitions(definitions: Iterable[str]) -> dict[str, str]:

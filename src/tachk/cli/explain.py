@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import difflib
 import re
-from dataclasses import replace
 from fractions import Fraction
 from math import lcm
-from typing import Any
 
 from tachk.cli.exit_status import ExitStatus
 from tachk.diagnostics.codes import CODES, explain
 from tachk.diagnostics.diagnostic import InputError, UsageError
-from tachk.logic.durations import resolve
+from tachk.logic.durations import resolve, scaled
 from tachk.logic.fragment import outside_fragment
 from tachk.logic.horizon import horizon
 from tachk.logic.observer import NoObserver, build_observer
@@ -21,7 +19,6 @@ from tachk.monitoring.formulas import NamedFormula, read_formulas
 from tachk.syntax.ast import BuiltinType, VariableDeclaration
 from tachk.syntax.formula import Duration, Formula
 from tachk.syntax.formula_printer import print_formula, print_number
-from tachk.syntax.rewrite import rewrite
 from tachk.syntax.walk import nodes_of_kind
 
 
@@ -74,16 +71,8 @@ def _observer(formula: Formula) -> str:
     unit of time, which is taken small enough for all bounds."""
     values = [duration.value for duration in nodes_of_kind(formula, Duration) if isinstance(duration.value, Fraction)]
     scale = lcm(*(value.denominator for value in values))
-
-    def change(node: Any) -> Any:
-        match node:
-            case Duration(value=Fraction() as value):
-                return replace(node, value=value * scale)
-            case _:
-                return node
-
     try:
-        template = build_observer(rewrite(formula, change), "Observer")
+        template = build_observer(scaled(formula, Fraction(scale)), "Observer")
     except NoObserver as reason:
         return f"none: {reason.reason}"
     names = ", ".join(location.name.name for location in template.locations)

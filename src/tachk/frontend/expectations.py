@@ -7,7 +7,8 @@ from dataclasses import replace
 
 from tachk.diagnostics.diagnostic import Label
 from tachk.diagnostics.span import Span
-from tachk.frontend.findings import Findings, did_you_mean
+from tachk.diagnostics.suggestion import did_you_mean
+from tachk.frontend.findings import Findings
 from tachk.syntax import ast
 
 

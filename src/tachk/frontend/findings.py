@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from difflib import get_close_matches
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label, Severity
 from tachk.diagnostics.span import Span
@@ -62,10 +61,3 @@ class Findings:
 def count(number: int, noun: str) -> str:
     """A number with its noun: "1 argument", "no arguments"."""
     return f"{number} {noun}" if number == 1 else f"{number or 'no'} {noun}s"
-
-
-def did_you_mean(name: str, candidates: Iterable[str]) -> str | None:
-    """A help text that names the known name closest to a misspelt one, if one is close."""
-    by_lower = {candidate.lower(): candidate for candidate in candidates}
-    close = get_close_matches(name.lower(), by_lower, n=1, cutoff=0.7)
-    return f"did you mean `{by_lower[close[0]]}`?" if close else None

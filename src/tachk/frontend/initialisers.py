@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Context
 from tachk.frontend.expressions import expression
-from tachk.frontend.findings import did_you_mean
 from tachk.frontend.places import converted
 from tachk.frontend.scope import Scope
 from tachk.frontend.typing import can_assign, describe

@@ -7,11 +7,12 @@ from dataclasses import dataclass, field, replace
 
 from tachk.diagnostics.diagnostic import Label
 from tachk.diagnostics.span import NOWHERE, Span
+from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.channels import ChannelTable
 from tachk.frontend.context import Context
 from tachk.frontend.declarations import Declared, argument_value, constant_symbol, widened
 from tachk.frontend.expressions import expression, type_reader
-from tachk.frontend.findings import Findings, count, did_you_mean
+from tachk.frontend.findings import Findings, count
 from tachk.frontend.parameters import as_variables
 from tachk.frontend.places import assignable, is_place
 from tachk.frontend.scope import (

@@ -8,11 +8,12 @@ from dataclasses import dataclass, field, replace
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
+from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Budget, Context
 from tachk.frontend.damage import beyond_damage
 from tachk.frontend.elaborate import Elaborated, elaborate
 from tachk.frontend.expectations import with_expectations
-from tachk.frontend.findings import Findings, did_you_mean
+from tachk.frontend.findings import Findings
 from tachk.frontend.imports import Importer
 from tachk.frontend.observers import temporal_formula
 from tachk.frontend.queries import UncheckedQuery, elaborate_each, elaborate_entries, wrong_query

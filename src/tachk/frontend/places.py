@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend import fold
 from tachk.frontend.context import Context
-from tachk.frontend.findings import did_you_mean
 from tachk.frontend.scope import Scope, ValueSymbol
 from tachk.frontend.typing import describe, is_integral
 from tachk.model.expressions import Conditional, Expression, Field, Index, Reference

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import fields
 
+from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Context
-from tachk.frontend.findings import did_you_mean
 from tachk.frontend.scope import (
     BrokenSymbol,
     FamilySymbol,

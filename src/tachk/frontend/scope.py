@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import NOWHERE, Span
-from tachk.frontend.findings import Findings, did_you_mean
+from tachk.diagnostics.suggestion import did_you_mean
+from tachk.frontend.findings import Findings
 from tachk.model.expressions import Constant, Expression, Function, Reference
 from tachk.model.types import Type
 from tachk.syntax import ast

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.channels import ChannelTable
 from tachk.frontend.clock_constraints import convex, forbid, mentions_comparison
 from tachk.frontend.context import Context
 from tachk.frontend.declarations import Declared, declare
 from tachk.frontend.dropped import without_effect
 from tachk.frontend.expressions import condition, expression, type_reader
-from tachk.frontend.findings import did_you_mean
 from tachk.frontend.places import assignable, converted
 from tachk.frontend.rates import invariant_parts
 from tachk.frontend.scope import BrokenSymbol, LocationSymbol, Scope, Symbol, ValueSymbol

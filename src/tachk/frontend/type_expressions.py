@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from tachk.diagnostics.span import Span
+from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.builtin_names import BUILTIN_TYPES
 from tachk.frontend.context import Context
-from tachk.frontend.findings import did_you_mean
 from tachk.frontend.scope import BrokenSymbol, EmptyTypeSymbol, Scope, TypeSymbol
 from tachk.frontend.typing import describe, is_bounded
 from tachk.model.types import (

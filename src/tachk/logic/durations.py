@@ -39,6 +39,19 @@ def resolve(
     return result
 
 
+def scaled(formula: Formula, factor: Fraction) -> Formula:
+    """The formula with every bound that is a number ``factor`` times as long."""
+
+    def change(node: Any) -> Any:
+        match node:
+            case Duration(value=Fraction() as value):
+                return replace(node, value=value * factor)
+            case _:
+                return node
+
+    return formula if factor == 1 else rewrite(formula, change)
+
+
 class _Resolver:
     """Changes durations innermost first, then looks at the intervals that they make."""
 

@@ -9,21 +9,16 @@ in place of what is nearly so.
 
 from __future__ import annotations
 
-from fractions import Fraction
-
-from tachk.diagnostics.span import Span
 from tachk.syntax.formula import (
     Always,
     And,
     Atom,
     Change,
-    Duration,
     Eventually,
     Fall,
     Formula,
     Historically,
     Implies,
-    Interval,
     Not,
     Once,
     Or,
@@ -32,6 +27,7 @@ from tachk.syntax.formula import (
     Truth,
     Until,
     WeakUntil,
+    all_time,
 )
 
 
@@ -100,9 +96,7 @@ def _negative(formula: Formula) -> Formula:
             return Once(span, interval, _negative(operand))
         case WeakUntil(left=left, right=right):
             # f W g is (f U g) || G f.
-            start = Span(span.source, span.start, span.start)
-            ever = Interval(start, Duration(start, Fraction(0)), None)
-            until = Until(span, ever, _positive(left), _positive(right))
-            return And(span, (Not(span, until), Eventually(span, ever, _negative(left))))
+            until = Until(span, all_time(span), _positive(left), _positive(right))
+            return And(span, (Not(span, until), Eventually(span, all_time(span), _negative(left))))
         case _:
             return Not(span, _positive(formula))

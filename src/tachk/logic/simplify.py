@@ -46,6 +46,7 @@ from tachk.syntax.formula import (
     Truth,
     Until,
     WeakUntil,
+    all_time,
 )
 from tachk.syntax.rewrite import rewrite
 
@@ -154,9 +155,7 @@ def _weak_until(node: WeakUntil) -> Formula:
     if Truth(span, True) in (left, right):
         return Truth(span, True)
     if right == Truth(span, False):
-        start = Span(span.source, span.start, span.start)
-        ever = Interval(start, Duration(start, Fraction(0)), None)
-        return _windowed(Always(span, ever, left))
+        return _windowed(Always(span, all_time(span), left))
     if left == Truth(span, False) or left == right:
         return right
     return node

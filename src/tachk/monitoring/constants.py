@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
-from tachk.frontend.findings import did_you_mean
+from tachk.diagnostics.suggestion import did_you_mean
 from tachk.logic.constants import Evaluate
 from tachk.syntax import ast
 from tachk.syntax.expression_printer import print_expression

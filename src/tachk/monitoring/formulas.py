@@ -14,12 +14,12 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, Usage
 from tachk.diagnostics.span import Source, Span
 from tachk.frontend.findings import Findings
 from tachk.logic.constants import value_of, whole_quotient
-from tachk.logic.durations import resolve
+from tachk.logic.durations import resolve, scaled
 from tachk.logic.sentences import meaning
 from tachk.monitoring.constants import constants_by_name
 from tachk.properties import monitoring
 from tachk.syntax import ast
-from tachk.syntax.formula import Duration, Formula
+from tachk.syntax.formula import Formula
 from tachk.syntax.formula_parser import parse_formula
 from tachk.syntax.formula_printer import print_formula
 from tachk.syntax.rewrite import rewrite
@@ -87,12 +87,9 @@ def in_trace_units(named: NamedFormula, columns: Collection[str], unit: str) -> 
     own = named.unit or unit
     remedy = "say what one unit of the trace's time is: --unit s, unit='s', or time [s] in the header"
     formula = resolve(named.formula, constants_by_name(constants), own, remedy)
-    scale = _ratio(own, unit)
 
     def change(node: Any) -> Any:
         match node:
-            case Duration(value=Fraction() as value) if scale != 1:
-                return replace(node, value=value * scale)
             case ast.NameExpression(name=name, span=span) if name in constants:
                 number = constants[name]
                 literal = ast.IntegerLiteral(span, abs(number))
@@ -100,7 +97,7 @@ def in_trace_units(named: NamedFormula, columns: Collection[str], unit: str) -> 
             case _:
                 return node
 
-    return rewrite(formula, change)
+    return rewrite(scaled(formula, _ratio(own, unit)), change)
 
 
 def _ratio(own: str, common: str) -> Fraction:

@@ -13,7 +13,7 @@ from math import lcm
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, InternalError
 from tachk.diagnostics.span import Span
-from tachk.frontend.findings import did_you_mean
+from tachk.diagnostics.suggestion import did_you_mean
 from tachk.semantics.monitor_program import (
     UNBOUNDED,
     MonitorAtom,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.diagnostics.suggestion import closest
 from tachk.time_units import SPELLINGS, UNITS
 
 TIME_NAMES = ("time", "t", "timestamp")
@@ -71,10 +71,10 @@ def known_unit(unit: str) -> str:
 
 def no_such_column(name: str, columns: Sequence[str], trace: str) -> UsageError:
     """The error about a column that is not there."""
-    close = difflib.get_close_matches(name, columns, n=1)
+    close = closest(name, columns)
     known = ", ".join(columns[:20]) + (", ..." if len(columns) > 20 else "")
     return UsageError(
-        f"{trace} has no column {name!r}", f"did you mean {close[0]!r}?" if close else f"it has: {known or 'none'}"
+        f"{trace} has no column {name!r}", f"did you mean {close!r}?" if close else f"it has: {known or 'none'}"
     )
 
 

@@ -36,6 +36,7 @@ from tachk.syntax.formula import (
     Truth,
     Until,
     WeakUntil,
+    all_time,
 )
 from tachk.syntax.misplaced import Misplaced
 from tachk.syntax.tokens import Token
@@ -194,7 +195,7 @@ def _formula(node: Any) -> Formula:
         case TemporalExpression(operator="W", operands=(left, right)):
             return WeakUntil(span, _formula(left), _formula(right))
         case TemporalExpression(operator=letter, interval=interval, operands=operands):
-            given = interval or whole(span)
+            given = interval or all_time(span)
             if letter in _PREFIX:
                 return _PREFIX[letter](span, given, _formula(operands[0]))
             kind = Until if letter == "U" else Since
@@ -213,12 +214,6 @@ def _formula(node: Any) -> Formula:
             return _exclusive(span, left, right)
         case _:
             return Atom(span, _state_expression(node, _why(node)))
-
-
-def whole(span: Span) -> Interval:
-    """The interval of an operator without brackets: from 0 on, without end."""
-    start = Span(span.source, span.start, span.start)
-    return Interval(start, Duration(start, Fraction(0)), None)
 
 
 def _parts(node: ast.BinaryExpression, kind: type[And] | type[Or]) -> list[Formula]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from tachk.diagnostics.span import Span
 from tachk.syntax.ast import Expression, Node
 
 
@@ -184,3 +185,9 @@ def operands(formula: Formula) -> tuple[Formula, ...]:
             return ()
         case _:
             return (formula.operand,)
+
+
+def all_time(span: Span) -> Interval:
+    """The interval of an operator without brackets: from 0 on, without end."""
+    start = Span(span.source, span.start, span.start)
+    return Interval(start, Duration(start, Fraction(0)), None)

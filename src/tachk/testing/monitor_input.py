@@ -24,7 +24,7 @@ from tachk.testing.exact_monitor import satisfaction
 from tachk.testing.exact_trace import ExactTrace, Value
 from tachk.testing.formulas import MonitoringCase
 
-_EVER = syntax.Interval(NOWHERE, syntax.Duration(NOWHERE, Fraction(0)), None)
+_EVER = syntax.all_time(NOWHERE)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

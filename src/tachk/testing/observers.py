@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from random import Random
-from typing import Any
 
 from tachk.diagnostics.span import NOWHERE, Source
 from tachk.engines.protocol import Limits, Options, Status
@@ -20,6 +19,7 @@ from tachk.frontend.findings import Findings
 from tachk.frontend.load import LoadedModel, load_model
 from tachk.frontend.observers import elaborate_temporal
 from tachk.frontend.scope import LocationSymbol, ProcessSymbol, Scope, Symbol, ValueSymbol
+from tachk.logic.durations import scaled
 from tachk.model.expressions import Reference
 from tachk.model.network import Network
 from tachk.model.query import Query
@@ -36,6 +36,8 @@ from tachk.testing.formulas import FLAGS, FormulaShape, random_formula, random_i
 
 SCALE = 4
 """Time units of the replaying network for each one of the case: rows come at even times, the end is odd."""
+
+_EVER = syntax.all_time(NOWHERE)
 
 SHAPE = FormulaShape(depth=2, bound=4, grid=1, numeric=False, rows=10, gap=3)
 _TIMES = replace(SHAPE, grid=2)
@@ -54,18 +56,9 @@ def random_observer_case(random: Random) -> ObserverCase:
     formula = random_formula(random, SHAPE, random.choice((1, 2, 2, 3))) if random.random() < 0.25 else _shaped(random)
     trace = random_trace(random, _TIMES)
     end = trace.times[-1] * SCALE + random.choice((1, 3, 5, 9, 13))
-    return ObserverCase(scaled(formula), ExactTrace(tuple(t * SCALE for t in trace.times), trace.columns, end))
-
-
-def scaled(formula: Formula) -> Formula:
-    """The formula with all bounds `SCALE` times as large."""
-
-    def change(node: Any) -> Any:
-        if isinstance(node, syntax.Duration) and isinstance(node.value, Fraction):
-            return replace(node, value=node.value * SCALE)
-        return node
-
-    return rewrite(formula, change)
+    return ObserverCase(
+        scaled(formula, Fraction(SCALE)), ExactTrace(tuple(t * SCALE for t in trace.times), trace.columns, end)
+    )
 
 
 def replaying(trace: ExactTrace) -> LoadedModel:
@@ -148,9 +141,12 @@ def _shaped(random: Random) -> Formula:
         return _globally(_response(random))
     if kind < 0.36:
         end = _condition(random)
-        until = syntax.Until(NOWHERE, _ever(), syntax.Not(NOWHERE, _condition(random)), end)
+        until = syntax.Until(NOWHERE, _EVER, syntax.Not(NOWHERE, _condition(random)), end)
         return _globally(
-            _implies(syntax.And(NOWHERE, (_trigger(random), syntax.Eventually(NOWHERE, _ever(), end))), until)
+            _implies(
+                syntax.And(NOWHERE, (_trigger(random), syntax.Eventually(NOWHERE, _EVER, end))),
+                until,
+            )
         )
     return _globally(_implies(_trigger(random), _response(random)))
 
@@ -188,13 +184,13 @@ def _response(random: Random) -> Formula:
         lambda: syntax.Always(NOWHERE, _bounded(random), _implies(_trigger(random), _condition(random))),
         lambda: syntax.And(NOWHERE, (_response(random), _response(random))),
         lambda: syntax.Or(NOWHERE, (_response(random), _response(random))),
-        lambda: syntax.Always(NOWHERE, _ever(), _condition(random)),
+        lambda: syntax.Always(NOWHERE, _EVER, _condition(random)),
     ]
     return random.choices(makers, (2, 5, 5, 3, 2, 2, 3, 1, 1, 1, 1, 1, 1, 1))[0]()
 
 
 def _past(random: Random) -> Formula:
-    interval = random.choice((_from_zero(random), _ever()))
+    interval = random.choice((_from_zero(random), _EVER))
     makers: list[Callable[[], Formula]] = [
         lambda: syntax.Once(NOWHERE, interval, _condition(random)),
         lambda: syntax.Historically(NOWHERE, interval, _condition(random)),
@@ -217,15 +213,11 @@ def _name(random: Random) -> ast.Expression:
 
 
 def _globally(formula: Formula) -> Formula:
-    return syntax.Always(NOWHERE, _ever(), formula)
+    return syntax.Always(NOWHERE, _EVER, formula)
 
 
 def _implies(left: Formula, right: Formula) -> Formula:
     return syntax.Implies(NOWHERE, left, right)
-
-
-def _ever() -> syntax.Interval:
-    return syntax.Interval(NOWHERE, syntax.Duration(NOWHERE, Fraction(0)), None)
 
 
 def _bounded(random: Random) -> syntax.Interval:
