@@ -9,7 +9,8 @@ All shapes hold on the trace, so that everybody reads all of it; answers are com
 time: of the monitoring alone where the samples are in memory already, of the whole process where a file is read.
 
 The driver of reelay's C++ headers is a program `DRIVER dense|robust FORMULA FILE` that feeds a file of rows of four
-doubles (time, x, y, z) and prints `... SECONDS s ...`; without one, reelay's Python package is measured only.
+doubles (time, x, y, z) and prints `... SECONDS s ...`; without one, reelay's Python package is measured only. What
+tachk's online monitor is called from C++ is `online_feed`, which CMake builds with -D TACHK_BENCH=ON.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from time import process_time
 
@@ -41,7 +43,7 @@ from tachk.semantics.monitor_program import MonitorProgram
 
 COLUMNS = ("x", "y", "z")
 REFERENCE_LOOP = 0.55
-"""CPU seconds of the calibration loop on the machine that the goals were set on."""
+"""CPU seconds of the calibration loop on the machine that goals were set on."""
 
 CHUNK = 1000
 """Samples of one call, where online monitors take more than one."""
@@ -51,11 +53,10 @@ PEER_ROWS = {"stlrom": None, "reelay": 100_000, "moonlight": 100_000, "rtamt": 1
 
 
 def calibrate() -> float:
-    """CPU seconds of five million rounds of a plain counting loop."""
+    """CPU seconds of five million rounds of a counting loop, as the top level of a script runs it."""
+    loop = compile("count = 0\nwhile count < 5_000_000:\n    count += 1\n", "loop", "exec")
     begin = process_time()
-    count = 0
-    while count < 5_000_000:
-        count += 1
+    exec(loop, {})
     return process_time() - begin
 
 
@@ -103,6 +104,30 @@ def feed_single(program: MonitorProgram, samples: Sequence[tuple[int, Sequence[f
     update = OnlineMonitor(program, robustness=robustness).update
     for time, values in samples:
         update(time, values)
+
+
+def write_program(program: MonitorProgram, path: Path) -> None:
+    """For bench/online_feed.cpp."""
+    words: list[float] = [len(program.columns), len(program.atoms), len(program.nodes)]
+    for atom in program.atoms:
+        words.append(int(atom.relation))
+        for code in (atom.left, atom.right):
+            words.append(len(code))
+            for instruction in code:
+                words += [int(instruction.operator), instruction.operand]
+    for node in program.nodes:
+        words += [int(node.kind), max(node.atom, 0), node.lower, node.upper, int(node.lower_closed)]
+        words += [int(node.upper_closed), len(node.operands), *node.operands]
+    path.write_text(" ".join(repr(word) for word in words) + "\n")
+
+
+def feed_from_cpp(online_feed: str, program: MonitorProgram, rows: Path, kind: str) -> float:
+    """CPU seconds of one sample a call, without Python. Raises CalledProcessError."""
+    path = rows.with_suffix(".program")
+    write_program(program, path)
+    command = [online_feed, str(path), str(rows), "".join(program.columns), kind]
+    output = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    return float(output.split()[2])
 
 
 def single_samples(program: MonitorProgram, trace: Trace) -> list[tuple[int, Sequence[float]]]:
@@ -179,10 +204,7 @@ class Peers:
         if self.reelay_bench is None:
             return Peer("reelay C++", missing="not at hand")
         mode = "dense" if job == "truth" else "robust"
-        table = self.table(rows)
-        plain = table.with_suffix(".bin")
-        if not plain.exists():
-            np.load(table).tofile(plain)
+        plain = self.plain_table(rows)
         measured: list[float] = []
         while len(measured) < self.repeat and sum(measured) < 10:
             done = subprocess.run(
@@ -199,6 +221,13 @@ class Peers:
         path = self.folder / f"{rows}.npy"
         if not path.exists():
             np.save(path, shapes.make_rows(rows).table())
+        return path
+
+    def plain_table(self, rows: int) -> Path:
+        """The same without a header."""
+        path = self.folder / f"{rows}.bin"
+        if not path.exists():
+            np.load(self.table(rows)).tofile(path)
         return path
 
 
@@ -242,7 +271,7 @@ def offline_part(job: str, rows: int, peers: Peers, repeat: int) -> None:
     wrong: list[str] = []
     for shape in shapes.NAMES:
         program = program_of(shape)
-        cpu = cpu_of(lambda program=program: JOBS[f"offline {job}"](program, trace), repeat)  # type: ignore[misc]
+        cpu = cpu_of(partial(JOBS[f"offline {job}"], program, trace), repeat)
         driver = peers.measure_driver(job, shape, rows)
         others = [peers.measure(tool, job, shape, rows) for tool in tools]
         wrong += [text for peer in others if (text := disagreement(peer, job, shape))]
@@ -280,30 +309,45 @@ def disagreement(peer: Peer, job: str, shape: str) -> str | None:
     return None if right else f"{peer.tool} on {shape}, {peer.rows:,} rows: {peer.answer:g} where tachk has {expected}"
 
 
-def online_part(rows: int, peers: Peers, repeat: int, scale: float) -> None:
-    """Sample by sample, and in chunks."""
-    print(f"\nOnline, {rows:,} rows, millions of samples for each CPU second\n")
-    heading(
-        "shape", "truth, calls of 1 row", "100", f"{CHUNK:,}", "reelay C++", "times reelay, 1 row", f"{CHUNK:,}",
-        "bounds of robustness, calls of 1 row", "100", f"{CHUNK:,}", "scaled to the reference machine",
-    )  # fmt: skip
+def online_part(rows: int, peers: Peers, online_feed: str | None, repeat: int, scale: float) -> None:
+    """Sample by sample, from C++ and from Python, and in chunks."""
     trace = trace_of(shapes.make_rows(rows))
-    for shape in shapes.NAMES:
-        program = program_of(shape)
-        samples = single_samples(program, trace)
-        rates: dict[bool, list[float]] = {}
-        for robust in (False, True):
-            actions: list[Callable[[], object]] = [lambda robust=robust: feed_single(program, samples, robust)]  # type: ignore[misc]
-            for chunk in (100, CHUNK):
-                actions.append(lambda chunk=chunk, robust=robust: feed_online(program, trace, chunk, robust))  # type: ignore[misc]
-            rates[robust] = [rows / cpu_of(action, repeat) for action in actions]
-        driver = peers.measure_driver("truth", shape, rows)
-        against = [compared(speed, [driver]).split(" ")[0] for speed in (rates[False][0], rates[False][-1])]
-        against[0] = against[0] if driver.missing else f"{rates[False][0] / driver.rate:.1f}"
-        line(
-            shape, *(rate(speed, 1) for speed in rates[False]), shown(driver), *against,
-            *(rate(speed, 1) for speed in rates[True]), rate(rates[True][-1] * scale, 1),
-        )  # fmt: skip
+    for kind in ("truth", "bounds"):
+        print(f"\nOnline {kind}, {rows:,} rows, millions of samples for each CPU second\n")
+        ways = ["C++, 1 row a call", "Python, 1 row a call", "100 rows", f"{CHUNK:,} rows"]
+        if kind == "truth":
+            heading("shape", *ways, "reelay C++, 1 row a call", *(f"{way}, times reelay" for way in ("C++", "Python")))
+        else:
+            heading("shape", *ways, *(f"on the reference machine: {way}" for way in (ways[0], ways[-1])))
+        for shape in shapes.NAMES:
+            program = program_of(shape)
+            speeds = online_speeds(program, trace, kind, peers, online_feed, repeat)
+            cells = ["-" if speed is None else rate(speed, 1) for speed in speeds]
+            if kind == "truth":
+                driver = peers.measure_driver("truth", shape, rows)
+                cells.append(shown(driver))
+                known = [None if driver.missing else speed for speed in speeds[:2]]
+                cells += ["-" if speed is None else f"{speed / driver.rate:.1f}" for speed in known]
+            else:
+                ends = (speeds[0], speeds[-1])
+                cells += ["-" if speed is None else rate(speed * scale, 1) for speed in ends]
+            line(shape, *cells)
+
+
+def online_speeds(
+    program: MonitorProgram, trace: Trace, kind: str, peers: Peers, online_feed: str | None, repeat: int
+) -> list[float | None]:
+    """Samples a second: one a call from C++ and from Python, in chunks of 100 and `CHUNK`."""
+    robustness = kind == "bounds"
+    samples = single_samples(program, trace)
+    measured: list[float | None] = [None]
+    if online_feed is not None:
+        plain = peers.plain_table(trace.rows)
+        measured[0] = statistics.median(feed_from_cpp(online_feed, program, plain, kind) for _ in range(repeat))
+    measured.append(cpu_of(lambda: feed_single(program, samples, robustness), repeat))
+    measured.append(cpu_of(lambda: feed_online(program, trace, 100, robustness), repeat))
+    measured.append(cpu_of(lambda: feed_online(program, trace, CHUNK, robustness), repeat))
+    return [None if cpu is None else trace.rows / cpu for cpu in measured]
 
 
 def window_part(rows: int, repeat: int) -> None:
@@ -314,10 +358,7 @@ def window_part(rows: int, repeat: int) -> None:
     for shape in shapes.WINDOWED:
         cells = []
         for job in JOBS.values():
-            narrow, wide = (
-                cpu_of(lambda job=job, window=window: job(program_of(shape, window), trace), repeat)  # type: ignore[misc]
-                for window in (180, 18_000)
-            )
+            narrow, wide = (cpu_of(partial(job, program_of(shape, window), trace), repeat) for window in (180, 18_000))
             cells.append(f"{wide / narrow:.2f}")
         line(shape, *cells)
 
@@ -454,6 +495,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--python", help="a Python that has stlrom, reelay, rtamt or moonlight")
     parser.add_argument("--reelay-bench", help="the driver of reelay's C++ headers")
+    parser.add_argument("--online-feed", help="the program of bench/online_feed.cpp")
     parser.add_argument("--rows", type=float, default=1e6)
     parser.add_argument("--csv-rows", type=float, default=2e6)
     parser.add_argument("--repeat", type=int, default=3, help="measurements of each thing; the median counts")
@@ -475,7 +517,7 @@ def main() -> None:
                 case "robustness" | "truth":
                     offline_part(part, rows, peers, arguments.repeat)
                 case "online":
-                    online_part(rows, peers, arguments.repeat, loop / REFERENCE_LOOP)
+                    online_part(rows, peers, arguments.online_feed, arguments.repeat, loop / REFERENCE_LOOP)
                 case "window":
                     window_part(rows, arguments.repeat)
                 case "length":

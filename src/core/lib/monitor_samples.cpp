@@ -134,7 +134,8 @@ void AtomEvaluator::truth(std::size_t atom, const Samples& samples, std::size_t 
   }
   const bool constant = is_constant(what.right);
   const double* left = value(what.left, 0, samples, first, count);
-  const double* right = value(what.right, depth_of(what.left), samples, first, constant ? 1 : count);
+  const double* right =
+      constant ? &what.right[0].number : value(what.right, depth_of(what.left), samples, first, count);
   switch (what.relation) {
     case Relation::less:
       return combine(left, right, constant, count, out, [](double l, double r) { return l < r; });
@@ -161,7 +162,8 @@ void AtomEvaluator::robustness(std::size_t atom, const Samples& samples, std::si
   }
   const bool constant = is_constant(what.right);
   const double* left = value(what.left, 0, samples, first, count);
-  const double* right = value(what.right, depth_of(what.left), samples, first, constant ? 1 : count);
+  const double* right =
+      constant ? &what.right[0].number : value(what.right, depth_of(what.left), samples, first, count);
   switch (what.relation) {
     case Relation::less:
     case Relation::less_equal:

@@ -107,7 +107,8 @@ void OnlineMonitor::narrow(const Range<Robustness>& range) {
 // decisive one, from a copy of the engine; copies are made so rarely that they cost less than the samples between them.
 void OnlineMonitor::follow_all(const Samples& samples) {
   constexpr std::size_t block = AtomEvaluator::block;
-  std::optional<std::size_t> copied;  // the block before which the copy was made
+  constexpr std::size_t worth_a_copy = 4;  // samples
+  std::optional<std::size_t> copied;       // the block before which the copy was made
   for (std::size_t first = 0; first < samples.count && !truth_.settled(); first += block) {
     const std::size_t count = std::min(block, samples.count - first);
     evaluate(samples, first, count);
@@ -115,8 +116,8 @@ void OnlineMonitor::follow_all(const Samples& samples) {
       follow(samples, first, 0, count);
       continue;
     }
-    const std::size_t pieces = truth_.pieces();
-    if (64 * samples.count < pieces) {
+    const std::size_t pieces = samples.count < worth_a_copy ? SIZE_MAX : truth_.pieces();
+    if (pieces / 64 > samples.count) {
       follow_singly(samples, first, count);
       continue;
     }
