@@ -120,7 +120,16 @@ void bind_linear(nb::module_& m) {
             self.push(view.samples());
           },
           nb::arg("times"), nb::arg("columns"), "Takes samples: ticks that do not decrease, and the columns.")
-      .def("finish", &Monitor::finish, nb::arg("end"), "The trace ends at this tick.")
+      .def("finish", &Monitor::finish, nb::arg("end"), nb::arg("most_parts"),
+           "The trace ends at this tick; crossings are told in at most so many parts of a tick.")
+      .def(
+          "compute",
+          [](Monitor& self, std::size_t node, bool high) {
+            if (node >= self.nodes()) throw std::invalid_argument("there is no such node");
+            nb::gil_scoped_release released;
+            static_cast<void>(self.robustness(node, high));
+          },
+          nb::arg("node"), nb::arg("high"), "What `robustness` of the node needs; operands first makes short steps.")
       .def(
           "robustness",
           [](Monitor& self, std::size_t node, bool high) {

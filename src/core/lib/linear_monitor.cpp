@@ -10,6 +10,7 @@ namespace tachk {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 bool is_constant(const LinearSignal& signal) {
   return signal.size() == 1 && signal[0].at == signal[0].after && signal[0].after == signal[0].before;
@@ -104,14 +105,14 @@ void LinearMonitor::push(const Samples& samples) {
   }
 }
 
-void LinearMonitor::finish(std::int64_t end) {
+void LinearMonitor::finish(std::int64_t end, std::int64_t most_parts) {
   if (ticks_.empty()) throw std::invalid_argument("a trace has at least one sample");
   if (end < ticks_.back()) throw std::invalid_argument("the end of a trace is not before its last sample");
   if (end - ticks_.front() > largest_tick) throw std::invalid_argument("the trace is too long for its ticks");
   end_ = end;
   std::int64_t reach = length() + 1;
   for (const MonitorNode& node : program_.nodes) reach += std::max(node.lower, node.upper);
-  while (refinement_ < (std::int64_t{1} << 20) && reach < largest_tick / (4 * refinement_)) refinement_ *= 2;
+  while (refinement_ < most_parts && reach < largest_tick / (20 * refinement_)) refinement_ *= 10;
   if (refinement_ < 2 && measure_ == Measure::space) throw std::invalid_argument("the trace is too long for its ticks");
 }
 
@@ -183,7 +184,52 @@ LinearSignal LinearMonitor::value(const std::vector<ValueInstruction>& code) con
 // Left minus right side.
 LinearSignal LinearMonitor::margin(const MonitorAtom& atom) const {
   if (atom.relation == Relation::truth) return value(atom.left);
-  return plus(value(atom.left), negated(value(atom.right)));
+  LinearSignal result = plus(value(atom.left), negated(value(atom.right)));
+  // Between samples, where lines of abs, min and max have their ends, both sides are rounded: what is 0 but for that
+  // is 0.
+  for (std::size_t n = 1; n < result.size(); ++n) {
+    const auto next = std::upper_bound(ticks_.begin(), ticks_.end(), result[n].start, [&](double t, std::int64_t tick) {
+      return t < static_cast<double>(tick - ticks_[0]);
+    });
+    const auto row = static_cast<std::size_t>(next - ticks_.begin()) - 1;
+    if (static_cast<double>(ticks_[row] - ticks_[0]) == result[n].start) continue;
+    const double rounding = 8 * epsilon * (magnitude(atom.left, row) + magnitude(atom.right, row));
+    for (double* number : {&result[n - 1].before, &result[n].at, &result[n].after})
+      if (std::abs(*number) <= rounding) *number = 0;
+  }
+  return result;
+}
+
+// How large numbers are on the way to a value, from a sample to the next one.
+double LinearMonitor::magnitude(const std::vector<ValueInstruction>& code, std::size_t row) const {
+  std::vector<double> stack;
+  for (const ValueInstruction& instruction : code) {
+    switch (instruction.operation) {
+      case ValueOperator::constant:
+        stack.push_back(std::abs(instruction.number));
+        continue;
+      case ValueOperator::column: {
+        const std::vector<double>& values = columns_[instruction.column];
+        stack.push_back(std::max(std::abs(values[row]), std::abs(values[std::min(row + 1, values.size() - 1)])));
+        continue;
+      }
+      case ValueOperator::negate:
+      case ValueOperator::absolute:
+        continue;
+      default:
+        break;
+    }
+    const double right = stack.back();
+    stack.pop_back();
+    double& left = stack.back();
+    if (instruction.operation == ValueOperator::multiply)
+      left *= right;
+    else if (instruction.operation == ValueOperator::divide)
+      left /= right;
+    else
+      left += right;
+  }
+  return stack.back();
 }
 
 LinearSignal LinearMonitor::atom(const MonitorAtom& what) const {

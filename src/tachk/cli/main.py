@@ -52,6 +52,11 @@ class Ending(StrEnum):
     strong = "strong"
 
 
+class Interpolation(StrEnum):
+    constant = "constant"
+    linear = "linear"
+
+
 class ExportFormat(StrEnum):
     xta = "xta"
     xml = "xml"
@@ -280,6 +285,11 @@ TimeUnit = Annotated[
 Names = Annotated[list[str] | None, typer.Option("--property", metavar="NAME", help="Take this formula of the file.")]
 
 
+Between = Annotated[
+    Interpolation, typer.Option("--interpolation", help="Between rows numbers are held, or move in straight lines.")
+]
+
+
 @app.command()
 def monitor(
     formula: FormulaArgument,
@@ -295,6 +305,10 @@ def monitor(
     robustness: Annotated[
         bool, typer.Option("--robustness/--no-robustness", help="Compute how far verdicts are from changing.")
     ] = True,
+    time_robustness: Annotated[
+        bool, typer.Option("--time-robustness", help="Compute by how much time signals may be shifted, too.")
+    ] = False,
+    interpolation: Between = Interpolation.constant,
     online: Annotated[bool, typer.Option("--online", help="Judge row by row, with bounded memory.")] = False,
     follow: Annotated[bool, typer.Option("--follow", help="Wait for further rows at the end of the file.")] = False,
     decimals: Annotated[
@@ -327,6 +341,8 @@ def monitor(
         format.value,
         output,
         quiet,
+        interpolation.value,
+        time_robustness,
     )
     raise typer.Exit(guarded(lambda: run_monitor(request)))
 
@@ -341,12 +357,15 @@ def plot(
     properties: Names = None,
     begin: Annotated[float | None, typer.Option("--from", metavar="TIME", help="Draw from here.")] = None,
     end: Annotated[float | None, typer.Option("--to", metavar="TIME", help="Draw up to here.")] = None,
+    interpolation: Between = Interpolation.constant,
 ) -> None:
     """Draw a trace with what formulas and their parts are worth on it, and where they are violated."""
     from tachk.cli.plot import run_plot
 
     names = tuple(properties or ())
-    raise typer.Exit(guarded(lambda: run_plot(formula, trace, output, time, unit, names, begin, end)))
+    raise typer.Exit(
+        guarded(lambda: run_plot(formula, trace, output, time, unit, names, begin, end, interpolation.value))
+    )
 
 
 @app.command()

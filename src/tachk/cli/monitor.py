@@ -12,9 +12,10 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.cli.monitor_request import MonitorRequest, destination, exit_status
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.monitoring.formulas import NamedFormula, read_formulas
-from tachk.monitoring.offline import judge, selected
+from tachk.monitoring.offline import Measures, judge, selected
 from tachk.report.monitor_record import Ending, MonitorRecord
 from tachk.report.monitor_text import print_monitor
+from tachk.runtime.trace import Interpolation
 from tachk.runtime.trace_files import open_trace
 
 _WIDTH = 1000
@@ -25,6 +26,10 @@ def run_monitor(request: MonitorRequest) -> ExitStatus:
     """Judges a trace, whole or row by row."""
     formulas = selected(read_formulas(request.formula), request.names)
     if request.online or request.follow or request.trace == "-":
+        if request.interpolation != "constant":
+            raise UsageError("--interpolation linear needs the whole trace: row by row the next row is not known")
+        if request.time_robustness:
+            raise UsageError("--time-robustness needs the whole trace", "leave out --online and --follow")
         from tachk.cli.monitor_online import run_online
 
         return run_online(request, formulas)
@@ -34,7 +39,8 @@ def run_monitor(request: MonitorRequest) -> ExitStatus:
 def _run_offline(request: MonitorRequest, formulas: tuple[NamedFormula, ...]) -> ExitStatus:
     recording = open_trace(request.trace, request.time, request.unit)
     source = request.formula if Path(request.formula).suffix else ""
-    record = judge(formulas, recording, Ending(request.end), request.robustness, source)
+    measures = Measures(request.robustness, request.time_robustness)
+    record = judge(formulas, recording, Ending(request.end), measures, Interpolation(request.interpolation), source)
     with destination(request.output, request.quiet) as out:
         if out is not None:
             _write(record, request.format, out)

@@ -30,6 +30,8 @@ class MonitorRequest:
     format: str = "text"
     output: Path | None = None
     quiet: bool = False
+    interpolation: str = "constant"
+    time_robustness: bool = False
 
 
 def exit_status(truths: set[Truth]) -> ExitStatus:

@@ -7,7 +7,7 @@ from pathlib import Path
 from tachk.cli.exit_status import ExitStatus
 from tachk.monitoring.formulas import read_formulas
 from tachk.monitoring.offline import MonitorReport, judge, selected
-from tachk.report.monitor_record import Ending
+from tachk.runtime.trace import Interpolation
 from tachk.runtime.trace_files import open_trace
 
 
@@ -20,10 +20,12 @@ def run_plot(
     names: tuple[str, ...],
     begin: float | None,
     end: float | None,
+    interpolation: str,
 ) -> ExitStatus:
     """Draws a trace with what formulas are worth on it. The verdict has no influence on the exit status."""
     formulas = selected(read_formulas(formula), names)
-    record = judge(formulas, open_trace(trace, time, unit), Ending.UNDETERMINED, robustness=True, source=formula)
+    between = Interpolation(interpolation)
+    record = judge(formulas, open_trace(trace, time, unit), interpolation=between, source=formula)
     MonitorReport(record).plot(output, begin, end)
     print(f"written: {output}")
     return ExitStatus.AS_EXPECTED

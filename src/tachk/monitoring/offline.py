@@ -14,22 +14,41 @@ from rich.console import Console
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.monitoring.formulas import NamedFormula, in_trace_units, read_formulas
+from tachk.monitoring.reading import Reading, follows_from_truth, infinite_robustness, reading_of
+from tachk.properties.lines import line_findings
 from tachk.properties.monitoring import compile as compile_formula
 from tachk.properties.monitoring import ticks_needed
-from tachk.report.monitor_record import Ending, MonitorRecord, MonitorVerdict
+from tachk.report.monitor_record import Ending, MonitorRecord, MonitorVerdict, TimeRobustness
 from tachk.report.monitor_text import print_monitor
-from tachk.runtime.core_monitor import monitor_robustness, monitor_truth, truth_signals
-from tachk.runtime.explanation import Explainer, horizon, never_triggered
-from tachk.runtime.node_signal import NodeSignal, Truth
-from tachk.runtime.online_monitor import OnlineMonitor
-from tachk.runtime.trace import Recording, Trace
+from tachk.runtime.core_monitor import (
+    LAST_TICK_OF_LINES,
+    RobustnessResult,
+    reach_of,
+    time_robustness_ahead,
+    time_robustness_behind,
+)
+from tachk.runtime.explanation import horizon, never_triggered
+from tachk.runtime.node_signal import Truth
+from tachk.runtime.trace import Interpolation, Recording, Trace
 from tachk.runtime.trace_files import open_trace
-from tachk.semantics.monitor_program import MonitorProgram, Relation
+from tachk.semantics.monitor_program import MonitorProgram
+from tachk.syntax.formula import Formula
 
 if TYPE_CHECKING:
     from tachk.report.json_report import Json
 
-_ROWS_AT_ONCE = 4096
+
+@dataclass(frozen=True, slots=True)
+class Measures:
+    """What is computed of each formula beside its truth.
+
+    Attributes:
+        robustness: by how much values could change before the verdict does.
+        time_robustness: by how much time signals could be shifted.
+    """
+
+    robustness: bool = True
+    time_robustness: bool = False
 
 
 def monitor(
@@ -40,6 +59,8 @@ def monitor(
     unit: str | None = None,
     end: str = "undetermined",
     robustness: bool = True,
+    time_robustness: bool = False,
+    interpolation: str = "constant",
     select: Collection[str] = (),
 ) -> MonitorReport:
     """Judges a recorded trace by one formula or several.
@@ -53,6 +74,8 @@ def monitor(
         end: what counts where the trace ends too early to tell: ``"undetermined"``, ``"weak"`` (as satisfied) or
             ``"strong"`` (as violated).
         robustness: compute how far each verdict is from changing.
+        time_robustness: compute by how much time signals could be shifted before the verdict changes.
+        interpolation: between rows ``"constant"`` values are held, ``"linear"`` numbers move in straight lines.
         select: the names of the formulas that are judged; none: all.
 
     Raises:
@@ -61,23 +84,43 @@ def monitor(
     """
     ending = ending_of(end)
     formulas = selected(formulas_of(formula), select)
+    between = interpolation_of(interpolation)
     recording = open_trace(trace, time, unit)
     source = os.fspath(formula) if isinstance(formula, (str, os.PathLike)) and Path(formula).suffix else ""
-    return MonitorReport(judge(formulas, recording, ending, robustness, source))
+    return MonitorReport(judge(formulas, recording, ending, Measures(robustness, time_robustness), between, source))
 
 
 def judge(
-    formulas: Sequence[NamedFormula], recording: Recording, ending: Ending, robustness: bool, source: str = ""
+    formulas: Sequence[NamedFormula],
+    recording: Recording,
+    ending: Ending = Ending.UNDETERMINED,
+    measures: Measures = Measures(),
+    interpolation: Interpolation = Interpolation.CONSTANT,
+    source: str = "",
 ) -> MonitorRecord:
-    """The record of some formulas on a recording."""
-    trace, programs = prepare(formulas, recording)
+    """The record of some formulas on a recording.
+
+    Raises:
+        InputError: a formula has no meaning on the trace.
+        UsageError: robustness in time is wanted of lines, or the trace is too long for lines.
+    """
+    if measures.time_robustness and interpolation is Interpolation.LINEAR:
+        raise UsageError(
+            "robustness in time is defined where values are held between rows",
+            "leave out the linear interpolation, or the robustness in time",
+        )
+    trace, programs = prepare(formulas, recording, interpolation)
+    reading = reading_of(trace, programs)
     verdicts = tuple(
-        verdict_on(named, program, trace, ending, robustness) for named, program in zip(formulas, programs, strict=True)
+        verdict_on(named, program, trace, ending, measures, reading)
+        for named, program in zip(formulas, programs, strict=True)
     )
-    return MonitorRecord(trace, source, verdicts, ending)
+    return MonitorRecord(reading.shown(trace), source, verdicts, ending)
 
 
-def prepare(formulas: Sequence[NamedFormula], recording: Recording) -> tuple[Trace, tuple[MonitorProgram, ...]]:
+def prepare(
+    formulas: Sequence[NamedFormula], recording: Recording, interpolation: Interpolation = Interpolation.CONSTANT
+) -> tuple[Trace, tuple[MonitorProgram, ...]]:
     """The trace, counted finely enough for all bounds, and a program for each formula. Raises InputError."""
     known = recording.columns
     wanted = {name for named in formulas for name in named.columns}.intersection(known)
@@ -93,9 +136,26 @@ def prepare(formulas: Sequence[NamedFormula], recording: Recording) -> tuple[Tra
     if found:
         raise InputError(found)
     trace = recording.read(wanted).refined(math.lcm(*(ticks_needed(formula) for formula in resolved)))
+    trace = replace(trace, interpolation=interpolation)
     booleans = frozenset(name for name, values in trace.columns.items() if values.dtype.kind == "u")
     programs = tuple(compile_formula(formula, known, trace.ticks_per_unit, booleans=booleans) for formula in resolved)
+    if interpolation is Interpolation.LINEAR:
+        _check_lines(resolved, programs, trace)
     return trace, programs
+
+
+def _check_lines(formulas: Sequence[Formula], programs: Sequence[MonitorProgram], trace: Trace) -> None:
+    """Raises InputError for what has no meaning on lines."""
+    moving = [column for column in trace.columns if trace.moves(column)]
+    found: list[Diagnostic] = []
+    for formula, program in zip(formulas, programs, strict=True):
+        found += line_findings(formula, moving)
+        if reach_of(program) >= LAST_TICK_OF_LINES:
+            ticks = f"2**47 ticks, {trace.ticks_per_unit} to a time unit"
+            message = f"the durations of this formula add up to more than {ticks}, the most where values lie on lines"
+            found.append(Diagnostic("E0903", message, formula.span))
+    if found:
+        raise InputError(found)
 
 
 def selected(formulas: Sequence[NamedFormula], names: Collection[str]) -> tuple[NamedFormula, ...]:
@@ -115,6 +175,14 @@ def ending_of(name: str) -> Ending:
         raise UsageError(f"end={name!r}: expected undetermined, weak or strong") from None
 
 
+def interpolation_of(name: str) -> Interpolation:
+    """The interpolation of this name. Raises UsageError."""
+    try:
+        return Interpolation(name)
+    except ValueError:
+        raise UsageError(f"interpolation={name!r}: expected constant or linear") from None
+
+
 def formulas_of(
     given: str | os.PathLike[str] | Sequence[str] | Sequence[NamedFormula],
 ) -> tuple[NamedFormula, ...]:
@@ -129,22 +197,24 @@ def formulas_of(
 
 
 def verdict_on(
-    named: NamedFormula, program: MonitorProgram, trace: Trace, ending: Ending, robustness: bool
+    named: NamedFormula,
+    program: MonitorProgram,
+    trace: Trace,
+    ending: Ending,
+    measures: Measures,
+    reading: Reading,
 ) -> MonitorVerdict:
     """The verdict of one program on a whole trace, with its explanation."""
-    measured = monitor_truth(program, trace).verdict
-
-    def compute(node: int) -> NodeSignal:
-        return truth_signals(program, trace, [node])[0]
-
-    def decide(tick: int) -> int:
-        return first_certain(program, trace, tick)
-
-    explainer = Explainer(program, compute, decide, 2 * trace.end + 1)
+    measured = reading.truth(program, trace)
+    explainer = reading.explainer(program, trace)
     presumably = None
     if measured is Truth.UNDETERMINED:
-        later = monitor_truth(program, replace(trace, end=trace.end + horizon(program))).verdict
+        later = reading.truth(program, replace(trace, end=trace.end + horizon(program)))
         presumably = None if later is Truth.UNDETERMINED else later
+    robustness = None
+    if measures.robustness:
+        plain = follows_from_truth(program)
+        robustness = infinite_robustness(measured) if plain else reading.robustness(program, trace)
     triggers = never_triggered(program) if measured is Truth.TRUE else ()
     return MonitorVerdict(
         named.name,
@@ -154,28 +224,13 @@ def verdict_on(
         measured,
         counted(measured, ending),
         presumably,
-        _robustness(program, trace, measured) if robustness else None,
+        None if robustness is None else (robustness.low, robustness.high),
         explainer.finding(measured),
-        bool(triggers) and all(monitor_truth(never, trace).verdict is Truth.TRUE for never in triggers),
-        program,
+        bool(triggers) and all(reading.truth(never, trace) is Truth.TRUE for never in triggers),
+        explainer.program,
         explainer,
+        _time_robustness(program, trace) if measures.time_robustness else None,
     )
-
-
-def first_certain(program: MonitorProgram, trace: Trace, tick: int) -> int:
-    """The first tick from ``tick`` on, or else the first row, at which no continuation could make the formula true."""
-    columns = [trace.columns[name] for name in program.columns]
-    monitor = OnlineMonitor(program, robustness=False)
-    row = int(trace.times.searchsorted(tick, side="right"))
-    monitor.push(trace.times[:row], [column[:row] for column in columns])
-    if monitor.advance(tick + 1) is Truth.FALSE:
-        return tick
-    while row < trace.rows and monitor.verdict is Truth.UNDETERMINED:
-        last = min(row + _ROWS_AT_ONCE, trace.rows)
-        monitor.push(trace.times[row:last], [column[row:last] for column in columns])
-        row = last
-    at = monitor.decided_at
-    return trace.end if at is None else at
 
 
 def counted(measured: Truth, ending: Ending) -> Truth:
@@ -185,14 +240,13 @@ def counted(measured: Truth, ending: Ending) -> Truth:
     return Truth.TRUE if ending is Ending.WEAK else Truth.FALSE
 
 
-def _robustness(program: MonitorProgram, trace: Trace, measured: Truth) -> tuple[float, float]:
-    """The robustness; of a formula that compares no numbers it follows from its truth."""
-    if all(atom.relation is Relation.TRUTH for atom in program.atoms):
-        low = math.inf if measured is Truth.TRUE else -math.inf
-        high = -math.inf if measured is Truth.FALSE else math.inf
-        return low, high
-    result = monitor_robustness(program, trace)
-    return result.low, result.high
+def _time_robustness(program: MonitorProgram, trace: Trace) -> TimeRobustness:
+    def in_units(ticks: RobustnessResult) -> tuple[float, float]:
+        return ticks.low / trace.ticks_per_unit, ticks.high / trace.ticks_per_unit
+
+    return TimeRobustness(
+        in_units(time_robustness_ahead(program, trace)), in_units(time_robustness_behind(program, trace))
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -235,6 +289,8 @@ class MonitorReport(Sequence[MonitorVerdict]):
         for verdict in self.record.verdicts:
             finding = verdict.finding
             low, high = verdict.robustness or (None, None)
+            ahead = verdict.time_robustness.ahead if verdict.time_robustness else (None, None)
+            behind = verdict.time_robustness.behind if verdict.time_robustness else (None, None)
             deadline = None if finding is None else finding.deadline
             rows.append(
                 {
@@ -245,6 +301,10 @@ class MonitorReport(Sequence[MonitorVerdict]):
                     "presumably": None if verdict.presumably is None else verdict.presumably.word,
                     "robustness_low": low,
                     "robustness_high": high,
+                    "ahead_low": ahead[0],
+                    "ahead_high": ahead[1],
+                    "behind_low": behind[0],
+                    "behind_high": behind[1],
                     "vacuous": verdict.vacuous,
                     "trigger": None if finding is None or finding.trigger is None else finding.trigger.text,
                     "at": None if finding is None else float(trace.clock(finding.cell // 2)),

@@ -14,7 +14,8 @@ import numpy as np
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.monitoring.formulas import NamedFormula, in_trace_units
-from tachk.monitoring.offline import counted, ending_of, formulas_of, selected, verdict_on
+from tachk.monitoring.offline import Measures, counted, ending_of, formulas_of, selected, verdict_on
+from tachk.monitoring.reading import HeldValues
 from tachk.properties.monitoring import compile as compile_formula
 from tachk.properties.monitoring import ticks_needed
 from tachk.report.monitor_record import Ending, MonitorRecord, MonitorVerdict
@@ -278,7 +279,7 @@ class Monitor:
         end = max(self._now or 0, int(ticks[-1])) - first
         trace = Trace("", ticks - first, columns, end, self._scale, self._unit, Fraction(first, self._scale))
         verdict: MonitorVerdict = verdict_on(
-            watched.named, watched.core.program, trace, Ending.UNDETERMINED, robustness=False
+            watched.named, watched.core.program, trace, Ending.UNDETERMINED, Measures(robustness=False), HeldValues()
         )
         stretch = watched.core.violation
         found = verdict.finding

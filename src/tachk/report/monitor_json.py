@@ -22,6 +22,7 @@ def monitor_to_json(record: MonitorRecord) -> dict[str, Json]:
         "begin": exact(trace, 0),
         "end": exact(trace, 2 * trace.end),
         "unit": trace.unit or None,
+        "interpolation": trace.interpolation.value,
         "pending_counts_as": record.ending.value,
         "results": [verdict_to_json(record, verdict) for verdict in record.verdicts],
     }
@@ -38,9 +39,17 @@ def verdict_to_json(record: MonitorRecord, verdict: MonitorVerdict) -> dict[str,
         "measured": verdict.measured.word,
         "presumably": None if verdict.presumably is None else verdict.presumably.word,
         "robustness": None if verdict.robustness is None else [number(value) for value in verdict.robustness],
+        "time_robustness": _time_robustness(verdict),
         "vacuous": verdict.vacuous,
         "finding": finding_to_json(record, verdict),
     }
+
+
+def _time_robustness(verdict: MonitorVerdict) -> dict[str, Json] | None:
+    bounds = verdict.time_robustness
+    if bounds is None:
+        return None
+    return {"ahead": [number(value) for value in bounds.ahead], "behind": [number(value) for value in bounds.behind]}
 
 
 def finding_to_json(record: MonitorRecord, verdict: MonitorVerdict) -> dict[str, Json] | None:

@@ -9,7 +9,7 @@ from fractions import Fraction
 from tachk.report.quantity import decimal
 from tachk.runtime.explanation import Explainer, Finding
 from tachk.runtime.node_signal import Truth
-from tachk.runtime.trace import Trace
+from tachk.runtime.trace import Interpolation, Trace
 from tachk.semantics.monitor_program import MonitorProgram
 
 
@@ -24,6 +24,20 @@ class Ending(StrEnum):
     STRONG = "strong"
 
 
+@dataclass(frozen=True, slots=True)
+class TimeRobustness:
+    """By how much time signals may be shifted before the verdict changes, in units of the trace; negative if it is
+    false. Each as an interval over all continuations (docs/logic.md).
+
+    Attributes:
+        ahead: everything may happen so much earlier.
+        behind: everything may happen so much later.
+    """
+
+    ahead: tuple[float, float]
+    behind: tuple[float, float]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class MonitorVerdict:
     """Attributes:
@@ -35,6 +49,7 @@ class MonitorVerdict:
         undetermined, or is determined.
     robustness: how far the trace is from changing the verdict, as an interval over all continuations; None if it was
         not asked for.
+    time_robustness: None if it was not asked for.
     finding: where the formula is violated first, or hangs.
     vacuous: it asks for something whenever a trigger is true, and the trigger never is.
     explainer: for plots; None where the trace is not kept.
@@ -52,6 +67,7 @@ class MonitorVerdict:
     vacuous: bool
     program: MonitorProgram = field(repr=False)
     explainer: Explainer | None = field(default=None, repr=False)
+    time_robustness: TimeRobustness | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,8 +84,9 @@ class MonitorRecord:
 
 
 def clock_text(trace: Trace, tick: int | Fraction) -> str:
-    """What the clock of the recording showed at a tick: ``12.5 s``."""
-    number = decimal(trace.clock(tick))
+    """What the clock of the recording showed at a tick: ``12.5 s``. Where lines cross, to six decimals."""
+    clock = trace.clock(tick)
+    number = decimal(round(clock, 6) if trace.interpolation is Interpolation.LINEAR else clock)
     return f"{number} {trace.unit}" if trace.unit else number
 
 
@@ -86,9 +103,7 @@ def cell_text(trace: Trace, cell: int) -> str:
 
 def value_text(trace: Trace, column: str, cell: int) -> str:
     """The value of a column in a cell, beyond the end the last one."""
-    values = trace.columns[column]
-    row = int(trace.times.searchsorted(cell // 2, side="right")) - 1
-    value = values[row]
-    if values.dtype.kind == "u":
+    value = trace.value(column, Fraction(cell // 2))
+    if trace.columns[column].dtype.kind == "u":
         return "true" if value else "false"
-    return f"{float(value):.6g}"
+    return f"{value:.6g}"

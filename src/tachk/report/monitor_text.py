@@ -12,6 +12,7 @@ from tachk.report.monitor_record import Ending, MonitorRecord, MonitorVerdict, c
 from tachk.report.monitor_words import explain_verdict
 from tachk.report.quantity import count
 from tachk.runtime.node_signal import Truth
+from tachk.runtime.trace import Interpolation
 
 STYLES = {Truth.TRUE: "green", Truth.FALSE: "red", Truth.UNDETERMINED: "yellow"}
 
@@ -21,6 +22,9 @@ def print_monitor(record: MonitorRecord, console: Console) -> None:
     trace = record.trace
     rows = f"{count(trace.rows)} {'row' if trace.rows == 1 else 'rows'}"
     console.print(Text(f"{trace.name}: {rows}, from {clock_text(trace, 0)} to {clock_text(trace, trace.end)}"))
+    moving = [name for name in trace.columns if trace.moves(name)]
+    if trace.interpolation is Interpolation.LINEAR:
+        console.print(Text(f"straight lines between rows: {', '.join(moving) or 'no column holds numbers'}"))
     console.print()
     console.print(_table(record))
     for verdict in record.verdicts:
@@ -66,11 +70,20 @@ def _table(record: MonitorRecord) -> Table:
     table.add_column("verdict", no_wrap=True)
     if quantitative:
         table.add_column("robustness", no_wrap=True)
+    timed = any(verdict.time_robustness is not None for verdict in record.verdicts)
+    if timed:
+        unit = f" [{record.trace.unit}]" if record.trace.unit else ""
+        table.add_column(f"ahead{unit}", no_wrap=True)
+        table.add_column(f"behind{unit}", no_wrap=True)
     table.add_column("meaning", overflow="fold")
     for verdict in record.verdicts:
         row = [Text(f"  {verdict.name}"), Text(answer_text(verdict), style=STYLES[verdict.truth])]
         if quantitative:
             row.append(Text(robustness_text(verdict.robustness)))
+        if timed:
+            bounds = verdict.time_robustness
+            row.append(Text("" if bounds is None else robustness_text(bounds.ahead)))
+            row.append(Text("" if bounds is None else robustness_text(bounds.behind)))
         table.add_row(*row, Text(verdict.formula))
     return table
 

@@ -46,6 +46,7 @@ def online_to_json(record: OnlineRecord) -> dict[str, Json]:
         "begin": decimal(record.begin),
         "end": decimal(record.end),
         "unit": record.unit or None,
+        "interpolation": "constant",
         "pending_counts_as": record.ending.value,
         "results": [_verdict_to_json(verdict) for verdict in record.verdicts],
     }
@@ -62,6 +63,7 @@ def _verdict_to_json(verdict: OnlineVerdict) -> dict[str, Json]:
         "measured": verdict.measured.word,
         "presumably": None,
         "robustness": None if verdict.robustness is None else [number(value) for value in verdict.robustness],
+        "time_robustness": None,
         "vacuous": False,
         "finding": None if story is None else finding_to_json(story, story.verdicts[0]),
     }

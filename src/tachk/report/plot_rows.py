@@ -103,6 +103,20 @@ def steps(trace: Trace, column: str, begin: float, end: float) -> tuple[NDArray[
     return np.append(times, max(stop, times[-1])), np.append(values, values[-1])
 
 
+def line(trace: Trace, column: str, begin: float, end: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The points of a line from row to row that covers a part of the trace, its last value held to the end of it."""
+    first = max(int(trace.times.searchsorted(begin, side="right")) - 1, 0)
+    last = int(trace.times.searchsorted(end, side="right")) + 1
+    times = trace.times[first:last]
+    kept = np.append(times[1:] != times[:-1], True)  # of several rows for one instant the last one counts
+    points = times[kept].astype(np.float64)
+    values = trace.columns[column][first:last][kept].astype(np.float64)
+    if len(points) > MOST_POINTS:
+        points, values = _extremes(points, values)
+    stop = max(min(end, float(trace.end)), points[-1])
+    return np.append(points, stop), np.append(values, values[-1])
+
+
 def _extremes(
     times: NDArray[np.float64], values: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

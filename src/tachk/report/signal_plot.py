@@ -22,7 +22,7 @@ from matplotlib.ticker import MaxNLocator
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.report.monitor_record import MonitorRecord, MonitorVerdict, clock_text
 from tachk.report.monitor_text import answer_text, robustness_text
-from tachk.report.plot_rows import Band, FormulaRows, bands_of, formula_rows, steps, thresholds
+from tachk.report.plot_rows import Band, FormulaRows, bands_of, formula_rows, line, steps, thresholds
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Trace
 
@@ -130,9 +130,10 @@ def _axes(figure: Figure, heights: Sequence[float], signals: int, height: float)
 
 
 def _draw_numbers(axis: Axes, trace: Trace, name: str, span: Span, verdicts: Sequence[MonitorVerdict]) -> None:
-    times, values = steps(trace, name, span.begin, span.end)
-    (line,) = axis.plot(times, values, drawstyle="steps-post", color=_SIGNAL, linewidth=1.2)
-    line.set_gid(f"signal-{name}")
+    moves = trace.moves(name)
+    times, values = (line if moves else steps)(trace, name, span.begin, span.end)
+    (curve,) = axis.plot(times, values, drawstyle="default" if moves else "steps-post", color=_SIGNAL, linewidth=1.2)
+    curve.set_gid(f"signal-{name}")
     for level in thresholds(verdicts, name):
         axis.axhline(level, color="#555555", linewidth=0.8, linestyle=(0, (1, 2)))
     axis.set_ylabel(_short(name), rotation=0, ha="right", va="center", fontsize=_LABEL)
@@ -147,8 +148,8 @@ def _draw_flags(axis: Axes, trace: Trace, names: Sequence[str], span: Span) -> N
         base = len(names) - 1 - row
         levels = base + 0.12 + 0.7 * values
         axis.fill_between(times, base + 0.12, levels, step="post", color=_SIGNAL, alpha=0.35, linewidth=0)
-        (line,) = axis.plot(times, levels, drawstyle="steps-post", color=_SIGNAL, linewidth=1.0)
-        line.set_gid(f"signal-{name}")
+        (curve,) = axis.plot(times, levels, drawstyle="steps-post", color=_SIGNAL, linewidth=1.0)
+        curve.set_gid(f"signal-{name}")
     _rows(axis, [_short(name) for name in names])
 
 
@@ -229,8 +230,8 @@ def _mark(axis: Axes, verdict: MonitorVerdict, span: Span, labelled: bool, trace
     for number, (place, word, style) in enumerate(marks):
         if not span.begin <= place <= span.end:
             continue
-        line = axis.axvline(place, color="#000000", linewidth=1.1, linestyle=style, zorder=5)
-        line.set_gid(f"{word.split()[0]}-{verdict.name}")
+        mark = axis.axvline(place, color="#000000", linewidth=1.1, linestyle=style, zorder=5)
+        mark.set_gid(f"{word.split()[0]}-{verdict.name}")
         if labelled:
             leftwards = place > span.end - _LABEL_WIDTH * width or (close and number == 0)
             fits = not (leftwards and place < span.begin + _LABEL_WIDTH * width)

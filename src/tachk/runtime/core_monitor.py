@@ -6,7 +6,7 @@ truth may be undetermined, and robustness is bounded by what continuations of th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,14 @@ from tachk.semantics.monitor_program import MonitorProgram
 
 _SLICE = 1 << 18
 """Rows between two looks at whether Ctrl-C was pressed."""
+
+MOST_PARTS = 1_000_000
+"""Of a tick, in which the instants are told at which lines cross."""
+
+LAST_TICK_OF_LINES = 1 << 47
+"""The durations of a formula that is judged on lines add up to less than this number of ticks."""
+
+_LAST_TICK = 1 << 59
 
 _SPACE, _AHEAD, _BEHIND = 0, 1, 2
 """What `LinearMonitor` of the core measures."""
@@ -177,13 +185,37 @@ class LinearSignal:
     before: NDArray[np.float64]
 
 
-def monitor_linear_truth(program: MonitorProgram, trace: Trace) -> LinearTruthResult:
+def reach_of(program: MonitorProgram) -> int:
+    """What the durations of a formula add up to, in ticks."""
+    return sum(max(node.lower, node.upper) for node in program.nodes)
+
+
+def parts_of_tick(programs: Iterable[MonitorProgram], trace: Trace) -> int:
+    """In how many parts of a tick the instants at which lines cross can be told: a power of ten, at most a million.
+
+    Raises UsageError if ticks cannot be divided, because the trace is too long for that, or bounds reach
+    `LAST_TICK_OF_LINES`.
+    """
+    reach = trace.end + 1 + 2 * max(map(reach_of, programs), default=0)
+    parts = 1
+    while parts < MOST_PARTS and reach * parts * 1000 < _LAST_TICK:
+        parts *= 10
+    if parts == 1:
+        raise UsageError(
+            f"{trace.name} is too long for lines between its rows, with {trace.ticks_per_unit} ticks per unit of time",
+            "times and bounds with fewer decimals, or a shorter trace, can be judged",
+        )
+    return parts
+
+
+def monitor_linear_truth(program: MonitorProgram, trace: Trace, parts: int = MOST_PARTS) -> LinearTruthResult:
     """The truth of the formula where numbers move linearly from one row to the next; truth values do not move.
 
-    After the last row they keep their values. Raises ValueError for what is not linear: ``%``, products and quotients
-    of columns.
+    After the last row they keep their values. Instants at which lines cross are rounded to one of so many parts of a
+    tick, or of fewer if the trace is too long for them (`parts_of_tick`). Raises ValueError for what is not linear:
+    ``%``, products and quotients of columns (`tachk.properties.lines` finds it before).
     """
-    core = _linear(program, trace, _SPACE)
+    core = _linear(program, trace, _SPACE, parts)
     low, high, found = core.truth()
     parts = 2 * core.refinement()
     violation = None if found is None else LinearViolation(found[0], found[1] / parts, found[2] / parts)
@@ -193,6 +225,16 @@ def monitor_linear_truth(program: MonitorProgram, trace: Trace) -> LinearTruthRe
 def monitor_linear_robustness(program: MonitorProgram, trace: Trace) -> RobustnessResult:
     """The robustness of the formula where numbers move linearly from one row to the next."""
     return _first_value(_linear(program, trace, _SPACE), program)
+
+
+def linear_truth_signal(program: MonitorProgram, trace: Trace, node: int, parts: int) -> NodeSignal:
+    """The truth of a node over the whole trace, in cells of parts of a tick. Raises ValueError for too many parts."""
+    core = _linear(program, trace, _SPACE, parts)
+    if core.refinement() != parts:
+        raise ValueError("the trace is too long for so many parts of a tick")
+    starts, low, high = core.truth_signal(node)
+    cells = 2 * parts * (trace.end - int(trace.times[0])) + 1
+    return NodeSignal(starts, np.where(low == high, low, np.uint8(Truth.UNDETERMINED)), cells)
 
 
 def linear_robustness_signal(program: MonitorProgram, trace: Trace, node: int) -> tuple[LinearSignal, LinearSignal]:
@@ -213,18 +255,30 @@ def time_robustness_behind(program: MonitorProgram, trace: Trace) -> RobustnessR
     return _first_value(_linear(program, trace, _BEHIND), program)
 
 
-def _linear(program: MonitorProgram, trace: Trace, measure: int) -> _core.LinearMonitor:
+def time_robustness_signal(
+    program: MonitorProgram, trace: Trace, node: int, *, ahead: bool
+) -> tuple[LinearSignal, LinearSignal]:
+    """The bounds of the robustness in time of a node, in ticks."""
+    core = _linear(program, trace, _AHEAD if ahead else _BEHIND)
+    return LinearSignal(*core.robustness(node, False)), LinearSignal(*core.robustness(node, True))
+
+
+def _linear(program: MonitorProgram, trace: Trace, measure: int, parts: int = MOST_PARTS) -> _core.LinearMonitor:
     core = _core.LinearMonitor(program, measure=measure)
     columns = _columns(program, trace)
     for begin in range(0, trace.rows, _SLICE):
         end = begin + _SLICE
         core.push(trace.times[begin:end], [column[begin:end] for column in columns])
-    core.finish(trace.end)
+    core.finish(trace.end, parts)
     return core
 
 
 def _first_value(core: _core.LinearMonitor, program: MonitorProgram) -> RobustnessResult:
+    """Node by node: between two of them the interpreter sees Ctrl-C."""
     root = len(program.nodes) - 1
+    for node in range(root):
+        for high in (False, True):
+            core.compute(node, high)
     low, high = (core.robustness(root, side)[1][0] for side in (False, True))
     return _robustness_result(float(low), float(high))
 

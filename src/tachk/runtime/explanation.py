@@ -45,7 +45,7 @@ class Finding:
         triggered: the first and the last cell of the stretch around ``cell`` in which the trigger is true.
         response: why the response, or the whole, has its value.
         deadline: the last cell at which the response could have come or been broken; None: without end.
-        decided: the cell from which on the verdict is certain; None if it is not.
+        decided: the cell from which on the verdict is certain; None if it is not, or nobody can tell.
         blamed: the innermost subformulas to blame, with the cells at which they are.
     """
 
@@ -64,13 +64,13 @@ class Explainer:
     """Attributes:
     compute: what a node of the program is worth over the trace; asked once for each node that matters.
     decide: the first tick from the given one on at which a violation is certain; asked where the parts of a formula do
-        not tell by themselves, because windows lie within windows.
+        not tell by themselves, because windows lie within windows. None: then it is not told.
     cells: of the trace, ``2 * end + 1``.
     """
 
     program: MonitorProgram
     compute: Callable[[int], NodeSignal] = field(repr=False)
-    decide: Callable[[int], int] = field(repr=False)
+    decide: Callable[[int], int] | None = field(repr=False)
     cells: int
     _known: dict[int, NodeSignal] = field(default_factory=dict, repr=False)
 
@@ -221,14 +221,14 @@ class Explainer:
             return (0 if high is None else max(cell - high, 0)), cell - low
         return cell + low, None if high is None else cell + high
 
-    def _certain(self, response: Reason, trigger: Reason | None) -> int:
+    def _certain(self, response: Reason, trigger: Reason | None) -> int | None:
         """The cell from which on the violation is certain."""
         reasons = [response] if trigger is None else [response, trigger]
         decided = max(self._decided(reason) for reason in reasons)
         last = self.cells - 1
         if decided >= last or not any(self._looks_further(reason) for reason in reasons):
             return min(decided, last)
-        return min(2 * self.decide((decided + 1) // 2), last)
+        return None if self.decide is None else min(2 * self.decide((decided + 1) // 2), last)
 
     def _decided(self, reason: Reason) -> int:
         """From which cell on nothing can change the value, unless it hangs on windows within windows."""

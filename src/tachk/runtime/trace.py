@@ -1,13 +1,14 @@
 """A recorded trace: columns of values over exact time.
 
-Columns keep their values from the instant of one row to that of the next; of several rows for one instant the last one
-counts. What a row says and what lies between the rows is stated in docs/monitoring.md.
+Columns keep their values from the instant of one row to that of the next, or numbers move in straight lines; of
+several rows for one instant the last one counts. What a row says and what lies between them: docs/monitoring.md.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from fractions import Fraction
 from math import lcm
 from typing import Protocol
@@ -25,6 +26,14 @@ LARGEST_TICK = 2**58
 """Later instants are refused, so that sums of instants and bounds of formulas fit into 64 bits."""
 
 
+class Interpolation(StrEnum):
+    """What columns of numbers do between two rows: they keep their values, or move in straight lines. Truth values
+    always keep theirs, and after the last row everything does."""
+
+    CONSTANT = "constant"
+    LINEAR = "linear"
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Trace:
     """Attributes:
@@ -35,6 +44,7 @@ class Trace:
     ticks_per_unit: how many ticks make one unit of time.
     unit: ``ms``, ``s``, ...; empty if nobody has said it.
     origin: what the clock of the recording showed when the trace began, in units.
+    interpolation: what numbers do between rows.
     """
 
     name: str
@@ -44,6 +54,7 @@ class Trace:
     ticks_per_unit: int = 1
     unit: str = ""
     origin: Fraction = Fraction(0)
+    interpolation: Interpolation = Interpolation.CONSTANT
 
     def __post_init__(self) -> None:
         if len(self.times) == 0 or self.times[0] != 0 or self.end < self.times[-1]:
@@ -58,6 +69,21 @@ class Trace:
     def clock(self, tick: int | Fraction) -> Fraction:
         """What the clock of the recording showed at a tick, in units."""
         return self.origin + Fraction(tick) / self.ticks_per_unit
+
+    def moves(self, column: str) -> bool:
+        """Whether the values of a column lie on lines between the rows."""
+        return self.interpolation is Interpolation.LINEAR and self.columns[column].dtype.kind == "f"
+
+    def value(self, column: str, tick: Fraction) -> float:
+        """The value of a column at an instant from the first row on."""
+        values = self.columns[column]
+        row = int(self.times.searchsorted(int(tick), side="right")) - 1
+        here = float(values[row])
+        if row + 1 == self.rows or not self.moves(column):
+            return here
+        start, stop = int(self.times[row]), int(self.times[row + 1])
+        there = float(values[int(self.times.searchsorted(stop, side="right")) - 1])
+        return here + (there - here) * float((tick - start) / (stop - start))
 
     def refined(self, ticks_per_unit: int) -> Trace:
         """The same trace counted so finely that ``1 / ticks_per_unit`` is a whole number of ticks too.

@@ -122,7 +122,7 @@ def satisfaction(formula: syntax.Formula, trace: ExactTrace) -> ExactSignal:
     """The value at every instant. Durations in the formula have to be numbers, in the time unit of the trace."""
     match formula:
         case syntax.Truth(value=value):
-            return _signal({Fraction(0)}, lambda _: TRUE if value else FALSE)
+            return signal_of({Fraction(0)}, lambda _: TRUE if value else FALSE)
         case syntax.Atom(expression=expression):
             return _of_states(trace, lambda state: condition(expression, state))
         case syntax.Change(span=span, expression=expression) if is_condition(expression):
@@ -130,47 +130,47 @@ def satisfaction(formula: syntax.Formula, trace: ExactTrace) -> ExactSignal:
             falls = syntax.Fall(span, atom), syntax.Fall(span, syntax.Not(span, atom))
             return satisfaction(syntax.Or(span, falls), trace)
         case syntax.Change(expression=expression):
-            return _change(trace, lambda state: number(expression, state))
+            return change_of(trace, lambda state: number(expression, state))
         case syntax.Not(operand=operand):
             inner = satisfaction(operand, trace)
-            return _signal(inner.points, lambda t: ~inner.value(t))
+            return signal_of(inner.points, lambda t: ~inner.value(t))
         case syntax.And(operands=operands):
-            return _combined([satisfaction(operand, trace) for operand in operands], lambda left, right: left & right)
+            return combined([satisfaction(operand, trace) for operand in operands], lambda left, right: left & right)
         case syntax.Or(operands=operands):
-            return _combined([satisfaction(operand, trace) for operand in operands], lambda left, right: left | right)
+            return combined([satisfaction(operand, trace) for operand in operands], lambda left, right: left | right)
         case syntax.Implies(left=left, right=right):
             return satisfaction(syntax.Or(formula.span, (syntax.Not(left.span, left), right)), trace)
         case syntax.Rise(operand=operand):
             inner = satisfaction(operand, trace)
-            return _signal(inner.points, lambda t: inner.value(t) & ~_before(inner, t))
+            return signal_of(inner.points, lambda t: inner.value(t) & ~before(inner, t))
         case syntax.Fall(operand=operand):
             inner = satisfaction(operand, trace)
-            return _signal(inner.points, lambda t: ~inner.value(t) & _before(inner, t))
+            return signal_of(inner.points, lambda t: ~inner.value(t) & before(inner, t))
         case syntax.Eventually(interval=interval, operand=operand):
-            return _ahead(interval, _signal({Fraction(0)}, lambda _: TRUE), satisfaction(operand, trace), trace)
+            return ahead(interval, signal_of({Fraction(0)}, lambda _: TRUE), satisfaction(operand, trace), trace)
         case syntax.Always(interval=interval, operand=operand):
             negated = syntax.Not(operand.span, operand)
             return satisfaction(syntax.Not(formula.span, syntax.Eventually(formula.span, interval, negated)), trace)
         case syntax.Until(interval=interval, left=left, right=right):
-            return _ahead(interval, satisfaction(left, trace), satisfaction(right, trace), trace)
+            return ahead(interval, satisfaction(left, trace), satisfaction(right, trace), trace)
         case syntax.WeakUntil(left=left, right=right):
-            return satisfaction(_weak_until(formula, left, right), trace)
+            return satisfaction(weak_until(formula, left, right), trace)
         case syntax.Once(interval=interval, operand=operand):
-            return _behind(interval, _signal({Fraction(0)}, lambda _: TRUE), satisfaction(operand, trace))
+            return behind(interval, signal_of({Fraction(0)}, lambda _: TRUE), satisfaction(operand, trace))
         case syntax.Historically(interval=interval, operand=operand):
             negated = syntax.Not(operand.span, operand)
             return satisfaction(syntax.Not(formula.span, syntax.Once(formula.span, interval, negated)), trace)
         case syntax.Since(interval=interval, left=left, right=right):
-            return _behind(interval, satisfaction(left, trace), satisfaction(right, trace))
+            return behind(interval, satisfaction(left, trace), satisfaction(right, trace))
 
 
-def _weak_until(formula: syntax.WeakUntil, left: syntax.Formula, right: syntax.Formula) -> syntax.Formula:
+def weak_until(formula: syntax.WeakUntil, left: syntax.Formula, right: syntax.Formula) -> syntax.Formula:
     span = formula.span
     ever = syntax.Interval(span, syntax.Duration(span, Fraction(0)), None)
     return syntax.Or(span, (syntax.Until(span, ever, left, right), syntax.Always(span, ever, left)))
 
 
-def _signal(points: Iterable[Fraction], value: Callable[[Fraction], Value]) -> ExactSignal:
+def signal_of(points: Iterable[Fraction], value: Callable[[Fraction], Value]) -> ExactSignal:
     """The signal with these values, which must be constant between the points; points at which nothing happens are
     left out."""
     ordered = sorted({point for point in points if point > 0} | {Fraction(0)})
@@ -185,10 +185,10 @@ def _of_states(trace: ExactTrace, value: Callable[[dict[str, Scalar]], Value]) -
         state = trace.state_at(instant)
         return UNKNOWN if state is None else value(dict(state))
 
-    return _signal({*trace.times, trace.end}, at)
+    return signal_of({*trace.times, trace.end}, at)
 
 
-def _change(trace: ExactTrace, value: Callable[[dict[str, Scalar]], Fraction]) -> ExactSignal:
+def change_of(trace: ExactTrace, value: Callable[[dict[str, Scalar]], Fraction]) -> ExactSignal:
     points = sorted({*trace.times, trace.end})
 
     def at(instant: Fraction) -> Value:
@@ -201,25 +201,25 @@ def _change(trace: ExactTrace, value: Callable[[dict[str, Scalar]], Fraction]) -
             return UNKNOWN
         return TRUE if value(dict(now)) != value(dict(before)) else FALSE
 
-    return _signal(points, at)
+    return signal_of(points, at)
 
 
-def _combined(signals: list[ExactSignal], operator: Callable[[Value, Value], Value]) -> ExactSignal:
+def combined(signals: list[ExactSignal], operator: Callable[[Value, Value], Value]) -> ExactSignal:
     def at(instant: Fraction) -> Value:
         result = signals[0].value(instant)
         for signal in signals[1:]:
             result = operator(result, signal.value(instant))
         return result
 
-    return _signal({point for signal in signals for point in signal.points}, at)
+    return signal_of({point for signal in signals for point in signal.points}, at)
 
 
-def _before(signal: ExactSignal, instant: Fraction) -> Value:
+def before(signal: ExactSignal, instant: Fraction) -> Value:
     """What was before an instant; before the trace everything is false."""
     return FALSE if instant == 0 else signal.just_before(instant)
 
 
-def _ahead(interval: syntax.Interval, left: ExactSignal, right: ExactSignal, trace: ExactTrace) -> ExactSignal:
+def ahead(interval: syntax.Interval, left: ExactSignal, right: ExactSignal, trace: ExactTrace) -> ExactSignal:
     """``left U interval right``."""
     lower, upper = _bounds(interval)
     points = sorted({*left.points, *right.points, trace.end})
@@ -246,10 +246,10 @@ def _ahead(interval: syntax.Interval, left: ExactSignal, right: ExactSignal, tra
             result |= right.value(witness) & _everywhere(left, meanwhile)
         return result
 
-    return _signal({point - shift for point in points for shift in shifts}, at)
+    return signal_of({point - shift for point in points for shift in shifts}, at)
 
 
-def _behind(interval: syntax.Interval, left: ExactSignal, right: ExactSignal) -> ExactSignal:
+def behind(interval: syntax.Interval, left: ExactSignal, right: ExactSignal) -> ExactSignal:
     """``left S interval right``."""
     lower, upper = _bounds(interval)
     points = sorted({*left.points, *right.points})
@@ -266,7 +266,7 @@ def _behind(interval: syntax.Interval, left: ExactSignal, right: ExactSignal) ->
             result |= right.value(witness) & _everywhere(left, meanwhile)
         return result
 
-    return _signal({point + shift for point in points for shift in shifts}, at)
+    return signal_of({point + shift for point in points for shift in shifts}, at)
 
 
 def _everywhere(signal: ExactSignal, window: Window) -> Value:

@@ -132,11 +132,11 @@ def condition(expression: ast.Expression, state: Mapping[str, Scalar]) -> Value:
         case ast.BinaryExpression(operator="imply", left=left, right=right):
             return ~condition(left, state) | condition(right, state)
         case ast.BinaryExpression(operator="xor", left=left, right=right):
-            return ~_equivalence(condition(left, state), condition(right, state))
-        case ast.BinaryExpression(operator="==" | "!=" as operator, left=left, right=right) if _is_truth(
+            return ~equivalence(condition(left, state), condition(right, state))
+        case ast.BinaryExpression(operator="==" | "!=" as operator, left=left, right=right) if is_truth(
             left, state
-        ) and _is_truth(right, state):
-            same = _equivalence(condition(left, state), condition(right, state))
+        ) and is_truth(right, state):
+            same = equivalence(condition(left, state), condition(right, state))
             return same if operator == "==" else ~same
         case ast.BinaryExpression(operator="<" | "<=" | ">" | ">=" | "==" | "!=" as operator, left=left, right=right):
             return _comparison(operator, number(left, state), number(right, state))
@@ -206,7 +206,7 @@ def _comparison(operator: str, left: Fraction, right: Fraction) -> Value:
     return Value(truth, margin, margin)
 
 
-def _equivalence(left: Value, right: Value) -> Value:
+def equivalence(left: Value, right: Value) -> Value:
     return (left & right) | (~left & ~right)
 
 
@@ -221,7 +221,7 @@ def is_condition(expression: ast.Expression) -> bool:
             return isinstance(expression, ast.BooleanLiteral)
 
 
-def _is_truth(expression: ast.Expression, state: Mapping[str, Scalar]) -> bool:
+def is_truth(expression: ast.Expression, state: Mapping[str, Scalar]) -> bool:
     """Whether an expression is a condition by its form or by the values of its column, not a number."""
     if isinstance(expression, ast.NameExpression | ast.MemberExpression | ast.IndexExpression):
         return isinstance(state[print_expression(expression)], bool)

@@ -36,6 +36,7 @@ class FormulaShape:
         rows: the largest number.
         gap: the largest time from one row to the next.
         equal_times: whether several rows may be for one instant.
+    linear: only what has a meaning where numbers move in straight lines between rows.
         constants: the share of true and false among the innermost operands.
     """
 
@@ -53,6 +54,7 @@ class FormulaShape:
     gap: int = 3
     equal_times: bool = True
     constants: float = 0.04
+    linear: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +151,7 @@ def _leaf(random: Random, shape: FormulaShape) -> syntax.Formula:
 
 
 def _changing(random: Random, shape: FormulaShape) -> ast.Expression:
-    if not shape.numeric or random.random() < 0.4:
+    if not shape.numeric or shape.linear or random.random() < 0.4:
         return _name(random.choice(FLAGS))
     return _comparison(random, shape) if random.random() < 0.3 else _term(random, shape)
 
@@ -171,7 +173,7 @@ def _term(random: Random, shape: FormulaShape) -> ast.Expression:
         return ast.BinaryExpression(NOWHERE, random.choice(("+", "-", "*")), column, number)
     if kind < 0.87:
         power = ast.IntegerLiteral(NOWHERE, random.choice((1, 2, 4)))
-        return ast.BinaryExpression(NOWHERE, random.choice(("/", "%")), column, power)
+        return ast.BinaryExpression(NOWHERE, "/" if shape.linear else random.choice(("/", "%")), column, power)
     if kind < 0.93:
         return ast.CallExpression(NOWHERE, _name("abs"), (column,))
     return ast.CallExpression(NOWHERE, _name(random.choice(("min", "max"))), (column, number))

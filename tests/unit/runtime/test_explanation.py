@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from tachk.monitoring.formulas import NamedFormula
-from tachk.monitoring.offline import MonitorReport, verdict_on
+from tachk.monitoring.offline import Measures, MonitorReport, verdict_on
+from tachk.monitoring.reading import HeldValues
 from tachk.properties.monitoring import compile as compile_formula
 from tachk.properties.monitoring import ticks_needed
 from tachk.report.monitor_record import Ending, MonitorRecord
@@ -42,7 +43,9 @@ def report(seed: int, shape: FormulaShape) -> MonitorReport:
     booleans = [name for name, values in trace.columns.items() if values.dtype.kind == "u"]
     program = compile_formula(formula, trace.columns, trace.ticks_per_unit, booleans=booleans)
     named = NamedFormula("p", "", formula)
-    return MonitorReport(MonitorRecord(trace, "", (verdict_on(named, program, trace, Ending.UNDETERMINED, True),)))
+    return MonitorReport(
+        MonitorRecord(trace, "", (verdict_on(named, program, trace, Ending.UNDETERMINED, Measures(), HeldValues()),))
+    )
 
 
 def every(reason: Reason) -> Iterator[Reason]:

@@ -30,9 +30,11 @@ class LinearMonitor {
   std::size_t columns() const { return program_.columns; }
   std::size_t nodes() const { return program_.nodes.size(); }
   void push(const Samples& samples);
-  void finish(std::int64_t end);
+  // Instants at which columns cross are told in parts of a tick: `most_parts`, a power of ten, or as many as fit.
+  void finish(std::int64_t end, std::int64_t most_parts = 1'000'000);
 
-  // The robustness of a node at each instant; after the end of the trace, what is certain of it.
+  // The robustness of a node at each instant; after the end of the trace, what is certain of it. It is kept, so that
+  // one may ask for the operands first, and look up in between.
   LinearSignal robustness(std::size_t node, bool high);
   // The truth of the formula. Only for `space`. Instants at which columns cross are rounded to parts of a tick, but
   // stay on their side of the ticks; cells count in such parts.
@@ -50,6 +52,7 @@ class LinearMonitor {
   LinearSignal column(std::size_t number) const;
   LinearSignal value(const std::vector<ValueInstruction>& code) const;
   LinearSignal margin(const MonitorAtom& atom) const;
+  double magnitude(const std::vector<ValueInstruction>& code, std::size_t row) const;
   LinearSignal atom(const MonitorAtom& atom) const;
   LinearSignal changes(std::size_t atom, double yes, double no) const;
   LinearSignal lasting(std::size_t atom, bool high) const;

@@ -1,0 +1,138 @@
+"""The two ways of reading a trace: values are held between rows, or numbers move in straight lines."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from tachk.runtime.core_monitor import (
+    RobustnessResult,
+    linear_truth_signal,
+    monitor_linear_robustness,
+    monitor_linear_truth,
+    monitor_robustness,
+    monitor_truth,
+    parts_of_tick,
+    truth_signals,
+)
+from tachk.runtime.explanation import Explainer
+from tachk.runtime.node_signal import NodeSignal, Truth
+from tachk.runtime.online_monitor import OnlineMonitor
+from tachk.runtime.trace import Interpolation, Trace
+from tachk.semantics.monitor_program import UNBOUNDED, MonitorProgram, Relation
+
+_ROWS_AT_ONCE = 4096
+
+
+class Reading(Protocol):
+    """What there is between the rows of a trace. Programs and traces count the same ticks."""
+
+    def shown(self, trace: Trace) -> Trace:
+        """The trace as reports count it, so that every instant which they tell is a whole number of half ticks."""
+        ...
+
+    def truth(self, program: MonitorProgram, trace: Trace) -> Truth: ...
+
+    def robustness(self, program: MonitorProgram, trace: Trace) -> RobustnessResult: ...
+
+    def explainer(self, program: MonitorProgram, trace: Trace) -> Explainer:
+        """In the ticks of what is shown."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class HeldValues:
+    """Every value is held until the next row."""
+
+    def shown(self, trace: Trace) -> Trace:
+        return trace
+
+    def truth(self, program: MonitorProgram, trace: Trace) -> Truth:
+        return monitor_truth(program, trace).verdict
+
+    def robustness(self, program: MonitorProgram, trace: Trace) -> RobustnessResult:
+        return monitor_robustness(program, trace)
+
+    def explainer(self, program: MonitorProgram, trace: Trace) -> Explainer:
+        def compute(node: int) -> NodeSignal:
+            return truth_signals(program, trace, [node])[0]
+
+        def decide(tick: int) -> int:
+            return first_certain(program, trace, tick)
+
+        return Explainer(program, compute, decide, 2 * trace.end + 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Lines:
+    """Numbers move in straight lines from row to row.
+
+    Attributes:
+        parts: of a tick, in which the instants are told at which lines cross.
+    """
+
+    parts: int
+
+    def shown(self, trace: Trace) -> Trace:
+        return trace.refined(trace.ticks_per_unit * self.parts)
+
+    def shown_program(self, program: MonitorProgram) -> MonitorProgram:
+        """The program in the ticks of what is shown."""
+        nodes = tuple(
+            replace(
+                node,
+                lower=node.lower * self.parts,
+                upper=UNBOUNDED if node.upper == UNBOUNDED else node.upper * self.parts,
+            )
+            for node in program.nodes
+        )
+        return replace(program, nodes=nodes, ticks_per_unit=program.ticks_per_unit * self.parts)
+
+    def truth(self, program: MonitorProgram, trace: Trace) -> Truth:
+        return monitor_linear_truth(program, trace, self.parts).verdict
+
+    def robustness(self, program: MonitorProgram, trace: Trace) -> RobustnessResult:
+        return monitor_linear_robustness(program, trace)
+
+    def explainer(self, program: MonitorProgram, trace: Trace) -> Explainer:
+        def compute(node: int) -> NodeSignal:
+            return linear_truth_signal(program, trace, node, self.parts)
+
+        # When a violation is certain would have to be asked of prefixes, whose last lines are not known.
+        return Explainer(self.shown_program(program), compute, None, 2 * trace.end * self.parts + 1)
+
+
+def reading_of(trace: Trace, programs: Iterable[MonitorProgram]) -> Reading:
+    """How a trace says that it is read. Raises UsageError if it is too long for lines."""
+    if trace.interpolation is Interpolation.LINEAR:
+        return Lines(parts_of_tick(programs, trace))
+    return HeldValues()
+
+
+def follows_from_truth(program: MonitorProgram) -> bool:
+    """Whether the robustness is infinite, because the formula compares no numbers."""
+    return all(atom.relation is Relation.TRUTH for atom in program.atoms)
+
+
+def infinite_robustness(truth: Truth) -> RobustnessResult:
+    """The robustness of what compares no numbers."""
+    low = math.inf if truth is Truth.TRUE else -math.inf
+    return RobustnessResult(low, -math.inf if truth is Truth.FALSE else math.inf)
+
+
+def first_certain(program: MonitorProgram, trace: Trace, tick: int) -> int:
+    """The first tick from ``tick`` on, or else the first row, at which no continuation could make the formula true."""
+    columns = [trace.columns[name] for name in program.columns]
+    monitor = OnlineMonitor(program, robustness=False)
+    row = int(trace.times.searchsorted(tick, side="right"))
+    monitor.push(trace.times[:row], [column[:row] for column in columns])
+    if monitor.advance(tick + 1) is Truth.FALSE:
+        return tick
+    while row < trace.rows and monitor.verdict is Truth.UNDETERMINED:
+        last = min(row + _ROWS_AT_ONCE, trace.rows)
+        monitor.push(trace.times[row:last], [column[row:last] for column in columns])
+        row = last
+    at = monitor.decided_at
+    return trace.end if at is None else at
