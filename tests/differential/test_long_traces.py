@@ -63,7 +63,7 @@ def test_signals_agree_with_the_definitions_anywhere(seed: int) -> None:
     root = len(given.program.nodes) - 1
     (truth,) = truth_signals(given.program, given.trace, [root])
     (margin,) = robustness_signals(given.program, given.trace, [root])
-    for _ in range(12):
+    for _ in range(8):
         cell = random.randint(0, 2 * given.trace.end)
         instant = given.instant(cell)
         around, start = piece(case.trace, instant - behind, instant + ahead)

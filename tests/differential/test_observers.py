@@ -29,7 +29,7 @@ MAXIMAL_STATES = 400
 
 @pytest.mark.parametrize("block", range(5))
 def test_an_observer_can_reach_its_bad_location_where_the_monitor_says_false(block: int) -> None:
-    compared = 0
+    answers = []
     for seed in range(40 * block, 40 * block + 40):
         case = random_observer_case(Random(seed))
         try:
@@ -41,13 +41,14 @@ def test_an_observer_can_reach_its_bad_location_where_the_monitor_says_false(blo
         assert query is not None
         truth = verdict(case.formula, case.trace).truth
         assert violated(model, query) == (truth is False), f"seed {seed}: {print_formula(case.formula)} is {truth}"
-        compared += 1
-    assert compared > 25
+        answers.append(truth)
+    assert answers.count(False) > 5
+    assert len(answers) - answers.count(False) > 5
 
 
 @pytest.mark.parametrize("block", range(3))
 def test_an_observer_never_keeps_the_network_from_acting_and_never_delays_it(block: int) -> None:
-    watched = 0
+    watched = compared = 0
     for seed in range(8 * block, 8 * block + 8):
         random = Random(seed)
         network = random_case(random, SMALL).network
@@ -65,11 +66,13 @@ def test_an_observer_never_keeps_the_network_from_acting_and_never_delays_it(blo
             ), f"seed {seed}: time stands still"
         expected, all_expected = _reachable(alone)
         if complete and all_expected:
+            compared += 1
             constants = clock_constants(network, []).maximum[1:]
             assert {_normal(_projected(alone, state), constants) for state in states} == {
                 _normal(state, constants) for state in expected
             }, f"seed {seed}"
     assert watched > 3
+    assert compared > 0, "no network is small enough to compare all its states"
 
 
 @pytest.mark.parametrize("block", range(3))

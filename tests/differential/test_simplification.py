@@ -1,4 +1,5 @@
-"""Simplified formulas, and those in negation normal form, have the same values as before, at every instant."""
+"""Simplified formulas, and those in negation normal form, have the same values as before: truth, robustness and what is
+undetermined, at every instant, also after the end of a trace."""
 
 from __future__ import annotations
 
@@ -13,13 +14,20 @@ from tachk.logic.simplify import simplify
 from tachk.syntax.formula import Formula, Not
 from tachk.syntax.formula_printer import print_formula
 from tachk.testing.exact_monitor import satisfaction
-from tachk.testing.exact_trace import Ending
-from tachk.testing.formulas import FormulaShape, random_monitoring_case
+from tachk.testing.exact_trace import Ending, ExactTrace
+from tachk.testing.formulas import FormulaShape, random_monitoring_case, random_trace
+from tachk.testing.tricky import read_formula
+
+Rewrite = Callable[[Formula], Formula]
 
 SHAPES = (FormulaShape(), FormulaShape(depth=2, constants=0.4), FormulaShape(depth=3, constants=0.3, bound=1))
+LEAVES = ("p", "p", "q", "x < 1", "x == 1", "true", "false", "rise(p)", "fall(q)", "change(x)", "change(2)", "1 < 3")
+INTERVALS = (
+    *("", "[0, 0]", "[0, 1]", "[0, 1)", "(0, 1]", "[1, 2]", "(1, 2)"),
+    *("[1, 1]", "[1, 1)", "(0, 0]", "[2, inf)", "(0, inf)"),
+)
 
-
-@pytest.mark.parametrize(
+each_rewrite = pytest.mark.parametrize(
     ("rewrite", "same_as"),
     [
         (simplify, lambda formula: formula),
@@ -28,14 +36,56 @@ SHAPES = (FormulaShape(), FormulaShape(depth=2, constants=0.4), FormulaShape(dep
     ],
     ids=["simplify", "negation normal form", "negation"],
 )
-@pytest.mark.parametrize("seed", range(60))
-def test_values_are_kept(
-    seed: int, rewrite: Callable[[Formula], Formula], same_as: Callable[[Formula], Formula]
-) -> None:
-    case = random_monitoring_case(Random(seed), SHAPES[seed % len(SHAPES)])
-    other = rewrite(case.formula)
+
+
+def odd_formula(random: Random, depth: int) -> str:
+    """A formula with many constants, empty windows and repeated parts."""
+    if depth == 0 or random.random() < 0.1:
+        return random.choice(LEAVES)
+    inner = [odd_formula(random, depth - 1) for _ in range(2)]
+    if random.random() < 0.2:
+        inner[1] = inner[0]
+    kind = random.choice("FGOHFGOH!&|>USWr")
+    match kind:
+        case "!":
+            return f"!({inner[0]})"
+        case "r":
+            return f"{random.choice(['rise', 'fall'])}({inner[0]})"
+        case "&" | "|":
+            return f"({inner[0]}) {kind * 2} ({inner[1]})"
+        case ">":
+            return f"({inner[0]}) -> ({inner[1]})"
+        case "W":
+            return f"({inner[0]}) W ({inner[1]})"
+        case "U" | "S":
+            return f"({inner[0]}) {kind}{random.choice(INTERVALS)} ({inner[1]})"
+        case _:
+            return f"{kind}{random.choice(INTERVALS)} ({inner[0]})"
+
+
+def check(formula: Formula, other: Formula, trace: ExactTrace) -> None:
     for ending in Ending:
-        trace = replace(case.trace, ending=ending)
-        before, after = satisfaction(same_as(case.formula), trace), satisfaction(other, trace)
-        text = f"{print_formula(case.formula)} becomes {print_formula(other)} on {trace}"
-        assert before == after, text
+        seen = replace(trace, ending=ending)
+        text = f"{print_formula(formula)} becomes {print_formula(other)} on {seen}"
+        assert satisfaction(formula, seen) == satisfaction(other, seen), text
+
+
+@each_rewrite
+@pytest.mark.parametrize("seed", range(60))
+def test_values_are_kept(seed: int, rewrite: Rewrite, same_as: Rewrite) -> None:
+    case = random_monitoring_case(Random(seed), SHAPES[seed % len(SHAPES)])
+    check(same_as(case.formula), rewrite(case.formula), case.trace)
+
+
+@each_rewrite
+@pytest.mark.parametrize("seed", range(5))
+def test_values_are_kept_with_constants_and_odd_windows(seed: int, rewrite: Rewrite, same_as: Rewrite) -> None:
+    random = Random(seed)
+    changed = 0
+    for _ in range(20):
+        formula, trace = read_formula(odd_formula(random, 3)), random_trace(random, FormulaShape(rows=3))
+        other = rewrite(formula)
+        changed += other != same_as(formula)
+        check(same_as(formula), other, trace)
+        assert rewrite(other) == other or rewrite is negate
+    assert changed > 2

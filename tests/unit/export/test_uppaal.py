@@ -277,7 +277,7 @@ def random_model(random: Random) -> str:
     return text
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(st.randoms(use_true_random=False))
 def test_random_models_come_back_equal(random: Random) -> None:
     model = load(random_model(random))

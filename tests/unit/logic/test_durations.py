@@ -7,11 +7,10 @@ from fractions import Fraction
 import pytest
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
-from tachk.diagnostics.span import Source
 from tachk.logic.durations import resolve
 from tachk.syntax import ast
-from tachk.syntax.formula_parser import parse_formula
 from tachk.syntax.formula_printer import print_formula
+from tachk.testing.tricky import read_formula
 from tachk.time_units import length_of
 
 
@@ -24,9 +23,7 @@ def evaluate(expression: ast.Expression) -> int:
 
 
 def resolved(text: str, unit: str = "") -> str:
-    formula, diagnostics = parse_formula(Source("f", text))
-    assert formula is not None, diagnostics
-    return print_formula(resolve(formula, evaluate, unit))
+    return print_formula(resolve(read_formula(text), evaluate, unit))
 
 
 @pytest.mark.parametrize(

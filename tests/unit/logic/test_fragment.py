@@ -6,17 +6,9 @@ from fractions import Fraction
 
 import pytest
 
-from tachk.diagnostics.span import Source
 from tachk.logic.fragment import outside_fragment
 from tachk.logic.horizon import horizon
-from tachk.syntax import formula as f
-from tachk.syntax.formula_parser import parse_formula
-
-
-def parsed(text: str) -> f.Formula:
-    formula, diagnostics = parse_formula(Source("f", text))
-    assert formula is not None, diagnostics
-    return formula
+from tachk.testing.tricky import read_formula
 
 
 @pytest.mark.parametrize(
@@ -34,7 +26,7 @@ def parsed(text: str) -> f.Formula:
     ],
 )
 def test_inside(text: str) -> None:
-    assert outside_fragment(parsed(text)) is None
+    assert outside_fragment(read_formula(text)) is None
 
 
 @pytest.mark.parametrize(
@@ -56,7 +48,7 @@ def test_inside(text: str) -> None:
     ],
 )
 def test_outside(text: str, part: str, reason: str) -> None:
-    offence = outside_fragment(parsed(text))
+    offence = outside_fragment(read_formula(text))
     assert offence is not None
     assert offence.span.text == part
     assert reason in offence.reason
@@ -78,4 +70,4 @@ def test_outside(text: str, part: str, reason: str) -> None:
     ],
 )
 def test_horizon(text: str, expected: Fraction | int | None) -> None:
-    assert horizon(parsed(text)) == expected
+    assert horizon(read_formula(text)) == expected

@@ -4,18 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.diagnostics.span import Source
 from tachk.logic.negation import negate, negation_normal_form
 from tachk.logic.simplify import simplify
-from tachk.syntax import formula as f
-from tachk.syntax.formula_parser import parse_formula
 from tachk.syntax.formula_printer import print_formula
-
-
-def parsed(text: str) -> f.Formula:
-    formula, diagnostics = parse_formula(Source("f", text))
-    assert formula is not None, diagnostics
-    return formula
+from tachk.testing.tricky import read_formula
 
 
 @pytest.mark.parametrize(
@@ -57,7 +49,7 @@ def parsed(text: str) -> f.Formula:
     ],
 )
 def test_rules(text: str, simpler: str) -> None:
-    assert print_formula(simplify(parsed(text))) == simpler
+    assert print_formula(simplify(read_formula(text))) == simpler
 
 
 @pytest.mark.parametrize(
@@ -82,7 +74,7 @@ def test_rules(text: str, simpler: str) -> None:
     ],
 )
 def test_what_only_looks_simpler_is_left_alone(text: str) -> None:
-    formula = parsed(text)
+    formula = read_formula(text)
     assert simplify(formula) == formula
 
 
@@ -101,8 +93,8 @@ def test_what_only_looks_simpler_is_left_alone(text: str) -> None:
     ],
 )
 def test_negation_normal_form(text: str, normal: str) -> None:
-    assert print_formula(negation_normal_form(parsed(text))) == normal
+    assert print_formula(negation_normal_form(read_formula(text))) == normal
 
 
 def test_negation() -> None:
-    assert print_formula(negate(parsed("G (p -> F[0,5] q)"))) == "F (p && G[0, 5] !q)"
+    assert print_formula(negate(read_formula("G (p -> F[0,5] q)"))) == "F (p && G[0, 5] !q)"

@@ -457,7 +457,7 @@ def leaf_places(place: Expression) -> list[Expression]:
     return [place]
 
 
-@RANDOM
+@settings(RANDOM, max_examples=80)
 @given(update_lists())
 def test_updates_agree_with_the_engine(updates: list[Expression]) -> None:
     plain = network(updates)
