@@ -34,6 +34,16 @@ class _Watched:
 def with_observers(model: LoadedModel) -> tuple[LoadedModel, tuple[Step, ...]]:
     """The model with an observer for each temporal property, as far as UPPAAL's language can say what it looks at; and
     what was done. A property without an observer stays as it is."""
+    temporal = [
+        (item, item.formula)
+        for item in model.items
+        if isinstance(item, ast.PropertyDeclaration) and isinstance(item.formula, ast.TemporalFormula)
+    ]
+    if not temporal:
+        return model, ()
+    if model.refusals:
+        reason = "stays a comment: something in the model is not checked"
+        return model, tuple(Step("property", item.name.span, f"`{item.name.name}` {reason}") for item, _ in temporal)
     signals: dict[str, ast.Expression] = {}
     for item in model.items:
         if isinstance(item, ast.SignalDeclaration):
@@ -42,11 +52,10 @@ def with_observers(model: LoadedModel) -> tuple[LoadedModel, tuple[Step, ...]]:
     mirrors = Mirrors(model.items, model.network, model.names, taken)
     steps: list[Step] = []
     watched = []
-    for item in model.items:
-        if isinstance(item, ast.PropertyDeclaration) and isinstance(item.formula, ast.TemporalFormula):
-            found = _watched(model, item, item.formula, signals, mirrors, steps)
-            if found is not None:
-                watched.append(found)
+    for item, formula in temporal:
+        found = _watched(model, item, formula, signals, mirrors, steps)
+        if found is not None:
+            watched.append(found)
     if not watched:
         return model, tuple(steps)
     return replace(model, items=_Weaver(model, mirrors, watched).items()), (*steps, *mirrors.steps)

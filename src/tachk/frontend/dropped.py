@@ -1,11 +1,16 @@
-"""Floating point variables and hybrid clocks that only other such variables ever see.
+"""Floating point variables and hybrid clocks that only other such variables ever see, and functions with something in
+them that is refused.
 
-They belong to statistical checking. What is assigned to them, and the rate of a hybrid clock, is left out of the
-network; whatever else uses one is refused where it does, so what is left out can influence nothing that is checked.
+They belong to statistical checking. What is assigned to such variables, and the rate of a hybrid clock, is left out of
+the network; whatever else uses one is refused where it does, and so is every call of such a function, so what is left
+out can influence nothing that is checked.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.frontend.builtin_names import FLOATING_FUNCTIONS
 from tachk.frontend.context import Context
 from tachk.frontend.scope import DroppedSymbol, Scope, ValueSymbol
@@ -35,9 +40,35 @@ def declare_dropped(node: ast.VariableDeclaration, kind: str, scope: Scope, cont
         scope.declare(name, DroppedSymbol(name.span, kind), context.findings)
 
 
+def declare_dropped_function(
+    node: ast.FunctionDeclaration, refusals: Sequence[Diagnostic], scope: Scope, context: Context
+) -> None:
+    name = node.name
+    context.findings.add(
+        "W0407",
+        name.span,
+        f"the function `{name.name}` is not part of what is checked",
+        "what calls it is refused",
+        tuple(Label(refusal.span, refusal.message) for refusal in refusals[:1]),
+    )
+    scope.declare(name, DroppedSymbol(name.span, "function", refusals[0]), context.findings)
+
+
+def refuse_call(node: ast.Expression, symbol: DroppedSymbol, context: Context) -> None:
+    """Reports a call of a function that is left out, or of what is no function."""
+    if symbol.reason is None:
+        context.error("E0208", node.span, f"a {symbol.description} is not a function")
+        return
+    label = Label(symbol.reason.span, symbol.reason.message)
+    context.findings.add("E0750", node.span, f"the function `{node.span.text}` is not supported", None, (label,))
+
+
 def refuse_use(node: ast.NameExpression | ast.MemberExpression, symbol: DroppedSymbol, context: Context) -> None:
     """Reports that something checked depends on what is left out."""
     name = node.name if isinstance(node, ast.NameExpression) else node.name.name
+    if symbol.reason is not None:
+        context.error("E0203", node.span, f"`{name}` is a function", "write parentheses to call it")
+        return
     advice = "declare a plain `clock`" if symbol.description == "hybrid clock" else "use integers, scaled if need be"
     context.error("E0750", node.span, f"the {symbol.description} `{name}` is not supported here", advice)
 

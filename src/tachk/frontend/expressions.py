@@ -18,7 +18,7 @@ from tachk.frontend.builtin_names import (
     FLOATING_FUNCTIONS,
 )
 from tachk.frontend.context import Context
-from tachk.frontend.dropped import refuse_use
+from tachk.frontend.dropped import refuse_call, refuse_use
 from tachk.frontend.findings import count
 from tachk.frontend.names import misuse_help, named
 from tachk.frontend.operators import choose, combine
@@ -334,7 +334,9 @@ def _call(node: ast.CallExpression, scope: Scope, context: Context) -> Expressio
     if symbol is None:
         return None
     if not isinstance(symbol, FunctionSymbol):
-        if not isinstance(symbol, BrokenSymbol):
+        if isinstance(symbol, DroppedSymbol):
+            refuse_call(node.function, symbol, context)
+        elif not isinstance(symbol, BrokenSymbol):
             context.error("E0208", node.function.span, f"a {symbol.description} is not a function", misuse_help(symbol))
         return None
     function = symbol.function

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import assert_never
 
 from tachk.frontend.context import Context
+from tachk.frontend.dropped import declare_dropped_function
 from tachk.frontend.expressions import comma, condition, expression, type_reader
 from tachk.frontend.findings import Findings
 from tachk.frontend.initialisers import initialiser
@@ -35,9 +36,20 @@ from tachk.syntax import ast
 
 
 def declare_function(node: ast.FunctionDeclaration, scope: Scope, context: Context) -> None:
-    """Elaborates a function and declares its name."""
-    symbol = _function(node, scope, context)
-    scope.declare(node.name, symbol, context.findings)
+    """Elaborates a function and declares its name. A function whose only mistake is something that is refused is left
+    out, so that only what calls it is refused."""
+    found, own = context.findings, Findings()
+    context.findings = own
+    try:
+        symbol = _function(node, scope, context)
+    finally:
+        context.findings = found
+    refusals = [diagnostic for diagnostic in own.sorted() if diagnostic.is_unsupported]
+    if refusals and not own.has_mistakes:
+        declare_dropped_function(node, refusals, scope, context)
+        return
+    found.extend(own.sorted())
+    scope.declare(node.name, symbol, found)
 
 
 def _function(node: ast.FunctionDeclaration, scope: Scope, context: Context) -> Symbol:

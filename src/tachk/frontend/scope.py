@@ -101,10 +101,15 @@ class BrokenSymbol:
 
 @dataclass(frozen=True, slots=True)
 class DroppedSymbol:
-    """A variable that is left out of the network; see `tachk.frontend.dropped`."""
+    """A variable or function that is left out of the network; see `tachk.frontend.dropped`.
+
+    Attributes:
+        reason: of a function, what in it is refused.
+    """
 
     span: Span
     description: str
+    reason: Diagnostic | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -213,7 +213,7 @@ def test_what_nothing_checked_reads_is_left_out(tmp_path: Path) -> None:
         ("cost = cost + sqrt(energy) * n", "cost = n++"),
         ("cost = cost + sqrt(energy) * n", "cost = 1 / n"),
         ("x = 0;", "x = cost;"),
-        ("P() {\n", "P() {\n    void f() { cost = 1.0; }\n"),
+        ("double cost = 0.5;", "double cost = 0.5;\nint f() { cost = 1.0; return 1; }\nint a = f();"),
         ("energy' == 2 * n + cost", "x' == cost"),
         ("double cost = 0.5;", "double cost = 0.5;\nint a[2];"),
     ],
@@ -248,3 +248,45 @@ def test_a_template_without_locations_is_written_and_read(tmp_path: Path) -> Non
     loaded = load_model(Source("m.ta", "process P() { int n; }\nsystem P;\n"))
     again = load_model(Source("again.xta", export_model(loaded, ExportFormat.XTA).text))
     assert [refusal.message for refusal in again.refusals] == [refusal.message for refusal in loaded.refusals]
+
+
+FUNCTIONS = """int n;
+double level = 0.5;
+int rounded() { return level > 0.5 ? 1 : 0; }
+int next(int i) { return (i + 1) % 3; }
+
+process P() {
+    init location s {
+        to s { assign n = next(n); }
+    }
+}
+
+system P;
+property bounded : A[] n <= 2;
+property high : E<> rounded() == 1;
+"""
+
+
+def test_a_function_that_nothing_checked_calls_is_left_out() -> None:
+    loaded = load_model(Source("m.ta", FUNCTIONS))
+    assert loaded.refusals == ()
+    assert [(warning.code, warning.span.text) for warning in loaded.warnings] == [
+        ("W0406", "level"),
+        ("W0407", "rounded"),
+    ]
+    assert [query.name for query in loaded.queries] == ["bounded"]
+    (query,) = loaded.unchecked
+    assert [(found.code, found.span.text) for found in query.diagnostics] == [("E0750", "rounded")]
+    assert query.diagnostics[0].labels[0].span.text == "level"
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "refused"),
+    [
+        ("n = next(n)", "n = rounded()", "rounded"),
+        ("(i + 1) % 3", "rounded()", "next"),
+    ],
+)
+def test_what_calls_such_a_function_is_refused(before: str, after: str, refused: str) -> None:
+    loaded = load_model(Source("m.ta", FUNCTIONS.replace(before, after)))
+    assert [refusal.span.text for refusal in loaded.refusals] == [refused]
