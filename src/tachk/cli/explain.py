@@ -14,6 +14,7 @@ from tachk.logic.durations import resolve, scaled
 from tachk.logic.fragment import outside_fragment
 from tachk.logic.horizon import horizon
 from tachk.logic.observer import NoObserver, build_observer
+from tachk.logic.simplify import simplify
 from tachk.monitoring.constants import constants_by_name
 from tachk.monitoring.formulas import NamedFormula, read_formulas
 from tachk.syntax.ast import BuiltinType, VariableDeclaration
@@ -51,6 +52,8 @@ def _lines(named: NamedFormula) -> list[str]:
     lines = [f"sentence  {named.sentence}"] if named.sentence else []
     lines.append(f"formula   {named.text}")
     formula = named.formula
+    if (simpler := simplify(formula)) != formula:
+        lines.append(f"simpler   {print_formula(simpler)}")
     try:
         formula, unit = _resolved(named)
         lines.append(f"horizon   {_horizon(formula, unit)}")

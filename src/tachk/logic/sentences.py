@@ -18,6 +18,7 @@ from fractions import Fraction
 from typing import assert_never
 
 from tachk.diagnostics.span import Span
+from tachk.logic.connectives import both, conjuncts, either, implies, negation
 from tachk.syntax import sentence as s
 from tachk.syntax.formula import (
     Always,
@@ -32,7 +33,6 @@ from tachk.syntax.formula import (
     Interval,
     Not,
     Once,
-    Or,
     Rise,
     Truth,
     Until,
@@ -368,34 +368,3 @@ class _Meaning:
 def zero(like: Duration) -> Duration:
     """No time, without a unit, which it needs as little as a number."""
     return Duration(like.span, Fraction(0))
-
-
-def negation(formula: Formula) -> Formula:
-    """The opposite, without a double negation."""
-    match formula:
-        case Not(operand=operand):
-            return operand
-        case Truth(value=value):
-            return Truth(formula.span, not value)
-        case _:
-            return Not(formula.span, formula)
-
-
-def conjuncts(formula: Formula) -> tuple[Formula, ...]:
-    return formula.operands if isinstance(formula, And) else (formula,)
-
-
-def both(span: Span, left: Formula, right: Formula) -> Formula:
-    """A conjunction that is flat and without parts that are always true."""
-    parts = tuple(p for formula in (left, right) for p in conjuncts(formula) if p != Truth(p.span, True))
-    return And(span, parts) if len(parts) > 1 else parts[0] if parts else Truth(span, True)
-
-
-def either(span: Span, left: Formula, right: Formula) -> Formula:
-    """A disjunction that is flat."""
-    return Or(span, tuple(p for f in (left, right) for p in (f.operands if isinstance(f, Or) else (f,))))
-
-
-def implies(span: Span, left: Formula, right: Formula) -> Formula:
-    """An implication, or only the right side where the left one is always true."""
-    return right if left == Truth(span, True) else Implies(span, left, right)
