@@ -11,6 +11,7 @@ import tachk
 from tachk.runtime.node_signal import Truth
 from tachk.testing.exact_monitor import verdict
 from tachk.testing.formulas import MonitoringCase
+from tachk.testing.lines_agreement import line_problems, time_problems
 from tachk.testing.monitor_input import in_ticks, monitor_input, truth_of
 from tachk.testing.offline_agreement import offline_problems
 from tachk.testing.online_agreement import online_problems
@@ -42,6 +43,23 @@ def test_offline(case: TrickyCase) -> None:
     ticks = monitor_input(MonitoringCase(read_formula(case.at_start), case.trace)).trace.ticks_per_unit
     (judged,) = tachk.monitor(case.at_start, in_ticks(case.trace, ticks))
     assert judged.truth is expected(case)
+
+
+@each_case
+def test_lines(case: TrickyCase) -> None:
+    """Truth values do not move between rows, so that only C19 has another answer."""
+    given = MonitoringCase(read_formula(case.at_start), case.trace)
+    assert line_problems(given) == ()
+    (judged,) = tachk.monitor(case.at_start, in_ticks(case.trace, monitor_input(given).trace.ticks_per_unit))
+    (on_lines,) = tachk.monitor(
+        case.at_start, in_ticks(case.trace, monitor_input(given).trace.ticks_per_unit), interpolation="linear"
+    )
+    assert on_lines.truth is (Truth.TRUE if case.name == "C19" else judged.truth)
+
+
+@each_case
+def test_robustness_in_time(case: TrickyCase) -> None:
+    assert time_problems(MonitoringCase(read_formula(case.at_start), case.trace)) == ()
 
 
 @each_case

@@ -6,6 +6,7 @@ truth may be undetermined, and robustness is bounded by what continuations of th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -247,12 +248,18 @@ def time_robustness_ahead(program: MonitorProgram, trace: Trace) -> RobustnessRe
     """By how many ticks all changes of atoms may come earlier before the truth of the formula changes: at each instant
     an atom counts as many ticks as it will go on to have the truth that it has, negative if it is false (Donze, Maler
     2010). Columns keep their values between rows."""
-    return _first_value(_linear(program, trace, _AHEAD), program)
+    return _in_half_ticks(_first_value(_linear(program, trace, _AHEAD), program))
 
 
 def time_robustness_behind(program: MonitorProgram, trace: Trace) -> RobustnessResult:
     """The same looking back: by how many ticks all changes may come later. What was before the trace is not counted."""
-    return _first_value(_linear(program, trace, _BEHIND), program)
+    return _in_half_ticks(_first_value(_linear(program, trace, _BEHIND), program))
+
+
+def _in_half_ticks(value: RobustnessResult) -> RobustnessResult:
+    """Without what was rounded on the way: lines of slope 1 and -1 through whole ticks cross at halves of a tick."""
+    low, high = (bound if math.isinf(bound) else round(2 * bound) / 2 for bound in (value.low, value.high))
+    return _robustness_result(low, high)
 
 
 def time_robustness_signal(

@@ -150,6 +150,34 @@ def test_time_robustness_is_the_slack_of_the_response() -> None:
     assert core_monitor.time_robustness_behind(response(25), trace()) == RobustnessResult(-20, -15)
 
 
+def test_crossings_are_told_in_parts_of_a_tick() -> None:
+    slope = Trace("slope", np.array([0, 3]), {"p": np.ones(2, np.uint8), "x": np.array([0.0, 1.0])}, 3)
+    assert core_monitor.parts_of_tick([response(4)], slope) == 1_000_000
+    signal = core_monitor.linear_truth_signal(response(4), slope, 2, 1000)
+    assert signal.stretches() == [(0, 3000, Truth.FALSE), (3001, 6000, Truth.TRUE)]
+
+
+def test_a_trace_can_be_too_long_for_lines() -> None:
+    times, values = np.array([0, 2**57]), {"p": np.ones(2, np.uint8), "x": np.array([0.0, 1.0])}
+    with pytest.raises(UsageError, match="too long for lines"):
+        core_monitor.parts_of_tick([response(4)], Trace("long", times, values, 2**57))
+    shorter = Trace("long", np.array([0, 2**45]), values, 2**45)
+    parts = core_monitor.parts_of_tick([response(4)], shorter)
+    assert parts == 100
+    assert core_monitor.linear_truth_signal(response(4), shorter, 2, parts).at(parts * 2**45 + 1) is Truth.TRUE
+
+
+def test_where_lines_of_an_absolute_value_end_rounding_does_not_show() -> None:
+    """x >= abs(x) holds up to the crossing of 0 at 4/5 of a tick, included."""
+    atom = MonitorAtom(Relation.GREATER_EQUAL, column(0), (*column(0), ValueInstruction(ValueOperator.ABSOLUTE)), "")
+    program = MonitorProgram(("x",), (atom,), (MonitorNode(NodeKind.ATOM, atom=0),), 1)
+    for ends in ([1.0, -0.25], [0.7, -0.1], [3.0, -1e-3]):
+        falling = Trace("falling", np.array([0, 1]), {"x": np.array(ends)}, 1)
+        crossing = 2 * round(1_000_000 * ends[0] / (ends[0] - ends[1]))
+        signal = core_monitor.linear_truth_signal(program, falling, 0, 1_000_000)
+        assert signal.stretches()[0] == (0, crossing, Truth.TRUE)
+
+
 def test_products_are_not_linear() -> None:
     square = MonitorProgram(
         ("x",),
