@@ -35,6 +35,7 @@ from tachk.model.expressions import (
     Variable,
     While,
 )
+from tachk.model.network import Process
 
 _CHILDREN: dict[type, Callable[[Any], tuple[Expression, ...]]] = {
     **dict.fromkeys((Constant, Reference, LocationTest, Deadlock), lambda _: ()),
@@ -162,3 +163,18 @@ def written_variables(expressions: Sequence[Expression]) -> set[Variable]:
                     written.update(roots(argument))
         changed = len(written) > before
     return written
+
+
+def process_expressions(process: Process) -> Iterator[Expression]:
+    """Every outermost expression of a process, function bodies excluded."""
+    for location in process.locations:
+        if location.invariant is not None:
+            yield location.invariant
+        for pair in location.rates:
+            yield from pair
+    for edge in process.edges:
+        if edge.guard is not None:
+            yield edge.guard
+        if edge.synchronisation is not None:
+            yield edge.synchronisation.channel
+        yield from edge.updates

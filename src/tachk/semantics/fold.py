@@ -35,7 +35,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.layout import default_cells
 from tachk.model.network import Network
-from tachk.model.traversal import walk, written_variables
+from tachk.model.traversal import process_expressions, walk, written_variables
 from tachk.model.types import (
     ArrayType,
     BoolType,
@@ -90,17 +90,7 @@ def known_values(network: Network, predicates: Sequence[Expression]) -> Known:
 def network_expressions(network: Network) -> Iterator[Expression]:
     """Every outermost expression of the processes, function bodies excluded."""
     for process in network.processes:
-        for location in process.locations:
-            if location.invariant is not None:
-                yield location.invariant
-            for pair in location.rates:
-                yield from pair
-        for edge in process.edges:
-            if edge.guard is not None:
-                yield edge.guard
-            if edge.synchronisation is not None:
-                yield edge.synchronisation.channel
-            yield from edge.updates
+        yield from process_expressions(process)
 
 
 def is_integer(type_: Type) -> bool:

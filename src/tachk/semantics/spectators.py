@@ -7,12 +7,18 @@ reads: every run of the others is possible with it and without it. Its own run-t
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from tachk.model.expressions import Deadlock, Expression, LocationTest, Reference, Variable
 from tachk.model.network import Direction, Location, Network, Process
-from tachk.model.traversal import called_functions, statement_expressions, walk, written_variables
+from tachk.model.traversal import (
+    called_functions,
+    process_expressions,
+    statement_expressions,
+    walk,
+    written_variables,
+)
 from tachk.model.types import ChannelType
 from tachk.semantics.discrete import has_priorities, prepare
 from tachk.semantics.step import StepError, delay, initial_state, possible
@@ -33,7 +39,7 @@ def without_spectators(network: Network, targets: Sequence[Expression]) -> Netwo
     processes, variables = _mentioned(targets)
     for number, process in enumerate(network.processes):
         if number not in candidates:
-            seen_processes, seen_variables = _mentioned(list(_expressions(process)))
+            seen_processes, seen_variables = _mentioned(list(process_expressions(process)))
             processes |= seen_processes
             variables |= seen_variables
     relevant = True
@@ -41,7 +47,7 @@ def without_spectators(network: Network, targets: Sequence[Expression]) -> Netwo
         relevant = False
         for number in sorted(candidates):
             process = network.processes[number]
-            expressions = list(_expressions(process))
+            expressions = list(process_expressions(process))
             if number in processes or not variables.isdisjoint(written_variables(expressions)):
                 candidates.remove(number)
                 seen_processes, seen_variables = _mentioned(expressions)
@@ -104,20 +110,6 @@ def _forbids_delay(location: Location) -> bool:
 
 def _is_broadcast(channel: Expression) -> bool:
     return isinstance(channel.type, ChannelType) and channel.type.broadcast
-
-
-def _expressions(process: Process) -> Iterator[Expression]:
-    for location in process.locations:
-        if location.invariant is not None:
-            yield location.invariant
-        for clock, rate in location.rates:
-            yield from (clock, rate)
-    for edge in process.edges:
-        if edge.guard is not None:
-            yield edge.guard
-        if edge.synchronisation is not None:
-            yield edge.synchronisation.channel
-        yield from edge.updates
 
 
 def _mentioned(expressions: Sequence[Expression]) -> tuple[set[int], set[Variable]]:
