@@ -65,3 +65,7 @@ def __getattr__(name: str) -> object:
     if name in __all__:
         return getattr(import_module(_MONITORING.get(name, "tachk.api")), name)
     raise AttributeError(f"module 'tachk' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return __all__

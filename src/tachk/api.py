@@ -21,7 +21,7 @@ from rich.console import Console
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
-from tachk.diagnostics.suggestion import closest
+from tachk.diagnostics.suggestion import closest, unknown_key
 from tachk.engines.protocol import Extrapolation, Limits, Options, Progress, SearchOrder
 from tachk.frontend.load import LoadedModel, UncheckedQuery, elaborate_queries, elaborate_query_file, load_model
 from tachk.model.network import Network
@@ -176,6 +176,11 @@ class Model:
         for query in self.properties:
             if query.name == name:
                 return query
+        for unchecked in self.loaded.unchecked:
+            if unchecked.name == name:
+                if unchecked.diagnostics:
+                    raise InputError(unchecked.diagnostics)
+                raise UsageError(f"{self.path}: {name} is not checked: {_why_not(unchecked)}")
         names = [query.name for query in self.properties]
         close = closest(name, names)
         raise UsageError(
@@ -205,7 +210,7 @@ class Report(Sequence[Verdict]):
             for verdict in self.record.verdicts:
                 if verdict.query.name == index:
                     return verdict
-            raise KeyError(index)
+            raise unknown_key(index, (verdict.query.name for verdict in self.record.verdicts))
         return self.record.verdicts[index]
 
     def __len__(self) -> int:
@@ -246,6 +251,10 @@ class Report(Sequence[Verdict]):
 
     def __str__(self) -> str:
         return self.to_text()
+
+    def __repr__(self) -> str:
+        answers = ", ".join(f"{verdict.query.name}: {verdict.answer.value}" for verdict in self.record.verdicts)
+        return f"<Report on {self.record.model}: {answers or 'nothing checked'}>"
 
     def _repr_html_(self) -> str:
         from tachk.report.html_report import run_to_html

@@ -29,7 +29,7 @@ def guarded(action: Callable[[], ExitStatus], subject: str = "") -> ExitStatus:
         print_diagnostics([error.diagnostic])
         return ExitStatus.UNSUPPORTED
     except UsageError as error:
-        complain(f"{subject}: {error}" if subject else str(error), error.help)
+        complain(f"{subject}: {error.message}" if subject else error.message, error.help)
         return ExitStatus.BAD_INPUT
     except BrokenPipeError:
         sys.stderr.close()

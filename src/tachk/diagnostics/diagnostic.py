@@ -62,7 +62,7 @@ class InputError(TachkError):
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
         self.diagnostics = tuple(diagnostics)
-        super().__init__("; ".join(f"{d.span}: {d.code}: {d.message}" for d in self.diagnostics))
+        super().__init__("; ".join(f"{d.span}: {d.code}: {d.message}{_advice(d.help)}" for d in self.diagnostics))
 
 
 class UnsupportedError(TachkError):
@@ -70,15 +70,21 @@ class UnsupportedError(TachkError):
 
     def __init__(self, diagnostic: Diagnostic) -> None:
         self.diagnostic = diagnostic
-        super().__init__(f"{diagnostic.span}: {diagnostic.code}: {diagnostic.message}")
+        super().__init__(f"{diagnostic.span}: {diagnostic.code}: {diagnostic.message}{_advice(diagnostic.help)}")
 
 
 class UsageError(TachkError):
     """A wrong option, path or constant that has no place in a source text."""
 
     def __init__(self, message: str, help: str | None = None) -> None:
+        self.message = message
         self.help = help
-        super().__init__(message)
+        super().__init__(f"{message}{_advice(help)}")
+
+
+def _advice(help: str | None) -> str:
+    """What a script or notebook shows behind a message."""
+    return f" ({help})" if help else ""
 
 
 class InternalError(TachkError):

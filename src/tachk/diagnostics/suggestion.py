@@ -17,6 +17,11 @@ def closest(name: str, candidates: Iterable[str], likeness: float = 0.6) -> str 
     return by_lower[close[0]] if close else None
 
 
+def unknown_key(name: str, candidates: Iterable[str]) -> KeyError:
+    """The error of a mapping that has no such name, with those it has."""
+    return KeyError(f"{name!r}; there are {', '.join(map(repr, candidates)) or 'none'}")
+
+
 def did_you_mean(name: str, candidates: Iterable[str]) -> str | None:
     """A help text that names the known name closest to a misspelt one, if one is close."""
     found = closest(name, candidates, 0.7)

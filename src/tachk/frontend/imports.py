@@ -67,7 +67,7 @@ class Importer:
         try:
             source = read_source(_shown(path))
         except UsageError as error:
-            self.findings.add("E0415", node.span, f"cannot import: {error}", error.help)
+            self.findings.add("E0415", node.span, f"cannot import: {error.message}", error.help)
             return []
         except InputError as error:
             self.findings.extend(error.diagnostics)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, overload
 from rich.console import Console
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
+from tachk.diagnostics.suggestion import unknown_key
 from tachk.monitoring.formulas import NamedFormula, in_trace_units, read_formulas
 from tachk.monitoring.reading import Reading, follows_from_truth, infinite_robustness, reading_of
 from tachk.properties.lines import line_findings
@@ -264,7 +265,7 @@ class MonitorReport(Sequence[MonitorVerdict]):
             for verdict in self.record.verdicts:
                 if verdict.name == index:
                     return verdict
-            raise KeyError(index)
+            raise unknown_key(index, (verdict.name for verdict in self.record.verdicts))
         return self.record.verdicts[index]
 
     def __len__(self) -> int:
@@ -338,6 +339,10 @@ class MonitorReport(Sequence[MonitorVerdict]):
 
     def __str__(self) -> str:
         return self.to_text()
+
+    def __repr__(self) -> str:
+        verdicts = ", ".join(f"{verdict.name}: {verdict.truth.word}" for verdict in self.record.verdicts)
+        return f"<MonitorReport on {self.record.trace.name}: {verdicts}>"
 
     def _repr_html_(self) -> str:
         from tachk.report.monitor_html import monitor_to_html

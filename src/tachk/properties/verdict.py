@@ -42,6 +42,9 @@ class Verdict:
     unsupported: Diagnostic | None = None
     moves: tuple[ObserverMove, ...] = ()
 
+    def __repr__(self) -> str:
+        return f"<Verdict {self.query.name}: {self.answer.value}, {self.query.text}>"
+
     @property
     def met(self) -> bool | None:
         """Whether the answer is the expected one (without ``expect``: whether it is HOLDS); None for UNKNOWN."""

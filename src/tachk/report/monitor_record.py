@@ -69,6 +69,9 @@ class MonitorVerdict:
     explainer: Explainer | None = field(default=None, repr=False)
     time_robustness: TimeRobustness | None = None
 
+    def __repr__(self) -> str:
+        return f"<MonitorVerdict {self.name}: {self.truth.word}, {self.formula}>"
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MonitorRecord:
@@ -86,7 +89,7 @@ class MonitorRecord:
 def clock_text(trace: Trace, tick: int | Fraction) -> str:
     """What the clock of the recording showed at a tick: ``12.5 s``. Where lines cross, to six decimals."""
     clock = trace.clock(tick)
-    number = decimal(round(clock, 6) if trace.interpolation is Interpolation.LINEAR else clock)
+    number = decimal(round(clock, 6) if trace.interpolation is Interpolation.LINEAR else clock, 18)
     return f"{number} {trace.unit}" if trace.unit else number
 
 

@@ -43,8 +43,8 @@ def online_to_json(record: OnlineRecord) -> dict[str, Json]:
     return {
         "trace": record.trace,
         "rows": record.rows,
-        "begin": decimal(record.begin),
-        "end": decimal(record.end),
+        "begin": decimal(record.begin, 18),
+        "end": decimal(record.end, 18),
         "unit": record.unit or None,
         "interpolation": "constant",
         "pending_counts_as": record.ending.value,
@@ -88,4 +88,5 @@ def _details(verdict: OnlineVerdict, unit: str) -> Iterator[str]:
 
 
 def _time(value: Fraction, unit: str) -> str:
-    return f"{decimal(value)} {unit}" if unit else decimal(value)
+    number = decimal(value, 18)
+    return f"{number} {unit}" if unit else number

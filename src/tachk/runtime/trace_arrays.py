@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.trace import LARGEST_TICK, Ticks, Trace, Values
-from tachk.runtime.trace_header import Header, known_unit, read_header
+from tachk.runtime.trace_header import Header, agreed_unit, known_unit, read_header
 
 FINEST_DECIMALS = 9
 """Times in floating point that are no short decimal numbers are rounded to that many decimals."""
@@ -33,7 +33,7 @@ class TableRecording:
 
     @property
     def unit(self) -> str:
-        return self.header.unit or known_unit(_own_unit(self._times()))
+        return agreed_unit(known_unit(_own_unit(self._times())), self.header.unit or None, self.name)
 
     @property
     def columns(self) -> tuple[str, ...]:

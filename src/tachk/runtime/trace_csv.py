@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Callable, Collection, Iterator
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -24,6 +25,8 @@ PIECE = 1 << 20
 
 _SEPARATORS = ",;\t"
 _LONGEST_HEADER = 1 << 24
+_DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*")
+_DATE = re.compile(r"\s*\d+[-/.:]\d+[-/.:]\d+")
 
 
 class ByteStream(Protocol):
@@ -169,9 +172,13 @@ class CsvRecording:
             FaultKind.NOT_A_NUMBER: (
                 "E0911",
                 f"{value!r} in column {column!r} is no number",
-                "cells hold numbers such as -1.5 or 2e3, true or false, or nothing where the value stays",
+                _advice_on_a_cell(value, cell == self.header.time),
             ),
-            FaultKind.NOT_FINITE: ("E0911", f"the value {value!r} of column {column!r} is not finite", None),
+            FaultKind.NOT_FINITE: (
+                "E0911",
+                f"the value {value!r} of column {column!r} is not finite",
+                "leave the cell empty where the value stays",
+            ),
             FaultKind.MIXED_COLUMN: (
                 "E0911",
                 f"column {column!r} has truth values and the number {value!r}",
@@ -214,6 +221,16 @@ class CsvRecording:
         return InputError([Diagnostic(code, message, span, help_)])
 
 
+def _advice_on_a_cell(value: str, is_time: bool) -> str:
+    if _DECIMAL_COMMA.fullmatch(value):
+        return f"numbers have a decimal point: {value.strip().replace(',', '.')}"
+    if is_time and _DATE.match(value):
+        return "in text, times are numbers, such as seconds from the beginning; dates are read from Parquet and pandas"
+    if is_time:
+        return "times are numbers such as 0.25 or 2e3"
+    return "cells hold numbers such as -1.5 or 2e3, true or false, or nothing where the value stays"
+
+
 def open_csv(path: str | Path, time: str | None = None, unit: str | None = None) -> CsvRecording:
     """Opens a file and reads its header. Raises InputError and UsageError."""
     file = Path(path)
@@ -249,11 +266,14 @@ def _header(stream: ByteStream, name: str, time: str | None, unit: str | None) -
         number += 1
         if not line:
             raise UsageError(f"{name} is empty", "its first line should name the columns: time,speed,alarm")
-        text = line.decode("utf-8-sig" if number == 1 else "utf-8", "replace").strip("\r\n")
+        try:
+            text = line.decode("utf-8-sig" if number == 1 else "utf-8").strip("\r\n")
+        except UnicodeDecodeError:
+            raise UsageError(f"{name} is no text in UTF-8", "save it with the encoding UTF-8") from None
         if text.strip() and not text.lstrip().startswith("#"):
             break
     if "\0" in text:
-        raise UsageError(f"{name} is no text file", "CSV, VCD and Parquet files can be read")
+        raise UsageError(f"{name} is no text file", "text in UTF-8, VCD and Parquet files can be read")
     separator = max(_SEPARATORS, key=text.count)
     cells = next(csv.reader([text], delimiter=separator))
     if all(_is_number(cell) for cell in cells):

@@ -51,7 +51,7 @@ def read_header(cells: Sequence[str], time: str | None, unit: str | None, trace:
         trace: for messages.
 
     Raises:
-        UsageError: there is no such time column, a name stands twice, or nobody knows the unit.
+        UsageError: there is no such time column, a name stands twice, or nobody knows the unit, or two are told.
     """
     parts = [_split(cell) for cell in cells]
     names = tuple(name for name, _ in parts)
@@ -59,7 +59,18 @@ def read_header(cells: Sequence[str], time: str | None, unit: str | None, trace:
         if name and name in names[:number]:
             raise UsageError(f"{trace} has two columns {name!r}", "rename one of them")
     place = _time_column(names, tuple(cells), time, trace)
-    return Header(names, place, known_unit(parts[place][1] if unit is None else unit))
+    return Header(names, place, agreed_unit(known_unit(parts[place][1]), unit, trace))
+
+
+def agreed_unit(own: str, given: str | None, trace: str) -> str:
+    """The unit of the times of a trace that says ``own`` (empty: nothing), where somebody says ``given``.
+
+    Raises UsageError where the two contradict each other, or the given one is not known.
+    """
+    unit = own if given is None else known_unit(given)
+    if own and unit != own:
+        raise UsageError(f"the times of {trace} are in {own}, not in {unit or 'no unit'}", "leave the unit out")
+    return unit
 
 
 def known_unit(unit: str) -> str:
@@ -98,6 +109,8 @@ def _time_column(names: tuple[str, ...], cells: tuple[str, ...], time: str | Non
     for candidate in TIME_NAMES:
         if candidate in lower:
             return lower.index(candidate)
+    if len(names) == 1 and len(names[0].split()) > 1:
+        raise UsageError(f"{trace} has one column only", "cells are separated by commas, semicolons or tabs")
     raise UsageError(
         f"{trace} has no column {', '.join(TIME_NAMES[:-1])} or {TIME_NAMES[-1]}",
         f"say which column is the time, for example --time {next(filter(None, names), 'NAME')}",

@@ -10,7 +10,7 @@ from typing import Any
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.trace import Trace
 from tachk.runtime.trace_arrays import TableRecording
-from tachk.runtime.trace_header import Header, known_unit, read_header
+from tachk.runtime.trace_header import Header, agreed_unit, known_unit, read_header
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,7 +27,7 @@ class ParquetRecording:
 
     @property
     def unit(self) -> str:
-        return self.header.unit or self.time_unit
+        return agreed_unit(self.time_unit, self.header.unit or None, self.name)
 
     @property
     def columns(self) -> tuple[str, ...]:

@@ -103,8 +103,32 @@ def test_report_is_a_sequence_with_names(lamp: Path) -> None:
     assert len(report) == 2
     assert report[0] is report["bright"]
     assert report[-1:] == (report["never_low"],)
-    with pytest.raises(KeyError):
+    with pytest.raises(KeyError, match="'other'; there are 'bright', 'never_low'"):
         report["other"]
+
+
+def test_what_a_shell_shows_is_short(lamp: Path) -> None:
+    report = tachk.load(lamp).verify()
+    assert repr(report) == f"<Report on {lamp}: bright: holds, never_low: fails>"
+    assert repr(report["bright"]) == "<Verdict bright: holds, E<> Lamp.Bright>"
+    judged = tachk.monitor("G a", {"time": [0, 1], "a": [1, 0]})
+    assert repr(judged) == "<MonitorReport on the trace: p1: false>"
+    assert repr(judged["p1"]) == "<MonitorVerdict p1: false, G a>"
+
+
+def test_what_is_wrong_with_a_property_that_was_asked_for(lamp: Path) -> None:
+    lamp.write_text(LAMP + "property open : G (Lamp.Low -> F Lamp.Bright);\n", encoding="utf-8")
+    model = tachk.load(lamp)
+    with pytest.raises(tachk.InputError, match="E0730"):
+        model.verify(property="open")
+    with pytest.raises(tachk.UsageError, match="smc is not checked: statistical query"):
+        model.verify(property="smc")
+    with pytest.raises(tachk.UsageError, match=r"no property 'brigth' \(did you mean bright\?\)"):
+        model.verify(property="brigth")
+
+
+def test_the_package_lists_its_names() -> None:
+    assert {"load", "monitor", "Monitor"} <= set(dir(tachk))
 
 
 def test_presentations(lamp: Path) -> None:

@@ -189,3 +189,32 @@ def test_blocks_refuse_times_that_are_finer_than_said(tmp_path: Path) -> None:
     with pytest.raises(InputError) as error:
         next(blocks)
     assert error.value.diagnostics[0].code == "E0915"
+
+
+@pytest.mark.parametrize(
+    ("text", "help"),
+    [
+        ("t;x\n0;1,5\n", "numbers have a decimal point: 1.5"),
+        ("t;x\n0,5;1\n", "numbers have a decimal point: 0.5"),
+        ("t,x\n2024-01-31T12:00:00,1\n", "dates are read from Parquet and pandas"),
+        ("t,x\nsoon,1\n", "times are numbers such as"),
+        ("t,x\n0,yes\n", "true or false"),
+        ("t,x\n0,NaN\n", "leave the cell empty"),
+    ],
+)
+def test_advice_on_cells(text: str, help: str) -> None:
+    with pytest.raises(InputError) as error:
+        read(text)
+    assert help in (error.value.diagnostics[0].help or "")
+
+
+def test_a_unit_that_contradicts_the_trace_is_refused() -> None:
+    text = "time [ms],a\n0,1\n"
+    with pytest.raises(UsageError, match="are in ms, not in s"):
+        read(text, unit="s")
+    assert read(text, unit="ms").unit == "ms"
+
+
+def test_a_header_that_cannot_be_cut() -> None:
+    with pytest.raises(UsageError, match="separated by commas, semicolons or tabs"):
+        read("time a b\n0 1 2\n")
