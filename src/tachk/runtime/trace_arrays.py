@@ -19,6 +19,7 @@ FINEST_DECIMALS = 9
 """Times in floating point that are no short decimal numbers are rounded to that many decimals."""
 
 _EXACT = 2.0**53
+_BLOCK = 1 << 15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,7 +96,15 @@ def trace_of(name: str, times: Ticks, ticks_per_unit: int, unit: str, columns: M
     first, last = int(times[0]), int(times[-1])
     if last - first > LARGEST_TICK:
         raise UsageError(f"{name} is too long to be counted in {ticks_per_unit} ticks per unit of time")
-    return Trace(name, times - first, columns, last - first, ticks_per_unit, unit, Fraction(first, ticks_per_unit))
+    return Trace(
+        name,
+        times - first if first else times,
+        columns,
+        last - first,
+        ticks_per_unit,
+        unit,
+        Fraction(first, ticks_per_unit),
+    )
 
 
 def exact_ticks(times: NDArray[Any], name: str) -> tuple[Ticks, int]:
@@ -126,20 +135,31 @@ def exact_ticks(times: NDArray[Any], name: str) -> tuple[Ticks, int]:
         raise UsageError(f"{name}: the times are no numbers") from None
     if not np.isfinite(numbers).all():
         raise UsageError(f"{name}: a time is missing or infinite")
-    largest = float(np.abs(numbers).max(initial=0.0))
+    largest = max(float(numbers.max(initial=0.0)), -float(numbers.min(initial=0.0)))
     for decimals in range(16):
-        scale = 10.0**decimals
-        if largest * scale >= _EXACT:
+        if largest * 10.0**decimals >= _EXACT:
             break
-        rounded = np.rint(numbers * scale)
-        if bool((rounded / scale == numbers).all()):
-            return rounded.astype(np.int64), 10**decimals
+        ticks = _decimal_ticks(numbers, 10.0**decimals)
+        if ticks is not None:
+            return ticks, 10**decimals
     decimals = FINEST_DECIMALS
     while decimals and largest * 10.0**decimals >= 2.0**62:
         decimals -= 1
     if largest >= 2.0**62:
         raise UsageError(f"{name}: the times are too large")
     return np.rint(numbers * 10.0**decimals).astype(np.int64), 10**decimals
+
+
+def _decimal_ticks(numbers: NDArray[np.float64], scale: float) -> Ticks | None:
+    """The times in units of ``1 / scale``, if all of them are whole; in blocks that fit into the cache."""
+    ticks = np.empty(len(numbers), dtype=np.int64)
+    for begin in range(0, len(numbers), _BLOCK):
+        block = numbers[begin : begin + _BLOCK]
+        rounded = np.rint(block * scale)
+        if not bool((rounded / scale == block).all()):
+            return None
+        ticks[begin : begin + _BLOCK] = rounded
+    return ticks
 
 
 def _rational_ticks(times: Sequence[Fraction], name: str) -> tuple[Ticks, int]:
