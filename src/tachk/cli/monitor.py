@@ -27,7 +27,10 @@ def run_monitor(request: MonitorRequest) -> ExitStatus:
     formulas = selected(read_formulas(request.formula), request.names)
     if request.online or request.follow or request.trace == "-":
         if request.interpolation != "constant":
-            raise UsageError("--interpolation linear needs the whole trace: row by row the next row is not known")
+            raise UsageError(
+                "--interpolation linear needs the whole trace: row by row the next row is not known",
+                "leave out --online and --follow, and give a file",
+            )
         if request.time_robustness:
             raise UsageError("--time-robustness needs the whole trace", "leave out --online and --follow")
         from tachk.cli.monitor_online import run_online

@@ -73,8 +73,8 @@ def _table(record: MonitorRecord) -> Table:
     timed = any(verdict.time_robustness is not None for verdict in record.verdicts)
     if timed:
         unit = f" [{record.trace.unit}]" if record.trace.unit else ""
-        table.add_column(f"ahead{unit}", no_wrap=True)
-        table.add_column(f"behind{unit}", no_wrap=True)
+        table.add_column(Text(f"ahead{unit}"), no_wrap=True)
+        table.add_column(Text(f"behind{unit}"), no_wrap=True)
     table.add_column("meaning", overflow="fold")
     for verdict in record.verdicts:
         row = [Text(f"  {verdict.name}"), Text(answer_text(verdict), style=STYLES[verdict.truth])]
