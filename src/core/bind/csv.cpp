@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "arrays.hpp"
 #include "tachk/csv_reader.hpp"
 
 namespace nb = nanobind;
@@ -23,15 +24,6 @@ namespace {
 
 // Kind, line, offset and length in bytes, number of the cell, the line itself (which need not be UTF-8).
 using FaultTuple = std::tuple<int, std::uint64_t, std::uint64_t, std::uint64_t, int, nb::bytes>;
-
-template <class T>
-nb::object as_array(std::vector<T>&& values) {
-  auto held = std::make_unique<std::vector<T>>(std::move(values));
-  T* const data = held->data();
-  const std::size_t size = held->size();
-  nb::capsule owner(held.release(), [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
-  return nb::ndarray<nb::numpy, T, nb::ndim<1>>(data, {size}, owner).cast();
-}
 
 std::unique_ptr<tachk::CsvReader> make_reader(char separator, std::uint32_t cells, std::uint32_t time,
                                               const std::vector<std::uint32_t>& columns, std::uint64_t first_line,

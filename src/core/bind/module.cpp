@@ -12,7 +12,8 @@
 #include <tuple>
 
 #include "csv.hpp"
-#include "monitor.hpp"
+#include "linear.hpp"
+#include "offline.hpp"
 #include "online.hpp"
 #include "tachk/explorer.hpp"
 
@@ -77,6 +78,7 @@ NB_MODULE(_core, m) {
           "Which implementation of the zone operations is in use.");
 
   bind_csv(m);
-  bind_monitor(m);
+  bind_offline(m);
+  bind_linear(m);
   bind_online(m);
 }

@@ -3,4 +3,4 @@
 
 #include <nanobind/nanobind.h>
 
-void bind_monitor(nanobind::module_& m);
+void bind_offline(nanobind::module_& m);

@@ -1,0 +1,6 @@
+// Adds the monitor of lines to the extension module.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+void bind_linear(nanobind::module_& m);

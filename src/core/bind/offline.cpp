@@ -1,0 +1,80 @@
+// tachk._core.OfflineTruth and OfflineRobustness; used through tachk.runtime.core_monitor.
+#include "offline.hpp"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <cstddef>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "monitor_program.hpp"
+#include "monitor_results.hpp"
+#include "tachk/offline_monitor.hpp"
+
+namespace nb = nanobind;
+
+namespace {
+
+using ProbeList = std::vector<std::pair<std::size_t, tachk::Cell>>;
+
+template <class Value>
+std::unique_ptr<tachk::OfflineMonitor<Value>> make_monitor(nb::handle program, bool verdict, const ProbeList& probes,
+                                                           const std::vector<std::size_t>& signals) {
+  tachk::MonitorProgram read = monitor_program_from(program);
+  tachk::Requests requests;
+  requests.verdict = verdict;
+  requests.signals = signals;
+  for (const auto& [node, cell] : probes) requests.probes.push_back({node, cell});
+  for (const std::size_t node : signals)
+    if (node >= read.nodes.size()) throw std::invalid_argument("there is no such node");
+  for (const tachk::Probe& probe : requests.probes)
+    if (probe.node >= read.nodes.size() || probe.cell < 0) throw std::invalid_argument("there is no such node or cell");
+  return std::make_unique<tachk::OfflineMonitor<Value>>(std::move(read), std::move(requests));
+}
+
+template <class Value>
+void bind_values_of(nb::module_& m, const char* name, const char* description) {
+  using Monitor = tachk::OfflineMonitor<Value>;
+  nb::class_<Monitor>(m, name, description)
+      .def(nb::new_(&make_monitor<Value>), nb::arg("program"), nb::kw_only(), nb::arg("verdict"), nb::arg("probes"),
+           nb::arg("signals"))
+      .def("push", &push_samples<Monitor>, nb::arg("times"), nb::arg("columns"),
+           "Takes samples: ticks that do not decrease, and the columns.")
+      .def("finish", &Monitor::finish, nb::arg("end"), nb::call_guard<nb::gil_scoped_release>(),
+           "The trace ends at this tick.")
+      .def("settled", &Monitor::settled, "Whether further samples cannot change the results.")
+      .def("bytes", &Monitor::bytes, "Memory held.")
+      .def(
+          "verdict",
+          [](const Monitor& self) {
+            const auto range = self.verdict();
+            return std::make_pair(range.low, range.high);
+          },
+          "The bounds of the value at the beginning.")
+      .def(
+          "violation", [](const Monitor& self) { return violation_tuple(self.violation()); },
+          "(node, first cell, last cell) of the earliest certain violation, or None.")
+      .def(
+          "probe",
+          [](const Monitor& self, std::size_t number) {
+            const auto range = self.probe(number);
+            return std::make_pair(range.low, range.high);
+          },
+          nb::arg("number"), "The bounds of the value that a probe asked for.")
+      .def(
+          "signal", [](const Monitor& self, std::size_t number) { return signal_tuple(self.signal(number)); },
+          nb::arg("number"), "(first cells of the pieces, lower bounds, upper bounds) up to the end of the trace.");
+}
+
+}  // namespace
+
+void bind_offline(nb::module_& m) {
+  bind_values_of<tachk::Truth>(m, "OfflineTruth", "Is a formula true on a trace?");
+  bind_values_of<tachk::Robustness>(m, "OfflineRobustness", "How robustly is a formula true on a trace?");
+}
