@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 from random import Random
 
 import pytest
 
+from tachk.runtime.core_monitor import time_robustness_ahead, time_robustness_behind
 from tachk.syntax.formula_printer import print_formula
+from tachk.testing.exact_monitor import verdict
+from tachk.testing.exact_trace import ExactTrace, Scalar
 from tachk.testing.formulas import FormulaShape, MonitoringCase, random_monitoring_case
 from tachk.testing.lines_agreement import line_problems, time_problems
-from tachk.testing.monitor_input import always
+from tachk.testing.monitor_input import always, monitor_input
 from tachk.testing.reduction import describe
 
 SHAPES = {
@@ -46,6 +50,41 @@ def test_robustness_in_time_agrees_with_the_definitions(name: str, pack: int) ->
     for seed in range(PACK * pack, PACK * (pack + 1)):
         case = drawn(replace(SHAPES[name], linear=False), seed)
         assert time_problems(case, (1, 1, 2, 5)[seed % 4], seed) == (), text(case)
+
+
+def shifted(trace: ExactTrace, amounts: dict[str, Fraction]) -> ExactTrace:
+    """Every column later by its amount; what comes before its first value is that value."""
+
+    def value(name: str, instant: Fraction) -> Scalar:
+        before = [row for row, time in enumerate(trace.times) if time <= instant - amounts[name]]
+        return trace.columns[name][before[-1] if before else 0]
+
+    moments = {Fraction(0)} | {time + amount for time in trace.times for amount in amounts.values()}
+    times = tuple(sorted(moment for moment in moments if 0 <= moment <= trace.end))
+    columns = {name: tuple(value(name, time) for time in times) for name in trace.columns}
+    return ExactTrace(times, columns, trace.end)
+
+
+@pytest.mark.parametrize("pack", range(10))
+def test_signals_may_be_shifted_by_less_than_the_robustness_in_time(pack: int) -> None:
+    """Each signal on its own, all earlier (ahead) or all later (behind)."""
+    promised = 0
+    for seed in range(30 * pack, 30 * (pack + 1)):
+        random = Random(seed)
+        case = random_monitoring_case(random, FormulaShape(depth=2, numeric=False))
+        given = monitor_input(case)
+        for measured, sign in ((time_robustness_ahead, -1), (time_robustness_behind, 1)):
+            found = measured(given.program, given.trace)
+            room = min(max(found.low, -found.high), 8 * given.trace.ticks_per_unit)
+            if room <= 0:
+                continue
+            promised += 1
+            room = Fraction(room) / given.trace.ticks_per_unit
+            shares = [Fraction(99, 100), *(Fraction(random.randint(0, 99), 100) for _ in range(2))]
+            amounts = {name: sign * room * share for name, share in zip(case.trace.columns, shares, strict=True)}
+            truth = verdict(case.formula, shifted(case.trace, amounts)).truth
+            assert truth is (found.low > 0), f"{text(case)}, shifted by {amounts}"
+    assert promised > 5
 
 
 def test_lines_of_an_absolute_value_end_without_a_trace_of_rounding() -> None:

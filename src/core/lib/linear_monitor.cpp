@@ -319,6 +319,30 @@ LinearSignal LinearMonitor::lasting(std::size_t number, bool high) const {
   return result;
 }
 
+// A change is worth 0, for it may come at another time; where there is none, minus the time to the next or since the
+// last one. Behind the end of the trace there may be one or not.
+LinearSignal LinearMonitor::far_from_changes(std::size_t number, bool high) const {
+  const auto length = static_cast<double>(this->length());
+  const LinearSignal found = changes(number, 1, 0);
+  LinearSignal result;
+  for (std::size_t n = 0; n < found.size(); ++n) {
+    const bool last = n + 1 == found.size();
+    const double start = found[n].start;
+    const double gap = (last ? length : found[n + 1].start) - start;
+    if (measure_ == Measure::behind) {
+      result.push_back({start, 0, 0, -gap});
+    } else {
+      const double after = last && !high ? -infinity : -gap;
+      result.push_back({start, n == 0 ? after : 0, after, last && !high ? -infinity : 0});
+    }
+  }
+  if (result.back().before != result.back().after) {
+    const double value = result.back().before;
+    result.push_back({length, value, value, value});
+  }
+  return result;
+}
+
 LinearSignal LinearMonitor::robustness(std::size_t node, bool high) { return evaluate(node, high); }
 
 LinearSignal LinearMonitor::evaluate(std::size_t number, bool high) {
@@ -342,7 +366,8 @@ LinearSignal LinearMonitor::evaluate(std::size_t number, bool high) {
       break;
     }
     case NodeKind::change:
-      result = until_the_end(changes(node.atom, infinity, -infinity));
+      result = until_the_end(measure_ == Measure::space ? changes(node.atom, infinity, -infinity)
+                                                        : far_from_changes(node.atom, high));
       break;
     case NodeKind::logical_not:
       result = opposite(0);

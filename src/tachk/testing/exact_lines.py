@@ -13,7 +13,8 @@ Atoms are worth, at an instant t up to the end of the trace:
   everything after the last row held;
 - in time, with all values held (Donze, Maler 2010): an atom that is true is worth the time for which it goes on to be
   true (ahead), or has been true within the trace (behind); one that is false minus the time for which it goes on to be
-  false, or has been. At the end of the trace the time ahead is only known to be at least that up to the end.
+  false, or has been. At the end of the trace the time ahead is only known to be at least that up to the end. A change
+  of a value is worth 0 where it happens, else minus the time to the next one, or since the last one.
 """
 
 from __future__ import annotations
@@ -65,6 +66,10 @@ class Worth(Protocol):
         """Where an atom is worth more than a level."""
         ...
 
+    def change(self, expression: ast.Expression, level: Level) -> ExactSignal:
+        """Where the change of a value is worth more than a level."""
+        ...
+
 
 def above(formula: syntax.Formula, worth: Worth, level: Level = None) -> ExactSignal:
     """Where a formula is worth more than a level; UNKNOWN where that depends on how the trace goes on."""
@@ -84,7 +89,7 @@ def above(formula: syntax.Formula, worth: Worth, level: Level = None) -> ExactSi
             falls = syntax.Fall(formula.span, atom), syntax.Fall(formula.span, syntax.Not(formula.span, atom))
             return inner(syntax.Or(formula.span, falls))
         case syntax.Change(expression=expression):
-            return change_of(trace, lambda state: number(expression, state))
+            return worth.change(expression, level)
         case syntax.Not(operand=operand):
             return _negated(above(operand, worth, opposite))
         case syntax.And(operands=operands):
@@ -163,6 +168,10 @@ class OnLines:
             return worth if level is None else TRUE if worth.low > level else FALSE
 
         return signal_of({*points, *inside}, at)
+
+    def change(self, expression: ast.Expression, level: Level) -> ExactSignal:
+        """Of what does not move."""
+        return change_of(self.trace, lambda state: number(expression, state))
 
     def _crossings(self, atom: ast.Expression, level: Level, start: Fraction, end: Fraction) -> Iterator[Fraction]:
         match atom:
@@ -246,6 +255,30 @@ class InTime:
             return TRUE if low > level else FALSE if high <= level else UNKNOWN
 
         return signal_of({turn + shift for turn in turns for shift in shifts}, at)
+
+    def change(self, expression: ast.Expression, level: Level) -> ExactSignal:
+        """A change is worth 0; any other instant minus the time to the next one, or since the last one."""
+        trace = self.trace
+        changes = change_of(trace, lambda state: number(expression, state))
+        if level is None:
+            return changes
+        instants = [time for time in sorted(set(trace.times)) if changes.value(time).truth is True]
+
+        def at(instant: Fraction) -> Value:
+            if instant > trace.end:
+                return UNKNOWN
+            low: Number = Fraction(0)
+            high: Number = low
+            if instant not in instants and self.looks_ahead:
+                following = [time for time in instants if time > instant]
+                high = instant - (following[0] if following else trace.end)
+                low = high if following else -math.inf
+            elif instant not in instants:
+                low = high = max((time for time in instants if time < instant), default=Fraction(0)) - instant
+            return TRUE if low > level else FALSE if high <= level else UNKNOWN
+
+        turns = [Fraction(0), *instants, trace.end]
+        return signal_of({turn + shift for turn in turns for shift in (0, level, -level)}, at)
 
 
 def _condition(expression: ast.Expression, worth: Worth, level: Level) -> ExactSignal:

@@ -122,6 +122,7 @@ def test_the_machine_form_follows_its_schema() -> None:
     data = on_lines("G (rise(x >= 3) -> F[0, 1] x >= 4.5)", "G x <= 8 / 3", "F[0, 20] x > 7").to_dict()
     jsonschema.validate(json.loads(json.dumps(data)), json.loads(SCHEMA.read_text()))
     assert data["interpolation"] == "linear"
+    assert "straight lines between rows</caption>" in on_lines("F x > p")._repr_html_()
     assert "straight lines between rows: x" in on_lines("F x > p").to_text()
 
 

@@ -56,6 +56,7 @@ class LinearMonitor {
   LinearSignal atom(const MonitorAtom& atom) const;
   LinearSignal changes(std::size_t atom, double yes, double no) const;
   LinearSignal lasting(std::size_t atom, bool high) const;
+  LinearSignal far_from_changes(std::size_t atom, bool high) const;
   template <class Value, class Evaluate>
   std::vector<Value> sampled(Evaluate evaluate) const;
   LinearSignal evaluate(std::size_t node, bool high);
