@@ -91,7 +91,11 @@ def _watched(
     mirrors.taken.add(own)
     mirrors.steps += copy.steps
     mirrors.declarations, mirrors.found = copy.declarations, copy.found
-    steps.append(Step("property", item.name.span, f"`{name}` is watched by `{own}`, which never reaches `{BAD}`"))
+    steps.append(
+        Step(
+            "property", item.name.span, f"`{name}` is watched by `{own}`; its query asks that `{BAD}` is never reached"
+        )
+    )
     doc = "\n".join(part for part in (item.doc, print_formula(formula)) if part)
     return _Watched(item, formula, replace(template, doc=doc))
 

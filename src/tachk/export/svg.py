@@ -187,10 +187,11 @@ def _draw_edge(
         return
     branchpoints = {point.name.name for point in template.branchpoints}
     radii = [_BRANCHPOINT_RADIUS if name in branchpoints else RADIUS for name in (source, edge.target.name)]
-    points = [start, *edge_layout.nails, end]
+    nails = edge_layout.nails or (_loop_nails(start) if start == end else ())
+    points = [start, *nails, end]
     for point in points:
         picture.see(*point)
-    inner = [(float(nail.x), float(nail.y)) for nail in edge_layout.nails]
+    inner = [(float(nail.x), float(nail.y)) for nail in nails]
     line = [_rim(points[0], points[1], radii[0]), *inner, _rim(points[-1], points[-2], radii[1])]
     path = " ".join(f"{x:g},{y:g}" for x, y in (*line[:-1], *_neck(line)))
     colour = f' style="stroke:{escape(edge_layout.colour)}"' if edge_layout.colour else ""
@@ -199,6 +200,11 @@ def _draw_edge(
     head = " ".join(f"{x:g},{y:g}" for x, y in _head(line))
     picture.add(f'<polygon class="head" points="{head}"/>')
     _draw_labels(picture, _with_comment(edge_labels(edge), edge.doc), edge_layout.labels)
+
+
+def _loop_nails(centre: Point) -> tuple[Point, ...]:
+    """Nails for a self-loop that a file gives none: without them nothing would show."""
+    return Point(centre.x - 28, centre.y - 12), Point(centre.x - 28, centre.y + 12)
 
 
 def _rim(centre: Point, towards: Point, radius: float) -> tuple[float, float]:

@@ -349,5 +349,9 @@ def _hint(expression: ast.Expression) -> str | None:
             return "write the two cases with `&&` and `||`"
         case ast.CallExpression():
             return "the functions are abs, min and max"
+        case ast.BinaryExpression(operator="&"):
+            return "conditions are joined by &&"
+        case ast.BinaryExpression(operator="|"):
+            return "conditions are joined by ||"
         case _:
             return None

@@ -134,8 +134,8 @@ def _check_rates(network: Network) -> None:
 
 
 _ALTERNATIVES = {
-    QueryKind.EVENTUALLY: "with a known deadline T, check A[] on a process that measures the time since the start",
-    QueryKind.LEADS_TO: "with a known deadline T, check A[] on a process that measures the time since the left side",
+    QueryKind.EVENTUALLY: "with a known deadline T, the formula F[0, T] p asks for p in time",
+    QueryKind.LEADS_TO: "with a known deadline T, the formula G (p -> F[0, T] q) asks for an answer in time",
     QueryKind.SUPREMUM: "check A[] x <= c for a constant c",
     QueryKind.INFIMUM: "check A[] x >= c for a constant c",
     QueryKind.BOUNDS: "check A[] x >= c and A[] x <= d for constants c and d",

@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import Span
 from tachk.syntax.contextual import SPELLING
-from tachk.syntax.formula_tokens import WORDS, lacks_full_stop
+from tachk.syntax.formula_tokens import PREFIX, WORDS, lacks_full_stop
 from tachk.syntax.tables import lexer, terminal_spelling
 from tachk.syntax.tokens import END, Token
 
@@ -69,6 +69,7 @@ def explain(situation: Situation) -> Diagnostic:
         _foreign_format(situation)
         or _interface(situation)
         or _temporal_word(situation)
+        or _foreign_symbol(situation)
         or _missing(situation)
         or _brackets(situation)
         or _no_query(situation)
@@ -181,6 +182,40 @@ def _temporal_word(situation: Situation) -> Diagnostic | None:
     return None
 
 
+def _foreign_symbol(situation: Situation) -> Diagnostic | None:
+    """Operators of formulas that are spelt with other symbols elsewhere, and queries where a formula is wanted."""
+    if situation.start != "formula_fragment":
+        return None
+    tokens, index = situation.tokens, situation.index
+    for place in (index, index - 1):
+        if place < 0:
+            continue
+        letter = {"[]": "G", "<>": "F"}.get("".join(token.text for token in tokens[place : place + 2]))
+        letter = letter or {"<>": "F"}.get(tokens[place].text)
+        last = tokens[place] if tokens[place].text == "<>" else tokens[min(place + 1, len(tokens) - 1)]
+        if letter and place and tokens[place - 1].text in ("A", "E"):
+            path = tokens[place - 1].span.to(last.span)
+            return Diagnostic(
+                "E0101",
+                f"'{path.text}' begins a query about all runs of a model; a formula is wanted",
+                path,
+                f"a formula speaks about one run: write {letter} in place of {path.text}",
+            )
+        if letter:
+            span = tokens[place].span.to(last.span)
+            return Diagnostic(
+                "E0101", f"'{span.text}' is no operator of formulas", span, f"the operator is written {letter}"
+            )
+    if index and situation.token.text == ">" and tokens[index - 1].text == "=":
+        span = tokens[index - 1].span.to(situation.token.span)
+        return Diagnostic("E0101", "'=>' is no operator", span, "write -> for 'implies', >= for 'at least'")
+    if situation.token.text == ";":
+        return Diagnostic(
+            "E0101", "';' does not fit here", situation.token.span, "join formulas with &&, or give a file"
+        )
+    return None
+
+
 def _until_end(tokens: Sequence[Token], begin: int) -> list[Token]:
     """The tokens of a query."""
     found = []
@@ -275,7 +310,11 @@ def _close(word: str, candidates: Iterable[str], cutoff: float = 0.6) -> str | N
 
 def _keyword_as_name(situation: Situation) -> Diagnostic | None:
     token = situation.token
-    if token.text not in lexer().keywords or "NAME" not in situation.accepted or "INT" in situation.accepted:
+    in_formula = situation.start == "formula_fragment"
+    after_letter = in_formula and situation.index > 0 and situation.tokens[situation.index - 1].text in PREFIX
+    if token.text not in lexer().keywords or "INT" in situation.accepted:
+        return None
+    if "NAME" not in situation.accepted and not after_letter:
         return None
     if token.type in ("AND", "OR", "IMPLY", "XOR"):
         return None
@@ -283,7 +322,9 @@ def _keyword_as_name(situation: Situation) -> Diagnostic | None:
         "E0103",
         f"'{token.text}' is a keyword and cannot be used as a name",
         token.span,
-        f"choose another name, for example '{token.text}_'",
+        f"if it names a column or signal, write `{token.text}`"
+        if in_formula
+        else f"choose another name, for example '{token.text}_'",
     )
 
 

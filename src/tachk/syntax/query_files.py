@@ -17,7 +17,7 @@ from tachk.syntax.parser import parse_query
 _PIECE = re.compile(
     r"(?P<comment>//[^\n]*|/\*[\s\S]*?(?:\*/|\Z))|(?P<continued>\\[ \t]*\r?\n)|(?P<end>\n)|(?P<blank>[ \t\r\ufeff]+)|."
 )
-_EXPECT = re.compile(r"EXPECT:(\S+)")
+_EXPECT = re.compile(r"EXPECT:[ \t]*(\S+)")
 _OUTCOMES = {"T": "holds", "SAT": "holds", "F": "fails", "UNSAT": "fails"}
 
 

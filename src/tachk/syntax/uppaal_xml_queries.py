@@ -25,7 +25,7 @@ from tachk.syntax.uppaal_xml_tree import Element
 _NAMED = re.compile(r"(?P<name>[A-Za-z_]\w*)(?::[ \t]+(?P<title>[^\n\"]*[^\s\"]))?(?:\n|\Z)", re.ASCII)
 _AUTOMATIC = re.compile(r"q[0-9]+")
 _OUTCOMES = {"success": "holds", "failure": "fails"}
-_EXPECT_LINE = re.compile(r"(?:\A|\n)EXPECT:\S+\Z")
+_EXPECT_LINE = re.compile(r"(?:\A|\n)EXPECT:[ \t]*\S+\Z")
 _SET_ASIDE = re.compile(r"\s*/\* UPPAAL does not check: (?P<formula>.*\S)\s*\*/\s*", re.DOTALL)
 MEASURES = ("sup", "inf", "bounds")
 

@@ -92,3 +92,11 @@ def test_pictures_one_below_the_other_keep_their_sizes() -> None:
     assert (both.width, both.height) == (one.width, 2 * one.height)
     inner = list(ElementTree.fromstring(both.svg).iter(f"{SVG}svg"))[1:]
     assert [e.get("y") for e in inner] == ["0", str(one.height)]
+
+
+def test_a_loop_without_nails_shows_beside_its_location() -> None:
+    layout = TemplateLayout(nodes={"A": NodeLayout(Point(0, 0))})
+    picture = draw_template(template("process P() { init location A { to A; } }"), layout)
+    (line,) = ElementTree.fromstring(picture.svg).iter(f"{SVG}polyline")
+    inner = (line.get("points") or "").split()[1:3]
+    assert inner == ["-28,-12", "-28,12"]

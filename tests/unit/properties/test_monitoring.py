@@ -7,6 +7,7 @@ from fractions import Fraction
 import pytest
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, InternalError
+from tachk.diagnostics.span import Source
 from tachk.properties import monitoring
 from tachk.semantics.monitor_program import UNBOUNDED, MonitorProgram, NodeKind, Relation, ValueOperator
 from tachk.syntax.formula_parser import parse_formula
@@ -154,3 +155,12 @@ def test_durations_must_be_resolved_before() -> None:
 
 def test_a_third_of_a_unit_is_exact() -> None:
     assert compiled("F[0,0.25] p", ticks=12).nodes[-1].upper == Fraction(12, 4)
+
+
+@pytest.mark.parametrize(("text", "advice"), [("G (p & q)", "&&"), ("G (p | q)", "||")])
+def test_operators_on_bits_are_answered_with_those_on_conditions(text: str, advice: str) -> None:
+    formula, _ = parse_formula(Source("<formula>", text))
+    assert formula is not None
+    with pytest.raises(InputError) as error:
+        monitoring.compile(formula, ["p", "q"], 1)
+    assert error.value.diagnostics[0].help == f"conditions are joined by {advice}"

@@ -282,3 +282,23 @@ def test_reading_what_was_printed_gives_the_same_formula(formula: f.Formula) -> 
     assert diagnostics == (), text
     assert again == formula, text
     assert print_formula(again) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "advice"),
+    [
+        ("A[] p", "'A[]' begins a query about all runs of a model", "write G in place of A[]"),
+        ("E<> p", "'E<>' begins a query about all runs of a model", "write F in place of E<>"),
+        ("[] p", "'[]' is no operator", "written G"),
+        ("G (p -> <> q)", "'<>' is no operator", "written F"),
+        ("G (p => q)", "'=>' is no operator", "write -> for 'implies'"),
+        ("G p; G q", "';' does not fit here", "&&"),
+        ("G (state == 1)", "'state' is a keyword", "write `state`"),
+        ("F state", "'state' is a keyword", "write `state`"),
+    ],
+)
+def test_what_is_spelt_as_elsewhere_gets_advice(text: str, message: str, advice: str) -> None:
+    formula, (diagnostic,) = parse_formula(Source("<formula>", text))
+    assert formula is None
+    assert message in diagnostic.message
+    assert advice in (diagnostic.help or "")

@@ -44,3 +44,8 @@ def test_a_wrong_query_does_not_hide_the_others() -> None:
 def test_carriage_returns_and_empty_files() -> None:
     assert len(parse_queries(Source("t.q", "A[] x\r\n\r\nA[] y \\\r\n  && z\r\n"))[0]) == 2
     assert parse_queries(Source("t.q", "\n// nothing\n")) == ((), ())
+
+
+def test_a_blank_behind_the_colon_of_an_expectation() -> None:
+    entries, _ = parse_queries(Source("t.q", "A[] true\n/* EXPECT: F */\n"))
+    assert [entry.expectation for entry in entries] == ["fails"]

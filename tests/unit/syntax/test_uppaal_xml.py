@@ -171,7 +171,15 @@ def test_saved_outcomes_are_expectations(elements: str, expected: str | None) ->
 
 
 def test_the_words_of_a_comment_that_name_a_property() -> None:
-    comments = ["safe: stays safe", "safe: again", "two words", "safe2", "state: no name", "x: EXPECT\nEXPECT:F"]
+    comments = [
+        "safe: stays safe",
+        "safe: again",
+        "two words",
+        "safe2",
+        "state: no name",
+        "x: EXPECT\nEXPECT:F",
+        "y: it\nEXPECT: T",
+    ]
     queries = "".join(f"<query><formula>A[] true</formula><comment>{c}</comment></query>" for c in comments)
     nodes = properties(read(f"<nta><queries>{queries}</queries></nta>"))
     assert [(node.name.name, node.title, node.doc) for node in nodes] == [
@@ -181,8 +189,9 @@ def test_the_words_of_a_comment_that_name_a_property() -> None:
         ("safe2", "", ""),
         ("q5", "", "state: no name"),
         ("x", "EXPECT", ""),
+        ("y", "it", ""),
     ]
-    assert nodes[-1].expectation == "fails"
+    assert [node.expectation for node in nodes[-2:]] == ["fails", "holds"]
 
 
 # ---- what is tolerated ----------------------------------------------------------------------------------------------
