@@ -78,7 +78,7 @@ def _time_problems(case: MonitoringCase, given: MonitorInput, seed: int) -> Iter
     for name, ahead in (("time ahead", True), ("time behind", False)):
         first = (time_robustness_ahead if ahead else time_robustness_behind)(given.program, given.trace)
         signals = time_robustness_signal(given.program, given.trace, len(given.program.nodes) - 1, ahead=ahead)
-        if (first.low, first.high) != tuple(_value(signal, 0) for signal in signals):
+        if not np.allclose((first.low, first.high), [_value(signal, 0) for signal in signals], rtol=0, atol=1e-6):
             yield f"{name}: {first} is not the first value of its signal"
         yield from _worth_problems(
             case, given, InTime(case.trace, ahead), name, signals, seed, given.trace.ticks_per_unit
