@@ -18,7 +18,8 @@ MONITORING_CODES: dict[str, Explanation] = {
     "E0903": Explanation(
         "duration that is no whole number of ticks",
         "Monitors count time in ticks, so that it is exact. A duration must be a whole number of them, and all of "
-        "a formula together fewer than 2**58, with --interpolation linear fewer than 2**47. Choose finer or coarser ticks.",
+        "a formula together fewer than 2**58, with --interpolation linear fewer than 2**47. Choose finer or coarser "
+        "ticks.",
     ),
     "E0904": Explanation(
         "chained comparison",
@@ -26,9 +27,9 @@ MONITORING_CODES: dict[str, Explanation] = {
     ),
     "E0905": Explanation(
         "not linear between rows",
-        "With --interpolation linear numbers move in straight lines from row to row. Sums, multiples by constants, abs, "
-        "min and max of lines consist of lines; products and quotients of columns and % do not, so where they cross a "
-        "value cannot be told exactly. Hold the values (--interpolation constant), or record the product as a column.",
+        "With --interpolation linear numbers move in straight lines from row to row. Sums, multiples by constants, "
+        "abs, min and max of lines consist of lines; products and quotients of columns and % do not, so where they "
+        "cross a value cannot be told exactly. Hold the values (--interpolation constant), or record the product as a column.",
     ),
     "E0906": Explanation(
         "change of what moves",
@@ -37,8 +38,8 @@ MONITORING_CODES: dict[str, Explanation] = {
     ),
     "E0907": Explanation(
         "no first instant",
-        "With --interpolation linear, x > 5 is still false at the instant at which x crosses 5 upwards, and true at all "
-        "instants after it: there is no first one, so rise(x > 5) would never happen. rise(x >= 5) happens at the "
+        "With --interpolation linear, x > 5 is still false at the instant at which x crosses 5 upwards, and true at "
+        "all instants after it: there is no first one, so rise(x > 5) would never happen. rise(x >= 5) happens at the "
         "crossing. In the same way fall needs x > 5 rather than x >= 5.",
     ),
 }
