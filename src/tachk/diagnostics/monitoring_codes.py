@@ -29,7 +29,8 @@ MONITORING_CODES: dict[str, Explanation] = {
         "not linear between rows",
         "With --interpolation linear numbers move in straight lines from row to row. Sums, multiples by constants, "
         "abs, min and max of lines consist of lines; products and quotients of columns and % do not, so where they "
-        "cross a value cannot be told exactly. Hold the values (--interpolation constant), or record the product as a column.",
+        "cross a value cannot be told exactly. Hold the values (--interpolation constant), or record the product as "
+        "a column.",
     ),
     "E0906": Explanation(
         "change of what moves",

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterator
 from fractions import Fraction
 
 from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.properties.monitoring import ARITHMETIC, CONNECTIVES, EXTREMES, RELATIONS, column_name
+from tachk.properties.monitoring import ARITHMETIC, CONNECTIVES, EXTREMES, RELATIONS, column_name, is_condition
 from tachk.syntax import ast
 from tachk.syntax import formula as syntax
 from tachk.syntax.expression_printer import print_expression
@@ -101,7 +101,7 @@ class _Checker:
                     if both:
                         yield from self._open(side, not sign, becomes)
             case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in RELATIONS:
-                inner = [side for side in (left, right) if _is_condition(side)]
+                inner = [side for side in (left, right) if is_condition(side)]
                 for side in inner:
                     yield from self._open(side, True, becomes)
                     yield from self._open(side, False, becomes)
@@ -129,16 +129,6 @@ def _reads(expression: ast.Expression) -> bool:
     """Whether an expression reads a column: any name but those of functions."""
     functions = {id(call.function) for call in nodes_of_kind(expression, ast.CallExpression)}
     return any(id(name) not in functions for name in nodes_of_kind(expression, *_NAMES))
-
-
-def _is_condition(expression: ast.Expression) -> bool:
-    match expression:
-        case ast.UnaryExpression(operator=operator):
-            return operator == "!"
-        case ast.BinaryExpression(operator=operator):
-            return operator in CONNECTIVES or operator in RELATIONS
-        case _:
-            return isinstance(expression, ast.BooleanLiteral)
 
 
 def _constant(expression: ast.Expression) -> Fraction | None:

@@ -198,7 +198,7 @@ class _Compiler:
 
     def _change(self, expression: ast.Expression, text: str) -> int:
         """A condition changes where it or its negation falls; anything else where its value becomes another."""
-        if _is_condition(expression):
+        if is_condition(expression):
             changing = self.condition(expression)
             return self._node(
                 NodeKind.OR,
@@ -210,8 +210,8 @@ class _Compiler:
         return self._node(NodeKind.CHANGE, text, atom=self._atom_number(atom))
 
     def _compares_truth(self, left: ast.Expression, right: ast.Expression) -> bool:
-        return (_is_condition(left) or _is_condition(right) or self.booleans is not None) and all(
-            _is_condition(side) or self._may_be_boolean(side) for side in (left, right)
+        return (is_condition(left) or is_condition(right) or self.booleans is not None) and all(
+            is_condition(side) or self._may_be_boolean(side) for side in (left, right)
         )
 
     def _may_be_boolean(self, expression: ast.Expression) -> bool:
@@ -248,7 +248,7 @@ class _Compiler:
                 for other in others:
                     code += [*self._value(other), ValueInstruction(EXTREMES[name])]
                 return tuple(code)
-            case _ if _is_condition(expression):
+            case _ if is_condition(expression):
                 message = f"`{print_expression(expression)}` is a condition, where a number is expected"
                 raise self._report("E0902", message, expression.span, None)
             case _:
@@ -332,7 +332,7 @@ class _Compiler:
         return _NotCompiled()
 
 
-def _is_condition(expression: ast.Expression) -> bool:
+def is_condition(expression: ast.Expression) -> bool:
     """Whether an expression is true or false by its form."""
     match expression:
         case ast.UnaryExpression(operator=operator):
