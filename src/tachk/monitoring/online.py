@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from typing import cast
 
 import numpy as np
 
@@ -109,16 +110,16 @@ class Monitor:
     def update(self, time: Time, values: Mapping[str, float] | None = None, **more: float) -> Truth:
         """Some columns have these values from this time on; the others keep theirs.
 
-        Returns the verdict on all formulas together, see `truth`. Raises UsageError for a column without a value, and
-        for a time before the one given last.
+        None and NaN mean that a value stays; columns that no formula reads may be there.
+
+        Returns the verdict on all formulas together, see `truth`. Raises UsageError for a column without a value, for
+        what is no number, and for a time before the one given last.
         """
         tick = self.tick(time)
         row: list[float] = []
         for name, value in zip(self.columns, self._values, strict=True):
             new = more.get(name, value) if values is None else values.get(name, more.get(name, value))
-            if new is None:
-                raise UsageError(f"column {name!r} has no value yet", "the first event gives every column a value")
-            row.append(float(new))
+            row.append(_number(name, new, value))
         self._check(tick, time)
         self._values = [*row]
         self.rows += 1
@@ -165,8 +166,13 @@ class Monitor:
         return self.verdicts
 
     def tick(self, time: Time) -> int:
-        """A time as the monitor counts it; a float is rounded. Raises UsageError for one that is finer."""
+        """A time as the monitor counts it; a float is rounded.
+
+        Raises UsageError for one that is finer, and for what is no time.
+        """
         if isinstance(time, float):
+            if not math.isfinite(time):
+                raise UsageError(f"the time {time} is no number")
             return round(time * self._scale)
         if isinstance(time, int):
             return time * self._scale
@@ -305,3 +311,20 @@ def _resolved(formulas: Sequence[NamedFormula], columns: Sequence[str], unit: st
     if found:
         raise InputError(found)
     return resolved
+
+
+def _number(name: str, new: object, held: float | None) -> float:
+    """The value of a column after an event: the new one, or the one held where the event gives none."""
+    try:
+        number = math.nan if new is None else float(cast("float", new))
+    except (TypeError, ValueError):
+        raise UsageError(
+            f"the value {new!r} of column {name!r} is no number", "values are numbers or booleans"
+        ) from None
+    if math.isfinite(number):
+        return number
+    if math.isinf(number):
+        raise UsageError(f"the value {new!r} of column {name!r} is not finite")
+    if held is None:
+        raise UsageError(f"column {name!r} has no value yet", "the first event gives every column a value")
+    return held

@@ -83,6 +83,7 @@ def bands_of(signal: NodeSignal, truth: Truth, begin: float, end: float, pixel: 
             continue
         widened = right - left < pixel
         if widened:
+            left = max(min(left, end - pixel), begin)
             right = left + pixel
         if bands and left - bands[-1].end < pixel / 2:
             bands[-1] = Band(bands[-1].begin, max(right, bands[-1].end), bands[-1].widened and widened)

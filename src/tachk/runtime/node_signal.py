@@ -19,6 +19,12 @@ class Truth(IntEnum):
     def __bool__(self) -> bool:
         raise TypeError("a verdict has three values: compare it with Truth.TRUE, Truth.FALSE or Truth.UNDETERMINED")
 
+    def __str__(self) -> str:
+        return self.word
+
+    def __format__(self, spec: str) -> str:
+        return format(self.word, spec)
+
     @property
     def negated(self) -> Truth:
         return self if self is Truth.UNDETERMINED else Truth(1 - self)

@@ -110,3 +110,24 @@ def test_the_end_agrees_with_the_judgement_of_the_whole(rows: list[tuple[int, bo
         found = verdict.story.verdicts[0].finding
         assert found is not None
         assert verdict.story.trace.clock(found.cell // 2) == report.record.trace.clock(whole.finding.cell // 2)
+
+
+def test_values_that_are_none_or_not_a_number_stay_and_others_are_refused() -> None:
+    monitor = tachk.Monitor("G (x < 5)")
+    with pytest.raises(UsageError, match="'x' has no value yet"):
+        monitor.update(0, x=float("nan"))
+    monitor.update(0, x=1)
+    monitor.update(1, {"x": None})  # type: ignore[dict-item]
+    assert monitor.update(2, x=float("nan")) is tachk.Truth.UNDETERMINED
+    with pytest.raises(UsageError, match="'fast' of column 'x' is no number"):
+        monitor.update(3, {"x": "fast"})  # type: ignore[dict-item]
+    with pytest.raises(UsageError, match="inf of column 'x' is not finite"):
+        monitor.update(3, x=float("inf"))
+    with pytest.raises(UsageError, match="the time nan"):
+        monitor.update(float("nan"), x=1)
+    assert monitor.finish(4)[0].truth is tachk.Truth.TRUE
+
+
+def test_a_truth_is_shown_as_a_word() -> None:
+    truth = tachk.Monitor("G x").update(0, x=1)
+    assert (str(truth), f"{truth}") == ("undetermined", "undetermined")

@@ -98,6 +98,8 @@ def test_bands_are_clipped_and_never_vanish() -> None:
     assert bands_of(signal, Truth.TRUE, 0, 20, 0.5) == [Band(2, 2.5, True)]
     assert bands_of(signal, Truth.FALSE, 1, 20, 0.5) == [Band(1, 10)]
     assert bands_of(signal, Truth.UNDETERMINED, 0, 15, 0.5) == [Band(10, 15)]
+    at_the_end = NodeSignal(np.array([0, 40]), np.array([1, 0], dtype=np.uint8), 41)
+    assert bands_of(at_the_end, Truth.FALSE, 0, 20, 0.5) == [Band(19.5, 20, True)]
 
 
 def test_long_traces_are_drawn_by_their_extremes() -> None:
