@@ -138,7 +138,7 @@ class _Weaver:
         result: list[ast.Item] = []
         for at, item in enumerate(originals):
             if at == templates[0]:
-                result += self._declarations(item.span)
+                result += self._declarations(self.watched[0].property.span)
             match item:
                 case ast.Template():
                     result.append(self.mirrors.template(item))

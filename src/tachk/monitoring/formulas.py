@@ -30,6 +30,7 @@ from tachk.time_units import length_of
 
 FORMULA_SUFFIXES = (".stl",)
 MODEL_SUFFIXES = (".ta", ".xta", ".xml")
+_TRACE_SUFFIXES = (".csv", ".tsv", ".vcd", ".parquet", ".pq")
 
 _LINE = re.compile(r"(?P<name>[A-Za-z_]\w*)\s*(?:\"(?P<title>[^\"\n]*)\"\s*)?:(?!:)\s*")
 
@@ -73,6 +74,8 @@ def read_formulas(given: str | os.PathLike[str]) -> tuple[NamedFormula, ...]:
     """
     if not isinstance(given, str) or _is_file(given):
         path = Path(given)
+        if path.suffix.lower() in _TRACE_SUFFIXES:
+            raise UsageError(f"{path} is a trace, no file of formulas", "the formulas come first, then the trace")
         return _model_formulas(path) if path.suffix.lower() in MODEL_SUFFIXES else _file_formulas(path)
     source = Source("<formula>", with_full_stop(given))
     return _checked([_read("p1", "", Span(source, 0, len(source.text)))], "the formula")

@@ -122,3 +122,10 @@ def test_a_model_that_is_not_checked_whole_gets_no_observers() -> None:
         f"`{name}` stays a comment: something in the model is not checked"
         for name in ("opens", "counted", "passes", "lit")
     }
+
+
+def test_comments_stay_where_they_are_beside_what_observers_declare() -> None:
+    text = MODEL.replace("    clock x;", "    // how long the gate has rested\n    clock x;", 1)
+    xml = exported(text, ExportFormat.XML).text
+    assert xml.index("int[0, 4] observed") < xml.index("how long the gate has rested") < xml.index("clock x;")
+    assert xml.index("<template>") < xml.index("how long the gate has rested")

@@ -126,3 +126,10 @@ def test_refusals(tmp_path: Path) -> None:
     (tmp_path / "m.ta").write_text(MODEL.partition("property")[0])
     with pytest.raises(UsageError, match="states no property"):
         read_formulas(tmp_path / "m.ta")
+
+
+def test_a_trace_in_the_place_of_the_formulas_is_recognised(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("time,a\n0,1\n", encoding="utf-8")
+    with pytest.raises(UsageError, match="is a trace, no file of formulas .the formulas come first"):
+        read_formulas(str(path))
