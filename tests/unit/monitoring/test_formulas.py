@@ -131,5 +131,5 @@ def test_refusals(tmp_path: Path) -> None:
 def test_a_trace_in_the_place_of_the_formulas_is_recognised(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     path.write_text("time,a\n0,1\n", encoding="utf-8")
-    with pytest.raises(UsageError, match="is a trace, no file of formulas .the formulas come first"):
+    with pytest.raises(UsageError, match="is a trace, no file of formulas"):
         read_formulas(str(path))
