@@ -126,7 +126,7 @@ def exact_ticks(times: NDArray[Any], name: str) -> tuple[Ticks, int]:
     if times.dtype.kind in "iu":
         if len(times) and int(times.max()) > 2**62:
             raise UsageError(f"{name}: the times are too large")
-        return times.astype(np.int64), 1
+        return np.ascontiguousarray(times, dtype=np.int64), 1
     if times.dtype.kind == "O" and all(isinstance(time, (int, Fraction)) for time in times):
         return _rational_ticks([Fraction(time) for time in times], name)
     try:
@@ -172,14 +172,15 @@ def _rational_ticks(times: Sequence[Fraction], name: str) -> tuple[Ticks, int]:
 def held_values(values: Any, column: str, name: str) -> Values:
     """The values of a column; a missing one (None, NaN, NaT) means that the value before stays.
 
-    A column with no values but 0 and 1 holds truth values, as in a file. Raises UsageError.
+    A column with no values but 0 and 1 holds truth values, as in a file. Numbers are not copied where they need not be.
+    Raises UsageError.
     """
     array = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
     if array.ndim != 1:
         raise UsageError(f"{name}: column {column!r} is no one-dimensional array")
     if array.dtype.kind == "b":
         return array.astype(np.uint8)
-    known = np.ones(len(array), dtype=bool)
+    known: NDArray[np.bool_] | None = None
     if array.dtype.kind == "O":
         known = np.array([not _is_missing(value) for value in array], dtype=bool)
         if len(array) and known.any() and all(isinstance(value, (bool, np.bool_)) for value in array[known]):
@@ -190,14 +191,26 @@ def held_values(values: Any, column: str, name: str) -> Values:
     if array.dtype.kind not in "iufO":
         raise _no_numbers(column, name)
     try:
-        numbers = array.astype(np.float64)
+        numbers = np.ascontiguousarray(array, dtype=np.float64)
     except (TypeError, ValueError):
         raise _no_numbers(column, name) from None
-    known &= ~np.isnan(numbers)
-    if np.isinf(numbers).any():
-        raise UsageError(f"{name}: column {column!r} has an infinite value in row {int(np.isinf(numbers).argmax())}")
-    held = _hold(numbers, known, column, name)
-    return held.astype(np.uint8) if bool(((held == 0) | (held == 1)).all()) else held
+    if known is not None or not _is_finite(numbers):
+        known = ~np.isnan(numbers) if known is None else known & ~np.isnan(numbers)
+        infinite = np.isinf(numbers)
+        if infinite.any():
+            raise UsageError(f"{name}: column {column!r} has an infinite value in row {int(infinite.argmax())}")
+        numbers = np.asarray(_hold(numbers, known, column, name), dtype=np.float64)
+    return numbers.astype(np.uint8) if _is_truth(numbers) else numbers
+
+
+def _is_finite(numbers: NDArray[np.float64]) -> bool:
+    """Whether every number is finite, without an array of the answers."""
+    return not len(numbers) or bool(np.isfinite(numbers.min()) and np.isfinite(numbers.max()))
+
+
+def _is_truth(numbers: NDArray[np.float64]) -> bool:
+    blocks = (numbers[begin : begin + _BLOCK] for begin in range(0, len(numbers), _BLOCK))
+    return all(bool(((block == 0) | (block == 1)).all()) for block in blocks)
 
 
 def _hold(values: Values, known: NDArray[np.bool_], column: str, name: str) -> Values:
