@@ -29,6 +29,12 @@ SPELLINGS = {
 """The units as prose and the headers of traces spell them, in lower case."""
 
 
+def usual_decimals(unit: str) -> int:
+    """The decimals of a time in this unit that tell nanoseconds apart, at most 9; 9 for what is no unit."""
+    length = length_of(unit)
+    return 9 if length is None else next((n for n in range(9) if length <= 10**n), 9)
+
+
 def length_of(unit: str) -> Fraction | None:
     """The nanoseconds of ``1 ms``, ``10 us`` or ``s``; None for what is no unit."""
     amount, _, name = unit.strip().rpartition(" ")

@@ -312,8 +312,15 @@ def monitor(
     online: Annotated[bool, typer.Option("--online", help="Judge row by row, with bounded memory.")] = False,
     follow: Annotated[bool, typer.Option("--follow", help="Wait for further rows at the end of the file.")] = False,
     decimals: Annotated[
-        int, typer.Option(metavar="N", min=0, max=15, help="Row by row: the decimals of times and bounds.")
-    ] = 9,
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=0,
+            max=15,
+            help="Row by row: the decimals of times and bounds; by default as many as make nanoseconds, at most 9.",
+            show_default=False,
+        ),
+    ] = None,
     format: Annotated[MonitorFormat, typer.Option(help="Form of the report.")] = MonitorFormat.text,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write the report to a file.")

@@ -64,7 +64,7 @@ def run_online(request: MonitorRequest, formulas: tuple[NamedFormula, ...]) -> E
     )
     with destination(request.output, request.quiet) as out:
         live = out if request.format == "text" else None
-        for verdict in _decisions(monitor, recording, request.decimals):
+        for verdict in _decisions(monitor, recording):
             if live is not None:
                 live.write(decided_to_text(verdict, monitor.unit) + "\n")
                 live.flush()
@@ -90,11 +90,11 @@ def _open(request: MonitorRequest) -> CsvRecording:
     return open_csv_stream(_GrowingFile(path), str(path), request.time, request.unit)
 
 
-def _decisions(monitor: Monitor, recording: CsvRecording, decimals: int) -> Iterator[OnlineVerdict]:
+def _decisions(monitor: Monitor, recording: CsvRecording) -> Iterator[OnlineVerdict]:
     """Feeds the monitor until the rows end or everything is decided; yields each verdict when it is."""
     told: set[str] = set()
     try:
-        for rows in recording.blocks(monitor.columns, decimals):
+        for rows in recording.blocks(monitor.columns, monitor.decimals):
             monitor.push(rows.times, rows.columns, rows.decimals)
             for verdict in monitor.verdicts:
                 if verdict.measured is not Truth.UNDETERMINED and verdict.name not in told:

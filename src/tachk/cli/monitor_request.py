@@ -26,7 +26,7 @@ class MonitorRequest:
     robustness: bool = True
     online: bool = False
     follow: bool = False
-    decimals: int = 9
+    decimals: int | None = None
     format: str = "text"
     output: Path | None = None
     quiet: bool = False

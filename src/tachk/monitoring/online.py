@@ -24,10 +24,11 @@ from tachk.report.online_record import OnlineRecord, OnlineVerdict
 from tachk.runtime.explanation import horizon, memory
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.online_monitor import OnlineMonitor
-from tachk.runtime.trace import Ticks, Trace, Values
+from tachk.runtime.trace import LARGEST_TICK, Ticks, Trace, Values
 from tachk.runtime.trace_arrays import held_values
 from tachk.runtime.trace_header import known_unit
 from tachk.syntax.formula import Formula
+from tachk.time_units import usual_decimals
 
 Time = int | float | Fraction | Decimal
 
@@ -62,7 +63,7 @@ class Monitor:
         formula: str | os.PathLike[str] | Sequence[str] | Sequence[NamedFormula],
         *,
         unit: str = "",
-        decimals: int = 9,
+        decimals: int | None = None,
         end: str = "undetermined",
         robustness: bool = False,
         select: Sequence[str] = (),
@@ -70,7 +71,8 @@ class Monitor:
         """Args:
             formula: as for `tachk.monitor`.
             unit: of the times that will be given, such as ``"ms"``.
-            decimals: times are counted in units of ``10 ** -decimals``; floating-point times are rounded to them.
+            decimals: times are counted in units of ``10 ** -decimals``; floating-point times are rounded to them. By
+                default as many as make nanoseconds, at most 9.
             end: what counts where the trace ends too early to tell: ``"undetermined"``, ``"weak"``, ``"strong"``.
             robustness: keep bounds of the robustness too.
             select: the names of the formulas that are watched; none: all.
@@ -88,7 +90,8 @@ class Monitor:
         )
         self.columns: tuple[str, ...] = tuple(names)
         resolved = _resolved(formulas, self.columns, self._unit)
-        self._scale = math.lcm(10**decimals, *(ticks_needed(formula) for formula in resolved))
+        self.decimals = usual_decimals(self._unit) if decimals is None else decimals
+        self._scale = math.lcm(10**self.decimals, *(ticks_needed(formula) for formula in resolved))
         self._watched: list[_Watched] = []
         for named, tree in zip(formulas, resolved, strict=True):
             program = compile_formula(tree, self.columns, self._scale)
@@ -133,8 +136,10 @@ class Monitor:
         """Many rows at once, their times in units of ``10 ** -decimals``. Every column is given."""
         if len(times) == 0:
             return self.truth
-        ticks = times * (self._scale // 10**decimals)
-        self._check(int(ticks[0]), Fraction(int(times[0]), 10**decimals))
+        factor = self._scale // 10**decimals
+        for time in (int(times[0]), int(times[-1])):
+            self._check(time * factor, Fraction(time, 10**decimals))
+        ticks = times * factor
         held = tuple(held_values(columns[name], name, "the trace") for name in self.columns)
         self._values = [float(values[-1]) for values in held]
         self.rows += len(times)
@@ -228,6 +233,12 @@ class Monitor:
     def _check(self, tick: int, time: Time) -> None:
         if self._now is not None and tick < self._now:
             raise UsageError(f"the time {time} lies before the one given last")
+        far = abs(tick) > LARGEST_TICK if self._first is None else tick - self._first >= LARGEST_TICK
+        if far:
+            raise UsageError(
+                f"the time {time} is too far from the beginning to be counted in units of 1/{self._scale}",
+                f"allow fewer decimals, say {max(self.decimals - 3, 0)}",
+            )
         self._now = tick
         if self._first is None:
             self._first = tick

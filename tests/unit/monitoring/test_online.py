@@ -13,6 +13,7 @@ import tachk
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.report.monitor_words import explain_verdict
 from tachk.report.online_report import decided_to_text
+from tachk.time_units import usual_decimals
 
 EVENTS = [(0, 0, 0, 1), (1, 1, 0, 2), (2, 1, 0, 3), (4, 0, 0, 5), (6.5, 0, 0, 2), (9, 0, 1, 1)]
 
@@ -131,3 +132,18 @@ def test_values_that_are_none_or_not_a_number_stay_and_others_are_refused() -> N
 def test_a_truth_is_shown_as_a_word() -> None:
     truth = tachk.Monitor("G x").update(0, x=1)
     assert (str(truth), f"{truth}") == ("undetermined", "undetermined")
+
+
+def test_a_time_too_far_away_to_be_counted_is_refused() -> None:
+    monitor = tachk.Monitor("G p", decimals=9)
+    monitor.update(0, p=1)
+    with pytest.raises(UsageError, match="too far from the beginning") as refusal:
+        monitor.update(10**9, p=1)
+    assert refusal.value.help == "allow fewer decimals, say 6"
+
+
+@pytest.mark.parametrize(("unit", "decimals"), [("", 9), ("s", 9), ("ms", 6), ("100 us", 5), ("ns", 0), ("h", 9)])
+def test_times_are_counted_in_nanoseconds_where_nothing_else_is_said(unit: str, decimals: int) -> None:
+    assert usual_decimals(unit) == decimals
+    if unit:
+        assert tachk.Monitor("G p", unit=unit.split()[-1]).decimals == usual_decimals(unit.split()[-1])
