@@ -119,6 +119,60 @@ void test_options_do_not_change_answers() {
         }
 }
 
+// The states of Fischer's protocol in parts of one word, by giving every location and variable a word of its own.
+void test_states_in_chunks_are_the_same_states() {
+  Program program = fischer(5, 1);
+  for (Slot& slot : program.slots) slot.low = INT32_MIN;
+  program.slots.push_back(Slot{0, 9, 4, true});
+  ++program.state_slots;
+  for (const std::size_t chunk_words : {0, 1, 2, 8}) {
+    Options options;
+    options.chunk_words = chunk_words;
+    Explorer chunked(program, options);
+    Explorer whole(fischer(5, 1), Options{});
+    CHECK(chunked.run(UINT64_MAX) == Status::finished);
+    CHECK(whole.run(UINT64_MAX) == Status::finished);
+    CHECK(chunked.statistics().stored == whole.statistics().stored);
+    CHECK(chunked.statistics().transitions == whole.statistics().transitions);
+    CHECK(chunked.path(*chunked.reached(0)) == whole.path(*whole.reached(0)));
+  }
+}
+
+// A clock that one location leaves alone while another one is set ever further back: the zones of that state do not
+// contain each other, and a last one contains them all.
+void test_long_antichains() {
+  constexpr Raw length = 40;
+  Program program;
+  program.clocks = 2;
+  program.state_slots = 1;
+  program.slots = {Slot{0, length + 1, 0, false}};
+  program.maximum_constants = {0, 100, 100};
+  program.largest_constant = 100;
+  Process process{0, {}};
+  const std::vector<ClockBound> all{{1, 100}, {2, 100}};
+  for (Raw n = 0; n < length; ++n) process.locations.push_back(location({}, all, all));
+  process.locations.push_back(location({}, all, all));
+  process.locations.push_back(location({}, all, all));
+  // From location 0 to the one before the last with y - x = n, and at the end with any difference.
+  for (Raw n = 0; n < length; ++n)
+    program.edges.push_back(edge(0, 0, length, atoms({at_least(1, n), at_most(1, n)}), Update{{}, {{1, 0}}, no_code}));
+  program.edges.push_back(edge(0, 0, length + 1));
+  program.edges.push_back(edge(0, length + 1, length, {}, Update{{}, {{1, 0}}, no_code}));
+  program.processes = {process};
+  program.goals = {goal(tests({{0, Comparison::equal, 0}}), DeadlockLiteral::required)};
+  for (const bool subsumption : {true, false}) {
+    Options options;
+    options.extrapolation = Extrapolation::max;
+    options.subsumption = subsumption;
+    Explorer explorer(program, options);
+    CHECK(explorer.run(UINT64_MAX) == Status::finished);
+    CHECK(!explorer.reached(0));
+    CHECK(explorer.statistics().stored == (subsumption ? 3 : static_cast<std::uint64_t>(length) + 3));
+    CHECK(explorer.statistics().explored ==
+          (subsumption ? 3 : static_cast<std::uint64_t>(length)) + (subsumption ? length : 3));
+  }
+}
+
 void test_slices_and_limits() {
   Explorer whole(fischer(4, 2), Options{});
   CHECK(whole.run(UINT64_MAX) == Status::finished);
@@ -301,6 +355,8 @@ void test_images_that_are_no_programs_are_refused() {
 int main() {
   test_known_state_counts();
   test_options_do_not_change_answers();
+  test_states_in_chunks_are_the_same_states();
+  test_long_antichains();
   test_slices_and_limits();
   test_deadlock();
   test_a_seeming_deadlock_has_no_run();

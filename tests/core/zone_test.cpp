@@ -151,6 +151,7 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
   std::mt19937 random(seed);
   const auto below = [&](int limit) { return static_cast<int>(random() % static_cast<std::uint32_t>(limit)); };
   const ZoneOperations ops = tachk::select_operations(n, width, vector);
+  const tachk::ExtentScale scale = tachk::choose_scale(ops, n, constant);
   Zone zone(ops, n);
   Matrix matrix(n);
   Zone other_zone(zone);
@@ -251,6 +252,11 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
     CHECK(zone.equals(matrix));
     CHECK(ops.includes(zone.data, other_zone.data, n) == matrix.includes(other_matrix));
     CHECK(ops.includes(other_zone.data, zone.data, n) == other_matrix.includes(matrix));
+    const tachk::Extent extent = ops.extent(zone.data, n, scale);
+    const tachk::Extent other_extent = ops.extent(other_zone.data, n, scale);
+    CHECK(((extent.rows | extent.columns) & 0x8000800080008000u) == 0);
+    if (matrix.includes(other_matrix)) CHECK(extent.may_include(other_extent));
+    if (other_matrix.includes(matrix)) CHECK(other_extent.may_include(extent));
     const bool same = zone.equals(other_matrix);
     if (same) CHECK(ops.hash(zone.data, n) == ops.hash(other_zone.data, n));
     CHECK(same == std::equal(zone.data, zone.data + ops.bytes, other_zone.data));

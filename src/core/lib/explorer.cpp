@@ -26,7 +26,7 @@ Explorer::Explorer(Program program, const Options& options)
       operations_(choose_operations(program_, options)),
       dimension_(program_.dimension()),
       semantics_(program_, operations_),
-      passed_(program_, operations_),
+      passed_(program_, operations_, options.chunk_words),
       random_(options.seed),
       reached_(program_.goals.size(), no_node),
       deadlocks_(operations_, dimension_),

@@ -45,6 +45,7 @@ class Options:
         subsumption: drop a state whose zone lies inside a stored zone, not only equal ones.
         narrow: use 16-bit bounds where every constant fits.
         vector: use the widest vector instructions of this machine; off: portable code.
+        chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
         spectators: explore processes too that cannot influence the answer; off: hold them still.
     """
 
@@ -55,6 +56,7 @@ class Options:
     subsumption: bool = True
     narrow: bool = True
     vector: bool = True
+    chunk_words: int = 8
     spectators: bool = False
 
 

@@ -25,6 +25,7 @@ VARIANTS = (
     Options(narrow=False),
     Options(vector=False),
     Options(narrow=False, vector=False),
+    Options(chunk_words=1),
 )
 """Each option switched away from its default: none may change a verdict."""
 

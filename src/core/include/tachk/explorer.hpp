@@ -27,6 +27,7 @@ struct Options {
   bool subsumption = true;
   bool narrow = true;
   bool vector = true;
+  std::size_t chunk_words = 8;  // of the parts in which large discrete states are held; 0: in one
   std::uint64_t state_limit = UINT64_MAX;
   std::uint64_t memory_limit = UINT64_MAX;
   std::uint32_t depth_limit = UINT32_MAX;

@@ -1,40 +1,17 @@
-// The states that have been seen: discrete parts bit-packed and interned, zones interned, and for each discrete part an
-// antichain of zones. A node costs 16 bytes; a zone or a discrete part that many nodes share is held once.
+// The states that have been seen: discrete parts and zones interned, and for each discrete part an antichain of zones.
+// A node costs 16 bytes; a zone or a discrete part that many nodes share is held once.
 #pragma once
 
 #include <cstdint>
 #include <cstring>
-#include <span>
 #include <vector>
 
+#include "tachk/discrete.hpp"
 #include "tachk/memory.hpp"
 #include "tachk/program.hpp"
 #include "tachk/zone.hpp"
 
 namespace tachk {
-
-// Packs the slots of a state into 64-bit words; a slot with one legal value takes no bits, no slot crosses a word.
-class StateLayout {
- public:
-  explicit StateLayout(const Program& program);
-
-  std::size_t words() const { return words_; }
-  void pack(const std::int32_t* slots, std::uint64_t* words) const;
-  // Fills all state slots; meta slots get their initial values.
-  void unpack(const std::uint64_t* words, std::int32_t* slots) const;
-
- private:
-  struct Field {
-    std::uint32_t slot;
-    std::uint32_t word;
-    std::uint32_t shift;
-    std::uint64_t mask;
-    std::int32_t low;
-  };
-  std::vector<Field> fields_;
-  std::vector<std::int32_t> initial_;
-  std::size_t words_ = 1;
-};
 
 inline constexpr std::uint32_t no_node = UINT32_MAX;
 
@@ -42,17 +19,17 @@ struct Node {
   std::uint32_t discrete;
   std::uint32_t zone;
   std::uint32_t parent;  // no_node for the initial state
-  std::uint32_t next;    // in the antichain of the discrete part; covered_mark once a larger zone has come
+  std::uint32_t next;    // in a short antichain of the discrete part; covered_mark once a larger zone has come
 };
 
 inline constexpr std::uint32_t covered_mark = UINT32_MAX - 1;
 
 class PassedList {
  public:
-  PassedList(const Program& program, const ZoneOperations& zones);
+  PassedList(const Program& program, const ZoneOperations& zones, std::size_t chunk_words);
 
   // The number of a discrete state, which is new if nobody has asked for it before.
-  std::uint32_t locate(const std::int32_t* slots);
+  std::uint32_t locate(const std::int32_t* slots) { return discretes_.locate(slots, no_node); }
 
   // Whether a stored zone of this discrete state contains the zone.
   bool covers(std::uint32_t discrete, const void* zone) const;
@@ -66,33 +43,46 @@ class PassedList {
   const Node& node(std::uint32_t number) const { return *reinterpret_cast<const Node*>(nodes_[number]); }
   bool covered(std::uint32_t number) const { return node(number).next == covered_mark; }
   const void* zone(const Node& node) const { return zones_[node.zone]; }
-  void unpack(const Node& node, std::int32_t* slots) const {
-    layout_.unpack(reinterpret_cast<const std::uint64_t*>(discretes_[node.discrete]), slots);
-  }
+  void unpack(const Node& node, std::int32_t* slots) { discretes_.unpack(node.discrete, slots); }
   // Whether a node has exactly this state.
   bool equals(const Node& node, const std::int32_t* slots, const void* zone);
   std::size_t bytes() const;
 
  private:
-  // A discrete part is its packed words followed by the head of its antichain.
+  // A long antichain: its nodes with the extents of their zones, to be gone through without a look at the nodes.
+  struct Chain {
+    std::vector<Extent> extents;
+    std::vector<std::uint32_t> nodes;
+
+    std::size_t bytes() const { return extents.capacity() * sizeof(Extent) + nodes.capacity() * sizeof(nodes[0]); }
+  };
+  static constexpr std::size_t short_chain = 8;
+  static constexpr std::uint32_t chain_mark = std::uint32_t{1} << 31;
+
+  bool is_long(std::uint32_t head) const { return head != no_node && (head & chain_mark) != 0; }
+  Chain& chain(std::uint32_t head) { return chains_[head & ~chain_mark]; }
+  const Chain& chain(std::uint32_t head) const { return chains_[head & ~chain_mark]; }
+  // Removes the members of an antichain that the zone covers.
+  void thin_out(std::uint32_t& head, const void* zone);
+  void cover(std::uint32_t number);
+  bool holds(std::uint32_t head, std::uint32_t zone_number) const;
+  void append(std::uint32_t& head, std::uint32_t number);
+  Extent extent_of(const void* zone) const { return operations_.extent(zone, dimension_, scale_); }
   std::uint32_t intern_zone(const void* zone);
-  std::uint32_t& head(std::uint32_t discrete) {
-    return *reinterpret_cast<std::uint32_t*>(discretes_[discrete] + layout_.words() * sizeof(std::uint64_t));
-  }
-  std::uint32_t head(std::uint32_t discrete) const {
-    return *reinterpret_cast<const std::uint32_t*>(discretes_[discrete] + layout_.words() * sizeof(std::uint64_t));
-  }
+  // The first node of the antichain of a discrete part, or the number of a long one with chain_mark.
+  std::uint32_t& head(std::uint32_t discrete) { return discretes_.note(discrete); }
+  std::uint32_t head(std::uint32_t discrete) const { return discretes_.note(discrete); }
   Node& entry(std::uint32_t number) { return *reinterpret_cast<Node*>(nodes_[number]); }
 
   int dimension_;
   ZoneOperations operations_;
-  StateLayout layout_;
-  std::vector<std::uint64_t> packed_;
-  RecordPool discretes_;
+  ExtentScale scale_;
+  DiscreteStates discretes_;
   RecordPool zones_;
   RecordPool nodes_;
-  HashIndex discrete_index_;
   HashIndex zone_index_;
+  std::vector<Chain> chains_;
+  std::size_t chain_bytes_ = 0;
   std::uint32_t stored_ = 0;
 };
 
