@@ -187,8 +187,8 @@ SYSTEM_CODES: dict[str, Explanation] = {
     ),
     "W0407": Explanation(
         "function that is not checked",
-        "The function uses something that tachk does not check. It is left out of what is checked; what calls it is "
-        "refused (E0750), everything else is answered.",
+        "The function uses something that tachk does not check, or it belongs to a library of another program. It is "
+        "left out of what is checked; what calls it is refused (E0750), everything else is answered.",
         "int half(int n) { double d = n / 2.0; return 0; }",
         "int half(int n) { return n / 2; }",
     ),

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from tachk.frontend.context import Context
-from tachk.frontend.dropped import declare_dropped, dropped_kind
+from tachk.frontend.dropped import declare_dropped, declare_foreign_functions, dropped_kind
 from tachk.frontend.expressions import expression, type_reader
 from tachk.frontend.functions import declare_function, declare_types
 from tachk.frontend.initialisers import initialiser
@@ -74,8 +74,8 @@ def declare(
                     priorities.append(item)
             case ast.UpdateHook(span, kind):
                 context.error("E0750", span, f"`{kind}` is not supported", "add the updates to the edges")
-            case ast.ForeignImport(span, library):
-                context.error("E0750", span, f"functions of the foreign library {library!r} are not supported")
+            case ast.ForeignImport():
+                declare_foreign_functions(item, scope, context)
             case ast.SignalDeclaration(name=name):
                 # Global signals are elaborated after the processes, which they may mention.
                 context.error("E0502", name.span, "a signal is global", "move this line out of the template")

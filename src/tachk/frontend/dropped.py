@@ -8,9 +8,11 @@ out can influence nothing that is checked.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
+from tachk.diagnostics.span import Span
 from tachk.frontend.builtin_names import FLOATING_FUNCTIONS
 from tachk.frontend.context import Context
 from tachk.frontend.scope import DroppedSymbol, Scope, ValueSymbol
@@ -52,6 +54,27 @@ def declare_dropped_function(
         tuple(Label(refusal.span, refusal.message) for refusal in refusals[:1]),
     )
     scope.declare(name, DroppedSymbol(name.span, "function", refusals[0]), context.findings)
+
+
+def declare_foreign_functions(node: ast.ForeignImport, scope: Scope, context: Context) -> None:
+    """Declares the functions of another program, which only it can run. The names are those in front of a parenthesis,
+    or of ``name = original(...)``."""
+    refusal = Diagnostic("E0750", f"functions of the foreign library {node.library!r} are not supported", node.span)
+    context.findings.add(
+        "W0407",
+        node.span,
+        f"the functions of the foreign library {node.library!r} are not part of what is checked",
+        "what calls them is refused",
+    )
+    text = _COMMENT.sub(lambda comment: " " * len(comment.group()), node.span.text)
+    for found in _FOREIGN_FUNCTION.finditer(text, text.find("{")):
+        start = node.span.start + found.start(1)
+        span = Span(node.span.source, start, start + len(found[1]))
+        scope.declare(ast.Identifier(span, found[1]), DroppedSymbol(span, "function", refusal), context.findings)
+
+
+_COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
+_FOREIGN_FUNCTION = re.compile(r"\b([A-Za-z_]\w*)\s*(?:=\s*\w+\s*)?\([^()]*\)\s*;")
 
 
 def refuse_call(node: ast.Expression, symbol: DroppedSymbol, context: Context) -> None:

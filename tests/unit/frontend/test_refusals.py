@@ -290,3 +290,27 @@ def test_a_function_that_nothing_checked_calls_is_left_out() -> None:
 def test_what_calls_such_a_function_is_refused(before: str, after: str, refused: str) -> None:
     loaded = load_model(Source("m.ta", FUNCTIONS.replace(before, after)))
     assert [refusal.span.text for refusal in loaded.refusals] == [refused]
+
+
+LIBRARY = """import "lib.so" { int f(int x); /* int h(); */ int g = c_g(int a, int b); };
+int n;
+"""
+
+
+@pytest.mark.parametrize(
+    ("guard", "expected"),
+    [("n < 1", []), ("f(n) < 1", [("E0750", "f")]), ("g(n, 2) < 1", [("E0750", "g")])],
+)
+def test_functions_of_a_foreign_library_are_refused_where_they_are_called(
+    guard: str, expected: list[tuple[str, str]]
+) -> None:
+    loaded = load_model(
+        Source("m.ta", f"{LIBRARY}process P() {{ init location s {{ to s {{ guard {guard}; }} }} }} system P;")
+    )
+    assert [(refusal.code, refusal.span.text) for refusal in loaded.refusals] == expected
+    assert [warning.code for warning in loaded.warnings] == ["W0407"]
+    assert LIBRARY.splitlines()[0] in export_model(loaded, ExportFormat.XTA).text
+
+
+def test_a_foreign_library_declares_nothing_else(find: Any) -> None:
+    assert find(f"{LIBRARY} int m = h();")[1:] == [("E0201", "h")]
