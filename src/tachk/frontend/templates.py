@@ -86,19 +86,34 @@ class Body:
             if point not in points:
                 result.append(edge)
                 continue
-            for node, target in outgoing[point]:
-                selects, scope = self._selects(node, inner)
-                joined = replace(
-                    edge,
-                    target=target,
-                    selects=edge.selects + selects,
-                    updates=edge.updates + self._updates(node, scope),
-                    spans=(*edge.spans, node.span),
-                    doc=edge.doc or node.doc,
-                )
-                result.append(joined)
+            result += [self._joined(edge, inner, node, target) for node, target in outgoing[point]]
         self._dead_branchpoints(outgoing)
         return tuple(result)
+
+    def _joined(self, edge: Edge, scope: Scope, node: ast.EdgeDeclaration, target: int) -> Edge:
+        """One edge for a way into a branchpoint and a way out of it; either of the two may carry the synchronisation."""
+        selects, inner = self._selects(node, scope)
+        synchronisation, updates = edge.synchronisation, (*edge.updates, *self._updates(node, inner))
+        if node.synchronisation is not None:
+            if synchronisation is not None:
+                self.context.error(
+                    "E0750",
+                    node.synchronisation.span,
+                    "a second synchronisation on the way through a branchpoint is not supported",
+                    "keep one of the two: the edge to the branchpoint and its branch are one step",
+                )
+            synchronisation, first = self._synchronisation(node.synchronisation, inner)
+            self._urgent_guard(synchronisation, edge.guard)
+            updates = updates if first is None else (first, *updates)
+        return replace(
+            edge,
+            target=target,
+            selects=edge.selects + selects,
+            synchronisation=synchronisation,
+            updates=updates,
+            spans=(*edge.spans, node.span),
+            doc=edge.doc or node.doc,
+        )
 
     def _dead_branchpoints(self, outgoing: dict[str, list[tuple[ast.EdgeDeclaration, int]]]) -> None:
         for point in self.template.branchpoints:
@@ -120,13 +135,6 @@ class Body:
                 "E0404",
                 edge.guard.span,
                 "an edge that leaves a branchpoint cannot have a guard",
-                "put it on the edges that lead to the branchpoint",
-            )
-        if edge.synchronisation is not None:
-            self.context.error(
-                "E0750",
-                edge.synchronisation.span,
-                "a synchronisation on an edge that leaves a branchpoint is not supported",
                 "put it on the edges that lead to the branchpoint",
             )
         if edge.target.name in points:

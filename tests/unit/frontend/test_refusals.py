@@ -153,7 +153,7 @@ def labels(text: str) -> str:
         ("chan c;\n" + labels("sync c;"), "c"),
         ("process P() { }\nsystem P;", "P"),
         (
-            "chan c;\nprocess P() { init location s { to b; } branchpoint b { to s { sync c!; } } } system P;",
+            "chan c, d;\nprocess P() { init location s { to b { sync d?; } } branchpoint b { to s { sync c!; } } } system P;",
             "c!",
         ),
     ],

@@ -117,6 +117,23 @@ def test_a_branch_selects_for_itself(load: Any) -> None:
     assert joined.updates[1].value.right.variable is second
 
 
+def test_a_branch_may_carry_the_synchronisation(load: Any) -> None:
+    text = """
+        int n, got; chan c[2], d;
+        process P() {
+            init location A { to choice { guard n == 0; assign n = 1; } }
+            branchpoint choice { to A { select i : int[0,1]; sync c[i]!i + 5; assign n = 2; } to A { sync d?; } to A; }
+        }
+        process R() { init location s { to s { sync c[0]?got; } to s { sync c[1]?got; } to s { sync d!; } } }
+        system P, R;"""
+    passing, receiving, silent = process(load(text)).edges
+    assert passing.synchronisation.direction is Direction.SEND
+    assert [u.span.text for u in passing.updates] == ["c[i]!i + 5", "n = 1", "n = 2"]
+    assert receiving.synchronisation.direction is Direction.RECEIVE
+    assert silent.synchronisation is None
+    assert all(edge.guard.span.text == "n == 0" for edge in (passing, receiving, silent))
+
+
 def test_values_are_passed_through_a_hidden_meta_variable(load: Any) -> None:
     text = """
         typedef struct { int a; bool b; } msg_t;
