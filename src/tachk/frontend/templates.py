@@ -91,7 +91,7 @@ class Body:
         return tuple(result)
 
     def _joined(self, edge: Edge, scope: Scope, node: ast.EdgeDeclaration, target: int) -> Edge:
-        """One edge for a way into a branchpoint and a way out of it; either of the two may carry the synchronisation."""
+        """The edge made of a way into a branchpoint and a way out of it; either may carry the synchronisation."""
         selects, inner = self._selects(node, scope)
         synchronisation, updates = edge.synchronisation, (*edge.updates, *self._updates(node, inner))
         if node.synchronisation is not None:

@@ -153,7 +153,10 @@ def labels(text: str) -> str:
         ("chan c;\n" + labels("sync c;"), "c"),
         ("process P() { }\nsystem P;", "P"),
         (
-            "chan c, d;\nprocess P() { init location s { to b { sync d?; } } branchpoint b { to s { sync c!; } } } system P;",
+            (
+                "chan c, d; process P() { init location s { to b { sync d?; } } "
+                "branchpoint b { to s { sync c!; } } } system P;"
+            ),
             "c!",
         ),
     ],
