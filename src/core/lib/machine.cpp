@@ -9,9 +9,9 @@ namespace {
 constexpr std::int32_t step_limit = 1 << 24;
 
 // Arithmetic is modulo 2^32.
-std::int64_t wrapped(std::int64_t value) { return static_cast<std::int32_t>(static_cast<std::uint32_t>(value)); }
+std::int32_t wrapped(std::int64_t value) { return static_cast<std::int32_t>(static_cast<std::uint32_t>(value)); }
 
-std::int64_t power(std::int64_t base, std::int64_t exponent) {
+std::int32_t power(std::int32_t base, std::int32_t exponent) {
   std::uint32_t result = 1;
   for (auto factor = static_cast<std::uint32_t>(base); exponent > 0; exponent >>= 1, factor *= factor)
     if ((exponent & 1) != 0) result *= factor;
@@ -20,242 +20,221 @@ std::int64_t power(std::int64_t base, std::int64_t exponent) {
 
 }  // namespace
 
-std::int64_t Machine::run(std::int32_t code, std::int32_t* memory, std::vector<ClockReset>* resets) {
-  const std::int32_t* words = program_.code.data();
+std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vector<ClockReset>* resets) {
+  const std::int32_t entry = code_.entry(position);
+  if (registers_.size() < code_.registers()) registers_.resize(code_.registers());
+  const Instruction* const instructions = code_.instructions();
+  const Instruction* instruction = instructions + entry;
   const std::vector<Slot>& slots = program_.slots;
-  std::int32_t pc = code;
-  std::size_t top = 0;    // number of values on the stack
-  std::size_t depth = 0;  // number of open calls
+  const std::int32_t* bases[] = {memory, registers_.data(), code_.constants()};  // by Place
+  std::int32_t* registers = registers_.data();
+  calls_.clear();
   std::int32_t steps = 0;
 
-  const auto push = [&](std::int64_t value) {
-    if (top == stack_.size()) stack_.resize(2 * stack_.size());
-    stack_[top++] = value;
+  const auto value = [&](Operand operand) { return bases[static_cast<std::size_t>(operand.place)][operand.index]; };
+  const auto left = [&] { return value(instruction->left); };
+  const auto right = [&] { return value(instruction->right); };
+  const auto wide_left = [&] { return std::int64_t{left()}; };
+  const auto wide_right = [&] { return std::int64_t{right()}; };
+  const auto give = [&](std::int32_t result) {
+    registers[instruction->target] = result;
+    ++instruction;
   };
-  const auto pop = [&] { return stack_[--top]; };
-  const auto fault = [&](FaultKind kind) -> void { throw ModelFault(kind, pc); };
+  const auto fault = [&](FaultKind kind) -> void { throw ModelFault(kind, instruction->position); };
   const auto slot_at = [&](std::int64_t address) {
     if (address < 0 || static_cast<std::size_t>(address) >= slots.size()) fault(FaultKind::index);
     return static_cast<std::size_t>(address);
   };
-  const auto store = [&](std::size_t slot, std::int64_t value) {
-    if (value < slots[slot].low || value > slots[slot].high) fault(FaultKind::range);
-    memory[slot] = static_cast<std::int32_t>(value);
+  const auto store = [&](std::size_t slot, std::int32_t stored) {
+    if (stored < slots[slot].low || stored > slots[slot].high) fault(FaultKind::range);
+    memory[slot] = stored;
   };
-  const auto arithmetic = [&](std::int64_t value) { stack_[top - 1] = wrapped(value); };
+  const auto address = [&] {
+    const std::int64_t offset = wide_right() - instruction->extra[0];
+    if (offset < 0 || offset >= instruction->extra[1]) fault(FaultKind::index);
+    return wide_left() + offset * instruction->extra[2] + instruction->extra[3];
+  };
+  const auto cells_at = [&](std::int64_t address_of_first) {
+    const std::size_t first = slot_at(address_of_first);
+    if (first + static_cast<std::size_t>(instruction->extra[0]) > slots.size()) fault(FaultKind::index);
+    return first;
+  };
+  const auto in_range = [&](std::int32_t number) {
+    return number >= instruction->extra[0] && number <= instruction->extra[1];
+  };
+  const auto distance = [&] {
+    const std::int32_t bits = right();
+    if (bits < 0 || bits > 31) fault(FaultKind::shift);
+    return bits;
+  };
+  const auto count_steps = [&] {
+    steps += instruction->extra[1];
+    if (steps > step_limit) fault(FaultKind::loop);
+  };
+  const auto jump = [&](bool taken) {
+    count_steps();
+    instruction = taken ? instructions + instruction->target : instruction + 1;
+  };
 
   while (true) {
-    if (++steps > step_limit) fault(FaultKind::loop);
-    const std::int32_t* operand = words + pc + 1;
-    switch (static_cast<Opcode>(words[pc])) {
-      case Opcode::end:
-        return top > 0 ? stack_[top - 1] : 0;
-      case Opcode::constant:
-        push(operand[0]);
-        pc += 2;
-        continue;
-      case Opcode::load:
-        push(memory[operand[0]]);
-        pc += 2;
-        continue;
-      case Opcode::load_indirect:
-        stack_[top - 1] = memory[slot_at(stack_[top - 1])];
+    switch (instruction->operation) {
+      case Operation::move:
+        give(left());
         break;
-      case Opcode::store:
-        store(static_cast<std::size_t>(operand[0]), pop());
-        pc += 2;
-        continue;
-      case Opcode::store_indirect: {
-        const std::int64_t value = pop();
-        store(slot_at(pop()), value);
+      case Operation::store: {
+        const std::int32_t stored = left();
+        if (!in_range(stored)) fault(FaultKind::range);
+        memory[instruction->target] = stored;
+        ++instruction;
         break;
       }
-      case Opcode::index: {
-        const std::int64_t offset = pop() - operand[0];
-        if (offset < 0 || offset >= operand[1]) fault(FaultKind::index);
-        stack_[top - 1] += offset * operand[2];
-        pc += 4;
-        continue;
+      case Operation::store_at:
+        store(slot_at(left()), right());
+        ++instruction;
+        break;
+      case Operation::load_at:
+        give(memory[slot_at(left())]);
+        break;
+      case Operation::address:
+        give(wrapped(address()));
+        break;
+      case Operation::load_element:
+        give(memory[slot_at(address())]);
+        break;
+      case Operation::copy: {
+        const std::size_t source = cells_at(right());
+        const std::size_t target = cells_at(left());
+        copied_.assign(memory + source, memory + source + instruction->extra[0]);
+        for (std::size_t n = 0; n < copied_.size(); ++n) store(target + n, copied_[n]);
+        ++instruction;
+        break;
       }
-      case Opcode::copy: {
-        const std::size_t source = slot_at(pop());
-        const std::size_t target = slot_at(pop());
-        const auto count = static_cast<std::size_t>(operand[0]);
-        if (source + count > slots.size() || target + count > slots.size()) fault(FaultKind::index);
-        const std::vector<std::int32_t> values(memory + source, memory + source + count);
-        for (std::size_t n = 0; n < count; ++n) store(target + n, values[n]);
-        pc += 2;
-        continue;
+      case Operation::equal_cells: {
+        const std::int32_t* first = memory + cells_at(left());
+        give(std::equal(first, first + instruction->extra[0], memory + cells_at(right())));
+        break;
       }
-      case Opcode::equal_cells: {
-        const std::size_t b = slot_at(pop());
-        const std::size_t a = slot_at(pop());
-        const auto count = static_cast<std::size_t>(operand[0]);
-        if (a + count > slots.size() || b + count > slots.size()) fault(FaultKind::index);
-        push(std::equal(memory + a, memory + a + count, memory + b) ? 1 : 0);
-        pc += 2;
-        continue;
-      }
-      case Opcode::reset: {
-        const std::int64_t value = pop();
-        const std::int64_t clock = pop();
-        if (value < 0) fault(FaultKind::negative_clock);
-        if (value > largest_reset_) fault(FaultKind::bound);
+      case Operation::reset: {
+        const std::int32_t time = right();
+        const std::int32_t clock = left();
+        if (time < 0) fault(FaultKind::negative_clock);
+        if (time > largest_reset_) fault(FaultKind::bound);
         if (resets == nullptr || clock < 1 || clock > program_.numbered_clocks())
           throw std::logic_error("reset outside an update");
         const auto number = static_cast<std::uint16_t>(program_.renumbered(clock));
-        if (number != 0) resets->push_back({number, static_cast<std::int32_t>(value)});
+        if (number != 0) resets->push_back({number, time});
+        ++instruction;
         break;
       }
-      case Opcode::duplicate:
-        push(stack_[top - 1]);
+      case Operation::add:
+        give(wrapped(wide_left() + wide_right()));
         break;
-      case Opcode::pop:
-        --top;
+      case Operation::subtract:
+        give(wrapped(wide_left() - wide_right()));
         break;
-      case Opcode::swap:
-        std::swap(stack_[top - 1], stack_[top - 2]);
+      case Operation::multiply:
+        give(wrapped(wide_left() * wide_right()));
         break;
-      case Opcode::over:
-        push(stack_[top - 2]);
+      case Operation::divide:
+        if (right() == 0) fault(FaultKind::division);
+        give(wrapped(wide_left() / wide_right()));
         break;
-      case Opcode::add: {
-        const std::int64_t b = pop();
-        arithmetic(stack_[top - 1] + b);
+      case Operation::modulo:
+        if (right() == 0) fault(FaultKind::division);
+        give(wrapped(wide_left() % wide_right()));
         break;
-      }
-      case Opcode::subtract: {
-        const std::int64_t b = pop();
-        arithmetic(stack_[top - 1] - b);
+      case Operation::power:
+        if (right() < 0) fault(FaultKind::negative_exponent);
+        give(power(left(), right()));
         break;
-      }
-      case Opcode::multiply: {
-        const std::int64_t b = pop();
-        arithmetic(stack_[top - 1] * b);
+      case Operation::bit_and:
+        give(left() & right());
         break;
-      }
-      case Opcode::divide: {
-        const std::int64_t b = pop();
-        if (b == 0) fault(FaultKind::division);
-        arithmetic(stack_[top - 1] / b);
+      case Operation::bit_or:
+        give(left() | right());
         break;
-      }
-      case Opcode::modulo: {
-        const std::int64_t b = pop();
-        if (b == 0) fault(FaultKind::division);
-        arithmetic(stack_[top - 1] % b);
+      case Operation::bit_xor:
+        give(left() ^ right());
         break;
-      }
-      case Opcode::power: {
-        const std::int64_t exponent = pop();
-        if (exponent < 0) fault(FaultKind::negative_exponent);
-        stack_[top - 1] = power(stack_[top - 1], exponent);
+      case Operation::shift_left:
+        give(wrapped(wide_left() * (std::int64_t{1} << distance())));
         break;
-      }
-      case Opcode::bit_and: {
-        const std::int64_t b = pop();
-        stack_[top - 1] &= b;
+      case Operation::shift_right:
+        give(left() >> distance());
         break;
-      }
-      case Opcode::bit_or: {
-        const std::int64_t b = pop();
-        stack_[top - 1] |= b;
+      case Operation::minimum:
+        give(std::min(left(), right()));
         break;
-      }
-      case Opcode::bit_xor: {
-        const std::int64_t b = pop();
-        stack_[top - 1] ^= b;
+      case Operation::maximum:
+        give(std::max(left(), right()));
         break;
-      }
-      case Opcode::shift_left: {
-        const std::int64_t b = pop();
-        if (b < 0 || b > 31) fault(FaultKind::shift);
-        arithmetic(stack_[top - 1] * (std::int64_t{1} << b));
+      case Operation::negate:
+        give(wrapped(-wide_left()));
         break;
-      }
-      case Opcode::shift_right: {
-        const std::int64_t b = pop();
-        if (b < 0 || b > 31) fault(FaultKind::shift);
-        stack_[top - 1] >>= b;
+      case Operation::equal:
+        give(left() == right());
         break;
-      }
-      case Opcode::minimum: {
-        const std::int64_t b = pop();
-        stack_[top - 1] = std::min(stack_[top - 1], b);
+      case Operation::not_equal:
+        give(left() != right());
         break;
-      }
-      case Opcode::maximum: {
-        const std::int64_t b = pop();
-        stack_[top - 1] = std::max(stack_[top - 1], b);
+      case Operation::less:
+        give(left() < right());
         break;
-      }
-      case Opcode::negate:
-        arithmetic(-stack_[top - 1]);
+      case Operation::less_equal:
+        give(left() <= right());
         break;
-      case Opcode::logical_not:
-        stack_[top - 1] = stack_[top - 1] == 0;
+      case Operation::greater:
+        give(left() > right());
         break;
-      case Opcode::boolean:
-        stack_[top - 1] = stack_[top - 1] != 0;
+      case Operation::greater_equal:
+        give(left() >= right());
         break;
-      case Opcode::equal: {
-        const std::int64_t b = pop();
-        stack_[top - 1] = stack_[top - 1] == b;
+      case Operation::jump:
+        jump(true);
         break;
-      }
-      case Opcode::not_equal: {
-        const std::int64_t b = pop();
-        stack_[top - 1] = stack_[top - 1] != b;
+      case Operation::jump_if_equal:
+        jump(left() == right());
         break;
-      }
-      case Opcode::less: {
-        const std::int64_t b = pop();
-        stack_[top - 1] = stack_[top - 1] < b;
+      case Operation::jump_if_not_equal:
+        jump(left() != right());
         break;
-      }
-      case Opcode::less_equal: {
-        const std::int64_t b = pop();
-        stack_[top - 1] = stack_[top - 1] <= b;
+      case Operation::jump_if_less:
+        jump(left() < right());
         break;
-      }
-      case Opcode::greater: {
-        const std::int64_t b = pop();
-        stack_[top - 1] = stack_[top - 1] > b;
+      case Operation::jump_if_less_equal:
+        jump(left() <= right());
         break;
-      }
-      case Opcode::greater_equal: {
-        const std::int64_t b = pop();
-        stack_[top - 1] = stack_[top - 1] >= b;
+      case Operation::jump_if_greater:
+        jump(left() > right());
         break;
-      }
-      case Opcode::jump:
-        pc = operand[0];
-        continue;
-      case Opcode::jump_if_zero:
-        pc = pop() == 0 ? operand[0] : pc + 2;
-        continue;
-      case Opcode::jump_if_nonzero:
-        pc = pop() != 0 ? operand[0] : pc + 2;
-        continue;
-      case Opcode::call:
-        if (depth == calls_.size()) calls_.resize(2 * calls_.size());
-        calls_[depth++] = pc + 2;
-        pc = operand[0];
-        continue;
-      case Opcode::call_return:
-        pc = calls_[--depth];
-        continue;
-      case Opcode::assertion:
-        if (pop() == 0) fault(FaultKind::assertion);
+      case Operation::jump_if_greater_equal:
+        jump(left() >= right());
         break;
-      case Opcode::check_range:
-        if (stack_[top - 1] < operand[0] || stack_[top - 1] > operand[1]) fault(FaultKind::range);
-        pc += 3;
-        continue;
-      default:
-        throw std::logic_error("unknown instruction");
+      case Operation::call:
+        count_steps();
+        calls_.push_back({instruction + 1, registers});
+        registers += instruction->extra[0];
+        bases[static_cast<std::size_t>(Place::registers)] = registers;
+        instruction = instructions + instruction->target;
+        break;
+      case Operation::call_return:
+        count_steps();
+        instruction = calls_.back().next;
+        registers = calls_.back().registers;
+        bases[static_cast<std::size_t>(Place::registers)] = registers;
+        calls_.pop_back();
+        break;
+      case Operation::assertion:
+        if (left() == 0) fault(FaultKind::assertion);
+        ++instruction;
+        break;
+      case Operation::check_range:
+        if (!in_range(left())) fault(FaultKind::range);
+        ++instruction;
+        break;
+      case Operation::end:
+        return left();
     }
-    ++pc;
   }
 }
 

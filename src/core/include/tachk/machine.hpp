@@ -1,4 +1,4 @@
-// The stack machine that evaluates guards, updates and predicates (see tachk.semantics.bytecode).
+// The machine that evaluates guards, updates and predicates.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tachk/bound.hpp"
+#include "tachk/machine_code.hpp"
 #include "tachk/opcode.hpp"
 #include "tachk/program.hpp"
 
@@ -24,7 +25,7 @@ class Machine {
  public:
   // A clock set to more than `largest_reset` is a fault: the zones could not represent it.
   Machine(const Program& program, Raw largest_reset)
-      : program_(program), largest_reset_(largest_reset), stack_(256), calls_(64) {}
+      : program_(program), largest_reset_(largest_reset), code_(program) {}
 
   // The value of a piece of code. `memory` holds all slots; frame slots may be written. Throws ModelFault.
   std::int64_t value(std::int32_t code, std::int32_t* memory) { return run(code, memory, nullptr); }
@@ -35,10 +36,17 @@ class Machine {
  private:
   std::int64_t run(std::int32_t code, std::int32_t* memory, std::vector<ClockReset>* resets);
 
+  struct Frame {
+    const Instruction* next;
+    std::int32_t* registers;
+  };
+
   const Program& program_;
   Raw largest_reset_;
-  std::vector<std::int64_t> stack_;
-  std::vector<std::int32_t> calls_;
+  MachineCode code_;
+  std::vector<std::int32_t> registers_;
+  std::vector<Frame> calls_;          // those open, with what to go on with
+  std::vector<std::int32_t> copied_;  // by the copy under way
 };
 
 }  // namespace tachk
