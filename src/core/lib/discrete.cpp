@@ -18,6 +18,21 @@ std::uint64_t hash_words(const std::uint64_t* words, std::size_t count) {
   return hash ^ (hash >> 29);
 }
 
+// Chunks have a dozen or some dozen slots: too few for a call of memcmp to pay.
+bool same_slots(const std::int32_t* a, const std::int32_t* b, std::size_t count) {
+  std::size_t n = 0;
+  for (; n + 4 <= count; n += 4) {
+    std::uint64_t x[2];
+    std::uint64_t y[2];
+    std::memcpy(x, a + n, sizeof(x));
+    std::memcpy(y, b + n, sizeof(y));
+    if (((x[0] ^ y[0]) | (x[1] ^ y[1])) != 0) return false;
+  }
+  for (; n < count; ++n)
+    if (a[n] != b[n]) return false;
+  return true;
+}
+
 }  // namespace
 
 StateLayout::StateLayout(const Program& program) {
@@ -86,9 +101,9 @@ void DiscreteStates::find_key(const std::int32_t* slots) {
   }
   for (std::size_t chunk = 0; chunk + 1 < chunk_slots_.size(); ++chunk) {
     const std::size_t first = chunk_slots_[chunk];
-    const std::size_t bytes = (chunk_slots_[chunk + 1] - first) * sizeof(std::int32_t);
+    const std::size_t count = chunk_slots_[chunk + 1] - first;
     std::uint32_t number;
-    if (!known_chunks_.empty() && std::memcmp(slots + first, known_slots_.data() + first, bytes) == 0) {
+    if (!known_chunks_.empty() && same_slots(slots + first, known_slots_.data() + first, count)) {
       number = known_chunks_[chunk];
     } else {
       const std::size_t word = chunk * chunk_words_;

@@ -3,28 +3,6 @@
 #include <algorithm>
 
 namespace tachk {
-namespace {
-
-bool compare(std::int32_t value, Comparison comparison, std::int32_t constant) {
-  switch (comparison) {
-    case Comparison::equal:
-      return value == constant;
-    case Comparison::not_equal:
-      return value != constant;
-    case Comparison::less:
-      return value < constant;
-    case Comparison::less_equal:
-      return value <= constant;
-    case Comparison::greater:
-      return value > constant;
-    case Comparison::greater_equal:
-      return value >= constant;
-  }
-  return false;
-}
-
-}  // namespace
-
 Semantics::Semantics(const Program& program, const ZoneOperations& operations)
     : program_(program),
       operations_(operations),
@@ -44,6 +22,9 @@ Semantics::Semantics(const Program& program, const ZoneOperations& operations)
     const Edge& edge = program.edges[number];
     Outgoing& out = outgoing_[location_number(edge.process, edge.source)];
     (edge.internal() ? out.internal : edge.sends ? out.sends : out.receives).push_back(number);
+    const auto first = static_cast<std::uint32_t>(guard_tests_.size());
+    guard_tests_.insert(guard_tests_.end(), edge.guard.tests.begin(), edge.guard.tests.end());
+    integer_guards_.push_back({first, static_cast<std::uint32_t>(guard_tests_.size()), edge.guard.code});
   }
   for (std::uint32_t slot = 0; slot < program.state_slots; ++slot)
     if (program.slots[slot].meta) meta_slots_.push_back(slot);
@@ -52,7 +33,7 @@ Semantics::Semantics(const Program& program, const ZoneOperations& operations)
 
 bool Semantics::holds(const Condition& condition, std::int32_t* slots) {
   for (const Test& test : condition.tests)
-    if (!compare(slots[test.slot], test.comparison, test.constant)) return false;
+    if (!test.holds(slots)) return false;
   return condition.code == no_code || machine_.value(condition.code, slots) != 0;
 }
 
@@ -107,7 +88,10 @@ bool Semantics::invariant(std::int32_t* slots, std::vector<Atom>& atoms) {
 }
 
 bool Semantics::apply(const std::vector<std::uint32_t>& edges, const std::int32_t* slots, Effect& effect) {
-  effect.slots.assign(slots, slots + program_.slots.size());
+  if (effect.slots.empty())
+    effect.slots.assign(slots, slots + program_.slots.size());
+  else  // what lies behind the state is constant, or written before it is read
+    std::copy_n(slots, program_.state_slots, effect.slots.begin());
   effect.resets.clear();
   effect.invariant.clear();
   for (const std::uint32_t number : edges) {
@@ -157,7 +141,7 @@ bool Semantics::time_passes(std::int32_t* slots) {
       const Edge& sender = program_.edges[number];
       if (sender.channel_code == no_code && !program_.channels[static_cast<std::size_t>(sender.channel)].urgent)
         continue;
-      if (!holds(sender.guard, slots)) continue;
+      if (!offers(number, slots)) continue;
       const std::int32_t channel = channel_of(sender, slots);
       const Channel& kind = program_.channels[static_cast<std::size_t>(channel)];
       if (!kind.urgent) continue;
@@ -165,7 +149,7 @@ bool Semantics::time_passes(std::int32_t* slots) {
       for (std::size_t q = 0; q < processes; ++q) {
         if (q == p) continue;
         for (const std::uint32_t other : outgoing(q, slots).receives)
-          if (hears(program_.edges[other], channel, slots)) return false;
+          if (hears(other, channel, slots)) return false;
       }
     }
   }

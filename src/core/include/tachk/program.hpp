@@ -17,6 +17,25 @@ struct Test {
   std::uint32_t slot;
   Comparison comparison;
   std::int32_t constant;
+
+  bool holds(const std::int32_t* slots) const {
+    const std::int32_t value = slots[slot];
+    switch (comparison) {
+      case Comparison::equal:
+        return value == constant;
+      case Comparison::not_equal:
+        return value != constant;
+      case Comparison::less:
+        return value < constant;
+      case Comparison::less_equal:
+        return value <= constant;
+      case Comparison::greater:
+        return value > constant;
+      case Comparison::greater_equal:
+        return value >= constant;
+    }
+    return false;
+  }
 };
 
 // A clock constraint with some part that has to be computed.
@@ -37,6 +56,7 @@ struct Condition {
   std::vector<Atom> atoms;
   std::vector<ComputedConstraint> computed;
 
+  bool constrains_clocks() const { return !atoms.empty() || !computed.empty(); }
   bool trivial() const { return tests.empty() && code == no_code && atoms.empty() && computed.empty(); }
 };
 

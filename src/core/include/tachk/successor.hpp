@@ -83,14 +83,28 @@ class Semantics {
     std::vector<std::uint32_t> sends;
     std::vector<std::uint32_t> receives;
   };
+  // The integer part of a guard, side by side with those of other edges: most guards are only ever asked this.
+  struct IntegerGuard {
+    std::uint32_t first_test;
+    std::uint32_t last_test;
+    std::int32_t code;
+  };
   const Outgoing& outgoing(std::size_t process, const std::int32_t* slots) const {
     return outgoing_[location_number(process, slots[process])];
   }
   std::int32_t channel_of(const Edge& edge, std::int32_t* slots);
   // Whether a receiving edge listens to the channel now, its clock guard unseen.
-  bool hears(const Edge& receiver, std::int32_t channel, std::int32_t* slots) {
+  bool hears(std::uint32_t number, std::int32_t channel, std::int32_t* slots) {
+    const Edge& receiver = program_.edges[number];
     if (receiver.channel_code == no_code && receiver.channel != channel) return false;
-    return holds(receiver.guard, slots) && channel_of(receiver, slots) == channel;
+    return offers(number, slots) && channel_of(receiver, slots) == channel;
+  }
+  // Whether the integer part of an edge's guard holds.
+  bool offers(std::uint32_t number, std::int32_t* slots) {
+    const IntegerGuard& guard = integer_guards_[number];
+    for (std::uint32_t n = guard.first_test; n < guard.last_test; ++n)
+      if (!guard_tests_[n].holds(slots)) return false;
+    return guard.code == no_code || machine_.value(guard.code, slots) != 0;
   }
   template <class Visit>
   void broadcast(std::size_t receiver, std::int32_t channel, bool committed, bool participates, std::int32_t* slots,
@@ -108,6 +122,9 @@ class Semantics {
   Machine machine_;
   std::vector<std::size_t> first_location_;
   std::vector<Outgoing> outgoing_;
+  std::vector<IntegerGuard> integer_guards_;  // of each edge
+  std::vector<Test> guard_tests_;
+  std::vector<std::uint32_t> listeners_;  // receiving edges of the broadcasts under way
   std::vector<std::uint32_t> meta_slots_;
   std::vector<std::uint8_t> stopped_;
   bool has_urgent_channels_ = false;
@@ -122,6 +139,7 @@ class Semantics {
 template <class Visit>
 void Semantics::for_each_action(std::int32_t* slots, const void* zone, Visit&& visit) {
   const std::size_t processes = program_.processes.size();
+  listeners_.clear();
   bool committed = false;
   if (has_committed_locations_)
     for (std::size_t p = 0; p < processes; ++p) committed |= location(p, slots).committed;
@@ -132,7 +150,7 @@ void Semantics::for_each_action(std::int32_t* slots, const void* zone, Visit&& v
     if (!committed || from_committed) {
       for (const std::uint32_t number : out.internal) {
         const Edge& edge = program_.edges[number];
-        if (!holds(edge.guard, slots)) continue;
+        if (!offers(number, slots)) continue;
         action_.edges.assign(1, number);
         action_.guard.clear();
         if (const void* rest = guarded(edge, slots, zone, 0)) visit(std::as_const(action_), rest);
@@ -140,7 +158,7 @@ void Semantics::for_each_action(std::int32_t* slots, const void* zone, Visit&& v
     }
     for (const std::uint32_t number : out.sends) {
       const Edge& sender = program_.edges[number];
-      if (!holds(sender.guard, slots)) continue;
+      if (!offers(number, slots)) continue;
       const std::int32_t channel = channel_of(sender, slots);
       action_.edges.assign(1, number);
       action_.guard.clear();
@@ -154,12 +172,11 @@ void Semantics::for_each_action(std::int32_t* slots, const void* zone, Visit&& v
       for (std::size_t q = 0; q < processes; ++q) {
         if (q == p || (committed && !from_committed && !location(q, slots).committed)) continue;
         for (const std::uint32_t other : outgoing(q, slots).receives) {
-          const Edge& receiver = program_.edges[other];
-          if (!hears(receiver, channel, slots)) continue;
+          if (!hears(other, channel, slots)) continue;
           action_.edges.resize(1);
           action_.edges.push_back(other);
           action_.guard.resize(sender_atoms);
-          if (const void* rest = guarded(receiver, slots, sent, 1)) visit(std::as_const(action_), rest);
+          if (const void* rest = guarded(program_.edges[other], slots, sent, 1)) visit(std::as_const(action_), rest);
         }
       }
     }
@@ -174,31 +191,39 @@ template <class Visit>
 void Semantics::broadcast(std::size_t receiver, std::int32_t channel, bool committed, bool participates,
                           std::int32_t* slots, const void* zone, std::size_t level, Visit&& visit) {
   const std::size_t sender = program_.edges[action_.edges.front()].process;
-  std::vector<std::uint32_t> candidates;
-  for (; receiver < program_.processes.size(); ++receiver) {
+  const std::size_t first = listeners_.size();
+  bool must_join = false;  // some listener asks nothing of the clocks
+  for (; receiver < program_.processes.size() && listeners_.size() == first; ++receiver) {
     if (receiver == sender) continue;
-    for (const std::uint32_t number : outgoing(receiver, slots).receives)
-      if (hears(program_.edges[number], channel, slots)) candidates.push_back(number);
-    if (!candidates.empty()) break;
+    for (const std::uint32_t number : outgoing(receiver, slots).receives) {
+      if (!hears(number, channel, slots)) continue;
+      listeners_.push_back(number);
+      must_join |= !program_.edges[number].guard.constrains_clocks();
+    }
   }
-  if (candidates.empty()) {
+  const std::size_t last = listeners_.size();
+  if (first == last) {
     if (!committed || participates) visit(std::as_const(action_), zone);
     return;
   }
   const std::size_t atoms = action_.guard.size();
-  const bool joined = participates || location(receiver, slots).committed;
+  const bool joined = participates || location(receiver - 1, slots).committed;
   std::vector<std::vector<Atom>> guards;
-  for (const std::uint32_t number : candidates) {
+  for (std::size_t n = first; n < last; ++n) {
+    const std::uint32_t number = listeners_[n];
     action_.edges.push_back(number);
     const void* rest = guarded(program_.edges[number], slots, zone, level);
-    guards.emplace_back(action_.guard.begin() + static_cast<std::ptrdiff_t>(atoms), action_.guard.end());
-    if (rest != nullptr) broadcast(receiver + 1, channel, committed, joined, slots, rest, level + 1, visit);
+    if (!must_join)
+      guards.emplace_back(action_.guard.begin() + static_cast<std::ptrdiff_t>(atoms), action_.guard.end());
+    if (rest != nullptr) broadcast(receiver, channel, committed, joined, slots, rest, level + 1, visit);
     action_.edges.pop_back();
     action_.guard.resize(atoms);
   }
-  stay_out(guards, 0, zone, level, [&](const void* rest, std::size_t next_level) {
-    broadcast(receiver + 1, channel, committed, participates, slots, rest, next_level, visit);
-  });
+  if (!must_join)
+    stay_out(guards, 0, zone, level, [&](const void* rest, std::size_t next_level) {
+      broadcast(receiver, channel, committed, participates, slots, rest, next_level, visit);
+    });
+  listeners_.resize(first);
 }
 
 // Calls visit(rest, level) for each of the disjoint parts of the zone that together make up where none of the guards
