@@ -125,20 +125,24 @@ std::uint32_t DiscreteStates::intern_chunk() {
   if (found != HashIndex::absent) return found;
   const std::uint32_t fresh = chunks_.append();
   std::memcpy(chunks_[fresh], packed_.data(), bytes);
-  chunk_index_.insert(hash, fresh, [&](std::uint32_t number) { return hash_words(words(number), chunk_words_); });
+  chunk_index_.insert(hash, fresh);
   return fresh;
 }
 
-std::uint32_t DiscreteStates::locate(const std::int32_t* slots, std::uint32_t fresh_note) {
+void DiscreteStates::announce(const std::int32_t* slots) {
   find_key(slots);
-  const std::uint64_t hash = hash_words(key_.data(), key_.size());
+  hash_ = hash_words(key_.data(), key_.size());
+  index_.prefetch(hash_);
+}
+
+std::uint32_t DiscreteStates::locate(std::uint32_t fresh_note) {
   const std::uint32_t found = index_.find(
-      hash, [&](std::uint32_t number) { return std::memcmp(key_of(number), key_.data(), key_bytes()) == 0; });
+      hash_, [&](std::uint32_t number) { return std::memcmp(key_of(number), key_.data(), key_bytes()) == 0; });
   if (found != HashIndex::absent) return found;
   const std::uint32_t fresh = records_.append();
   std::memcpy(records_[fresh], key_.data(), key_bytes());
   note(fresh) = fresh_note;
-  index_.insert(hash, fresh, [&](std::uint32_t number) { return hash_words(key_of(number), key_.size()); });
+  index_.insert(hash_, fresh);
   return fresh;
 }
 

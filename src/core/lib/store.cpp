@@ -20,7 +20,7 @@ std::uint32_t PassedList::intern_zone(const void* zone) {
   if (found != HashIndex::absent) return found;
   const std::uint32_t fresh = zones_.append();
   std::memcpy(zones_[fresh], zone, operations_.bytes);
-  zone_index_.insert(hash, fresh, [&](std::uint32_t number) { return operations_.hash(zones_[number], dimension_); });
+  zone_index_.insert(hash, fresh);
   return fresh;
 }
 

@@ -46,8 +46,11 @@ class DiscreteStates {
   // States of more than two chunks are held as lists of chunks; with 0 words to a chunk none are.
   DiscreteStates(const Program& program, std::size_t chunk_words);
 
-  // The number of a discrete state, which is new, with the note `fresh_note`, if nobody has asked for it before.
-  std::uint32_t locate(const std::int32_t* slots, std::uint32_t fresh_note);
+  // Names the discrete state that `locate` is about. To be called as early as possible: the memory that is looked at
+  // then takes its time to arrive.
+  void announce(const std::int32_t* slots);
+  // The number of that state, which is new, with the note `fresh_note`, if nobody has asked for it before.
+  std::uint32_t locate(std::uint32_t fresh_note);
   bool equals(std::uint32_t number, const std::int32_t* slots);
   void unpack(std::uint32_t number, std::int32_t* slots);
 
@@ -72,7 +75,8 @@ class DiscreteStates {
   StateLayout layout_;
   std::size_t chunk_words_;  // 0: states are held whole
   std::vector<std::uint64_t> key_;
-  RecordPool records_;  // keys, each with a note behind it
+  std::uint64_t hash_ = 0;  // of the key of the announced state
+  RecordPool records_;      // keys, each with a note behind it
   HashIndex index_;
 
   // Only for states in chunks.

@@ -50,48 +50,54 @@ class RecordPool {
   std::vector<std::unique_ptr<std::byte, Free>> blocks_;
 };
 
-// An open-addressing index from hashes to record numbers; the records themselves live elsewhere.
+// An open-addressing index from hashes to record numbers; the records themselves live elsewhere. An entry is the upper
+// half of the hash and the number, and its place is that half scaled to the table: growing goes through the table in
+// order and needs no record.
 class HashIndex {
  public:
   static constexpr std::uint32_t absent = UINT32_MAX;
 
-  HashIndex() : entries_(1024, empty) {}
+  HashIndex() : entries_(std::size_t{1} << bits_, empty) {}
 
   std::size_t bytes() const { return entries_.size() * sizeof(std::uint64_t); }
+
+  // Asks for the memory that `find` will look at first.
+  void prefetch(std::uint64_t hash) const { __builtin_prefetch(&entries_[hash >> (64 - bits_)]); }
 
   // The number of the record with this hash for which `equal(number)` is true, or `absent`.
   template <class Equal>
   std::uint32_t find(std::uint64_t hash, Equal equal) const {
-    const std::uint64_t tag = hash >> 32;
-    for (std::size_t place = hash & (entries_.size() - 1);; place = (place + 1) & (entries_.size() - 1)) {
+    for (std::size_t place = hash >> (64 - bits_);; place = (place + 1) & (entries_.size() - 1)) {
       const std::uint64_t entry = entries_[place];
       if (entry == empty) return absent;
-      if ((entry >> 32) == tag && equal(static_cast<std::uint32_t>(entry))) return static_cast<std::uint32_t>(entry);
+      if ((entry ^ hash) >> 32 == 0 && equal(static_cast<std::uint32_t>(entry)))
+        return static_cast<std::uint32_t>(entry);
     }
   }
 
-  // Adds a record that `find` has not found. `rehash(number)` gives the hash of a record already present.
-  template <class Rehash>
-  void insert(std::uint64_t hash, std::uint32_t number, Rehash rehash) {
+  // Adds a record that `find` has not found.
+  void insert(std::uint64_t hash, std::uint32_t number) {
     if (3 * (used_ + 1) > 2 * entries_.size()) {
-      std::vector<std::uint64_t> old(2 * entries_.size(), empty);
+      ++bits_;
+      std::vector<std::uint64_t> old(std::size_t{1} << bits_, empty);
       old.swap(entries_);
       for (const std::uint64_t entry : old)
-        if (entry != empty) place(rehash(static_cast<std::uint32_t>(entry)), static_cast<std::uint32_t>(entry));
+        if (entry != empty) put(entry);
     }
-    place(hash, number);
+    put((hash >> 32 << 32) | number);
     ++used_;
   }
 
  private:
   static constexpr std::uint64_t empty = UINT64_MAX;
 
-  void place(std::uint64_t hash, std::uint32_t number) {
-    std::size_t position = hash & (entries_.size() - 1);
-    while (entries_[position] != empty) position = (position + 1) & (entries_.size() - 1);
-    entries_[position] = (hash >> 32 << 32) | number;
+  void put(std::uint64_t entry) {
+    std::size_t place = entry >> (64 - bits_);
+    while (entries_[place] != empty) place = (place + 1) & (entries_.size() - 1);
+    entries_[place] = entry;
   }
 
+  unsigned bits_ = 10;
   std::vector<std::uint64_t> entries_;
   std::size_t used_ = 0;
 };

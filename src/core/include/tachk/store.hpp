@@ -28,8 +28,10 @@ class PassedList {
  public:
   PassedList(const Program& program, const ZoneOperations& zones, std::size_t chunk_words);
 
-  // The number of a discrete state, which is new if nobody has asked for it before.
-  std::uint32_t locate(const std::int32_t* slots) { return discretes_.locate(slots, no_node); }
+  // Names the discrete state that `locate` is about, better early than late.
+  void announce(const std::int32_t* slots) { discretes_.announce(slots); }
+  // The number of that state, which is new if nobody has asked for it before.
+  std::uint32_t locate() { return discretes_.locate(no_node); }
 
   // Whether a stored zone of this discrete state contains the zone.
   bool covers(std::uint32_t discrete, const void* zone) const;
