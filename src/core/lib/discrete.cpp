@@ -58,10 +58,13 @@ StateLayout::StateLayout(const Program& program) {
 }
 
 void StateLayout::pack(const std::int32_t* slots, std::size_t first, std::size_t last, std::uint64_t* words) const {
-  for (std::size_t n = first; n < last; ++n) words[n - first] = 0;
-  for (std::size_t n = first_field_[first]; n < first_field_[last]; ++n) {
-    const Field& f = fields_[n];
-    words[f.word - first] |= static_cast<std::uint64_t>(static_cast<std::int64_t>(slots[f.slot]) - f.low) << f.shift;
+  for (std::size_t word = first; word < last; ++word) {
+    std::uint64_t packed = 0;
+    for (std::size_t n = first_field_[word]; n < first_field_[word + 1]; ++n) {
+      const Field& f = fields_[n];
+      packed |= static_cast<std::uint64_t>(static_cast<std::int64_t>(slots[f.slot]) - f.low) << f.shift;
+    }
+    words[word - first] = packed;
   }
 }
 

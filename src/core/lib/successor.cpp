@@ -23,12 +23,36 @@ Semantics::Semantics(const Program& program, const ZoneOperations& operations)
     Outgoing& out = outgoing_[location_number(edge.process, edge.source)];
     (edge.internal() ? out.internal : edge.sends ? out.sends : out.receives).push_back(number);
     const auto first = static_cast<std::uint32_t>(guard_tests_.size());
-    guard_tests_.insert(guard_tests_.end(), edge.guard.tests.begin(), edge.guard.tests.end());
+    for (const Test& test : edge.guard.tests) guard_tests_.emplace_back(test);
     integer_guards_.push_back({first, static_cast<std::uint32_t>(guard_tests_.size()), edge.guard.code});
   }
   for (std::uint32_t slot = 0; slot < program.state_slots; ++slot)
     if (program.slots[slot].meta) meta_slots_.push_back(slot);
   for (const Channel& channel : program.channels) has_urgent_channels_ |= channel.urgent;
+}
+
+Semantics::RangeTest::RangeTest(const Test& test)
+    : slot(test.slot), low(static_cast<std::uint32_t>(test.constant)), span(0), outside(false) {
+  constexpr auto smallest = static_cast<std::uint32_t>(INT32_MIN);
+  const std::uint32_t constant = low;
+  switch (test.comparison) {
+    case Comparison::equal:
+      break;
+    case Comparison::not_equal:
+      outside = true;
+      break;
+    case Comparison::less:  // not at least the constant
+    case Comparison::greater_equal:
+      span = static_cast<std::uint32_t>(INT32_MAX) - constant;
+      outside = test.comparison == Comparison::less;
+      break;
+    case Comparison::less_equal:
+    case Comparison::greater:  // not at most the constant
+      low = smallest;
+      span = constant - smallest;
+      outside = test.comparison == Comparison::greater;
+      break;
+  }
 }
 
 bool Semantics::holds(const Condition& condition, std::int32_t* slots) {

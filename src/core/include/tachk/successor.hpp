@@ -83,6 +83,18 @@ class Semantics {
     std::vector<std::uint32_t> sends;
     std::vector<std::uint32_t> receives;
   };
+  // A test without a branch: whether the slot lies in [low, low + span], or outside of it.
+  struct RangeTest {
+    explicit RangeTest(const Test& test);
+    bool passes(const std::int32_t* slots) const {
+      return (static_cast<std::uint32_t>(slots[slot]) - low <= span) != outside;
+    }
+
+    std::uint32_t slot;
+    std::uint32_t low;
+    std::uint32_t span;
+    bool outside;
+  };
   // The integer part of a guard, side by side with those of other edges: most guards are only ever asked this.
   struct IntegerGuard {
     std::uint32_t first_test;
@@ -103,7 +115,7 @@ class Semantics {
   bool offers(std::uint32_t number, std::int32_t* slots) {
     const IntegerGuard& guard = integer_guards_[number];
     for (std::uint32_t n = guard.first_test; n < guard.last_test; ++n)
-      if (!guard_tests_[n].holds(slots)) return false;
+      if (!guard_tests_[n].passes(slots)) return false;
     return guard.code == no_code || machine_.value(guard.code, slots) != 0;
   }
   template <class Visit>
@@ -123,7 +135,7 @@ class Semantics {
   std::vector<std::size_t> first_location_;
   std::vector<Outgoing> outgoing_;
   std::vector<IntegerGuard> integer_guards_;  // of each edge
-  std::vector<Test> guard_tests_;
+  std::vector<RangeTest> guard_tests_;
   std::vector<std::uint32_t> listeners_;  // receiving edges of the broadcasts under way
   std::vector<std::uint32_t> meta_slots_;
   std::vector<std::uint8_t> stopped_;
