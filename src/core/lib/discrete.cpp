@@ -91,13 +91,17 @@ DiscreteStates::DiscreteStates(const Program& program, std::size_t chunk_words)
     chunk_slots_.push_back(layout_.first_slot(word));
   const std::size_t chunks = chunk_slots_.size();
   chunk_slots_.push_back(layout_.slots());
+  chunk_members_.resize(chunks);
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk)
+    for (std::size_t slot = chunk_slots_[chunk]; slot < chunk_slots_[chunk + 1]; ++slot)
+      chunk_members_[chunk].add(slot);
   key_.assign((chunks + 1) / 2, 0);
   packed_.resize(chunk_words_);
   records_ = RecordPool((key_.size() + 1) * sizeof(std::uint64_t));
   chunks_ = RecordPool(chunk_words_ * sizeof(std::uint64_t));
 }
 
-void DiscreteStates::find_key(const std::int32_t* slots) {
+void DiscreteStates::find_key(const std::int32_t* slots, const SlotSet& written) {
   if (chunk_words_ == 0) {
     layout_.pack(slots, 0, layout_.words(), key_.data());
     return;
@@ -106,7 +110,8 @@ void DiscreteStates::find_key(const std::int32_t* slots) {
     const std::size_t first = chunk_slots_[chunk];
     const std::size_t count = chunk_slots_[chunk + 1] - first;
     std::uint32_t number;
-    if (!known_chunks_.empty() && same_slots(slots + first, known_slots_.data() + first, count)) {
+    if (!known_chunks_.empty() &&
+        (!written.meets(chunk_members_[chunk]) || same_slots(slots + first, known_slots_.data() + first, count))) {
       number = known_chunks_[chunk];
     } else {
       const std::size_t word = chunk * chunk_words_;
@@ -132,8 +137,8 @@ std::uint32_t DiscreteStates::intern_chunk() {
   return fresh;
 }
 
-void DiscreteStates::announce(const std::int32_t* slots) {
-  find_key(slots);
+void DiscreteStates::announce(const std::int32_t* slots, const SlotSet& written) {
+  find_key(slots, written);
   hash_ = hash_words(key_.data(), key_.size());
   index_.prefetch(hash_);
 }
@@ -150,7 +155,7 @@ std::uint32_t DiscreteStates::locate(std::uint32_t fresh_note) {
 }
 
 bool DiscreteStates::equals(std::uint32_t number, const std::int32_t* slots) {
-  find_key(slots);
+  find_key(slots, SlotSet::all());
   return std::memcmp(key_of(number), key_.data(), key_bytes()) == 0;
 }
 

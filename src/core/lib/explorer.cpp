@@ -53,7 +53,7 @@ struct Explorer::Collector {
   std::uint32_t discrete = 0;
 
   void possible(const void* guarded, const Effect& effect) const { explorer.pass_to_deadlock(guarded, effect); }
-  void expect(const std::int32_t* slots) const { explorer.passed_.announce(slots); }
+  void expect(const Effect& effect) const { explorer.passed_.announce(effect.slots.data(), effect.written); }
   bool wants(std::int32_t*, const void* zone) {
     if (parent != no_node) ++explorer.transitions_;
     discrete = explorer.passed_.locate();
@@ -69,7 +69,7 @@ struct Explorer::Recogniser {
   std::optional<std::vector<std::uint32_t>>& found;
 
   void possible(const void*, const Effect&) const {}
-  void expect(const std::int32_t*) const {}
+  void expect(const Effect&) const {}
   bool wants(std::int32_t*, const void*) const { return !found; }
   void take(std::int32_t* slots, const void* zone) const {
     if (explorer.passed_.equals(child, slots, zone)) found = *explorer.current_edges_;
@@ -83,7 +83,7 @@ struct Explorer::Follower {
   const std::vector<std::uint32_t>* edges = nullptr;
 
   void possible(const void*, const Effect&) const {}
-  void expect(const std::int32_t*) const {}
+  void expect(const Effect&) const {}
   bool wants(std::int32_t*, const void*) const { return edges == nullptr || *explorer.current_edges_ == *edges; }
   void take(std::int32_t* slots, const void* zone) const {
     states.push_back({{slots, slots + explorer.program_.slots.size()}, ZoneBuffer(explorer.operations_)});
@@ -96,7 +96,7 @@ struct Explorer::Prober {
   Explorer& explorer;
 
   void possible(const void* guarded, const Effect& effect) const { explorer.pass_to_deadlock(guarded, effect); }
-  void expect(const std::int32_t*) const {}
+  void expect(const Effect&) const {}
   bool wants(std::int32_t*, const void*) const { return false; }
   void take(std::int32_t*, const void*) const {}
 };
@@ -152,6 +152,7 @@ template <class Sink>
 void Explorer::start(Sink&& sink) {
   for (std::size_t slot = 0; slot < program_.slots.size(); ++slot) source_[slot] = program_.slots[slot].initial;
   effect_.slots = source_;
+  effect_.written = SlotSet::all();
   effect_.resets.clear();
   effect_.invariant.clear();
   if (!semantics_.invariant(effect_.slots.data(), effect_.invariant)) return;
@@ -244,7 +245,7 @@ void Explorer::expand_by_priority(const void* zone, Sink&& sink) {
 template <class Sink>
 void Explorer::finish(const void* zone, Effect& effect, Sink&& sink) {
   const std::vector<Atom>& invariant = effect.invariant;
-  sink.expect(effect.slots.data());
+  sink.expect(effect);
   target_.assign(zone);
   operations_.reset(target_.get(), dimension_, effect.resets.data(), effect.resets.size());
   if (!operations_.intersect(target_.get(), dimension_, invariant.data(), invariant.size())) return;

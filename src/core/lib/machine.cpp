@@ -48,6 +48,7 @@ std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vect
   const auto store = [&](std::size_t slot, std::int32_t stored) {
     if (stored < slots[slot].low || stored > slots[slot].high) fault(FaultKind::range);
     memory[slot] = stored;
+    written_.add(slot);
   };
   const auto address = [&] {
     const std::int64_t offset = wide_right() - instruction->extra[0];
@@ -85,6 +86,7 @@ std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vect
         const std::int32_t stored = left();
         if (!in_range(stored)) fault(FaultKind::range);
         memory[instruction->target] = stored;
+        written_.add(static_cast<std::size_t>(instruction->target));
         ++instruction;
         break;
       }

@@ -116,17 +116,22 @@ bool Semantics::apply(const std::vector<std::uint32_t>& edges, const std::int32_
     effect.slots.assign(slots, slots + program_.slots.size());
   else  // what lies behind the state is constant, or written before it is read
     std::copy_n(slots, program_.state_slots, effect.slots.begin());
+  effect.written = {};
   effect.resets.clear();
   effect.invariant.clear();
   for (const std::uint32_t number : edges) {
     const Update& update = program_.edges[number].update;
-    for (const Update::Store& store : update.stores) effect.slots[store.slot] = store.value;
+    for (const Update::Store& store : update.stores) {
+      effect.slots[store.slot] = store.value;
+      effect.written.add(store.slot);
+    }
     effect.resets.insert(effect.resets.end(), update.resets.begin(), update.resets.end());
-    if (update.code != no_code) machine_.update(update.code, effect.slots.data(), effect.resets);
+    if (update.code != no_code) machine_.update(update.code, effect.slots.data(), effect.written, effect.resets);
   }
   for (const std::uint32_t number : edges) {
     const Edge& edge = program_.edges[number];
     effect.slots[edge.process] = edge.target;
+    effect.written.add(edge.process);
   }
   for (const std::uint32_t slot : meta_slots_) effect.slots[slot] = program_.slots[slot].initial;
   return invariant(effect.slots.data(), effect.invariant);

@@ -46,9 +46,9 @@ class DiscreteStates {
   // States of more than two chunks are held as lists of chunks; with 0 words to a chunk none are.
   DiscreteStates(const Program& program, std::size_t chunk_words);
 
-  // Names the discrete state that `locate` is about. To be called as early as possible: the memory that is looked at
-  // then takes its time to arrive.
-  void announce(const std::int32_t* slots);
+  // Names the discrete state that `locate` is about; all slots in which it differs from the state unpacked last are in
+  // `written`. To be called as early as possible: the memory that is looked at then takes its time to arrive.
+  void announce(const std::int32_t* slots, const SlotSet& written);
   // The number of that state, which is new, with the note `fresh_note`, if nobody has asked for it before.
   std::uint32_t locate(std::uint32_t fresh_note);
   bool equals(std::uint32_t number, const std::int32_t* slots);
@@ -69,7 +69,7 @@ class DiscreteStates {
     return reinterpret_cast<const std::uint64_t*>(records_[number]);
   }
   // Writes to key_ what stands for a state in its record: the packed words, or the numbers of its chunks.
-  void find_key(const std::int32_t* slots);
+  void find_key(const std::int32_t* slots, const SlotSet& written);
   std::uint32_t intern_chunk();
 
   StateLayout layout_;
@@ -81,7 +81,8 @@ class DiscreteStates {
 
   // Only for states in chunks.
   std::vector<std::size_t> chunk_slots_;  // the first slot of each chunk, and behind the last
-  std::vector<std::uint64_t> packed_;     // one chunk
+  std::vector<SlotSet> chunk_members_;
+  std::vector<std::uint64_t> packed_;  // one chunk
   RecordPool chunks_;
   HashIndex chunk_index_;
   // The state unpacked last and its chunks: a successor has most of them.

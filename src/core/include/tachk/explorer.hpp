@@ -120,7 +120,7 @@ class Explorer {
   bool all_reached() const;
 
   // Goes through the actions of the state in source_ with this zone. Calls sink.possible(guarded, effect) for each that
-  // breaks no integer part of an invariant, sink.expect(slots) before the zone of a successor is computed, and
+  // breaks no integer part of an invariant, sink.expect(effect) before the zone of a successor is computed, and
   // sink.take(slots, zone) for every successor, unless sink.wants(slots, zone) has said no to the zone before its
   // abstraction.
   template <class Sink>

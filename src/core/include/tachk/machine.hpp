@@ -30,8 +30,12 @@ class Machine {
   // The value of a piece of code. `memory` holds all slots; frame slots may be written. Throws ModelFault.
   std::int64_t value(std::int32_t code, std::int32_t* memory) { return run(code, memory, nullptr); }
 
-  // Runs an update: writes slots and appends clock resets in order. Throws ModelFault.
-  void update(std::int32_t code, std::int32_t* memory, std::vector<ClockReset>& resets) { run(code, memory, &resets); }
+  // Runs an update: writes slots, of which it tells, and appends clock resets in order. Throws ModelFault.
+  void update(std::int32_t code, std::int32_t* memory, SlotSet& written, std::vector<ClockReset>& resets) {
+    written_ = {};
+    run(code, memory, &resets);
+    written.add(written_);
+  }
 
  private:
   std::int64_t run(std::int32_t code, std::int32_t* memory, std::vector<ClockReset>* resets);
@@ -44,6 +48,7 @@ class Machine {
   const Program& program_;
   Raw largest_reset_;
   MachineCode code_;
+  SlotSet written_;
   std::vector<std::int32_t> registers_;
   std::vector<Frame> calls_;          // those open, with what to go on with
   std::vector<std::int32_t> copied_;  // by the copy under way

@@ -38,6 +38,23 @@ struct Test {
   }
 };
 
+// A set of slots, coarsely: of 64 groups of slots those with a member. It may hold more slots than were added.
+class SlotSet {
+ public:
+  static SlotSet all() {
+    SlotSet set;
+    set.groups_ = UINT64_MAX;
+    return set;
+  }
+  void add(std::size_t slot) { groups_ |= std::uint64_t{1} << (slot / group_size % 64); }
+  void add(const SlotSet& other) { groups_ |= other.groups_; }
+  bool meets(const SlotSet& other) const { return (groups_ & other.groups_) != 0; }
+
+ private:
+  static constexpr std::size_t group_size = 8;
+  std::uint64_t groups_ = 0;
+};
+
 // A clock constraint with some part that has to be computed.
 struct ComputedConstraint {
   std::int32_t left;

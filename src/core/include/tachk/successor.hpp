@@ -26,6 +26,7 @@ struct Action {
 // What an action does to the discrete state: all that is known before the zone is looked at.
 struct Effect {
   std::vector<std::int32_t> slots;  // all slots, frame slots included
+  SlotSet written;                  // holds every slot of the state that differs from the source
   std::vector<ClockReset> resets;
   std::vector<Atom> invariant;  // of the target, over the values after the resets
 };
