@@ -13,10 +13,11 @@ from collections.abc import Sequence
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import Span
-from tachk.frontend.builtin_names import FLOATING_FUNCTIONS
+from tachk.frontend.builtin_names import BUILTIN_CONSTANTS, BUILTIN_FUNCTIONS, FLOATING_FUNCTIONS
 from tachk.frontend.context import Context
 from tachk.frontend.scope import DroppedSymbol, Scope, ValueSymbol
 from tachk.syntax import ast
+from tachk.syntax.walk import nodes_of_kind
 
 
 def dropped_kind(node: ast.TypeExpression) -> str | None:
@@ -107,6 +108,21 @@ def without_effect(update: ast.Expression, scope: Scope) -> bool:
 
 def is_dropped(node: ast.Expression, scope: Scope) -> bool:
     return isinstance(node, ast.NameExpression) and isinstance(scope.lookup(node.name), DroppedSymbol)
+
+
+def drop_rate(clock: ast.Expression, value: ast.Expression, scope: Scope, context: Context) -> bool:
+    """Whether a rate is that of a clock which is left out. Symbolic checking never computes such a rate, so that it may
+    use what is not supported; names that nothing declares are reported."""
+    while isinstance(clock, ast.IndexExpression):
+        clock = clock.base
+    if not is_dropped(clock, scope):
+        return False
+    bound = {quantifier.variable.name for quantifier in nodes_of_kind(value, ast.QuantifierExpression)}
+    for node in nodes_of_kind(value, ast.NameExpression):
+        builtin = node.name in FLOATING_FUNCTIONS or node.name in BUILTIN_FUNCTIONS or node.name in BUILTIN_CONSTANTS
+        if scope.lookup(node.name) is None and not builtin and node.name not in bound:
+            context.error("E0201", node.span, f"unknown name `{node.name}`", scope.suggestion(node.name))
+    return True
 
 
 def is_harmless(node: ast.Expression, scope: Scope) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import fields
 from tachk.frontend import fold
 from tachk.frontend.clock_constraints import convex, forbid
 from tachk.frontend.context import Context
-from tachk.frontend.dropped import is_dropped, is_harmless
+from tachk.frontend.dropped import drop_rate
 from tachk.frontend.expressions import condition, expression, type_reader
 from tachk.frontend.scope import Scope, ValueSymbol
 from tachk.frontend.typing import describe, is_integral, value_range
@@ -27,7 +27,7 @@ def invariant_parts(node: ast.Expression | None, scope: Scope, context: Context)
     for part, inner in _conjuncts(node, scope, context):
         rate = _rate_sides(part)
         if rate is not None:
-            if is_dropped(rate[0].clock, inner) and is_harmless(rate[1], inner):
+            if drop_rate(rate[0].clock, rate[1], inner, context):
                 continue
             pair = _rate(*rate, inner, context)
             if pair is not None and not (isinstance(pair[1], Constant) and pair[1].value == 1):

@@ -231,6 +231,23 @@ def test_whatever_else_uses_it_is_refused(before: str, after: str) -> None:
         _ = loaded.network
 
 
+@pytest.mark.parametrize(
+    "rate", ["rate(energy, n) / n", "energy * tab[n]", "sum (i : int[0,1]) tab[i]", "abs(n) * sqrt(energy)"]
+)
+def test_the_rate_of_a_hybrid_clock_is_never_computed(rate: str) -> None:
+    declarations = "int tab[2];\ndouble rate(double a, double b) { if (a > b) return a - b; else return 0.0; }\n"
+    text = declarations + LEFT_OUT.replace("2 * n + cost", rate).replace("property dear", "// property dear")
+    loaded = load_model(Source("m.ta", text))
+    assert loaded.refusals == ()
+    assert loaded.network.processes[0].locations[0].rates == ()
+
+
+def test_a_name_in_the_rate_of_a_hybrid_clock_must_be_known() -> None:
+    with pytest.raises(InputError) as caught:
+        load_model(Source("m.ta", LEFT_OUT.replace("2 * n + cost", "2 * m + cost")))
+    assert ("E0201", "m") in [(found.code, found.span.text) for found in caught.value.diagnostics]
+
+
 def test_an_empty_type_is_an_error_only_where_it_is_used(find: Any) -> None:
     declaration = "typedef int[5,4] none;"
     assert find(declaration) == []
