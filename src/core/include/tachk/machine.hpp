@@ -31,10 +31,11 @@ class Machine {
   std::int64_t value(std::int32_t code, std::int32_t* memory) { return run(code, memory, nullptr); }
 
   // Runs an update: writes slots, of which it tells, and appends clock resets in order. Throws ModelFault.
-  void update(std::int32_t code, std::int32_t* memory, SlotSet& written, std::vector<ClockReset>& resets) {
+  std::int64_t update(std::int32_t code, std::int32_t* memory, SlotSet& written, std::vector<ClockReset>& resets) {
     written_ = {};
-    run(code, memory, &resets);
+    const std::int64_t value = run(code, memory, &resets);
     written.add(written_);
+    return value;
   }
 
  private:
