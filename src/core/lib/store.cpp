@@ -8,7 +8,7 @@ namespace tachk {
 PassedList::PassedList(const Program& program, const ZoneOperations& zones, std::size_t chunk_words)
     : dimension_(program.dimension()),
       operations_(zones),
-      scale_(choose_scale(zones, dimension_, program.largest_constant)),
+      scale_(choose_scale(zones, dimension_, 0)),
       discretes_(program, chunk_words),
       zones_(zones.bytes),
       nodes_(sizeof(Node)) {}
@@ -31,14 +31,9 @@ bool PassedList::covers(std::uint32_t discrete, const void* zone) const {
       if (operations_.includes(zones_[node(number).zone], zone, dimension_)) return true;
     return false;
   }
-  const Chain& members = chain(first);
-  const Extent extent = extent_of(zone);
-  const Extent* extents = members.extents.data();
-  const std::size_t count = members.extents.size();
-  for (std::size_t n = 0; n < count; ++n)
-    if (extents[n].may_include(extent) && operations_.includes(zones_[node(members.nodes[n]).zone], zone, dimension_))
-      return true;
-  return false;
+  return chain(first).any_above(extent_of(zone), [&](std::uint32_t number) {
+    return operations_.includes(zones_[node(number).zone], zone, dimension_);
+  });
 }
 
 void PassedList::cover(std::uint32_t number) {
@@ -60,38 +55,46 @@ void PassedList::thin_out(std::uint32_t& head, const void* zone) {
     }
     return;
   }
-  Chain& members = chain(head);
-  const Extent extent = extent_of(zone);
-  for (std::size_t n = members.extents.size(); n-- > 0;) {
-    if (!extent.may_include(members.extents[n]) ||
-        !operations_.includes(zone, zones_[node(members.nodes[n]).zone], dimension_))
-      continue;
-    cover(members.nodes[n]);
-    members.extents[n] = members.extents.back();
-    members.nodes[n] = members.nodes.back();
-    members.extents.pop_back();
-    members.nodes.pop_back();
-  }
+  Antichain& members = chain(head);
+  chain_bytes_ -= members.bytes();
+  members.remove_below(extent_of(zone), [&](std::uint32_t number) {
+    if (!operations_.includes(zone, zones_[node(number).zone], dimension_)) return false;
+    cover(number);
+    return true;
+  });
+  chain_bytes_ += members.bytes();
 }
 
 bool PassedList::holds(std::uint32_t head, std::uint32_t zone_number) const {
-  if (is_long(head)) {
-    const std::vector<std::uint32_t>& nodes = chain(head).nodes;
-    return std::any_of(nodes.begin(), nodes.end(),
-                       [&](std::uint32_t number) { return node(number).zone == zone_number; });
-  }
+  if (is_long(head))
+    return chain(head).any_above(extent_of(zones_[zone_number]),
+                                 [&](std::uint32_t number) { return node(number).zone == zone_number; });
   for (std::uint32_t number = head; number != no_node; number = node(number).next)
     if (node(number).zone == zone_number) return true;
   return false;
 }
 
+void PassedList::rescale(Raw largest_entry) {
+  scale_ = choose_scale(operations_, dimension_, largest_entry + largest_entry / 2);
+  for (Antichain& members : chains_) {
+    chain_bytes_ -= members.bytes();
+    Antichain fresh;
+    members.for_each([&](std::uint32_t number) { fresh.add(extent_of(zones_[node(number).zone]), number); });
+    members = std::move(fresh);
+    chain_bytes_ += members.bytes();
+  }
+}
+
+void PassedList::add_to(Antichain& members, std::uint32_t number) {
+  const void* zone = zones_[node(number).zone];
+  const Raw largest_entry = operations_.largest_entry(zone, dimension_);
+  if (largest_entry > scale_.limit) rescale(largest_entry);
+  chain_bytes_ -= members.bytes();
+  members.add(extent_of(zone), number);
+  chain_bytes_ += members.bytes();
+}
+
 void PassedList::append(std::uint32_t& head, std::uint32_t number) {
-  const auto add_to = [&](Chain& members, std::uint32_t member) {
-    const std::size_t before = members.bytes();
-    members.extents.push_back(extent_of(zones_[node(member).zone]));
-    members.nodes.push_back(member);
-    chain_bytes_ += members.bytes() - before;
-  };
   if (!is_long(head)) {
     std::size_t length = 0;
     for (std::uint32_t member = head; member != no_node; member = node(member).next) ++length;
@@ -99,13 +102,12 @@ void PassedList::append(std::uint32_t& head, std::uint32_t number) {
       entry(number).next = std::exchange(head, number);
       return;
     }
-    Chain members;
-    for (std::uint32_t member = head; member != no_node;) {
-      add_to(members, member);
+    const std::uint32_t first = std::exchange(head, static_cast<std::uint32_t>(chains_.size()) | chain_mark);
+    chain_bytes_ += chains_.emplace_back().bytes();
+    for (std::uint32_t member = first; member != no_node;) {
+      add_to(chains_.back(), member);
       member = std::exchange(entry(member).next, no_node);
     }
-    head = static_cast<std::uint32_t>(chains_.size()) | chain_mark;
-    chains_.push_back(std::move(members));
   }
   add_to(chain(head), number);
 }
@@ -131,7 +133,7 @@ bool PassedList::equals(const Node& node, const std::int32_t* slots, const void*
 
 std::size_t PassedList::bytes() const {
   return discretes_.bytes() + zones_.bytes() + nodes_.bytes() + zone_index_.bytes() + chain_bytes_ +
-         chains_.capacity() * sizeof(Chain);
+         chains_.capacity() * sizeof(Antichain);
 }
 
 }  // namespace tachk

@@ -318,29 +318,38 @@ struct Kernel {
     return true;
   }
 
-  // Row i belongs to sum i mod 4, column j to sum j mod 4.
+  static Raw largest_entry(const void* zone, int dimension) {
+    const int number = vectors(dimension);
+    Vector largest{};
+    for (int i = 0; i < dimension; ++i)
+      for (int v = 0; v < number; ++v) {
+        const Vector entry = vector(row(zone, dimension, i), v);
+        largest = maximum(largest, maximum(entry == all(infinity) ? all(0) : entry, -entry));
+      }
+    T result = 0;
+    for (int lane = 0; lane < lanes; ++lane) result = largest[lane] > result ? largest[lane] : result;
+    return result;
+  }
+
   static Extent extent(const void* zone, int dimension, const ExtentScale& scale) {
     const int number = vectors(dimension);
     const auto limit = static_cast<T>(scale.limit);
-    const std::int64_t lift = (std::int64_t{limit} >> scale.entry_shift) + 1;  // makes entries positive
-    std::int64_t columns[4]{};
+    std::int64_t columns[8]{};
     Extent result{};
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < 8 && k < dimension; ++k) {
       Vector sums{};
-      for (int i = k; i < dimension; i += 4)
+      for (int i = k; i < dimension; i += 8)
         for (int v = 0; v < number; ++v)
           sums += maximum(minimum(vector(row(zone, dimension, i), v), all(limit)), all(static_cast<T>(-limit))) >>
                   scale.entry_shift;
-      const std::int64_t rows = (dimension - k + 3) / 4;
       std::int64_t sum = 0;
       for (int lane = 0; lane < lanes; ++lane) {
-        const std::int64_t part = sums[lane] + rows * number * lift;
-        sum += part;
-        columns[lane % 4] += part;
+        sum += sums[lane];
+        columns[lane % 8] += sums[lane];
       }
-      result.rows |= static_cast<std::uint64_t>(sum >> scale.sum_shift) << (16 * k);
+      result.sums[k] = static_cast<std::int16_t>(sum >> scale.sum_shift);
     }
-    for (int k = 0; k < 4; ++k) result.columns |= static_cast<std::uint64_t>(columns[k] >> scale.sum_shift) << (16 * k);
+    for (int k = 0; k < 8; ++k) result.sums[8 + k] = static_cast<std::int16_t>(columns[k] >> scale.sum_shift);
     return result;
   }
 
@@ -391,6 +400,7 @@ struct Table {
       }
     };
     table.hash = K::hash;
+    table.largest_entry = K::largest_entry;
     table.extent = K::extent;
     table.entry = [](const void* zone, int dim, int i, int j) -> Raw {
       const T value = K::row(zone, dim, i)[j];

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <vector>
 
+#include "tachk/antichain.hpp"
 #include "tachk/discrete.hpp"
 #include "tachk/memory.hpp"
 #include "tachk/program.hpp"
@@ -52,25 +53,21 @@ class PassedList {
   std::size_t bytes() const;
 
  private:
-  // A long antichain: its nodes with the extents of their zones, to be gone through without a look at the nodes.
-  struct Chain {
-    std::vector<Extent> extents;
-    std::vector<std::uint32_t> nodes;
-
-    std::size_t bytes() const { return extents.capacity() * sizeof(Extent) + nodes.capacity() * sizeof(nodes[0]); }
-  };
   static constexpr std::size_t short_chain = 8;
   static constexpr std::uint32_t chain_mark = std::uint32_t{1} << 31;
 
   bool is_long(std::uint32_t head) const { return head != no_node && (head & chain_mark) != 0; }
-  Chain& chain(std::uint32_t head) { return chains_[head & ~chain_mark]; }
-  const Chain& chain(std::uint32_t head) const { return chains_[head & ~chain_mark]; }
+  Antichain& chain(std::uint32_t head) { return chains_[head & ~chain_mark]; }
+  const Antichain& chain(std::uint32_t head) const { return chains_[head & ~chain_mark]; }
   // Removes the members of an antichain that the zone covers.
   void thin_out(std::uint32_t& head, const void* zone);
   void cover(std::uint32_t number);
   bool holds(std::uint32_t head, std::uint32_t zone_number) const;
   void append(std::uint32_t& head, std::uint32_t number);
+  void add_to(Antichain& members, std::uint32_t number);
   Extent extent_of(const void* zone) const { return operations_.extent(zone, dimension_, scale_); }
+  // Chooses the scale for a larger entry than has been seen, and with it all extents anew.
+  void rescale(Raw largest_entry);
   std::uint32_t intern_zone(const void* zone);
   // The first node of the antichain of a discrete part, or the number of a long one with chain_mark.
   std::uint32_t& head(std::uint32_t discrete) { return discretes_.note(discrete); }
@@ -84,7 +81,7 @@ class PassedList {
   RecordPool zones_;
   RecordPool nodes_;
   HashIndex zone_index_;
-  std::vector<Chain> chains_;
+  std::vector<Antichain> chains_;
   std::size_t chain_bytes_ = 0;
   std::uint32_t stored_ = 0;
 };

@@ -10,30 +10,9 @@
 #include <cstdint>
 
 #include "tachk/bound.hpp"
+#include "tachk/extent.hpp"
 
 namespace tachk {
-
-// Eight sums of entries of a zone, four over rows and four over columns, in 16 bits each. A zone that contains another
-// one is at least as large in each; comparing these first spares most comparisons of zones.
-struct Extent {
-  std::uint64_t rows;
-  std::uint64_t columns;
-
-  bool may_include(const Extent& inner) const {
-    return carries(rows, inner.rows) == all && carries(columns, inner.columns) == all;
-  }
-
- private:
-  static constexpr std::uint64_t all = 0x8000800080008000u;
-  static std::uint64_t carries(std::uint64_t outer, std::uint64_t inner) { return ((outer | all) - inner) & all; }
-};
-
-// How entries are summed up.
-struct ExtentScale {
-  Raw limit;        // entries are cut off at +- this
-  int entry_shift;  // of each entry, so that sums do not overflow
-  int sum_shift;    // of the sums, so that they fit into 15 bits
-};
 
 struct ZoneOperations {
   const char* name;
@@ -67,6 +46,8 @@ struct ZoneOperations {
   // target[i] = the largest rows[k][i] over all rows of bounds; count > 0.
   void (*maximise_bounds)(void* target, const void* const* rows, std::size_t count, int dimension);
   std::uint64_t (*hash)(const void* zone, int dimension);
+  // The largest absolute value of a finite entry.
+  Raw (*largest_entry)(const void* zone, int dimension);
   Extent (*extent)(const void* zone, int dimension, const ExtentScale& scale);
   // Reads entry (i, j); infinity is reported as INT32_MAX.
   Raw (*entry)(const void* zone, int dimension, int i, int j);
@@ -78,8 +59,8 @@ inline constexpr Raw no_bound = 4095;  // larger than any lower bound that can b
 
 enum class Width { narrow, wide };
 
-// For zones whose bounds come from constants up to this one.
-ExtentScale choose_scale(const ZoneOperations& operations, int dimension, Raw largest_constant);
+// For zones with finite entries up to this one, whose extents tell as much as they can; those of others tell less.
+ExtentScale choose_scale(const ZoneOperations& operations, int dimension, Raw largest_entry);
 
 // The operations for a dimension. `vector` asks for the widest instruction set of this machine instead of portable
 // code.
