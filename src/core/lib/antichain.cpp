@@ -8,14 +8,6 @@ namespace {
 
 constexpr std::size_t group_size = 32;
 
-// By how much the extremes of a group have to be widened for an extent, summed over the components.
-int widening(const Extent& least, const Extent& most, const Extent& extent) {
-  int result = 0;
-  for (int k = 0; k < Extent::count; ++k)
-    result += std::max(0, least.sums[k] - extent.sums[k]) + std::max(0, extent.sums[k] - most.sums[k]);
-  return result;
-}
-
 int widest_component(const Extent& least, const Extent& most) {
   int widest = 0;
   for (int k = 1; k < Extent::count; ++k)
@@ -45,12 +37,12 @@ std::optional<Antichain::Part> Antichain::add_to(Part& part, const Member& membe
   Group& group = *part.group;
   if (group.parts.empty()) return append(part, &Group::members, member);
   Part* best = nullptr;
-  int least_widening = 0;
+  std::uint32_t least_widening = UINT32_MAX;
   for (Part& inner : group.parts) {
-    const int needed = widening(inner.least, inner.most, member.extent);
-    if (best != nullptr && needed >= least_widening) continue;
+    const std::uint32_t widening = member.extent.distance(inner.least, inner.most);
+    if (widening >= least_widening) continue;
     best = &inner;
-    least_widening = needed;
+    least_widening = widening;
   }
   std::optional<Part> half = add_to(*best, member);
   if (!half) return std::nullopt;

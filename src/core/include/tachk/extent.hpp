@@ -14,20 +14,39 @@ struct Extent {
   std::int16_t sums[count];
 
   bool may_include(const Extent& inner) const {
-    std::int16_t exceeded = 0;
-    for (int k = 0; k < count; ++k) exceeded |= static_cast<std::int16_t>(inner.sums[k] > sums[k]);
-    return exceeded == 0;
+    const Words larger = reinterpret_cast<Words>((inner.part(0) > part(0)) | (inner.part(1) > part(1)));
+    return (larger[0] | larger[1]) == 0;
   }
 
   // The componentwise maximum and minimum with another one.
   void raise_to(const Extent& other) {
-    for (int k = 0; k < count; ++k) sums[k] = other.sums[k] > sums[k] ? other.sums[k] : sums[k];
+    for (int p = 0; p < 2; ++p) part(p) = other.part(p) > part(p) ? other.part(p) : part(p);
   }
   void lower_to(const Extent& other) {
-    for (int k = 0; k < count; ++k) sums[k] = other.sums[k] < sums[k] ? other.sums[k] : sums[k];
+    for (int p = 0; p < 2; ++p) part(p) = other.part(p) < part(p) ? other.part(p) : part(p);
+  }
+
+  // How far it lies outside of two bounds, summed over the components.
+  std::uint32_t distance(const Extent& least, const Extent& most) const {
+    Quads sum{};
+    for (int p = 0; p < 2; ++p) {
+      const Part below = least.part(p) > part(p) ? least.part(p) - part(p) : Part{};
+      const Part above = part(p) > most.part(p) ? part(p) - most.part(p) : Part{};
+      const Quads outside = reinterpret_cast<Quads>(below | above);  // may exceed the signed range
+      sum += (outside & 0xFFFF) + (outside >> 16);
+    }
+    return sum[0] + sum[1] + sum[2] + sum[3];
   }
 
   friend bool operator==(const Extent&, const Extent&) = default;
+
+ private:
+  // What every 64-bit machine compares at once.
+  typedef std::int16_t Part __attribute__((vector_size(16), aligned(2), may_alias));
+  typedef std::uint32_t Quads __attribute__((vector_size(16)));
+  typedef std::uint64_t Words __attribute__((vector_size(16)));
+  Part& part(int p) { return reinterpret_cast<Part*>(sums)[p]; }
+  const Part& part(int p) const { return reinterpret_cast<const Part*>(sums)[p]; }
 };
 
 // How entries are summed up.
