@@ -53,6 +53,7 @@ template <class Entry>
 std::optional<Antichain::Part> Antichain::append(Part& part, std::vector<Entry> Group::* list, Entry entry) {
   std::vector<Entry>& entries = (*part.group).*list;
   bytes_ -= part.group->bytes();
+  if (entries.size() == entries.capacity()) entries.reserve(entries.size() + group_size / 4);
   entries.push_back(std::move(entry));
   std::optional<Part> half;
   if (entries.size() >= group_size) {
@@ -64,6 +65,7 @@ std::optional<Antichain::Part> Antichain::append(Part& part, std::vector<Entry> 
     half = Part{{}, {}, std::make_unique<Group>()};
     ((*half->group).*list).assign(std::move_iterator(middle), std::move_iterator(entries.end()));
     entries.erase(middle, entries.end());
+    entries.shrink_to_fit();
     fit(part);
     fit(*half);
     bytes_ += half->group->bytes();

@@ -30,10 +30,11 @@ struct Extent {
   std::uint32_t distance(const Extent& least, const Extent& most) const {
     Quads sum{};
     for (int p = 0; p < 2; ++p) {
-      const Part below = least.part(p) > part(p) ? least.part(p) - part(p) : Part{};
-      const Part above = part(p) > most.part(p) ? part(p) - most.part(p) : Part{};
-      const Quads outside = reinterpret_cast<Quads>(below | above);  // may exceed the signed range
-      sum += (outside & 0xFFFF) + (outside >> 16);
+      const Part nearest = least.part(p) > part(p) ? least.part(p) : part(p) > most.part(p) ? most.part(p) : part(p);
+      const auto here = reinterpret_cast<Naturals>(part(p));
+      const auto there = reinterpret_cast<Naturals>(nearest);
+      const auto difference = reinterpret_cast<Quads>(part(p) > nearest ? here - there : there - here);
+      sum += (difference & 0xFFFF) + (difference >> 16);
     }
     return sum[0] + sum[1] + sum[2] + sum[3];
   }
@@ -43,6 +44,7 @@ struct Extent {
  private:
   // What every 64-bit machine compares at once.
   typedef std::int16_t Part __attribute__((vector_size(16), aligned(2), may_alias));
+  typedef std::uint16_t Naturals __attribute__((vector_size(16)));
   typedef std::uint32_t Quads __attribute__((vector_size(16)));
   typedef std::uint64_t Words __attribute__((vector_size(16)));
   Part& part(int p) { return reinterpret_cast<Part*>(sums)[p]; }
