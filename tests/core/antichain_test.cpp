@@ -128,7 +128,8 @@ void test_zones(int dimension, Width width, int range, std::uint32_t steps, bool
   const ZoneOperations operations = select_operations(dimension, width, true);
   PassedList passed(program, operations, 8);
   const std::int32_t slots[] = {0};
-  const std::uint32_t discrete = passed.locate(slots);
+  passed.announce(slots, SlotSet::all());
+  const std::uint32_t discrete = passed.locate();
   std::vector<std::uint32_t> plain;
   std::size_t longest = 0;
   int removals = 0;

@@ -47,6 +47,8 @@ class Options:
         vector: use the widest vector instructions of this machine; off: portable code.
         chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
         spectators: explore processes too that cannot influence the answer; off: hold them still.
+        bystanders: explore at once processes that can only hinder the others; off: first look whether the target is
+            unreachable without them.
     """
 
     order: SearchOrder = SearchOrder.BFS
@@ -58,6 +60,7 @@ class Options:
     vector: bool = True
     chunk_words: int = 8
     spectators: bool = False
+    bystanders: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,6 +27,7 @@ from tachk.properties.observed import (
 )
 from tachk.properties.plan import Search, Task, plan
 from tachk.properties.verdict import Answer, Verdict
+from tachk.semantics.bystanders import without_bystanders
 from tachk.semantics.discrete import environment, initial_discrete, prepare
 from tachk.semantics.features import check_supported
 from tachk.semantics.lower import lower
@@ -121,7 +122,54 @@ def _run(
     network: Network, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
 ) -> list[Verdict]:
     network = observed(network, search.observer)
+    started = time.monotonic()
+    settled = [] if options.bystanders else _settle_without_bystanders(network, search, options, limits, progress)
+    if any(verdict.reason == INTERRUPTED for verdict in settled):
+        return settled
+    limits = _remaining(limits, started)
+    known = {id(verdict.query) for verdict in settled}
+    tasks = [task for task in search.tasks if id(task.query) not in known]
+    return settled + (_explore(network, search, tasks, options, limits, progress, trace) if tasks else [])
+
+
+_FIRST_TRY = 1_000_000
+"""How many states may be stored without bystanders, which may have more states than the whole network."""
+
+
+def _settle_without_bystanders(
+    network: Network, search: Search, options: Options, limits: Limits, progress: Progress | None
+) -> list[Verdict]:
+    """The verdicts about targets that are unreachable even if nothing hinders the processes they depend on."""
     targets = [task.target for task in search.tasks]
+    relaxed = without_bystanders(network, targets)
+    if relaxed == network:
+        return []
+    first_try = replace(
+        limits,
+        states=_FIRST_TRY if limits.states is None else min(limits.states, _FIRST_TRY),
+        seconds=None if limits.seconds is None else limits.seconds / 2,
+    )
+    outcome = explore(*lower(relaxed, targets), options, first_try, progress)
+    if outcome.reason == INTERRUPTED:
+        return [_not_begun(task) for task in search.tasks]
+    pairs = zip(search.tasks, outcome.goals, strict=True)
+    return [
+        Verdict(task.query, _answers(task)[1], True, "", outcome.statistics)
+        for task, goal in pairs
+        if goal.status is Status.UNREACHABLE
+    ]
+
+
+def _explore(
+    network: Network,
+    search: Search,
+    tasks: Sequence[Task],
+    options: Options,
+    limits: Limits,
+    progress: Progress | None,
+    trace: bool,
+) -> list[Verdict]:
+    targets = [task.target for task in tasks]
     reduced = network if options.spectators else without_spectators(network, targets)
     program, goals = lower(reduced, targets)
     outcome = explore(program, goals, options, limits, progress)
@@ -130,8 +178,15 @@ def _run(
         if fault.run is not None:
             fault = replace(fault, run=with_spectators(network, reduced, fault.run))
         outcome = replace(outcome, fault=fault if search.observer is None else fault_without_observer(network, fault))
-    pairs = zip(search.tasks, outcome.goals, strict=True)
+    pairs = zip(tasks, outcome.goals, strict=True)
     return [_verdict(network, reduced, task, goal, outcome, trace) for task, goal in pairs]
+
+
+def _answers(task: Task) -> tuple[Answer, Answer]:
+    """The answers where the target is reachable and where it is not."""
+    if task.query.kind is QueryKind.INVARIANTLY:
+        return Answer.FAILS, Answer.HOLDS
+    return Answer.HOLDS, Answer.FAILS
 
 
 _INEXACT = "the stopwatches make the search inexact, and the run it found is not possible"
@@ -140,9 +195,7 @@ _INEXACT = "the stopwatches make the search inexact, and the run it found is not
 def _verdict(
     network: Network, reduced: Network, task: Task, goal: GoalOutcome, outcome: Outcome, trace: bool
 ) -> Verdict:
-    on_reached, otherwise = Answer.HOLDS, Answer.FAILS
-    if task.query.kind is QueryKind.INVARIANTLY:
-        on_reached, otherwise = otherwise, on_reached
+    on_reached, otherwise = _answers(task)
     verdict = Verdict(task.query, Answer.UNKNOWN, outcome.exact, outcome.reason, outcome.statistics)
     if goal.status is Status.UNDECIDED:
         return replace(verdict, exact=True, fault=outcome.fault)

@@ -36,10 +36,10 @@ def without_spectators(network: Network, targets: Sequence[Expression]) -> Netwo
     ):
         return network
     candidates = {number for number, process in enumerate(network.processes) if _only_watches(process)}
-    processes, variables = _mentioned(targets)
+    processes, variables = mentioned(targets)
     for number, process in enumerate(network.processes):
         if number not in candidates:
-            seen_processes, seen_variables = _mentioned(list(process_expressions(process)))
+            seen_processes, seen_variables = mentioned(list(process_expressions(process)))
             processes |= seen_processes
             variables |= seen_variables
     relevant = True
@@ -50,14 +50,14 @@ def without_spectators(network: Network, targets: Sequence[Expression]) -> Netwo
             expressions = list(process_expressions(process))
             if number in processes or not variables.isdisjoint(written_variables(expressions)):
                 candidates.remove(number)
-                seen_processes, seen_variables = _mentioned(expressions)
+                seen_processes, seen_variables = mentioned(expressions)
                 processes |= seen_processes
                 variables |= seen_variables
                 relevant = True
     return replace(
         network,
         processes=tuple(
-            _still(process) if number in candidates else process for number, process in enumerate(network.processes)
+            held_still(process) if number in candidates else process for number, process in enumerate(network.processes)
         ),
     )
 
@@ -92,14 +92,14 @@ def with_spectators(network: Network, reduced: Network, trace: TimedTrace) -> Ti
     return TimedTrace(initial, tuple(steps))
 
 
-def _still(process: Process) -> Process:
+def held_still(process: Process) -> Process:
     return replace(process, locations=(process.locations[process.initial],), edges=(), initial=0)
 
 
 def _only_watches(process: Process) -> bool:
     return not any(map(_forbids_delay, process.locations)) and all(
         edge.synchronisation is None
-        or (edge.synchronisation.direction is Direction.RECEIVE and _is_broadcast(edge.synchronisation.channel))
+        or (edge.synchronisation.direction is Direction.RECEIVE and is_broadcast(edge.synchronisation.channel))
         for edge in process.edges
     )
 
@@ -108,11 +108,11 @@ def _forbids_delay(location: Location) -> bool:
     return location.urgent or location.committed or location.invariant is not None or bool(location.rates)
 
 
-def _is_broadcast(channel: Expression) -> bool:
+def is_broadcast(channel: Expression) -> bool:
     return isinstance(channel.type, ChannelType) and channel.type.broadcast
 
 
-def _mentioned(expressions: Sequence[Expression]) -> tuple[set[int], set[Variable]]:
+def mentioned(expressions: Sequence[Expression]) -> tuple[set[int], set[Variable]]:
     """The processes whose locations are tested and the variables that occur, functions included."""
     bodies = [e for f in called_functions(expressions) for e in statement_expressions(f.body)]
     processes: set[int] = set()

@@ -49,6 +49,7 @@ class Shape:
         lower_invariants: invariants with lower bounds.
         deadlocks: predicates that ask for deadlock.
         spectators: the largest number of further processes that listen and, as a rule, change nothing of the others.
+        bystanders: how many further processes do the same but may also hinder the others, and talk to each other.
     """
 
     processes: int = 3
@@ -68,6 +69,7 @@ class Shape:
     lower_invariants: bool = True
     deadlocks: bool = True
     spectators: int = 0
+    bystanders: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +104,8 @@ def random_case(random: Random, shape: Shape = Shape()) -> Case:
                 _edge(random, shape, parts, process, source, random.choice(handles[-1]))
     for number in range(random.randint(1, shape.spectators) if shape.spectators else 0):
         _spectator(random, shape, parts, network.process(f"S{number}"))
+    if shape.bystanders:
+        _bystanders(random, shape, parts, network)
     predicates = tuple(_predicate(random, shape, parts, handles).expression for _ in range(shape.predicates))
     return Case(network.build(), predicates)
 
@@ -113,10 +117,10 @@ def cases(shape: Shape = Shape()) -> SearchStrategy[Case]:
     return strategies.randoms(use_true_random=False).map(lambda random: random_case(random, shape))
 
 
-def _declare(random: Random, shape: Shape, network: NetworkBuilder) -> _Parts:
-    clocks = [network.clock(f"x{i}") for i in range(random.randint(1, shape.clocks))]
-    integers = [network.integer(f"n{i}", 0, INTEGER_TOP) for i in range(random.randint(1, 2))]
-    scratch = network.integer("scratch", 0, INTEGER_TOP, initial=1, meta=True)
+def _declare(random: Random, shape: Shape, network: NetworkBuilder, prefix: str = "") -> _Parts:
+    clocks = [network.clock(f"{prefix}x{i}") for i in range(random.randint(1, shape.clocks))]
+    integers = [network.integer(f"{prefix}n{i}", 0, INTEGER_TOP) for i in range(random.randint(1, 2))]
+    scratch = network.integer(f"{prefix}scratch", 0, INTEGER_TOP, initial=1, meta=True)
     channels = []
     for i in range(random.randint(1, 3)):
         broadcast = shape.broadcast and random.random() < 0.4
@@ -124,7 +128,12 @@ def _declare(random: Random, shape: Shape, network: NetworkBuilder) -> _Parts:
         array = random.random() < 0.25
         priority = random.randint(-1, 1) if shape.priorities else None
         channels.append(
-            (network.channel(f"c{i}", broadcast, urgent, priority, size=2 if array else 0), array, broadcast, urgent)
+            (
+                network.channel(f"{prefix}c{i}", broadcast, urgent, priority, size=2 if array else 0),
+                array,
+                broadcast,
+                urgent,
+            )
         )
     return _Parts(clocks, integers, channels, scratch)
 
@@ -145,6 +154,26 @@ def _spectator(random: Random, shape: Shape, parts: _Parts, process: ProcessBuil
             if random.random() < 0.05:
                 updates.append(_update(random, shape, parts, []))
             process.edge(source, random.choice(locations), guard=guard, receive=receive, updates=updates)
+
+
+def _bystanders(random: Random, shape: Shape, parts: _Parts, network: NetworkBuilder) -> None:
+    """Processes with clocks, variables and channels of their own that also listen to the others."""
+    apart = _declare(random, shape, network, prefix="own_")
+    heard = [channel for channel in parts.channels if channel[2] or random.random() < 0.2]
+    reads = replace(apart, integers=[*apart.integers, *parts.integers])
+    for number in range(shape.bystanders):
+        process = network.process(f"B{number}")
+        locations = _locations(random, shape, apart, process)
+        for source in locations:
+            for _ in range(random.randint(1, 2)):
+                if heard and random.random() < 0.4:
+                    channel, array, _, urgent = random.choice(heard)
+                    receive = channel[random.randint(0, 1)] if array else channel
+                    updates = [_update(random, shape, apart, [])] if random.random() < 0.5 else []
+                    guard = _guard(random, shape, reads, [], with_clocks=not urgent)
+                    process.edge(source, random.choice(locations), guard=guard, receive=receive, updates=updates)
+                else:
+                    _edge(random, shape, apart, process, source, random.choice(locations))
 
 
 def _locations(random: Random, shape: Shape, parts: _Parts, process: ProcessBuilder) -> list[LocationHandle]:
