@@ -22,14 +22,16 @@ def without_bystanders(network: Network, targets: Sequence[Expression]) -> Netwo
     updates of the others that change nothing a target needs. Run-time errors of what is left out are not looked for.
 
     Processes and variables keep their numbers. The network comes back as it is where a target speaks of ``deadlock`` or
-    processes or channels have priorities, as there every possible action counts, and where all bystanders are
-    spectators, which can be held still at no cost.
+    processes or channels have priorities, as there every possible action counts; where no target speaks of anything, as
+    that is how to ask for the whole state space; and where all bystanders are spectators, which cost nothing.
     """
     if has_priorities(prepare(network)) or any(
         isinstance(node, Deadlock) for target in targets for node in walk(target)
     ):
         return network
     cone = _cone(network, targets)
+    if not cone.members:
+        return network
     bystanders = set(range(len(network.processes))) - cone.members
     watched = zip(network.processes, without_spectators(network, targets).processes, strict=True)
     if bystanders <= {number for number, (process, held) in enumerate(watched) if process != held}:
