@@ -46,7 +46,7 @@ SYSTEM_CODES: dict[str, Explanation] = {
         "channel priority",
         "A model has at most one line of channel priorities. It names global channels, each once, and says with "
         "`default` where all other actions belong.",
-        "chan a, b;\nchan priority a < b;",
+        "chan a, b;\nchan priority a < default < b < a;",
         "chan a, b;\nchan priority a < default < b;",
     ),
     "E0410": Explanation(

@@ -259,9 +259,9 @@ def set_channel_priorities(
                 cells[variable][position] = level
     if default is None:
         context.error(
-            "E0405",
+            "E0750",
             node.span,
-            "the priority of internal edges and other channels is missing",
+            "channel priorities without `default` are not supported, as internal edges have no place then",
             "put `default` where they belong, as in `chan priority a < default`",
         )
         default = 0
