@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 from tachk.engines.schedule import Moment, Phase, Requirement, any_solution, earliest
@@ -39,7 +40,8 @@ def concretise(network: Network, path: Sequence[Transition], predicate: Expressi
         requirements = [r for k, t in enumerate(path) for r in _of_phase(model, states[k], k, t)]
         requirements += _of_phase(model, states[-1], len(path), None)
         if predicate is not None:
-            requirements.append(_at_end(len(path), _final(model, states[-1], predicate)))
+            reached = _reached(model, states, phases, path)
+            requirements.append(_at_end(len(path), _final(model, states[-1], predicate, reached)))
     except EvaluationFault:
         return None
     solve = any_solution if any(phase.stopped for phase in phases) else earliest
@@ -125,9 +127,40 @@ def _not_while_urgent(phase: int, zone: Zone, here: symbolic.Situation, waiting:
     return options
 
 
-def _final(model: Model, discrete: DiscreteState, predicate: Expression) -> list[tuple[Constraint, ...]]:
+def _reached(
+    model: Model, states: Sequence[DiscreteState], phases: Sequence[Phase], path: Sequence[Transition]
+) -> Zone:
+    """A zone that holds the clock values in which the path can end, and as a rule little more."""
+    zone = dbm.origin(model.dimension)
+    for number, state in enumerate(states):
+        invariant = symbolic.invariant_zone(model, state)
+        conditions: list[Iterable[Constraint]] = [] if invariant is None else [invariant.constraints()]
+        if may_delay(model, state):
+            zone = dbm.up(zone, phases[number].stopped)
+        if number < len(path) and len(guard := symbolic.guard_of(model, state, path[number])) == 1:
+            conditions.append(guard[0])
+        for condition in conditions:
+            narrowed = dbm.constrain_all(zone, condition)
+            if narrowed is None:
+                return dbm.universe(model.dimension)
+            zone = narrowed
+        if number < len(path):
+            for clock, (since, value) in enumerate(phases[number + 1].resets[: model.dimension]):
+                if clock > 0 and since == number + 1:
+                    zone = dbm.reset(zone, clock, value)
+    return zone
+
+
+def _final(model: Model, discrete: DiscreteState, predicate: Expression, reached: Zone) -> list[tuple[Constraint, ...]]:
+    """Where the predicate holds; where it asks for deadlock, as far as the reached zone goes.
+
+    What is left of all valuations without one action after the other falls into exponentially many pieces, most of them
+    out of reach.
+    """
     if any(isinstance(e, Deadlock) for e in walk(predicate)):
         here = symbolic.situation(model, discrete)
+        if here.invariant is not None:
+            here = replace(here, invariant=dbm.intersect(here.invariant, reached))
         return _conditions(symbolic.where(model, here, predicate))
     return disjunctive(predicate, environment(model, discrete))
 

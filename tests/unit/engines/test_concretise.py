@@ -184,3 +184,13 @@ def test_a_path_of_a_thousand_transitions() -> None:
     trace = checked(network, path(*(i % 5 for i in range(1000))))
     assert trace is not None
     assert len(trace.steps) == 1000
+
+
+def test_a_deadlock_among_many_clocks_is_looked_for_where_the_path_ends() -> None:
+    network = NetworkBuilder()
+    for number in range(20):  # the deadlocks among all valuations make up a million zones
+        c, d = network.clock(f"c{number}"), network.clock(f"d{number}")
+        process = network.process(f"P{number}")
+        a = process.location("A")
+        process.edge(a, a, guard=(c <= 1) & (d <= 2))
+    assert times(checked(network, path(0), deadlock())) == [0, Fraction(3, 2)]
