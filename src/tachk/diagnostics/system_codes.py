@@ -192,4 +192,11 @@ SYSTEM_CODES: dict[str, Explanation] = {
         "int half(int n) { double d = n / 2.0; return 0; }",
         "int half(int n) { return n / 2; }",
     ),
+    "W0408": Explanation(
+        "meta variable that lasts",
+        "A meta variable is for values within one transition, and states do not tell its values apart. Where a "
+        "transition may read what an earlier one has left in it, they must: the variable is an ordinary one then.",
+        "meta int m;\nprocess P() { state s; init s; trans s -> s { guard m < 3; assign m = m + 1; }; }\nsystem P;",
+        "int m;\nprocess P() { state s; init s; trans s -> s { guard m < 3; assign m = m + 1; }; }\nsystem P;",
+    ),
 }

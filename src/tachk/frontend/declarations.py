@@ -112,6 +112,14 @@ def _variable(
     if meta and not is_data(type_):
         context.error("E0315", node.span, f"a {describe(type_)} cannot be meta")
         meta = False
+    if node.name.span in context.lasting:
+        context.error(
+            "W0408",
+            node.name.span,
+            f"the meta variable `{name}` may be read before its transition has written it, so the state holds it",
+            "drop `meta`, or write the variable first wherever it is used",
+        )
+        meta = False
     if not context.allow_cells(cell_count(type_), node.span):
         return None
     cells = default_cells(type_)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from tachk.diagnostics.diagnostic import Label
 from tachk.diagnostics.span import Span
@@ -14,6 +14,7 @@ from tachk.frontend.instances import Instances
 from tachk.frontend.queries import UncheckedQuery, elaborate_properties, elaborate_signals
 from tachk.frontend.scope import Scope, TemplateSymbol
 from tachk.frontend.templates import warn_unreachable
+from tachk.model.metas import lasting_metas
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.syntax import ast
@@ -43,6 +44,20 @@ def elaborate(
         whole: the place of the document, for what is missing.
         overrides: values for global constants.
     """
+    budget, scalar_sets = replace(context.budget), context.scalar_sets
+    first = _elaborated(items, whole, overrides, context)
+    lasting = frozenset() if context.findings.has_mistakes else lasting_metas(first.network)
+    if not lasting:
+        return first
+    # Only the whole network tells which meta variables are none; with them as ordinary ones it is another network.
+    context.lasting = frozenset(variable.span for variable in lasting)
+    context.budget, context.scalar_sets = budget, scalar_sets
+    return _elaborated(items, whole, overrides, context)
+
+
+def _elaborated(
+    items: Sequence[ast.Item], whole: Span, overrides: Mapping[str, ast.Expression], context: Context
+) -> Elaborated:
     globals_ = Scope(None, "the globals")
     declared = Declared(overrides=overrides)
     declarations = [

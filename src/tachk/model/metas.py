@@ -1,0 +1,170 @@
+"""Which meta variables carry a value from one transition to the next, although they are no part of the state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from tachk.model.expressions import (
+    Assert,
+    Assign,
+    Binary,
+    BinaryOperator,
+    Block,
+    Call,
+    Conditional,
+    Declare,
+    Evaluate,
+    Expression,
+    Field,
+    Function,
+    If,
+    Increment,
+    Index,
+    Iterate,
+    Quantifier,
+    Reference,
+    Return,
+    Statement,
+    Variable,
+    While,
+)
+from tachk.model.network import Direction, Edge, Network
+from tachk.model.traversal import children, walk
+from tachk.model.types import ChannelType
+
+_SHORT_CIRCUIT = (BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY)
+
+
+def lasting_metas(network: Network) -> frozenset[Variable]:
+    """The meta variables that a transition may read before it has written them as a whole.
+
+    Hidden variables for the values that channels pass are none: a receiver always reads what its sender wrote.
+    """
+    channels = {variable.span for variable in network.all_variables() if _is_channel(variable)}
+    metas = frozenset(v for v in network.all_variables() if v.meta and v.span not in channels)
+    if not metas:
+        return metas
+    search = _Search(metas)
+    sent: dict[Variable, frozenset[Variable]] = {}  # what every sender on a channel writes
+    for process in network.processes:
+        for location in process.locations:
+            search.values([e for e in (location.invariant, *(e for pair in location.rates for e in pair)) if e], _NONE)
+        for edge in process.edges:
+            search.values([e for e in (edge.guard, edge.synchronisation and edge.synchronisation.channel) if e], _NONE)
+            if edge.synchronisation is None or edge.synchronisation.direction is Direction.SEND:
+                written = search.values(edge.updates, _NONE)
+                for channel in _channels(edge):
+                    sent[channel] = sent.get(channel, written) & written
+    for process in network.processes:
+        for edge in process.edges:
+            if edge.synchronisation is not None and edge.synchronisation.direction is Direction.RECEIVE:
+                before = [sent[channel] for channel in _channels(edge) if channel in sent]
+                if before:
+                    search.values(edge.updates, frozenset.intersection(*before))
+    return frozenset(search.found)
+
+
+_NONE: frozenset[Variable] = frozenset()
+
+
+def _is_channel(variable: Variable) -> bool:
+    type_ = variable.type
+    while hasattr(type_, "element"):
+        type_ = type_.element
+    return isinstance(type_, ChannelType)
+
+
+def _channels(edge: Edge) -> list[Variable]:
+    """The channel variables over which an edge may synchronise."""
+    if edge.synchronisation is None:
+        return []
+    nodes = walk(edge.synchronisation.channel)
+    return [node.variable for node in nodes if isinstance(node, Reference) and _is_channel(node.variable)]
+
+
+class _Search:
+    """Runs over code in the order of its evaluation, with the meta variables that are certainly written by then."""
+
+    def __init__(self, metas: frozenset[Variable]) -> None:
+        self.metas = metas
+        self.found: set[Variable] = set()
+        self.exits: list[frozenset[Variable]] = []  # what is written at the return statements of the current function
+        self.known: dict[tuple[Function, frozenset[Variable]], frozenset[Variable]] = {}
+
+    def values(self, expressions: Iterable[Expression], written: frozenset[Variable]) -> frozenset[Variable]:
+        for expression in expressions:
+            written = self.value(expression, written)
+        return written
+
+    def value(self, expression: Expression, written: frozenset[Variable]) -> frozenset[Variable]:
+        """What is written after the expression; reads of anything else are noted."""
+        match expression:
+            case Reference(variable):
+                if variable in self.metas and variable not in written:
+                    self.found.add(variable)
+                return written
+            case Assign(target, value, operator=operator):
+                written = self.place(target, written) if operator is None else self.value(target, written)
+                written = self.value(value, written)
+                return written | {target.variable} if isinstance(target, Reference) else written
+            case Increment(target):
+                return self.value(target, written)
+            case Binary(operator, left, right) if operator in _SHORT_CIRCUIT:
+                written = self.value(left, written)
+                self.value(right, written)
+                return written
+            case Conditional(condition, then, otherwise):
+                written = self.value(condition, written)
+                return self.value(then, written) & self.value(otherwise, written)
+            case Quantifier(body=body):
+                self.value(body, written)
+                return written
+            case Call(function, arguments):
+                return self.call(function, self.values(arguments, written))
+            case _:
+                return self.values(children(expression), written)
+
+    def place(self, target: Expression, written: frozenset[Variable]) -> frozenset[Variable]:
+        """A place that is about to be overwritten: only what computes it is read."""
+        match target:
+            case Reference():
+                return written
+            case Index(base, index):
+                return self.value(index, self.place(base, written))
+            case Field(base):
+                return self.place(base, written)
+            case _:
+                return self.value(target, written)
+
+    def call(self, function: Function, written: frozenset[Variable]) -> frozenset[Variable]:
+        if (function, written) not in self.known:
+            outer, self.exits = self.exits, []
+            end = self.statement(function.body, written)
+            self.known[function, written] = end.intersection(*self.exits)
+            self.exits = outer
+        return self.known[function, written]
+
+    def statement(self, statement: Statement, written: frozenset[Variable]) -> frozenset[Variable]:
+        """What is written behind the statement where control goes on there."""
+        match statement:
+            case Block(statements):
+                for inner in statements:
+                    written = self.statement(inner, written)
+            case Evaluate(expression) | Assert(expression):
+                written = self.value(expression, written)
+            case Declare(_, initial):
+                written = written if initial is None else self.value(initial, written)
+            case Return(value):
+                self.exits.append(written if value is None else self.value(value, written))
+            case If(condition, then, otherwise):
+                written = self.value(condition, written)
+                after = self.statement(then, written)
+                written = after & (written if otherwise is None else self.statement(otherwise, written))
+            case While(condition, body, test_first):
+                if not test_first:
+                    written = self.statement(body, written)
+                written = self.value(condition, written)
+                self.statement(body, written)
+            case Iterate(_, body):
+                self.statement(body, written)
+        return written
