@@ -148,6 +148,8 @@ def _status(record: RunRecord) -> ExitStatus:
         return ExitStatus.UNSUPPORTED
     if any(verdict.unsupported is not None for verdict in record.verdicts):
         return ExitStatus.UNSUPPORTED
+    if record.not_checked and not record.verdicts:
+        return ExitStatus.UNSUPPORTED
     match record.met:
         case True:
             return ExitStatus.AS_EXPECTED

@@ -87,7 +87,7 @@ class Body:
                 result.append(edge)
                 continue
             result += [self._joined(edge, inner, node, target) for node, target in outgoing[point]]
-        self._dead_branchpoints(outgoing)
+        self._dead_branchpoints()
         return tuple(result)
 
     def _joined(self, edge: Edge, scope: Scope, node: ast.EdgeDeclaration, target: int) -> Edge:
@@ -115,11 +115,15 @@ class Body:
             doc=edge.doc or node.doc,
         )
 
-    def _dead_branchpoints(self, outgoing: dict[str, list[tuple[ast.EdgeDeclaration, int]]]) -> None:
+    def _dead_branchpoints(self) -> None:
+        left = {branch.source.name for branch in branches(self.template)}
         for point in self.template.branchpoints:
-            if not outgoing[point.name.name]:
+            if point.name.name not in left:
                 self.context.error(
-                    "E0404", point.name.span, f"no edge leaves branchpoint `{point.name.name}`", "add a branch"
+                    "E0750",
+                    point.name.span,
+                    f"the branchpoint `{point.name.name}`, which no edge leaves, is not supported",
+                    "add a branch",
                 )
 
     def _leave_branchpoint(

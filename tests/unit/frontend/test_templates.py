@@ -185,7 +185,7 @@ def test_a_receiver_may_ignore_the_value(load: Any) -> None:
         ("int s; process P() { state a; init a; trans a -> a { guard a; }; }", [("E0203", "a")]),
         ("process P() { state s; init s; trans s -> s { select i : int; }; }", [("E0316", "int")]),
         ("process P() { state s; init s; trans s -> s { select i : int[0,1]; assign i = 0; }; }", [("E0303", "i")]),
-        ("process P() { state s; branchpoint b; init s; trans s -> b { }; }", [("E0404", "b")]),
+        ("process P() { state s; branchpoint b; init s; trans s -> b { }; }", [("E0750", "b")]),
         ("process P() { state s; branchpoint b, d; init s; trans s -> b { }, b -> d { }, d -> s { }; }", None),
         (
             "process P() { state s; branchpoint b; init s; trans s -> b { }, b -> s { select i : int; }; }",
