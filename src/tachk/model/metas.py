@@ -12,6 +12,7 @@ from tachk.model.expressions import (
     Block,
     Call,
     Conditional,
+    Constant,
     Declare,
     Evaluate,
     Expression,
@@ -30,13 +31,19 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Direction, Edge, Network
 from tachk.model.traversal import children, walk
-from tachk.model.types import ChannelType
+from tachk.model.types import ArrayType, ChannelType
 
 _SHORT_CIRCUIT = (BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY)
 
+Place = tuple[Variable, tuple[int | str, ...]]
+"""A variable or a part of it: constant indices and names of fields, or first of all `_OF_THE_CHANNEL`."""
+_OF_THE_CHANNEL = "[channel]"
+"""The indices of the channel of the edge: ``c_value[i]`` beside ``c[i]!`` and ``c[j]?``."""
+_SOMEWHERE = "[?]"
+
 
 def lasting_metas(network: Network) -> frozenset[Variable]:
-    """The meta variables that a transition may read before it has written them as a whole.
+    """The meta variables that a transition may read before it has written them, part by part.
 
     Hidden variables for the values that channels pass are none: a receiver always reads what its sender wrote.
     """
@@ -44,12 +51,14 @@ def lasting_metas(network: Network) -> frozenset[Variable]:
     metas = frozenset(v for v in network.all_variables() if v.meta and v.span not in channels)
     if not metas:
         return metas
-    search = _Search(metas)
-    sent: dict[Variable, frozenset[Variable]] = {}  # what every sender on a channel writes
+    found: set[Variable] = set()
+    sent: dict[Variable, frozenset[Place]] = {}  # what every sender on a channel writes
     for process in network.processes:
         for location in process.locations:
-            search.values([e for e in (location.invariant, *(e for pair in location.rates for e in pair)) if e], _NONE)
+            rates = [part for pair in location.rates for part in pair]
+            _Search(metas, found).values([e for e in (location.invariant, *rates) if e], _NONE)
         for edge in process.edges:
+            search = _Search(metas, found, edge)
             search.values([e for e in (edge.guard, edge.synchronisation and edge.synchronisation.channel) if e], _NONE)
             if edge.synchronisation is None or edge.synchronisation.direction is Direction.SEND:
                 written = search.values(edge.updates, _NONE)
@@ -60,16 +69,16 @@ def lasting_metas(network: Network) -> frozenset[Variable]:
             if edge.synchronisation is not None and edge.synchronisation.direction is Direction.RECEIVE:
                 before = [sent[channel] for channel in _channels(edge) if channel in sent]
                 if before:
-                    search.values(edge.updates, frozenset.intersection(*before))
-    return frozenset(search.found)
+                    _Search(metas, found, edge).values(edge.updates, frozenset.intersection(*before))
+    return frozenset(found)
 
 
-_NONE: frozenset[Variable] = frozenset()
+_NONE: frozenset[Place] = frozenset()
 
 
 def _is_channel(variable: Variable) -> bool:
     type_ = variable.type
-    while hasattr(type_, "element"):
+    while isinstance(type_, ArrayType):
         type_ = type_.element
     return isinstance(type_, ChannelType)
 
@@ -82,31 +91,60 @@ def _channels(edge: Edge) -> list[Variable]:
     return [node.variable for node in nodes if isinstance(node, Reference) and _is_channel(node.variable)]
 
 
+def _indices(place: Expression) -> tuple[Expression, ...]:
+    return (*_indices(place.base), place.index) if isinstance(place, Index) else ()
+
+
 class _Search:
-    """Runs over code in the order of its evaluation, with the meta variables that are certainly written by then."""
+    """Runs over the code of an edge in the order of its evaluation, with what is certainly written by then."""
 
-    def __init__(self, metas: frozenset[Variable]) -> None:
+    def __init__(self, metas: frozenset[Variable], found: set[Variable], edge: Edge | None = None) -> None:
         self.metas = metas
-        self.found: set[Variable] = set()
-        self.exits: list[frozenset[Variable]] = []  # what is written at the return statements of the current function
-        self.known: dict[tuple[Function, frozenset[Variable]], frozenset[Variable]] = {}
+        self.found = found
+        synchronisation = None if edge is None else edge.synchronisation
+        self.channel_indices = () if synchronisation is None else _indices(synchronisation.channel)
+        self.exits: list[frozenset[Place]] = []  # what is written at the return statements of the current function
+        self.known: dict[tuple[Function, frozenset[Place]], frozenset[Place]] = {}
 
-    def values(self, expressions: Iterable[Expression], written: frozenset[Variable]) -> frozenset[Variable]:
+    def place_of(self, expression: Expression) -> Place | None:
+        """The place of a meta variable that an expression denotes; None for any other expression."""
+        match expression:
+            case Reference(variable):
+                return (variable, ()) if variable in self.metas else None
+            case Field(base, name):
+                place = self.place_of(base)
+                return None if place is None else (place[0], (*place[1], name))
+            case Index(base, index):
+                place = self.place_of(base)
+                if place is None:
+                    return None
+                indices = _indices(expression)
+                if len(indices) == len(place[1]) + 1 and indices == self.channel_indices:
+                    return place[0], (_OF_THE_CHANNEL,)
+                return place[0], (*place[1], index.value if isinstance(index, Constant) else _SOMEWHERE)
+        return None
+
+    def read(self, place: Place, written: frozenset[Place]) -> None:
+        variable, path = place
+        if not any((variable, path[:length]) in written for length in range(len(path) + 1)):
+            self.found.add(variable)
+
+    def values(self, expressions: Iterable[Expression], written: frozenset[Place]) -> frozenset[Place]:
         for expression in expressions:
             written = self.value(expression, written)
         return written
 
-    def value(self, expression: Expression, written: frozenset[Variable]) -> frozenset[Variable]:
+    def value(self, expression: Expression, written: frozenset[Place]) -> frozenset[Place]:
         """What is written after the expression; reads of anything else are noted."""
         match expression:
-            case Reference(variable):
-                if variable in self.metas and variable not in written:
-                    self.found.add(variable)
-                return written
+            case Reference() | Index() | Field() if (place := self.place_of(expression)) is not None:
+                self.read(place, written)
+                return self.values(_indices(expression), written)
             case Assign(target, value, operator=operator):
                 written = self.place(target, written) if operator is None else self.value(target, written)
                 written = self.value(value, written)
-                return written | {target.variable} if isinstance(target, Reference) else written
+                place = self.place_of(target)
+                return written if place is None or _SOMEWHERE in place[1] else written | {place}
             case Increment(target):
                 return self.value(target, written)
             case Binary(operator, left, right) if operator in _SHORT_CIRCUIT:
@@ -124,7 +162,7 @@ class _Search:
             case _:
                 return self.values(children(expression), written)
 
-    def place(self, target: Expression, written: frozenset[Variable]) -> frozenset[Variable]:
+    def place(self, target: Expression, written: frozenset[Place]) -> frozenset[Place]:
         """A place that is about to be overwritten: only what computes it is read."""
         match target:
             case Reference():
@@ -136,7 +174,7 @@ class _Search:
             case _:
                 return self.value(target, written)
 
-    def call(self, function: Function, written: frozenset[Variable]) -> frozenset[Variable]:
+    def call(self, function: Function, written: frozenset[Place]) -> frozenset[Place]:
         if (function, written) not in self.known:
             outer, self.exits = self.exits, []
             end = self.statement(function.body, written)
@@ -144,7 +182,7 @@ class _Search:
             self.exits = outer
         return self.known[function, written]
 
-    def statement(self, statement: Statement, written: frozenset[Variable]) -> frozenset[Variable]:
+    def statement(self, statement: Statement, written: frozenset[Place]) -> frozenset[Place]:
         """What is written behind the statement where control goes on there."""
         match statement:
             case Block(statements):

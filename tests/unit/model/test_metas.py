@@ -12,7 +12,7 @@ from tachk.frontend.load import load_model
 
 DECLARATIONS = """
 typedef struct { int a; int b; } pair_t;
-meta int m; meta int t[2]; meta pair_t r; pair_t w; int n; chan c, d; bool flag;
+meta int m; meta int t[2]; meta pair_t r; pair_t w; int n; chan c, d, e[2]; bool flag;
 int twice(int v) { m = v; return m + m; }
 int maybe(int v) { if (flag) return v; m = v; return m; }
 int left() { return m; }
@@ -45,6 +45,9 @@ def lasting(own: str, other: str = "") -> list[str]:
         "r = w, n = r.b",
         "m = 1, t[m] = 2",
         "m = maybe(1)",
+        "t[0] = 1, n = t[0]",
+        "r.a = 1, n = r.a",
+        "t[0] = 1, t[0]++",
     ],
 )
 def test_written_before_it_is_read(updates: str) -> None:
@@ -62,9 +65,12 @@ def test_written_before_it_is_read(updates: str) -> None:
         ("assign n = maybe(1), n = m;", ["m"]),
         ("assign n = flag ? (m = 1) : 2, n = m;", ["m"]),
         ("assign flag = flag && (m = 1) > 0, n = m;", ["m"]),
-        ("assign t[0] = 1, n = t[0];", ["t"]),
+        ("assign t[0] = 1, n = t[1];", ["t"]),
+        ("assign t[0] = 1, n = t[n];", ["t"]),
+        ("assign t[n] = 1, n = t[n];", ["t"]),
         ("assign table();", ["t"]),
-        ("assign r.a = 1, n = r.a;", ["r"]),
+        ("assign r.a = 1, n = r.b;", ["r"]),
+        ("assign r.a = 1, w = r;", ["r"]),
         ("assign t[m] = 1;", ["m"]),
     ],
 )
@@ -77,6 +83,14 @@ def test_a_receiver_reads_what_every_sender_has_written() -> None:
     assert lasting("sync c!; assign n = 2;", "sync c?; assign n = m;") == ["m"]
     assert lasting("sync d!; assign m = 2;", "sync c?; assign n = m;") == []  # nobody sends on c
     assert lasting("sync c!; }, s -> s { sync c!; assign m = 2;", "sync c?; assign n = m;") == ["m"]
+
+
+def test_a_receiver_reads_the_cell_of_its_channel() -> None:
+    receive = "select j : int[0,1]; sync e[j]?; assign n = t[j];"
+    assert lasting("select i : int[0,1]; sync e[i]!; assign t[i] = 2;", receive) == []
+    assert lasting("sync e[1]!; assign t[1] = 2;", receive) == []
+    assert lasting("sync e[1]!; assign t[0] = 2;", receive) == ["t"]
+    assert lasting("sync e[1]!; assign t[1] = 2;", "sync e[1]?; assign n = t[0];") == ["t"]
 
 
 def test_a_value_that_lasts_is_seen_by_a_later_transition(tmp_path: Path) -> None:
