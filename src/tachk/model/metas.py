@@ -31,7 +31,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Direction, Edge, Network
 from tachk.model.traversal import children, walk
-from tachk.model.types import ArrayType, ChannelType
+from tachk.model.types import ArrayType, ChannelType, RecordType, Type
 
 _SHORT_CIRCUIT = (BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY)
 
@@ -124,10 +124,12 @@ class _Search:
                 return place[0], (*place[1], index.value if isinstance(index, Constant) else _SOMEWHERE)
         return None
 
-    def read(self, place: Place, written: frozenset[Place]) -> None:
+    def is_written(self, place: Place, type_: Type, written: frozenset[Place]) -> bool:
         variable, path = place
-        if not any((variable, path[:length]) in written for length in range(len(path) + 1)):
-            self.found.add(variable)
+        if any((variable, path[:length]) in written for length in range(len(path) + 1)):
+            return True
+        fields = type_.fields if isinstance(type_, RecordType) else ()
+        return bool(fields) and all(self.is_written((variable, (*path, n)), t, written) for n, t in fields)
 
     def values(self, expressions: Iterable[Expression], written: frozenset[Place]) -> frozenset[Place]:
         for expression in expressions:
@@ -138,7 +140,8 @@ class _Search:
         """What is written after the expression; reads of anything else are noted."""
         match expression:
             case Reference() | Index() | Field() if (place := self.place_of(expression)) is not None:
-                self.read(place, written)
+                if not self.is_written(place, expression.type, written):
+                    self.found.add(place[0])
                 return self.values(_indices(expression), written)
             case Assign(target, value, operator=operator):
                 written = self.place(target, written) if operator is None else self.value(target, written)

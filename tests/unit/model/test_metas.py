@@ -48,6 +48,7 @@ def lasting(own: str, other: str = "") -> list[str]:
         "t[0] = 1, n = t[0]",
         "r.a = 1, n = r.a",
         "t[0] = 1, t[0]++",
+        "r.b = 1, r.a = 2, w = r",
     ],
 )
 def test_written_before_it_is_read(updates: str) -> None:
