@@ -146,9 +146,7 @@ def _status(record: RunRecord) -> ExitStatus:
         return ExitStatus.BAD_INPUT
     if record.refusals or any(query.diagnostics for query in record.not_checked):
         return ExitStatus.UNSUPPORTED
-    if any(verdict.unsupported is not None for verdict in record.verdicts):
-        return ExitStatus.UNSUPPORTED
-    if record.not_checked and not record.verdicts:
+    if record.nothing_checked or any(verdict.unsupported is not None for verdict in record.verdicts):
         return ExitStatus.UNSUPPORTED
     match record.met:
         case True:

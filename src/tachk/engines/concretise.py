@@ -40,8 +40,7 @@ def concretise(network: Network, path: Sequence[Transition], predicate: Expressi
         requirements = [r for k, t in enumerate(path) for r in _of_phase(model, states[k], k, t)]
         requirements += _of_phase(model, states[-1], len(path), None)
         if predicate is not None:
-            reached = _reached(model, states, phases, path)
-            requirements.append(_at_end(len(path), _final(model, states[-1], predicate, reached)))
+            requirements.append(_at_end(len(path), _final(model, states, phases, path, predicate)))
     except EvaluationFault:
         return None
     solve = any_solution if any(phase.stopped for phase in phases) else earliest
@@ -151,18 +150,24 @@ def _reached(
     return zone
 
 
-def _final(model: Model, discrete: DiscreteState, predicate: Expression, reached: Zone) -> list[tuple[Constraint, ...]]:
+def _final(
+    model: Model,
+    states: Sequence[DiscreteState],
+    phases: Sequence[Phase],
+    path: Sequence[Transition],
+    predicate: Expression,
+) -> list[tuple[Constraint, ...]]:
     """Where the predicate holds; where it asks for deadlock, as far as the reached zone goes.
 
     What is left of all valuations without one action after the other falls into exponentially many pieces, most of them
     out of reach.
     """
     if any(isinstance(e, Deadlock) for e in walk(predicate)):
-        here = symbolic.situation(model, discrete)
+        here = symbolic.situation(model, states[-1])
         if here.invariant is not None:
-            here = replace(here, invariant=dbm.intersect(here.invariant, reached))
+            here = replace(here, invariant=dbm.intersect(here.invariant, _reached(model, states, phases, path)))
         return _conditions(symbolic.where(model, here, predicate))
-    return disjunctive(predicate, environment(model, discrete))
+    return disjunctive(predicate, environment(model, states[-1]))
 
 
 def _trace(

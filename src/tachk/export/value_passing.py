@@ -14,7 +14,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.export.plain import Step
 from tachk.model.expressions import Variable
-from tachk.model.types import ArrayType, IntType, RecordType, ScalarType, Type
+from tachk.model.types import IntType, RecordType, ScalarType, Type, element_type
 from tachk.syntax import ast
 from tachk.syntax.expression_printer import print_expressions, print_synchronisation
 from tachk.syntax.rewrite import fresh_name
@@ -83,7 +83,7 @@ class ValuePassing:
 
     def _type_of(self, channel: str, span: Span) -> ast.TypeExpression | None:
         hidden = self._hidden(channel)
-        return None if hidden is None else _type_node(_leaf(hidden.type), span)
+        return None if hidden is None else _type_node(element_type(hidden.type), span)
 
     def _hidden(self, channel: str) -> Variable | None:
         return next((v for v in self.variables if v.meta and v.name == f"{channel}_value"), None)
@@ -134,7 +134,7 @@ class ValuePassing:
             channel = channels.get(hidden.span)
             if channel is None or not hidden.meta or hidden.name != f"{channel.name.name}_value":
                 continue
-            base = _type_node(_leaf(hidden.type), channel.span)
+            base = _type_node(element_type(hidden.type), channel.span)
             name = ast.Identifier(channel.span, self._name(channel.name.name))
             declared = ast.Declarator(channel.span, name, channel.dimensions)
             self.steps.append(
@@ -215,12 +215,6 @@ def _with_root(channel: ast.Expression, name: str) -> ast.Expression:
 
 def _argument(node: ast.Instantiation, parameters: Sequence[ast.Parameter], name: str) -> ast.Expression:
     return next(a for p, a in zip(parameters, node.arguments, strict=True) if p.name.name == name)
-
-
-def _leaf(type_: Type) -> Type:
-    while isinstance(type_, ArrayType):
-        type_ = type_.element
-    return type_
 
 
 def _type_node(type_: Type, span: Span) -> ast.TypeExpression:

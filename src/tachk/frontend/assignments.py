@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from tachk.frontend.context import Context
 from tachk.frontend.places import converted
-from tachk.frontend.typing import CHANNEL_HELP, can_assign, describe, element_type, is_integral
+from tachk.frontend.typing import CHANNEL_HELP, can_assign, describe, is_integral
 from tachk.model.expressions import Assign, BinaryOperator, Expression
-from tachk.model.types import ChannelType, ClockType, ScalarType, Type
+from tachk.model.types import ChannelType, ClockType, ScalarType, Type, element_type
 from tachk.syntax import ast
 
 

@@ -10,7 +10,7 @@ from tachk.frontend.typing import describe, is_integral, same_shape
 from tachk.model.expressions import INT, Expression, Index, Reference, Variable, VariableKind
 from tachk.model.layout import default_cells
 from tachk.model.network import Direction
-from tachk.model.types import ArrayType, ChannelType, RecordType, ScalarType, Type
+from tachk.model.types import ArrayType, ChannelType, RecordType, ScalarType, Type, element_type
 
 
 @dataclass(slots=True)
@@ -107,9 +107,7 @@ class ChannelTable:
     def check_partners(self, context: Context) -> None:
         """Warns about channels that are only sent or only received."""
         for variable, use in self.uses.items():
-            element = variable.type
-            while isinstance(element, ArrayType):
-                element = element.element
+            element = element_type(variable.type)
             if use.senders is None and use.receivers is not None:
                 context.findings.add(
                     "W0401",

@@ -25,6 +25,7 @@ from tachk.model.types import (
     Type,
     VoidType,
     cell_count,
+    element_type,
     leaves,
 )
 from tachk.syntax import ast
@@ -141,9 +142,7 @@ def _variable(
 
 
 def _has_channel(type_: Type) -> bool:
-    while isinstance(type_, ArrayType):
-        type_ = type_.element
-    return isinstance(type_, ChannelType)
+    return isinstance(element_type(type_), ChannelType)
 
 
 def _initial_cells(

@@ -10,14 +10,13 @@ from tachk.frontend.typing import (
     CHANNEL_HELP,
     CLOCK_VALUE_HELP,
     describe,
-    element_type,
     is_aggregate,
     is_data,
     is_integral,
     same_shape,
 )
 from tachk.model.expressions import BOOL, INT, Binary, BinaryOperator, Expression
-from tachk.model.types import ChannelType, ClockType, ScalarType, Type
+from tachk.model.types import ChannelType, ClockType, ScalarType, Type, element_type
 
 
 def combine(

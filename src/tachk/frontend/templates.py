@@ -15,10 +15,10 @@ from tachk.frontend.expressions import condition, expression, type_reader
 from tachk.frontend.places import assignable, converted
 from tachk.frontend.rates import invariant_parts
 from tachk.frontend.scope import BrokenSymbol, LocationSymbol, Scope, Symbol, ValueSymbol
-from tachk.frontend.typing import can_assign, describe, element_type
+from tachk.frontend.typing import can_assign, describe
 from tachk.model.expressions import Assign, Expression, Reference, Variable, VariableKind
 from tachk.model.network import Direction, Edge, Location, Process, Synchronisation
-from tachk.model.types import ChannelType
+from tachk.model.types import ChannelType, element_type
 from tachk.syntax import ast
 
 

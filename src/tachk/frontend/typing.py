@@ -130,10 +130,3 @@ def value_range(expression: Expression) -> tuple[int, int]:
 
 CHANNEL_HELP = "a channel has no value; it can only stand in a synchronisation, as in `sync go!`"
 CLOCK_VALUE_HELP = "clocks can only be compared, as in `x <= 5` or `x - y < n`"
-
-
-def element_type(type_: Type) -> Type:
-    """The type of what an array finally consists of, or the type itself."""
-    while isinstance(type_, ArrayType):
-        type_ = type_.element
-    return type_

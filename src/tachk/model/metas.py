@@ -30,8 +30,8 @@ from tachk.model.expressions import (
     While,
 )
 from tachk.model.network import Direction, Edge, Network
-from tachk.model.traversal import children, walk
-from tachk.model.types import ArrayType, ChannelType, RecordType, Type
+from tachk.model.traversal import children, roots
+from tachk.model.types import ChannelType, RecordType, Type, element_type
 
 _SHORT_CIRCUIT = (BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY)
 
@@ -47,7 +47,9 @@ def lasting_metas(network: Network) -> frozenset[Variable]:
 
     Hidden variables for the values that channels pass are none: a receiver always reads what its sender wrote.
     """
-    channels = {variable.span for variable in network.all_variables() if _is_channel(variable)}
+    channels = {
+        variable.span for variable in network.all_variables() if isinstance(element_type(variable.type), ChannelType)
+    }
     metas = frozenset(v for v in network.all_variables() if v.meta and v.span not in channels)
     if not metas:
         return metas
@@ -76,19 +78,9 @@ def lasting_metas(network: Network) -> frozenset[Variable]:
 _NONE: frozenset[Place] = frozenset()
 
 
-def _is_channel(variable: Variable) -> bool:
-    type_ = variable.type
-    while isinstance(type_, ArrayType):
-        type_ = type_.element
-    return isinstance(type_, ChannelType)
-
-
 def _channels(edge: Edge) -> list[Variable]:
     """The channel variables over which an edge may synchronise."""
-    if edge.synchronisation is None:
-        return []
-    nodes = walk(edge.synchronisation.channel)
-    return [node.variable for node in nodes if isinstance(node, Reference) and _is_channel(node.variable)]
+    return [] if edge.synchronisation is None else list(roots(edge.synchronisation.channel))
 
 
 def _indices(place: Expression) -> tuple[Expression, ...]:

@@ -93,6 +93,13 @@ ScalarLike = IntType | BoolType | ScalarType
 Type = IntType | BoolType | ScalarType | ClockType | ChannelType | VoidType | ArrayType | RecordType
 
 
+def element_type(type_: Type) -> Type:
+    """The type of what an array finally consists of, or the type itself."""
+    while isinstance(type_, ArrayType):
+        type_ = type_.element
+    return type_
+
+
 def cell_count(type_: Type) -> int:
     """How many cells a value of the type has."""
     match type_:

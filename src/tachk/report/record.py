@@ -46,12 +46,17 @@ class RunRecord:
     refusals: tuple[Diagnostic, ...] = ()
 
     @property
+    def nothing_checked(self) -> bool:
+        """There are queries, and none of them is of a kind that is checked."""
+        return bool(self.not_checked) and not self.verdicts
+
+    @property
     def met(self) -> bool | None:
         """Whether every expectation is met: False if one is not, else None if an answer is unknown, something in the
-        model is refused, or there are queries and none of them is of a kind that is checked; else True."""
+        model is refused, or nothing was checked; else True."""
         met = [verdict.met for verdict in self.verdicts]
         if False in met:
             return False
         refused = any(found.is_unsupported for query in self.not_checked for found in query.diagnostics)
-        refused |= bool(self.not_checked) and not self.verdicts
-        return None if self.refusals or refused or any(v.answer is Answer.UNKNOWN for v in self.verdicts) else True
+        open_ = self.refusals or refused or self.nothing_checked
+        return None if open_ or any(v.answer is Answer.UNKNOWN for v in self.verdicts) else True

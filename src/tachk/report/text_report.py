@@ -160,7 +160,7 @@ def _table(record: RunRecord) -> Table:
 
 def _summary(record: RunRecord) -> Text:
     total = len(record.verdicts)
-    if total == 0 and record.not_checked:
+    if record.nothing_checked:
         return Text("nothing was checked: no query is of a kind that tachk checks", style="yellow")
     if total == 0:
         return Text("nothing to check: the model has no property and no query was given", style="yellow")

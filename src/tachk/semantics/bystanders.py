@@ -10,11 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from tachk.model.expressions import Deadlock, Expression, Variable
+from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Direction, Edge, Network, Process
-from tachk.model.traversal import process_expressions, walk, written_variables
-from tachk.semantics.discrete import has_priorities, prepare
-from tachk.semantics.spectators import held_still, is_broadcast, mentioned, without_spectators
+from tachk.model.traversal import process_expressions, roots, written_variables
+from tachk.semantics.spectators import every_action_counts, held_still, is_broadcast, mentioned, spectators
 
 
 def without_bystanders(network: Network, targets: Sequence[Expression]) -> Network:
@@ -25,16 +24,13 @@ def without_bystanders(network: Network, targets: Sequence[Expression]) -> Netwo
     processes or channels have priorities, as there every possible action counts; where no target speaks of anything, as
     that is how to ask for the whole state space; and where all bystanders are spectators, which cost nothing.
     """
-    if has_priorities(prepare(network)) or any(
-        isinstance(node, Deadlock) for target in targets for node in walk(target)
-    ):
+    if every_action_counts(network, targets):
         return network
     cone = _cone(network, targets)
     if not cone.members:
         return network
     bystanders = set(range(len(network.processes))) - cone.members
-    watched = zip(network.processes, without_spectators(network, targets).processes, strict=True)
-    if bystanders <= {number for number, (process, held) in enumerate(watched) if process != held}:
+    if bystanders <= spectators(network, targets):
         return network
     processes = enumerate(network.processes)
     return replace(
@@ -136,4 +132,4 @@ def _without_updates(edge: Edge) -> Edge:
 
 def _channels(edge: Edge) -> set[Variable]:
     assert edge.synchronisation is not None
-    return mentioned([edge.synchronisation.channel])[1]
+    return set(roots(edge.synchronisation.channel))

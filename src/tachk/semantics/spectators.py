@@ -31,10 +31,22 @@ def without_spectators(network: Network, targets: Sequence[Expression]) -> Netwo
     Processes and variables keep their numbers. Nothing is held still where a target speaks of ``deadlock`` or where
     processes or channels have priorities: there every possible action counts.
     """
-    if has_priorities(prepare(network)) or any(
+    still = spectators(network, targets)
+    processes = enumerate(network.processes)
+    return replace(network, processes=tuple(held_still(p) if number in still else p for number, p in processes))
+
+
+def every_action_counts(network: Network, targets: Sequence[Expression]) -> bool:
+    """Whether what any process can do matters: a target speaks of ``deadlock``, or there are priorities."""
+    return has_priorities(prepare(network)) or any(
         isinstance(node, Deadlock) for target in targets for node in walk(target)
-    ):
-        return network
+    )
+
+
+def spectators(network: Network, targets: Sequence[Expression]) -> set[int]:
+    """The processes that cannot influence whether a target is reachable; none where every action counts."""
+    if every_action_counts(network, targets):
+        return set()
     candidates = {number for number, process in enumerate(network.processes) if _only_watches(process)}
     processes, variables = mentioned(targets)
     for number, process in enumerate(network.processes):
@@ -54,12 +66,7 @@ def without_spectators(network: Network, targets: Sequence[Expression]) -> Netwo
                 processes |= seen_processes
                 variables |= seen_variables
                 relevant = True
-    return replace(
-        network,
-        processes=tuple(
-            held_still(process) if number in candidates else process for number, process in enumerate(network.processes)
-        ),
-    )
+    return candidates
 
 
 def with_spectators(network: Network, reduced: Network, trace: TimedTrace) -> TimedTrace:
