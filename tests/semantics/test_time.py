@@ -259,3 +259,42 @@ def test_time_that_does_not_move_a_stopped_clock_does_not_end_a_deadlock() -> No
             run = concretise(network.build(), found.path, goal)
             assert run is not None
             replay(network.build(), run, goal)
+
+
+def test_an_invariant_on_a_difference_lets_time_pass(reaches) -> None:
+    network = NetworkBuilder()
+    x, y = network.clock("x"), network.clock("y")
+    process = network.process("P")
+    a, b = process.location("A", invariant=x - y <= 0), process.location("B")
+    process.edge(a, b, guard=x >= 5)
+    assert reaches(network, b.reached)
+
+
+def test_a_stopped_clock_does_not_come_to_a_guard() -> None:
+    network = NetworkBuilder()
+    y = network.clock("y")
+    process = network.process("P")
+    a, b, c = process.location("A"), process.location("B", rates=[(y, 0)]), process.location("C")
+    process.edge(a, b)
+    process.edge(b, c, guard=y >= 5)
+    process.edge(c, c)
+    goal = deadlock().expression
+    program, lowered = lower(network.build(), [goal])
+    for outcome in (reference.explore(network.build(), [goal]), zone.explore(program, lowered)):
+        path = outcome.goals[0].path
+        assert path is not None
+        run = concretise(network.build(), path, goal)
+        assert run is not None
+        replay(network.build(), run, goal)
+
+
+def test_an_urgent_channel_waits_for_the_guard_of_its_receiver(reaches) -> None:
+    network = NetworkBuilder()
+    x, n = network.clock("x"), network.integer("n", 0, 1)
+    go = network.channel("go", urgent=True)
+    p, q, r = network.process("P"), network.process("Q"), network.process("R")
+    p.edge(p.location("A"), p.location("B"), send=go)
+    received = q.location("L"), q.location("M")
+    q.edge(*received, guard=n == 1, receive=go)
+    r.edge(r.location("U"), r.location("V"), guard=x >= 3, updates=[n.assign(1)])
+    assert reaches(network, received[1].reached)

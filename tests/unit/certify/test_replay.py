@@ -109,3 +109,19 @@ def test_an_update_that_goes_wrong_is_refused() -> None:
     start = TimedState(DiscreteState((0,), (0,)), (), Fraction(0))
     with pytest.raises(ReplayError, match="RANGE"):
         replay(network.build(), TimedTrace(start, (TimedStep(Fraction(0), GO, start),)))
+
+
+@pytest.mark.parametrize("wait", [1, 2])
+def test_a_step_into_a_violated_invariant_is_refused(wait: int) -> None:
+    network = NetworkBuilder()
+    x = network.clock("x")
+    process = network.process("P")
+    process.edge(process.location("A"), process.location("B", invariant=x <= 1))
+    start = TimedState(DiscreteState((0,), (1,)), (Fraction(0),), Fraction(0))
+    end = TimedState(DiscreteState((1,), (1,)), (Fraction(wait),), Fraction(wait))
+    trace = TimedTrace(start, (TimedStep(Fraction(wait), GO, end),))
+    if wait <= 1:
+        replay(network.build(), trace)
+    else:
+        with pytest.raises(ReplayError, match="invariant"):
+            replay(network.build(), trace)

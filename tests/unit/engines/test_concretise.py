@@ -194,3 +194,16 @@ def test_a_deadlock_among_many_clocks_is_looked_for_where_the_path_ends() -> Non
         a = process.location("A")
         process.edge(a, a, guard=(c <= 1) & (d <= 2))
     assert times(checked(network, path(0), deadlock())) == [0, Fraction(3, 2)]
+
+
+def test_a_path_does_not_wait_beyond_the_moment_an_urgent_guard_becomes_true() -> None:
+    network = NetworkBuilder()
+    x = network.clock("x")
+    go = network.channel("go", broadcast=True, urgent=True)
+    p, q = network.process("P"), network.process("Q")
+    p.edge(p.location("A"), p.location("B"), guard=x >= 3, send=go)
+    left, right = q.location("L"), q.location("M")
+    at_three = q.edge(left, right, guard=x >= 3)
+    too_late = q.edge(left, right, guard=x >= 4)
+    assert times(checked(network, path(at_three, process=1))) == [3]
+    assert concretise(network.build(), path(too_late, process=1)) is None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from random import Random
 from xml.etree import ElementTree
 
@@ -318,3 +319,14 @@ def test_random_models_have_the_same_verdicts_after_the_trip(random: Random) -> 
 def test_characters_that_xml_cannot_hold_become_blanks() -> None:
     root = ElementTree.fromstring(written(load(LAMP.replace("// the lamp", '// the \x0blamp <&> "1"'))))
     assert (root.findtext("declaration") or "").startswith('// the  lamp <&> "1"\n')
+
+
+def test_two_nodes_never_get_one_identifier() -> None:
+    text = "process P() { init location A { to B; } location B; } system P;"
+    layout = load(written(load(text))).layout
+    assert layout is not None
+    nodes = {name: replace(node, id="id7") for name, node in layout.templates["P"].nodes.items()}
+    xml = ElementTree.fromstring(written(load(text), Layout({"P": replace(layout.templates["P"], nodes=nodes)})))
+    first, second = [node.get("id") for node in xml.iter("location")]
+    assert first == "id7"
+    assert second != "id7"

@@ -22,3 +22,13 @@ def verdicts() -> Callable[..., dict[str, Verdict]]:
         return {v.query.name: v for v in verify(loaded.network, loaded.queries, **options)}
 
     return answer
+
+
+@pytest.fixture
+def answers(verdicts: Callable[..., dict[str, Verdict]]) -> Callable[..., dict[str, str]]:
+    """The answers of all properties of a model as words, by name; keywords go to `verify`."""
+
+    def answer(text: str, **options: Any) -> dict[str, str]:
+        return {name: verdict.answer.value for name, verdict in verdicts(text, **options).items()}
+
+    return answer

@@ -158,3 +158,18 @@ def test_a_stopwatch_that_deadlocks_does_not_hold(verdicts: Verdicts) -> None:
     text = STOPWATCH.replace("w <= 3", "w >= 1")
     verdict = verdicts(text)["no_deadlock"]
     assert verdict.answer is Answer.FAILS or (verdict.answer is Answer.UNKNOWN and verdict.reason)
+
+
+def test_a_constant_that_is_stored_changes_the_state_in_its_chunk(verdicts: Verdicts) -> None:
+    text = """
+    int a[20];
+    process P() {
+        init location A {
+            to A { guard a[19] == 0; assign a[19] = 1; }
+            to A { guard a[18] == 0; assign a[18] = a[19] + 1; }
+        }
+    }
+    system P;
+    property Q : E<> a[19] == 1;
+    """
+    assert verdicts(text, options=Options(chunk_words=1))["Q"].answer is Answer.HOLDS

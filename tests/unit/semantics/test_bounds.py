@@ -5,6 +5,8 @@ from __future__ import annotations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tachk.diagnostics.span import Source
+from tachk.frontend.load import load_model
 from tachk.model.builder import NetworkBuilder
 from tachk.model.expressions import Conditional
 from tachk.model.types import ArrayType, ClockType, IntType
@@ -259,3 +261,13 @@ def test_conditional_constraints_count() -> None:
     program, _ = lower(network.build())
     assert bounds_of(program, 0, 0) == ({}, {X: 5})
     assert program.locations[0][0].invariant.constraints[0].condition >= 0
+
+
+def test_a_clock_that_a_function_sets_shifts_the_bound_of_its_differences() -> None:
+    text = """
+    clock x, y; void f() { x = 5; }
+    process P() { init location A { to A { guard x - y < -3; assign f(); } } }
+    system P;
+    """
+    program, _ = lower(load_model(Source("model.ta", text)).network)
+    assert program.locations[0][0].upper == ((1, 8), (2, 8))

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import product
+
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -9,11 +12,13 @@ from tachk.model.builder import NetworkBuilder, Term, bound_variable, conditiona
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import (
     INT,
+    Assign,
     Binary,
     BinaryOperator,
     Block,
     Call,
     Constant,
+    Evaluate,
     Function,
     If,
     Quantifier,
@@ -107,3 +112,38 @@ def test_a_function_counts_with_what_it_can_return_for_its_arguments() -> None:
 def test_a_sum_counts_every_value_of_its_variable() -> None:
     i = Variable("i", IntType(1, 4), VariableKind.BOUND)
     assert interval(Quantifier(QuantifierKind.SUM, i, B.expression, INT), KNOWN) == (0, 24)
+
+
+RANGES = [(-4, 3), (0, 6), (0, 3), (-3, -1)]
+PAIRS = NetworkBuilder()
+LEFT = [PAIRS.integer(f"left{number}", *bounds) for number, bounds in enumerate(RANGES)]
+RIGHT = [PAIRS.integer(f"right{number}", *bounds) for number, bounds in enumerate(RANGES)]
+PAIRS.process("P").location("only")
+CELLS = cell_layout(PAIRS.build())
+
+
+@pytest.mark.parametrize("operator", list(BinaryOperator))
+def test_every_operator_on_every_pair_of_ranges(operator: BinaryOperator) -> None:
+    for i, j in product(range(4), repeat=2):
+        term = Binary(operator, LEFT[i].expression, RIGHT[j].expression, INT)
+        low, high = interval(term, Known())
+        for a, b in product(_inclusive(RANGES[i]), _inclusive(RANGES[j])):
+            values = list(CELLS.initial)
+            values[i], values[4 + j] = a, b
+            try:
+                value = evaluate(term, Environment(CELLS, values))
+            except EvaluationFault:
+                continue
+            assert low <= value <= high, (RANGES[i], RANGES[j], a, b)
+
+
+def _inclusive(bounds: tuple[int, int]) -> range:
+    return range(bounds[0], bounds[1] + 1)
+
+
+def test_a_function_that_writes_its_parameter_does_not_return_the_argument() -> None:
+    n = Variable("n", IntType(0, 9), VariableKind.FRAME)
+    raised = Binary(BinaryOperator.ADD, Reference(n), Constant(5), INT)
+    body = Block((Evaluate(Assign(Reference(n), raised, INT)), Return(Reference(n))))
+    low, high = interval(Call(Function("later", (n,), INT, body), (Constant(2),), INT), KNOWN)
+    assert low <= 7 <= high

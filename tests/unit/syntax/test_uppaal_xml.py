@@ -331,3 +331,11 @@ def test_columns_behind_what_xml_writes_otherwise(entity: str) -> None:
 def test_lines_behind_carriage_returns_and_letters_of_several_bytes() -> None:
     found = guard_error("x\r\n\r\n&gt; 3 $ 4", before="<!-- h\u00f6he \u2192 -->")
     assert str(found.span) == "m.xml:4:8"
+
+
+def test_a_location_that_is_urgent_and_committed_is_committed() -> None:
+    text = (
+        '<nta><template><name>P</name><location id="a"><name>A</name><urgent/><committed/></location>'
+        '<init ref="a"/></template><system>system P;</system></nta>'
+    )
+    assert template(read(text)).locations[0].committed

@@ -1,0 +1,30 @@
+"""Exit statuses of a query file in which some queries are checked and others cannot be."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.verify import VerifyRequest, run_verify
+
+MODEL = "int n = 0; process P() { init location A { to B { assign n = 1; } } location B; } system P;"
+
+
+@pytest.mark.parametrize(
+    ("queries", "status"),
+    [
+        ("E<> n == 1", ExitStatus.AS_EXPECTED),
+        ("E<> n == 1\nE<> n < 1.5", ExitStatus.UNSUPPORTED),
+        ("E<> n == 1\nE<> nobody == 1", ExitStatus.BAD_INPUT),
+        ("E<> n < 1.5\nE<> nobody == 1", ExitStatus.BAD_INPUT),
+    ],
+)
+def test_a_query_that_is_not_checked_counts_although_others_were(
+    queries: str, status: ExitStatus, tmp_path: Path
+) -> None:
+    model, file = tmp_path / "m.ta", tmp_path / "m.q"
+    model.write_text(MODEL)
+    file.write_text(f"{queries}\n")
+    assert run_verify(VerifyRequest((str(model),), query_files=(file,), quiet=True)) is status
