@@ -1,0 +1,26 @@
+"""The options of `tachk convert`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from tachk.cli import options
+
+
+@click.command(name="convert")
+@click.argument("source", metavar="IN", type=click.Path(), help="A model, or a file of queries.")
+@click.argument(
+    "output", metavar="OUT", type=options.type_of_file, help="Its ending says the format; - prints tachk's own."
+)
+@options.query_files("Take these queries into a .ta file.")
+@click.option("--fix", is_flag=True, help="Replace names that some version of UPPAAL refuses.")
+def command(source: str, output: Path, query_files: tuple[Path, ...], fix: bool) -> None:
+    """Write a model in another form: .ta, .xta, .xml, .q, .tck, .dot or .json.
+
+    Formats but .ta are written in full: imports are followed, and what tachk adds to UPPAAL's language is expanded.
+    """
+    from tachk.cli.convert import run_convert
+
+    options.finish(lambda: run_convert(source, output, query_files, fix))

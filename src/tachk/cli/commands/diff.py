@@ -1,0 +1,20 @@
+"""The options of `tachk diff`."""
+
+from __future__ import annotations
+
+import click
+
+from tachk.cli import options
+
+
+@click.command(name="diff")
+@click.argument("before", metavar="A", type=click.Path(), help="A model.")
+@click.argument("after", metavar="B", type=click.Path(), help="The same model, changed.")
+def command(before: str, after: str) -> None:
+    """Tell what is different in the behaviour of two models; layout, comments and most order do not count.
+
+    Exit status: 0 nothing, 1 something.
+    """
+    from tachk.cli.diff import run_diff
+
+    options.finish(lambda: run_diff(before, after))

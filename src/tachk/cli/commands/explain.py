@@ -1,0 +1,25 @@
+"""The options of `tachk explain`."""
+
+from __future__ import annotations
+
+import click
+
+from tachk.cli import options
+
+
+@click.command(name="explain")
+@click.argument(
+    "what",
+    metavar="CODE|FORMULA|FILE",
+    type=click.Path(),
+    help="The code of a message, such as E0214; a formula or sentence; or a file that states some.",
+)
+def command(what: str) -> None:
+    """Explain a message, or what a property written as a formula or a sentence says.
+
+    Of a message: what it means, an example, how to mend it. Of a property: its formula in canonical form, how far it
+    looks ahead, and whether all its intervals begin at 0.
+    """
+    from tachk.cli.explain import run_explain
+
+    options.finish(lambda: run_explain(what))

@@ -1,0 +1,41 @@
+"""The options of `tachk export`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from tachk.cli import options
+
+
+@click.command(name="export")
+@click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
+@click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Where to write it.")
+@click.option(
+    "--format",
+    type=click.Choice(["xta", "xml", "q", "tchecker", "dot", "json"]),
+    help="The format; without it, what the ending of FILE says.",
+)
+@options.definitions
+@click.option("--explain", is_flag=True, help="Print what is written differently, and where.")
+@click.option("--keep-names", is_flag=True, help="Keep names that some version of UPPAAL refuses.")
+@click.option(
+    "--observers/--no-observers",
+    default=True,
+    show_default=True,
+    help="Temporal properties become automata beside the model; without, comments.",
+)
+def command(
+    model: str,
+    output: Path | None,
+    format: str | None,
+    definitions: tuple[str, ...],
+    explain: bool,
+    keep_names: bool,
+    observers: bool,
+) -> None:
+    """Write a model for UPPAAL, TChecker, Graphviz or other programs, with its queries beside it."""
+    from tachk.cli.export import run_export
+
+    options.finish(lambda: run_export(model, output, format, definitions, explain, keep_names, observers))

@@ -1,0 +1,63 @@
+"""The options of `tachk verify`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from tachk.cli import options
+
+
+@click.command(name="verify")
+@click.argument(
+    "arguments",
+    metavar="MODEL|QUERY...",
+    nargs=-1,
+    required=True,
+    type=click.Path(),
+    help="Model files, and queries to check on each.",
+)
+@options.query_files("Check the queries of a file.")
+@options.definitions
+@click.option("properties", "--property", metavar="NAME", multiple=True, help="Check this property of the model.")
+@click.option(
+    "--search",
+    type=click.Choice(["bfs", "dfs", "rdfs"]),
+    default="bfs",
+    show_default=True,
+    help="Which state is explored next.",
+)
+@click.option("--seed", metavar="N", type=int, default=1, show_default=True, help="For --search rdfs.")
+@click.option(
+    "--trace",
+    type=click.Choice(["some", "shortest", "none"]),
+    help="Which run to give as evidence; without this option only unexpected answers get one.",
+)
+@options.report("text", "json", "junit", "verifyta")
+@click.option(
+    "--max-states", metavar="N", type=click.IntRange(min=1), help="Give up a search beyond so many stored states."
+)
+@click.option("--max-seconds", metavar="SECONDS", type=click.FloatRange(min=0), help="Give up after this time.")
+@click.option("--max-memory", metavar="SIZE", help="Give up a search beyond this size, such as 2G.")
+@click.option("--max-depth", metavar="N", type=click.IntRange(min=0), help="Explore only so many transitions deep.")
+@click.option(
+    "--extrapolation",
+    type=click.Choice(["lu", "max", "none"]),
+    default="lu",
+    show_default=True,
+    help="The abstraction of zones.",
+)
+@click.option(
+    "every_trace", "--all-traces", is_flag=True, help="Tell also the runs behind answers that are as expected."
+)
+@click.option("--clocks", is_flag=True, help="Print the clocks after each step of a run.")
+def command(trace: str | None, every_trace: bool, **given: Any) -> None:
+    """Check the properties of models, or the given queries.
+
+    Without a query, a query file or --property, every property that a model states is checked.
+    """
+    from tachk.cli.verify import VerifyRequest, run_verify
+
+    request = VerifyRequest(trace=trace or "some", every_trace=every_trace or trace is not None, **given)
+    options.finish(lambda: run_verify(request))

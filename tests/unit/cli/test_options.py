@@ -1,0 +1,52 @@
+"""The choices of the options stand in the command line as text, so that a start loads little: they must be what the
+modules below understand."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+import click
+import pytest
+
+from tachk.cli.main import COMMANDS, app
+from tachk.engines.protocol import Extrapolation, SearchOrder
+from tachk.export.formats import ExportFormat
+from tachk.export.portability import Version
+from tachk.report.monitor_record import Ending
+from tachk.runtime.trace import Interpolation
+
+
+def command(name: str) -> click.Command:
+    found = app.get_command(click.Context(app), name)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_is_called_as_it_is_listed(name: str) -> None:
+    assert command(name).name == name
+    assert command(name).get_short_help_str()
+
+
+@pytest.mark.parametrize(
+    ("name", "option", "values"),
+    [
+        ("verify", "search", SearchOrder),
+        ("verify", "extrapolation", Extrapolation),
+        ("export", "format", ExportFormat),
+        ("check", "version", Version),
+        ("monitor", "end", Ending),
+        ("monitor", "interpolation", Interpolation),
+    ],
+)
+def test_choices_are_the_values_that_exist(name: str, option: str, values: type[StrEnum]) -> None:
+    (parameter,) = [found for found in command(name).params if found.name == option]
+    assert isinstance(parameter.type, click.Choice)
+    assert set(parameter.type.choices) == {value.value for value in values}
+
+
+def test_a_misspelt_command_is_guessed_without_loading_the_others(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        app(["verif"], prog_name="tachk")
+    assert end.value.code == 2
+    assert "Did you mean 'verify'?" in capsys.readouterr().err
