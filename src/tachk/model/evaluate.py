@@ -201,6 +201,8 @@ def _cells(expression: Expression, environment: Environment) -> tuple[int, ...]:
             for item in items[:-1]:
                 _cells(item, environment)
             return _cells(items[-1], environment)
+        case Conditional(condition, then, otherwise):
+            return _cells(then if _scalar(condition, environment) else otherwise, environment)
         case _:
             return _place(expression, environment).read(cell_count(expression.type))
 
@@ -214,7 +216,7 @@ def _scalar(expression: Expression, environment: Environment) -> int:
             return _place(expression, environment).read()[0]
         case Unary(operator, operand, _, span):
             value = _scalar(operand, environment)
-            return int(value == 0) if operator is UnaryOperator.NOT else wrapped(-value)
+            return _unary(operator, value)
         case Binary():
             return _binary(expression, environment)
         case Conditional(condition, then, otherwise):
@@ -357,12 +359,31 @@ def _binary(expression: Binary, environment: Environment) -> int:
             return int(_scalar(left, environment) == 0 or _scalar(right, environment) != 0)
         case comparison if comparison in _COMPARISONS:
             if isinstance(left.type, ArrayType | RecordType):
-                same = _cells(left, environment) == _cells(right, environment)
-                return int(same is (comparison is BinaryOperator.EQUAL))
+                return _compare_cells(comparison, _cells(left, environment), _cells(right, environment))
             return int(_COMPARISONS[comparison](_number(left, environment), _number(right, environment)))
         case arithmetic:
             first = _scalar(left, environment)
             return _arithmetic(arithmetic, first, _scalar(right, environment), expression.span)
+
+
+def _compare_cells(comparison: BinaryOperator, left: tuple[int, ...], right: tuple[int, ...]) -> int:
+    match comparison:
+        case BinaryOperator.EQUAL:
+            return int(left == right)
+        case BinaryOperator.NOT_EQUAL:
+            return int(left != right)
+        case _:
+            raise ValueError(f"{comparison} does not compare arrays or records")
+
+
+def _unary(operator: UnaryOperator, value: int) -> int:
+    match operator:
+        case UnaryOperator.NOT:
+            return int(value == 0)
+        case UnaryOperator.MINUS:
+            return wrapped(-value)
+        case _ as never:
+            assert_never(never)
 
 
 def _arithmetic(operator: BinaryOperator, left: int, right: int, span: Span = NOWHERE) -> int:
