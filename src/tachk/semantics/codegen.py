@@ -55,6 +55,7 @@ from tachk.semantics.fold import CONNECTIVES, Known, fold, fold_place, is_aggreg
 from tachk.semantics.functions import FunctionGenerator
 from tachk.semantics.layout import Layout
 
+_UNARY = {UnaryOperator.NOT: Opcode.NOT, UnaryOperator.MINUS: Opcode.NEGATE}
 _ARITHMETIC = {
     BinaryOperator.ADD: Opcode.ADD,
     BinaryOperator.SUBTRACT: Opcode.SUBTRACT,
@@ -177,7 +178,7 @@ class CodeGenerator:
                     emit(Opcode.LOAD_INDIRECT)
             case Unary(operator, operand, _, span):
                 self.value(operand)
-                emit(Opcode.NOT if operator is UnaryOperator.NOT else Opcode.NEGATE, span=span)
+                emit(_UNARY[operator], span=span)
             case Binary():
                 self._binary(expression)
             case Conditional(condition, then, otherwise):
@@ -236,8 +237,13 @@ class CodeGenerator:
             self._stable_address(left, right)
             self.address(right)
             emit(Opcode.EQUAL_CELLS, cell_count(left.type))
-            if operator is BinaryOperator.NOT_EQUAL:
-                emit(Opcode.NOT)
+            match operator:
+                case BinaryOperator.EQUAL:
+                    pass
+                case BinaryOperator.NOT_EQUAL:
+                    emit(Opcode.NOT)
+                case _:
+                    raise ValueError(f"{operator} does not compare arrays or records")
         else:
             self.value(left)
             self.value(right)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import assert_never
 
 from tachk.model.expressions import (
     BOOL,
@@ -104,10 +105,17 @@ def is_aggregate(type_: Type) -> bool:
 
 def apply_binary(operator: BinaryOperator, left: int, right: int) -> int | None:
     """The value of ``left operator right`` on numbers, None where that is a run-time error."""
-    if operator in COMPARISONS:
-        return int(COMPARISONS[operator](left, right))
     result: int
     match operator:
+        case (
+            BinaryOperator.EQUAL
+            | BinaryOperator.NOT_EQUAL
+            | BinaryOperator.LESS
+            | BinaryOperator.LESS_EQUAL
+            | BinaryOperator.GREATER
+            | BinaryOperator.GREATER_EQUAL
+        ):
+            result = int(COMPARISONS[operator](left, right))
         case BinaryOperator.ADD:
             result = left + right
         case BinaryOperator.SUBTRACT:
@@ -143,8 +151,10 @@ def apply_binary(operator: BinaryOperator, left: int, right: int) -> int | None:
             result = int(left != 0 or right != 0)
         case BinaryOperator.IMPLY:
             result = int(left == 0 or right != 0)
-        case _:
+        case BinaryOperator.XOR:
             result = int((left != 0) != (right != 0))
+        case _ as never:
+            assert_never(never)
     return wrapped(result)
 
 
@@ -238,11 +248,15 @@ def fold(expression: Expression, known: Known) -> Expression:
             return replace(expression, items=tuple(fold(i, known) for i in items))
         case Unary(operator, operand):
             inner = fold(operand, known)
-            if operator is UnaryOperator.NOT:
-                return negate(inner) if isinstance(inner, Constant) else replace(expression, operand=inner)
-            if isinstance(inner, Constant):
-                return Constant(wrapped(-inner.value), expression.type, expression.span)
-            return replace(expression, operand=inner)
+            if not isinstance(inner, Constant):
+                return replace(expression, operand=inner)
+            match operator:
+                case UnaryOperator.NOT:
+                    return negate(inner)
+                case UnaryOperator.MINUS:
+                    return Constant(wrapped(-inner.value), expression.type, expression.span)
+                case _ as never:
+                    assert_never(never)
         case Binary():
             return _fold_binary(expression, known)
         case Conditional(condition, then, otherwise):

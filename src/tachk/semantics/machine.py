@@ -50,6 +50,14 @@ _BINARY = {
     Opcode.GREATER: BinaryOperator.GREATER,
     Opcode.GREATER_EQUAL: BinaryOperator.GREATER_EQUAL,
 }
+_UNDEFINED = {
+    Opcode.DIVIDE: RuntimeErrorKind.DIVISION,
+    Opcode.MODULO: RuntimeErrorKind.DIVISION,
+    Opcode.SHIFT_LEFT: RuntimeErrorKind.SHIFT,
+    Opcode.SHIFT_RIGHT: RuntimeErrorKind.SHIFT,
+    Opcode.POWER: RuntimeErrorKind.NEGATIVE_EXPONENT,
+}
+"""The error of each instruction that has no value for some operands."""
 
 
 @dataclass(slots=True)
@@ -153,11 +161,7 @@ class Machine:
         value = apply_binary(_BINARY[opcode], left, right)
         if value is not None:
             return value
-        if opcode in (Opcode.DIVIDE, Opcode.MODULO) and right == 0:
-            raise self._fault(RuntimeErrorKind.DIVISION, position)
-        if opcode in (Opcode.SHIFT_LEFT, Opcode.SHIFT_RIGHT) and not 0 <= right <= 31:
-            raise self._fault(RuntimeErrorKind.SHIFT, position)
-        raise self._fault(RuntimeErrorKind.NEGATIVE_EXPONENT, position)
+        raise self._fault(_UNDEFINED[opcode], position)
 
     def _store(self, slot: int, value: int, position: int) -> None:
         if not self.program.slots[slot].low <= value <= self.program.slots[slot].high:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import product
+from typing import cast
+
 import pytest
 
 from tachk.model.builder import NetworkBuilder, Term, bound_variable, conditional, quantifier
+from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import (
     BOOL,
     INT,
@@ -24,8 +28,10 @@ from tachk.model.expressions import (
     Variable,
     VariableKind,
 )
+from tachk.model.fault import EvaluationFault
+from tachk.model.layout import cell_layout
 from tachk.model.types import ArrayType, IntType, VoidType
-from tachk.semantics.fold import Known, cannot_fail, fold, known_values
+from tachk.semantics.fold import Known, apply_binary, cannot_fail, fold, known_values
 
 NETWORK = NetworkBuilder()
 N = NETWORK.integer("n", 0, 9)
@@ -84,6 +90,22 @@ def test_arithmetic_wraps_around() -> None:
         (BinaryOperator.POWER, 10, 10**6, 0),
     ):
         assert fold(Binary(operator, Constant(left), Constant(right), INT), KNOWN) == Constant(value)
+
+
+def test_an_operator_without_a_meaning_is_no_other_operator() -> None:
+    with pytest.raises(AssertionError, match="unreachable"):
+        apply_binary(cast("BinaryOperator", ">>>"), -8, 28)
+
+
+@pytest.mark.parametrize("operator", list(BinaryOperator))
+def test_every_operator_means_what_the_evaluator_says(operator: BinaryOperator) -> None:
+    layout = cell_layout(NETWORK.build())
+    for left, right in product((-8, -1, 0, 1, 7), (-3, 0, 1, 2, 31)):
+        try:
+            expected = evaluate(Binary(operator, Constant(left), Constant(right), INT), Environment(layout, []))
+        except EvaluationFault:
+            expected = None
+        assert apply_binary(operator, left, right) == expected, (left, right)
 
 
 def test_an_index_outside_the_array_is_kept() -> None:
