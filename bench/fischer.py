@@ -80,7 +80,7 @@ def measure_tachk(processes: int) -> Measurement:
     model = ROOT / "models/classics/fischer.ta"
     command = [sys.executable, "-m", "tachk", "verify", str(model), "-D", f"N={processes}"]
     output, cpu, memory = run([*command, "--property", "mutual_exclusion", "--format", "json"])
-    result = json.loads(output)["results"][0]
+    result = json.loads(output)["runs"][0]["results"][0]
     stats = result["stats"]
     return Measurement(
         result["answer"], stats["states_stored"], stats["states_explored"], stats["transitions"], cpu, memory

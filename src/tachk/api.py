@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from io import StringIO
 from typing import overload
 
@@ -23,7 +23,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, TachkError, Uns
 from tachk.diagnostics.span import Source
 from tachk.diagnostics.suggestion import closest, unknown_key
 from tachk.engines.protocol import Extrapolation, Limits, Options, Progress, SearchOrder
-from tachk.frontend.load import LoadedModel, UncheckedQuery, elaborate_queries, elaborate_query_file, load_model
+from tachk.frontend.load import LoadedModel, UncheckedQuery, elaborate_query_file, load_model
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.verdict import Answer, Verdict
@@ -144,7 +144,7 @@ class Model:
             network = self.network
             verdicts = verify_queries(network, checked, options, limits, progress, trace)
         not_checked = tuple(
-            NotChecked(query.name, query.text, _why_not(query), query.diagnostics) for query in unchecked
+            NotChecked(query.name, query.text, _why_not(query), query.diagnostics, query.title) for query in unchecked
         )
         record = RunRecord(self.path, network, verdicts, not_checked, options, limits, self.definitions, self.refusals)
         return Report(record)
@@ -152,25 +152,19 @@ class Model:
     def _given(
         self, files: Iterable[Source], sources: Iterable[Source]
     ) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
-        """The queries of several texts, those that are checked numbered through."""
+        """The queries of several texts, numbered through in their order whether they are checked or not."""
         checked: list[Query] = []
         unchecked: list[UncheckedQuery] = []
         diagnostics: list[Diagnostic] = []
-        for source in files:
-            found, others = elaborate_query_file(self.loaded, source)
+        for source, typed in [(file, False) for file in files] + [(source, True) for source in sources]:
+            found, others = elaborate_query_file(self.loaded, source, len(checked) + len(unchecked) + 1)
             checked += found
             unchecked += others
-        for source in sources:
-            try:
-                found, others = elaborate_queries(self.loaded, source)
-            except InputError as error:
-                diagnostics += error.diagnostics
-            else:
-                checked += found
-                unchecked += others
+            if typed:
+                diagnostics += (finding for query in others if query.is_wrong for finding in query.diagnostics)
         if diagnostics:
             raise InputError(diagnostics)
-        return tuple(replace(query, name=f"q{i}") for i, query in enumerate(checked, start=1)), tuple(unchecked)
+        return tuple(checked), tuple(unchecked)
 
     def _property(self, name: str) -> Query:
         for query in self.properties:
@@ -191,7 +185,7 @@ class Model:
 
 def _why_not(query: UncheckedQuery) -> str:
     if query.diagnostics:
-        return f"cannot be checked: {query.diagnostics[0].message}"
+        return query.diagnostics[0].message
     return f"{query.family} query"
 
 
@@ -210,6 +204,9 @@ class Report(Sequence[Verdict]):
             for verdict in self.record.verdicts:
                 if verdict.query.name == index:
                     return verdict
+            for query in self.record.not_checked:
+                if query.name == index:
+                    raise KeyError(f"{index} is not checked: {query.reason}")
             raise unknown_key(index, (verdict.query.name for verdict in self.record.verdicts))
         return self.record.verdicts[index]
 

@@ -29,11 +29,12 @@ class ExitStatus(IntEnum):
 _GRAVITY = (
     ExitStatus.INTERNAL_ERROR,
     ExitStatus.BAD_INPUT,
-    ExitStatus.UNSUPPORTED,
     ExitStatus.NOT_AS_EXPECTED,
+    ExitStatus.UNSUPPORTED,
     ExitStatus.DIFFERENT,
     ExitStatus.UNKNOWN,
 )
+"""What is known to be wrong comes before what is not known: a violation beside a query that is not supported is 10."""
 
 
 def worst(statuses: Iterable[ExitStatus]) -> ExitStatus:

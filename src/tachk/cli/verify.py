@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -18,11 +18,12 @@ from tachk.cli.arguments import parse_definitions, parse_size, split_models_and_
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import guarded, print_diagnostics
 from tachk.cli.progress import ProgressLine
-from tachk.diagnostics.diagnostic import UsageError
+from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
 from tachk.engines.protocol import Extrapolation, Limits, Options, SearchOrder
-from tachk.report.json_report import run_to_json
+from tachk.properties.verdict import Answer
+from tachk.report.json_report import runs_to_json
 from tachk.report.junit_report import runs_to_junit
-from tachk.report.record import RunRecord
+from tachk.report.record import NotRead, RunRecord
 from tachk.report.text_report import print_run
 from tachk.report.verifyta_report import run_to_verifyta
 
@@ -54,37 +55,62 @@ class VerifyRequest:
 
 
 def run_verify(request: VerifyRequest) -> ExitStatus:
-    """Checks every model; a model that cannot be checked does not keep the others from being checked."""
-    models, queries = split_models_and_queries(request.arguments)
-    constants = parse_definitions(request.definitions)
-    options = _options(request)
-    limits = Limits(
-        request.max_states,
-        request.max_seconds,
-        None if request.max_memory is None else parse_size(request.max_memory),
-        request.max_depth,
-    )
-    records: list[RunRecord] = []
+    """Checks every model; a model that cannot be checked does not keep the others from being checked.
+
+    Reports for programs are written in any case, and list what could not be read.
+    """
+    records: list[RunRecord | NotRead] = []
     with _destination(request) as out:
 
-        def check(path: str) -> ExitStatus:
-            record = _check_model(path, queries, constants, options, limits, request)
-            if request.format == "text" and out is not None:
-                _print_text(record, out, request, first=not records)
-            elif request.format == "verifyta" and out is not None:
-                out.write(run_to_verifyta(record))
-            records.append(record)
-            return _status(record)
+        def check_all() -> ExitStatus:
+            models, queries = split_models_and_queries(request.arguments)
+            constants = parse_definitions(request.definitions)
+            options, limits = _options(request), _limits(request)
 
-        statuses = [guarded(partial(check, path), path if len(models) > 1 else "") for path in models]
-        if records and out is not None:
+            def check(path: str) -> ExitStatus:
+                with _listed(path, records):
+                    record = _check_model(path, queries, constants, options, limits, request)
+                if request.format == "text" and out is not None:
+                    _print_text(record, out, request, first=not any(isinstance(r, RunRecord) for r in records))
+                elif request.format == "verifyta" and out is not None:
+                    out.write(run_to_verifyta(record))
+                records.append(record)
+                return worst(_statuses(record))
+
+            return worst([guarded(partial(check, path), path if len(models) > 1 else "") for path in models])
+
+        def command() -> ExitStatus:
+            with _listed("", records):
+                return check_all()
+
+        status = guarded(command)
+        if out is not None:
             if request.format == "json":
-                runs = [run_to_json(record) for record in records]
-                json.dump(runs if len(models) > 1 else runs[0], out, indent=2)
+                json.dump(runs_to_json(records), out, indent=2)
                 out.write("\n")
             elif request.format == "junit":
                 out.write(runs_to_junit(records))
-    return worst(statuses)
+    return status
+
+
+@contextmanager
+def _listed(path: str, records: list[RunRecord | NotRead]) -> Iterator[None]:
+    """An error about a model goes into the reports, too."""
+    try:
+        yield
+    except InputError as error:
+        errors = [found for found in error.diagnostics if found.severity is Severity.ERROR]
+        records.append(NotRead(path, errors[0].message, None, error.diagnostics))
+        raise
+    except UnsupportedError as error:
+        records.append(NotRead(path, error.diagnostic.message, None, (error.diagnostic,)))
+        raise
+    except UsageError as error:
+        records.append(NotRead(path, error.message, error.help))
+        raise
+    except Exception as error:
+        records.append(NotRead(path, f"{type(error).__name__}: {error}"))
+        raise
 
 
 @contextmanager
@@ -102,6 +128,15 @@ def _print_text(record: RunRecord, out: TextIO, request: VerifyRequest, first: b
         out.write("\n")
     console = Console(file=out, highlight=False, width=None if out.isatty() else _WIDTH)
     print_run(record, console, request.every_trace, request.clocks)
+
+
+def _limits(request: VerifyRequest) -> Limits:
+    return Limits(
+        request.max_states,
+        request.max_seconds,
+        None if request.max_memory is None else parse_size(request.max_memory),
+        request.max_depth,
+    )
 
 
 def _options(request: VerifyRequest) -> Options:
@@ -141,17 +176,15 @@ def _check_model(
     return report.record
 
 
-def _status(record: RunRecord) -> ExitStatus:
-    if any(not found.is_unsupported for query in record.not_checked for found in query.diagnostics):
-        return ExitStatus.BAD_INPUT
-    if record.refusals or any(query.diagnostics for query in record.not_checked):
-        return ExitStatus.UNSUPPORTED
-    if record.nothing_checked or any(verdict.unsupported is not None for verdict in record.verdicts):
-        return ExitStatus.UNSUPPORTED
-    match record.met:
-        case True:
-            return ExitStatus.AS_EXPECTED
-        case False:
-            return ExitStatus.NOT_AS_EXPECTED
-        case None:
-            return ExitStatus.UNKNOWN
+def _statuses(record: RunRecord) -> Iterable[ExitStatus]:
+    """Everything that the outcome of a run amounts to; the gravest of them is the status."""
+    if any(query.is_wrong for query in record.not_checked):
+        yield ExitStatus.BAD_INPUT
+    if any(verdict.met is False for verdict in record.verdicts):
+        yield ExitStatus.NOT_AS_EXPECTED
+    refused = any(query.diagnostics for query in record.not_checked)
+    unsupported = any(verdict.unsupported is not None for verdict in record.verdicts)
+    if record.refusals or record.nothing_checked or refused or unsupported:
+        yield ExitStatus.UNSUPPORTED
+    if any(verdict.answer is Answer.UNKNOWN for verdict in record.verdicts):
+        yield ExitStatus.UNKNOWN

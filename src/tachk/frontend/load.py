@@ -210,11 +210,17 @@ def elaborate_queries(loaded: LoadedModel, text: str | Source) -> tuple[tuple[Qu
     return queries, unchecked
 
 
-def elaborate_query_file(loaded: LoadedModel, source: Source) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
-    """The queries of a .q file, named as by `elaborate_queries`; a wrong one is unchecked and harms no other."""
+def elaborate_query_file(
+    loaded: LoadedModel, source: Source, first: int = 1
+) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
+    """The queries of a .q file, named as by `elaborate_queries`; a wrong one is unchecked and harms no other.
+
+    Args:
+        first: the number of the first query.
+    """
     known = loaded._constants
     context = Context(Findings(), known.constants, known.effects, budget=Budget(INSTANCES), time_unit=known.time_unit)
-    queries, unchecked = elaborate_entries(parse_each_query(source), loaded._scope, context)
+    queries, unchecked = elaborate_entries(parse_each_query(source), loaded._scope, context, first)
     return queries, _explained(unchecked, loaded.refusals)
 
 

@@ -45,7 +45,7 @@ def elaborate_temporal(
     try:
         template = build_observer(formula, own_name)
     except NoObserver as refusal:
-        context.error("E0730", refusal.span, f"this cannot be checked: {refusal.reason}", refusal.help)
+        context.error("E0730", refusal.span, refusal.reason, refusal.help)
         return None
     process, _ = elaborate_process(template, own_name, Scope(scope), Declared(own_name), ChannelTable(set()), context)
     bad = next(number for number, location in enumerate(process.locations) if location.name == BAD)

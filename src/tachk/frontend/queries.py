@@ -207,12 +207,12 @@ def wrong_query(name: str, text: str, title: str, span: Span, findings: Findings
 
 
 def elaborate_entries(
-    entries: Iterable[ast.QueryEntry | BrokenQuery], scope: Scope, context: Context
+    entries: Iterable[ast.QueryEntry | BrokenQuery], scope: Scope, context: Context, first: int = 1
 ) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
-    """The queries of a .q file or command line, named ``q1``, ``q2``, ... in order. A wrong one is an unchecked query
-    and no finding of the context."""
+    """The queries of a .q file or command line, named ``q1``, ``q2``, ... in order, or from ``first`` on. A wrong one
+    is an unchecked query and no finding of the context."""
     queries, unchecked = [], []
-    for number, entry in enumerate(entries, 1):
+    for number, entry in enumerate(entries, first):
         name = f"q{number}"
         own = Findings()
         if isinstance(entry, BrokenQuery):

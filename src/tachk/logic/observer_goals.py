@@ -21,7 +21,7 @@ class NoObserver(Exception):
 
     Attributes:
         span: the part of the formula that is to blame.
-        reason: in plain words: "needs ...".
+        reason: in plain words, a clause that says on its own why the formula is not checked.
         help: what can be done instead, or None.
     """
 

@@ -4,14 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+from tachk.diagnostics.diagnostic import Diagnostic, Severity
+from tachk.diagnostics.render_json import diagnostic_to_json
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.engines.protocol import RunTimeFault
 from tachk.model.network import Direction, Network
 from tachk.properties.verdict import Verdict
-from tachk.report.record import RunRecord
+from tachk.report.record import NotRead, RunRecord
 from tachk.report.trace_view import Event, Snapshot, TraceView, ViewStep, view_event, view_path, view_trace
 
 Json = Mapping[str, "Json"] | Sequence["Json"] | str | int | float | bool | None
+
+
+def runs_to_json(records: Iterable[RunRecord | NotRead]) -> dict[str, Json]:
+    """What a command did, one run for each model, in the one shape of docs/schema/verify.schema.json."""
+    return {"runs": [not_read_to_json(r) if isinstance(r, NotRead) else run_to_json(r) for r in records]}
 
 
 def run_to_json(record: RunRecord) -> dict[str, Json]:
@@ -21,8 +28,42 @@ def run_to_json(record: RunRecord) -> dict[str, Json]:
         "constants": dict(record.network.constants),
         "time_unit": record.network.time_unit,
         "results": [verdict_to_json(record.network, verdict) for verdict in record.verdicts],
-        "not_checked": [{"name": n.name, "query": n.text, "reason": n.reason} for n in record.not_checked],
+        "not_checked": [
+            {
+                "name": query.name,
+                "title": query.title,
+                "query": query.text,
+                "reason": query.reason,
+                "errors": _errors(query.diagnostics),
+            }
+            for query in record.not_checked
+        ],
+        "errors": _errors(record.refusals),
     }
+
+
+def not_read_to_json(record: NotRead) -> dict[str, Json]:
+    """A run that did not take place: no result, but errors."""
+    plain: dict[str, Json] = {
+        "code": None,
+        "severity": Severity.ERROR.value,
+        "message": record.message,
+        "help": record.help,
+        "place": None,
+        "labels": [],
+    }
+    return {
+        "model": record.model,
+        "constants": {},
+        "time_unit": "",
+        "results": [],
+        "not_checked": [],
+        "errors": _errors(record.diagnostics) or [plain],
+    }
+
+
+def _errors(diagnostics: Iterable[Diagnostic]) -> list[Json]:
+    return [diagnostic_to_json(diagnostic) for diagnostic in diagnostics]
 
 
 def verdict_to_json(network: Network, verdict: Verdict) -> dict[str, Json]:

@@ -3,35 +3,44 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable
 from io import StringIO
 from xml.etree import ElementTree
 
 from rich.console import Console
 
+from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.diagnostics.render import render
 from tachk.properties.verdict import Answer, Verdict
-from tachk.report.record import RunRecord
+from tachk.report.record import NotRead, RunRecord
 from tachk.report.text_report import print_fault, print_trace
 from tachk.report.trace_view import view_trace
+
+_NUMBERED = re.compile(r"q\d+")
+"""The names of queries that have no name of their own."""
 
 _NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-def runs_to_junit(records: Sequence[RunRecord]) -> str:
+def runs_to_junit(records: Iterable[RunRecord | NotRead]) -> str:
     """One suite for each model, one case for each query.
 
-    An answer that is not the expected one is a failure, an unknown answer an error, a formula that tachk does not
-    check is skipped.
+    An answer that is not the expected one is a failure; an unknown answer, a wrong query and one that is refused are
+    errors; a formula of another kind of analysis is skipped. A model that cannot be read is a case that is an error.
     """
     suites = ElementTree.Element("testsuites")
     for record in records:
-        _suite(suites, record)
+        if isinstance(record, NotRead):
+            _suite_of_nothing(suites, record)
+        else:
+            _suite(suites, record)
     ElementTree.indent(suites)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(suites, encoding="unicode") + "\n"
 
 
 def _suite(parent: ElementTree.Element, record: RunRecord) -> None:
     met = [verdict.met for verdict in record.verdicts]
+    wrong = [query for query in record.not_checked if query.diagnostics]
     searches = {verdict.statistics for verdict in record.verdicts}  # several queries may share a search
     suite = ElementTree.SubElement(
         parent,
@@ -39,24 +48,46 @@ def _suite(parent: ElementTree.Element, record: RunRecord) -> None:
         name=clean(record.model),
         tests=str(len(record.verdicts) + len(record.not_checked)),
         failures=str(met.count(False)),
-        errors=str(met.count(None)),
-        skipped=str(len(record.not_checked)),
+        errors=str(met.count(None) + len(wrong)),
+        skipped=str(len(record.not_checked) - len(wrong)),
         time=f"{sum(s.seconds for s in searches):.3f}",
     )
     for verdict in record.verdicts:
-        case = _case(suite, record, verdict.query.name, f"{verdict.statistics.seconds:.3f}")
+        name = _name(verdict.query.name, verdict.query.title)
+        case = _case(suite, record.model, name, f"{verdict.statistics.seconds:.3f}")
         wanted = verdict.query.expectation.value if verdict.query.expectation else "holds"
-        if verdict.answer is Answer.UNKNOWN:
+        if verdict.unsupported is not None:
+            _result(case, "error", f"cannot be checked: {verdict.reason}", _rendered([verdict.unsupported]))
+        elif verdict.answer is Answer.UNKNOWN:
             _result(case, "error", f"unknown: {verdict.reason}", _details(record, verdict))
         elif verdict.met is False:
             _result(case, "failure", f"{verdict.answer.value}, expected {wanted}", _details(record, verdict))
     for query in record.not_checked:
-        case = _case(suite, record, query.name, "0.000")
-        _result(case, "skipped", query.reason, "")
+        case = _case(suite, record.model, _name(query.name, query.title), "0.000")
+        if query.diagnostics:
+            _result(case, "error", f"cannot be checked: {query.reason}", _rendered(query.diagnostics))
+        else:
+            _result(case, "skipped", query.reason, "")
 
 
-def _case(suite: ElementTree.Element, record: RunRecord, name: str, time: str) -> ElementTree.Element:
-    return ElementTree.SubElement(suite, "testcase", classname=clean(record.model), name=clean(name), time=time)
+def _suite_of_nothing(parent: ElementTree.Element, record: NotRead) -> None:
+    name = record.model or "tachk verify"
+    counts = {"tests": "1", "failures": "0", "errors": "1", "skipped": "0", "time": "0.000"}
+    suite = ElementTree.SubElement(parent, "testsuite", {"name": clean(name)} | counts)
+    message = f"{record.message} ({record.help})" if record.help else record.message
+    _result(_case(suite, name, name, "0.000"), "error", message, _rendered(record.diagnostics))
+
+
+def _name(name: str, title: str) -> str:
+    return f"{name}: {' '.join(title.split())}" if title and _NUMBERED.fullmatch(name) else name
+
+
+def _rendered(diagnostics: Iterable[Diagnostic]) -> str:
+    return "\n".join(map(render, diagnostics))
+
+
+def _case(suite: ElementTree.Element, model: str, name: str, time: str) -> ElementTree.Element:
+    return ElementTree.SubElement(suite, "testcase", classname=clean(model), name=clean(name), time=time)
 
 
 def _result(case: ElementTree.Element, kind: str, message: str, details: str) -> None:

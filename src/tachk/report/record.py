@@ -15,12 +15,36 @@ class NotChecked:
     """A formula of the model or the query file that tachk does not check, and why.
 
     Attributes:
+        reason: ``"statistical query"``, or the first of the diagnostics.
         diagnostics: what is wrong with it; empty if it belongs to another kind of analysis.
     """
 
     name: str
     text: str
     reason: str
+    diagnostics: tuple[Diagnostic, ...] = ()
+    title: str = ""
+
+    @property
+    def is_wrong(self) -> bool:
+        """Whether it has a mistake, other than needing what is not supported."""
+        return any(not diagnostic.is_unsupported for diagnostic in self.diagnostics)
+
+
+@dataclass(frozen=True, slots=True)
+class NotRead:
+    """A model about which nothing can be said, for it, a query or an option is wrong: reports list it.
+
+    Attributes:
+        model: the path as the user gave it; empty where the command names no model.
+        message: what is wrong, in one line.
+        help: how to mend it, where ``diagnostics`` do not say it.
+        diagnostics: every finding that has a place in a text.
+    """
+
+    model: str
+    message: str
+    help: str | None = None
     diagnostics: tuple[Diagnostic, ...] = ()
 
 
@@ -57,6 +81,6 @@ class RunRecord:
         met = [verdict.met for verdict in self.verdicts]
         if False in met:
             return False
-        refused = any(found.is_unsupported for query in self.not_checked for found in query.diagnostics)
+        refused = any(query.diagnostics for query in self.not_checked)
         open_ = self.refusals or refused or self.nothing_checked
         return None if open_ or any(v.answer is Answer.UNKNOWN for v in self.verdicts) else True

@@ -51,8 +51,9 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, cl
         console.print()
         console.print(_table(record))
     for query in record.not_checked:
-        text = " ".join(query.text.split())
-        console.print(Text(f"  not checked: {text} ({query.reason})", style="dim"))
+        if not query.diagnostics:
+            text = " ".join(query.text.split())
+            console.print(Text(f"  {query.name} is not checked: {text} ({query.reason})", style="dim"))
     _print_unknown(record, console)
     for verdict in record.verdicts:
         if verdict.trace is not None and (every_trace or verdict.met is not True):
@@ -159,20 +160,23 @@ def _table(record: RunRecord) -> Table:
 
 
 def _summary(record: RunRecord) -> Text:
-    total = len(record.verdicts)
+    refused = sum(bool(query.diagnostics) for query in record.not_checked)
+    total = len(record.verdicts) + refused
     if record.nothing_checked:
         return Text("nothing was checked: no query is of a kind that tachk checks", style="yellow")
     if total == 0:
         return Text("nothing to check: the model has no property and no query was given", style="yellow")
     wrong = sum(verdict.met is False for verdict in record.verdicts)
     unknown = sum(verdict.met is None for verdict in record.verdicts)
-    if wrong == unknown == 0:
+    if wrong == unknown == refused == 0:
         return Text(f"{total} of {total} as expected", style="green")
-    parts = [f"{total - wrong - unknown} of {total} as expected"]
+    parts = [f"{total - wrong - unknown - refused} of {total} as expected"]
     if wrong:
         parts.append(f"{wrong} not")
     if unknown:
         parts.append(f"{unknown} unknown")
+    if refused:
+        parts.append(f"{refused} cannot be checked")
     return Text(", ".join(parts), style="red" if wrong else "yellow")
 
 

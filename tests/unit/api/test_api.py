@@ -127,13 +127,24 @@ def test_what_is_wrong_with_a_property_that_was_asked_for(lamp: Path) -> None:
         model.verify(property="brigth")
 
 
+def test_queries_keep_their_numbers_beside_refused_ones(lamp: Path, tmp_path: Path) -> None:
+    queries = tmp_path / "some.q"
+    queries.write_text("G (Lamp.Low -> F Lamp.Bright)\nE<> Lamp.Bright\n", encoding="utf-8")
+    report = tachk.load(lamp).verify("F[0,3] Lamp.Low", "E<> Lamp.Low", query_files=[queries])
+    assert [verdict.query.name for verdict in report] == ["q2", "q3", "q4"]
+    assert [query.name for query in report.record.not_checked] == ["q1"]
+    with pytest.raises(KeyError, match="q1 is not checked: only a run without end"):
+        report["q1"]
+    assert report.met is not True
+
+
 def test_the_package_lists_its_names() -> None:
     assert {"load", "monitor", "Monitor"} <= set(dir(tachk))
 
 
 def test_presentations(lamp: Path) -> None:
     report = tachk.load(lamp).verify()
-    jsonschema.validate(json.loads(json.dumps(report.to_dict())), SCHEMA)
+    jsonschema.validate({"runs": [json.loads(json.dumps(report.to_dict()))]}, SCHEMA)
     assert "2 of 2 as expected" in str(report)
     assert report._repr_html_().startswith("<table>")
 

@@ -61,6 +61,8 @@ def test_the_gravest_status_wins() -> None:
     assert worst([]) is ExitStatus.AS_EXPECTED
     assert worst([ExitStatus.AS_EXPECTED, ExitStatus.UNKNOWN]) is ExitStatus.UNKNOWN
     assert worst([ExitStatus.NOT_AS_EXPECTED, ExitStatus.UNKNOWN]) is ExitStatus.NOT_AS_EXPECTED
-    assert worst([ExitStatus.NOT_AS_EXPECTED, ExitStatus.UNSUPPORTED]) is ExitStatus.UNSUPPORTED
+    assert worst([ExitStatus.NOT_AS_EXPECTED, ExitStatus.UNSUPPORTED]) is ExitStatus.NOT_AS_EXPECTED
+    assert worst([ExitStatus.UNKNOWN, ExitStatus.UNSUPPORTED]) is ExitStatus.UNSUPPORTED
+    assert worst([ExitStatus.BAD_INPUT, ExitStatus.NOT_AS_EXPECTED]) is ExitStatus.BAD_INPUT
     assert worst([ExitStatus.BAD_INPUT, ExitStatus.UNSUPPORTED]) is ExitStatus.BAD_INPUT
     assert worst(list(ExitStatus)) is ExitStatus.INTERNAL_ERROR

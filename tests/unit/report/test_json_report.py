@@ -1,13 +1,15 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
 import pytest
 
-from tachk.report.json_report import run_to_json
-from tachk.report.record import RunRecord
+from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.report.json_report import run_to_json, runs_to_json
+from tachk.report.record import NotChecked, NotRead, RunRecord
 
 SCHEMA = json.loads((Path(__file__).parents[3] / "docs/schema/verify.schema.json").read_text(encoding="utf-8"))
 
@@ -18,15 +20,23 @@ def round_trip(record: RunRecord) -> dict:
 
 def test_output_follows_the_schema(record: RunRecord) -> None:
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
-    jsonschema.validate(round_trip(record), SCHEMA)
-    jsonschema.validate([round_trip(record), round_trip(record)], SCHEMA)
+    finding = Diagnostic("E0730", "it sets no deadline", record.network.processes[0].edges[0].spans[0])
+    refused = replace(record, not_checked=(NotChecked("q2", "G p", finding.message, (finding,), "a title"),))
+    unread = NotRead("broken.ta", finding.message, None, (finding,))
+    output = json.loads(json.dumps(runs_to_json([record, refused, unread, NotRead("", "no model", "give one")])))
+    jsonschema.validate(output, SCHEMA)
+    assert [run["model"] for run in output["runs"]] == ["lamp.ta", "lamp.ta", "broken.ta", ""]
+    (query,) = output["runs"][1]["not_checked"]
+    assert (query["name"], query["title"], query["errors"][0]["code"]) == ("q2", "a title", "E0730")
+    assert output["runs"][2]["errors"][0]["place"]["file"] == "lamp.ta"
+    assert output["runs"][3]["errors"][0]["help"] == "give one"
 
 
 def test_schema_refuses_a_fourth_answer(record: RunRecord) -> None:
     output = round_trip(record)
     output["results"][0]["answer"] = "maybe"
     with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate(output, SCHEMA)
+        jsonschema.validate({"runs": [output]}, SCHEMA)
 
 
 def test_trace_names_everything_and_keeps_times_exact(record: RunRecord) -> None:
