@@ -146,7 +146,9 @@ class Model:
         not_checked = tuple(
             NotChecked(query.name, query.text, _why_not(query), query.diagnostics, query.title) for query in unchecked
         )
-        record = RunRecord(self.path, network, verdicts, not_checked, options, limits, self.definitions, self.refusals)
+        record = RunRecord(
+            self.path, network, verdicts, not_checked, options, limits, self.definitions, self.refusals, trace
+        )
         return Report(record)
 
     def _given(

@@ -101,8 +101,8 @@ def _details(record: RunRecord, verdict: Verdict) -> str:
     console = Console(file=StringIO(), width=120, no_color=True)
     console.print(verdict.query.text, markup=False, highlight=False, soft_wrap=True)
     if verdict.fault is not None:
-        print_fault(record.network, verdict.fault, console)
-    if verdict.trace is not None:
+        print_fault(record.network, verdict.fault, console, record.runs)
+    if verdict.trace is not None and record.runs:
         print_trace(view_trace(record.network, verdict.trace), console, record.network.time_unit)
     assert isinstance(console.file, StringIO)
     return console.file.getvalue()

@@ -56,6 +56,7 @@ class RunRecord:
     definitions: the names of the constants that were set from outside.
     network: of a model with refusals only its constants and time unit.
     refusals: the constructs of the model that tachk does not check.
+    runs: whether the runs behind the answers were asked for.
     not_checked: the statistical, game and scenario queries met, which have no influence on success, and wrong queries
         of other programs' files.
     """
@@ -68,6 +69,7 @@ class RunRecord:
     limits: Limits = field(default_factory=Limits)
     definitions: tuple[str, ...] = ()
     refusals: tuple[Diagnostic, ...] = ()
+    runs: bool = True
 
     @property
     def nothing_checked(self) -> bool:

@@ -22,6 +22,10 @@ from tachk.report.trace_view import Event, Move, Snapshot, TraceView, view_event
 
 _CONSTANTS_SHOWN = 8
 _ARRAY_TOGETHER = 3
+_FAULT_BEGINNING, _FAULT_END = 10, 30
+"""Of a longer run to a run-time error only so many steps are told, at either end."""
+_DEFECT_END = 3
+"""Of the run behind a violation that the model expects only so many steps are told."""
 
 _STYLES = {Answer.HOLDS: "green", Answer.FAILS: "red", Answer.UNKNOWN: "yellow"}
 
@@ -54,19 +58,24 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, cl
         if not query.diagnostics:
             text = " ".join(query.text.split())
             console.print(Text(f"  {query.name} is not checked: {text} ({query.reason})", style="dim"))
-    _print_unknown(record, console)
-    for verdict in record.verdicts:
-        if verdict.trace is not None and (every_trace or verdict.met is not True):
+    _print_unknown(record, console, every_trace)
+    for verdict in record.verdicts if record.runs else ():
+        if verdict.trace is None:
+            continue
+        known_defect = verdict.answer is Answer.FAILS and verdict.met is True and not every_trace
+        if every_trace or known_defect or verdict.met is not True:
             console.print()
             console.print(Text(_trace_title(record.network, verdict), style="bold"))
-            print_trace(view_trace(record.network, verdict.trace), console, record.network.time_unit, clocks)
+            left_out = range(len(verdict.trace.steps) + 1 - _DEFECT_END) if known_defect else range(0)
+            view = view_trace(record.network, verdict.trace)
+            print_trace(view, console, record.network.time_unit, clocks, left_out)
             if verdict.query.observer is not None:
                 console.print(_observer_line(verdict, verdict.query.observer, record.network.time_unit))
     console.print()
     console.print(_summary(record))
 
 
-def _print_unknown(record: RunRecord, console: Console) -> None:
+def _print_unknown(record: RunRecord, console: Console, every_step: bool) -> None:
     """Why answers are unknown: each reason, each run-time error once, with the names of all it concerns."""
     for query in record.not_checked:
         for diagnostic in query.diagnostics:
@@ -83,22 +92,34 @@ def _print_unknown(record: RunRecord, console: Console) -> None:
         console.print(Text(f"\n{', '.join(names)} {_are(names)} unknown: {reason}", style="yellow"))
         if fault is not None:
             console.print()
-            print_fault(record.network, fault, console)
+            print_fault(record.network, fault, console, record.runs, every_step)
 
 
 def _are(names: list[str]) -> str:
     return "is" if len(names) == 1 else "are"
 
 
-def print_trace(trace: TraceView, console: Console, time_unit: str = "", clocks: bool = False) -> None:
-    """Prints a run: what happens, when, and what it changes."""
+def print_trace(
+    trace: TraceView, console: Console, time_unit: str = "", clocks: bool = False, left_out: range = range(0)
+) -> None:
+    """Prints a run: what happens, when, and what it changes.
+
+    Args:
+        left_out: the numbers of neighbouring steps that are only counted; 0 is the initial state.
+    """
     times = [_when(trace.initial.time, None, time_unit)]
     times += [_when(step.state.time, step.delay, time_unit) for step in trace.steps]
     width = max(map(len, times))
     lines = Text()
-    _append_step(lines, f"{0:5}  {times[0]:<{width}}  ", list(_start_lines(trace.initial, clocks)))
+    if 0 not in left_out:
+        _append_step(lines, f"{0:5}  {times[0]:<{width}}  ", list(_start_lines(trace.initial, clocks)))
     before = trace.initial
     for number, (time, step) in enumerate(zip(times[1:], trace.steps, strict=True), start=1):
+        if number in left_out:
+            if number == left_out[-1]:
+                lines.append(f"  ...  ({count(len(left_out))} steps)\n", style="dim")
+            before = step.state
+            continue
         details = [Text("time passes")] if step.event is None else list(_event_lines(step.event))
         details += _change_lines(before, step.state)
         if clocks and step.state.clocks:
@@ -108,8 +129,15 @@ def print_trace(trace: TraceView, console: Console, time_unit: str = "", clocks:
     console.print(lines, end="", soft_wrap=True)
 
 
-def print_fault(network: Network, fault: RunTimeFault, console: Console) -> None:
-    """Prints a run-time error of the model: the place, what was going on, and the run that leads there."""
+def print_fault(
+    network: Network, fault: RunTimeFault, console: Console, run: bool = True, every_step: bool = False
+) -> None:
+    """Prints a run-time error of the model: the place, what was going on, and the run that leads there.
+
+    Args:
+        run: tell the run.
+        every_step: tell it whole, however long it is.
+    """
     detail = f" ({fault.detail})" if fault.detail else ""
     console.print(Text.assemble(("run-time error", "bold red"), f": {FAULT_MEANING[fault.kind]}{detail}"))
     console.print(Text(_excerpt(fault.span)), soft_wrap=True)
@@ -117,9 +145,13 @@ def print_fault(network: Network, fault: RunTimeFault, console: Console) -> None
         console.print("while this was tried:")
         for line in _event_lines(view_event(network, fault.path, fault.transition)):
             console.print(Text.assemble("       ", line), soft_wrap=True)
+    if not run:
+        return
     console.print("after:")
-    run = view_path(network, fault.path) if fault.run is None else view_trace(network, fault.run)
-    print_trace(run, console, network.time_unit)
+    view = view_path(network, fault.path) if fault.run is None else view_trace(network, fault.run)
+    steps = len(view.steps)
+    left_out = range(0) if every_step else range(_FAULT_BEGINNING + 1, steps + 1 - _FAULT_END)
+    print_trace(view, console, network.time_unit, left_out=left_out)
 
 
 def _title(record: RunRecord) -> Text:
@@ -186,7 +218,8 @@ def _trace_title(network: Network, verdict: Verdict) -> str:
     end = duration(verdict.trace.states[-1].time, network.time_unit)
     shows = "is satisfied" if verdict.query.kind is QueryKind.POSSIBLY else "is violated"
     plural = "step" if steps == 1 else "steps"
-    return f"{verdict.query.name} {shows} by this run of {steps} {plural}, at time {end}:"
+    as_expected = ", as expected," if verdict.met and verdict.answer is Answer.FAILS else ""
+    return f"{verdict.query.name} {shows}{as_expected} by this run of {steps} {plural}, at time {end}:"
 
 
 def _observer_line(verdict: Verdict, observer: Observer, time_unit: str) -> Text:

@@ -5,6 +5,7 @@ from io import StringIO
 
 from rich.console import Console
 
+from tachk.model.query import Expectation
 from tachk.properties.verdict import Answer
 from tachk.report.record import RunRecord
 from tachk.report.text_report import print_run, print_trace
@@ -58,6 +59,40 @@ def test_summary_counts(record: RunRecord) -> None:
     assert printed(record).endswith("1 of 4 as expected, 1 not, 2 unknown\n")
     good = replace(record, verdicts=record.verdicts[1:2])
     assert printed(good).endswith("1 of 1 as expected\n")
+
+
+def test_a_known_defect_shows_how_its_run_ends(record: RunRecord) -> None:
+    verdict = record.verdicts[0]
+    assert verdict.trace is not None
+    rest = verdict.trace.steps[-1]
+    trace = replace(verdict.trace, steps=(verdict.trace.steps[0], *[rest] * 9))
+    known = replace(verdict, query=replace(verdict.query, expectation=Expectation.FAILS), trace=trace)
+    text = printed(replace(record, verdicts=(known,), not_checked=()))
+    assert "always_off is violated, as expected, by this run of 10 steps, at time" in text
+    numbers = [line.split()[0] for line in text.splitlines() if "time passes" in line or "(8 steps)" in line]
+    assert numbers == ["...", "8", "9", "10"]
+    assert "start in" not in text
+    whole = printed(replace(record, verdicts=(known,)), every_trace=True)
+    assert "start in" in whole
+    assert "steps)" not in whole
+
+
+def test_a_long_run_to_an_error_is_told_at_both_ends(record: RunRecord) -> None:
+    verdict = record.verdicts[3]
+    assert verdict.fault is not None
+    long = replace(verdict, fault=replace(verdict.fault, path=verdict.fault.path * 5000))
+    text = printed(replace(record, verdicts=(long,)))
+    assert len(text.splitlines()) < 300
+    numbers = [word for line in text.splitlines() if (word := line[:7].strip()).isdigit()]
+    assert numbers[:11] == [str(n) for n in range(11)]
+    assert numbers[11:] == [str(n) for n in range(4971, 5001)]
+    assert "(4,960 steps)" in text
+
+
+def test_no_run_is_told_where_none_was_asked_for(record: RunRecord) -> None:
+    text = printed(replace(record, runs=False))
+    assert "run-time error" in text
+    assert "start in" not in text
 
 
 def test_square_brackets_of_queries_are_not_markup(record: RunRecord) -> None:

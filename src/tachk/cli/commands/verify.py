@@ -49,7 +49,10 @@ from tachk.cli import options
     help="The abstraction of zones.",
 )
 @click.option(
-    "every_trace", "--all-traces", is_flag=True, help="Tell also the runs behind answers that are as expected."
+    "every_trace",
+    "--all-traces",
+    is_flag=True,
+    help="Tell also the runs behind answers that are as expected, and every run whole.",
 )
 @click.option("--clocks", is_flag=True, help="Print the clocks after each step of a run.")
 def command(trace: str | None, every_trace: bool, **given: Any) -> None:
