@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import StrEnum
 
 from tachk.diagnostics.span import Span
 from tachk.model.fault import RuntimeErrorKind
+from tachk.records import dataclass
 from tachk.semantics.trace import TimedTrace, Transition
 
 

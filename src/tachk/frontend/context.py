@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from tachk.diagnostics.span import Span
 from tachk.frontend.findings import Findings
@@ -25,6 +25,7 @@ from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.layout import CellLayout, cell_bounds
 from tachk.model.traversal import roots, statement_expressions, walk
 from tachk.model.types import leaves
+from tachk.records import dataclass
 
 _NO_CELLS = CellLayout({}, (), (), (), (), (), (), ())
 _INSIDE = (VariableKind.FRAME, VariableKind.BOUND)

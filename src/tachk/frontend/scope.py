@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import NOWHERE, Span
@@ -11,6 +11,7 @@ from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.findings import Findings
 from tachk.model.expressions import Constant, Expression, Function, Reference
 from tachk.model.types import Type
+from tachk.records import dataclass
 from tachk.syntax import ast
 
 

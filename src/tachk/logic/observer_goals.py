@@ -9,10 +9,11 @@ cases of open bounds vanish for that reason.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from tachk.diagnostics.span import Span
 from tachk.logic.observer_conditions import all_of, any_of
+from tachk.records import dataclass
 from tachk.syntax import ast
 
 

@@ -9,7 +9,7 @@ Clocks are handed out to the items of a state; those that begin at the same inst
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain
 
 from tachk.logic.observer_conditions import Conjunction, truth
@@ -26,6 +26,7 @@ from tachk.logic.observer_goals import (
     Window,
     parts_of,
 )
+from tachk.records import dataclass
 
 FRESH = -1
 """The clock that a step sets to 0, before it has a number."""

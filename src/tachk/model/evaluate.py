@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import operator as op
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from fractions import Fraction
 from typing import assert_never
 
@@ -62,6 +62,7 @@ from tachk.model.types import (
     leaves,
     wrapped,
 )
+from tachk.records import dataclass
 
 STEP_LIMIT = 2**24
 """Expressions and statements evaluated in one piece of code before the fault LOOP."""

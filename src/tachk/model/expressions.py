@@ -6,11 +6,12 @@ its argument, every node knows its type. Equality ignores places.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import StrEnum
 
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.model.types import BoolType, IntType, Type
+from tachk.records import dataclass
 
 
 class VariableKind(StrEnum):

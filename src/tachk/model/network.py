@@ -6,11 +6,11 @@ Its semantics is stated in docs/semantics.md.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
 
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.model.expressions import Expression, Variable
+from tachk.records import dataclass
 
 DEFAULT_PRIORITY = 0
 

@@ -8,7 +8,8 @@ number of that clock or channel, which makes indexing, passing by reference and 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+
+from tachk.records import dataclass
 
 DEFAULT_INT_LOW, DEFAULT_INT_HIGH = -32768, 32767
 CONSTANT_LOW, CONSTANT_HIGH = -(2**31), 2**31 - 1

@@ -6,7 +6,6 @@ Text, JSON and every later form of a trace are made from this one view.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 
 from tachk.diagnostics.span import Span
@@ -15,6 +14,7 @@ from tachk.model.expressions import Constant, Index
 from tachk.model.layout import CellLayout, cell_layout
 from tachk.model.network import Direction, Edge, Network
 from tachk.model.types import BoolType, ChannelType, ClockType
+from tachk.records import dataclass
 from tachk.semantics.trace import DiscreteState, Participant, TimedState, TimedTrace, Transition
 
 

@@ -13,10 +13,10 @@ by the position of its first word, ``NO_CODE`` stands for "nothing to evaluate" 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
 
 from tachk.diagnostics.span import Span
+from tachk.records import dataclass
 
 NO_CODE = -1
 

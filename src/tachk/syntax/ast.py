@@ -6,10 +6,11 @@ kept beside it (`Document.comments`) and put back by the formatter.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 from tachk.diagnostics.span import Span
+from tachk.records import dataclass
 
 if TYPE_CHECKING:
     from tachk.syntax.formula import Formula

@@ -7,12 +7,12 @@ the tree of it and reports operators that stand where only the value of one inst
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Span
+from tachk.records import dataclass
 from tachk.syntax import ast
 from tachk.syntax.build_expressions import Children, span_of
 from tachk.syntax.depth import DEEPEST, too_deep

@@ -7,10 +7,10 @@ once the time unit and the constants are known (`tachk.logic.durations`). The me
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 
 from tachk.diagnostics.span import Span
+from tachk.records import dataclass
 from tachk.syntax.ast import Expression, Node
 
 

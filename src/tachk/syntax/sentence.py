@@ -8,9 +8,9 @@ atoms, connectives, and the edges ``rise``, ``fall`` and ``change``. Different w
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
 
+from tachk.records import dataclass
 from tachk.syntax.ast import Expression, Node
 from tachk.syntax.formula import Duration, Formula
 

@@ -9,11 +9,11 @@ taken for what resembles them, at a cost; the cheapest path then tells what was 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from heapq import heappop, heappush
 from itertools import count
 
 from tachk.diagnostics.span import Span
+from tachk.records import dataclass
 from tachk.syntax.lalr import Tables
 from tachk.syntax.sentence_tables import START, Phrase, phrases, sentence_tables
 from tachk.syntax.sentence_text import Piece
