@@ -5,15 +5,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from fractions import Fraction
 from random import Random
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tachk.runtime.core_monitor import monitor_lasting_truth, monitor_truth
+from tachk.runtime.explanation import horizon
+from tachk.runtime.node_signal import Truth
 from tachk.syntax.formula_printer import print_formula
+from tachk.testing.exact_monitor import satisfaction
 from tachk.testing.formulas import FormulaShape, MonitoringCase, monitoring_cases, random_monitoring_case
-from tachk.testing.monitor_input import always
+from tachk.testing.monitor_input import always, monitor_input, truth_of
 from tachk.testing.offline_agreement import offline_problems
 from tachk.testing.online_agreement import online_problems
 from tachk.testing.reduction import describe
@@ -43,6 +49,21 @@ def test_monitors_agree_with_the_definitions(name: str, pack: int) -> None:
     for seed in range(PACK * pack, PACK * (pack + 1)):
         case = random_monitoring_case(Random(seed), SHAPES[name])
         check(MonitoringCase(always(case.formula), case.trace) if seed % 3 == 0 else case, seed)
+
+
+def test_values_that_stay_for_ever_decide_what_looks_ahead_of_the_end() -> None:
+    """Without unbounded operators, as on a trace that goes on for as long as anything looks ahead."""
+    seen = 0
+    for seed in range(150):
+        case = random_monitoring_case(Random(seed), FormulaShape(depth=2, unbounded=False, rows=4, gap=2))
+        given_ = monitor_input(case)
+        if monitor_truth(given_.program, given_.trace).verdict is Truth.UNDETERMINED:
+            seen += 1
+            longer = replace(case.trace, end=case.trace.end + horizon(given_.program) + 1)
+            expected = truth_of(satisfaction(case.formula, longer).value(Fraction(0)))
+            assert expected is not Truth.UNDETERMINED
+            assert monitor_lasting_truth(given_.program, given_.trace) is expected, seed
+    assert seen > 20
 
 
 @settings(max_examples=60, deadline=None)

@@ -62,14 +62,15 @@ void bind_linear(nb::module_& m) {
           nb::arg("node"), nb::arg("high"), "(starts in ticks, values there, limits behind them, limits at the ends)")
       .def(
           "truth",
-          [](const Monitor& self) {
+          [](const Monitor& self, bool lasting) {
             std::optional<Monitor::Judgement> found;
             {
               nb::gil_scoped_release released;
-              found = self.truth();
+              found = self.truth(lasting ? tachk::Afterwards::the_same : tachk::Afterwards::anything);
             }
             return nb::make_tuple(found->verdict.low, found->verdict.high, violation_tuple(found->violation));
           },
+          nb::kw_only(), nb::arg("lasting") = false,
           "The bounds of the truth, and (node, first cell, last cell) of the first violation or None.")
       .def(
           "truth_signal",

@@ -453,7 +453,7 @@ MonitorProgram LinearMonitor::refined() const {
   return result;
 }
 
-// The truth of an atom up to the end of the trace, in cells of refined ticks.
+// The truth of an atom, in cells of refined ticks.
 void LinearMonitor::fill(const StreamNode& leaf, Stream<Truth>& out) const {
   const auto scale = static_cast<double>(refinement_);
   Cell previous = -2;
@@ -490,10 +490,11 @@ void LinearMonitor::fill(const StreamNode& leaf, Stream<Truth>& out) const {
   });
 }
 
-LinearMonitor::Judgement LinearMonitor::truth() const {
+LinearMonitor::Judgement LinearMonitor::truth(Afterwards afterwards) const {
   OfflineMonitor<Truth> monitor(refined(), {true, {}, {}}, Leaves::single);
-  monitor.judge(cell_of_tick(length() * refinement_),
-                [&](const StreamNode& leaf, Stream<Truth>& out) { fill(leaf, out); });
+  monitor.judge(
+      cell_of_tick(length() * refinement_), [&](const StreamNode& leaf, Stream<Truth>& out) { fill(leaf, out); },
+      afterwards);
   return {monitor.verdict(), monitor.violation()};
 }
 

@@ -135,7 +135,7 @@ std::unique_ptr<StreamOperator<Value>> make(const StreamNode& node) {
     case StreamKind::tail:
       return std::make_unique<Tail<Value, Dual>>();
     case StreamKind::splice:
-      return std::make_unique<Splice<Value>>();
+      return std::make_unique<Splice<Value, Dual>>();
     default:
       throw std::logic_error("a leaf is not an operator");
   }

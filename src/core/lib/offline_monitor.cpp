@@ -230,7 +230,7 @@ auto OfflineMonitor<Value>::copy(const Side& side) const -> Side {
 }
 
 template <class Value>
-void OfflineMonitor<Value>::finish(std::int64_t end) {
+void OfflineMonitor<Value>::finish(std::int64_t end, Afterwards afterwards) {
   if (!position_.begun) throw std::invalid_argument("a trace has at least one sample");
   if (end < position_.last || end > position_.origin + largest_tick)
     throw std::invalid_argument("the end of a trace is not before its last sample");
@@ -239,36 +239,44 @@ void OfflineMonitor<Value>::finish(std::int64_t end) {
     if (graph_.streams()[leaf].kind == StreamKind::change) side_.changes[leaf].settle(side_.streams[leaf]);
     side_.streams[leaf].frontier = side_.end.reached + 1;
   }
-  close();
+  close(afterwards);
 }
 
 template <class Value>
-void OfflineMonitor<Value>::judge(Cell last, const std::function<void(const StreamNode&, Stream<Value>&)>& fill) {
+void OfflineMonitor<Value>::judge(Cell last, const std::function<void(const StreamNode&, Stream<Value>&)>& fill,
+                                  Afterwards afterwards) {
   side_.end.reached = last;
   for (const std::size_t leaf : leaves_) {
     fill(graph_.streams()[leaf], side_.streams[leaf]);
     side_.streams[leaf].frontier = last + 1;
   }
-  close();
+  close(afterwards);
 }
 
 template <class Value>
-void OfflineMonitor<Value>::close() {
+void OfflineMonitor<Value>::close(Afterwards afterwards) {
   side_.end.finished = true;
   drain(side_);
+  if (afterwards == Afterwards::the_same) {
+    conclude(side_, TraceEnd::Beyond::held);
+    low_ = copy(side_);
+    return;
+  }
   low_ = copy(side_);
-  conclude(low_, false);
-  conclude(side_, true);
+  conclude(low_, TraceEnd::Beyond::least);
+  conclude(side_, TraceEnd::Beyond::greatest);
 }
 
 template <class Value>
-void OfflineMonitor<Value>::conclude(Side& side, bool high) {
-  side.end.beyond = high ? TraceEnd::Beyond::greatest : TraceEnd::Beyond::least;
-  const Value unknown = high ? Bounds<Value>::greatest : Bounds<Value>::least;
+void OfflineMonitor<Value>::conclude(Side& side, TraceEnd::Beyond beyond) {
+  side.end.beyond = beyond;
+  const Value unknown = beyond == TraceEnd::Beyond::greatest ? Bounds<Value>::greatest : Bounds<Value>::least;
   for (const std::size_t leaf : leaves_) {
-    const StreamNode& node = graph_.streams()[leaf];
-    const Value value = node.kind == StreamKind::pointwise ? pointwise_.with_all(node, unknown) : unknown;
-    side.streams[leaf].append(side.end.reached + 1, value);
+    if (beyond != TraceEnd::Beyond::held) {
+      const StreamNode& node = graph_.streams()[leaf];
+      const Value value = node.kind == StreamKind::pointwise ? pointwise_.with_all(node, unknown) : unknown;
+      side.streams[leaf].append(side.end.reached + 1, value);
+    }
     side.streams[leaf].frontier = endless;
   }
   drain(side);

@@ -52,8 +52,8 @@ class Tail : public Cloneable<Tail<Value, Dual>, Value> {
   std::size_t at_ = 0;
 };
 
-template <class Value>
-class Splice : public Cloneable<Splice<Value>, Value> {
+template <class Value, bool Dual>
+class Splice : public Cloneable<Splice<Value, Dual>, Value> {
  public:
   void advance(typename StreamOperator<Value>::Inputs inputs, const TraceEnd& end, Stream<Value>& out) override {
     const Stream<Value>& cut = *inputs[0];
@@ -66,7 +66,9 @@ class Splice : public Cloneable<Splice<Value>, Value> {
       while (at_[n] + 1 < in.end() && in.starts()[at_[n] + 1] <= std::min(stop, in.frontier - 1)) ++at_[n];
     }
     if (end.finished && known == stop && end.beyond != TraceEnd::Beyond::unknown) {
-      const std::size_t side = end.beyond == TraceEnd::Beyond::least ? 1 : 2;
+      // Where the leaves go on for ever, so do the windows: see StreamGraph::spliced.
+      const bool second = end.beyond == TraceEnd::Beyond::held ? Dual : end.beyond == TraceEnd::Beyond::least;
+      const std::size_t side = second ? 1 : 2;
       const Stream<Value>& in = *inputs[side];
       for (; at_[side] < in.end() && in.starts()[at_[side]] < in.frontier; ++at_[side])
         out.append(std::max(in.starts()[at_[side]], stop), in.values()[at_[side]]);

@@ -10,6 +10,8 @@ from typing import Protocol
 from tachk.runtime.core_monitor import (
     RobustnessResult,
     linear_truth_signal,
+    monitor_lasting_truth,
+    monitor_linear_lasting_truth,
     monitor_linear_robustness,
     monitor_linear_truth,
     monitor_robustness,
@@ -35,6 +37,10 @@ class Reading(Protocol):
 
     def truth(self, program: MonitorProgram, trace: Trace) -> Truth: ...
 
+    def lasting_truth(self, program: MonitorProgram, trace: Trace) -> Truth:
+        """The truth if all values stay for ever as they are at the end."""
+        ...
+
     def robustness(self, program: MonitorProgram, trace: Trace) -> RobustnessResult: ...
 
     def explainer(self, program: MonitorProgram, trace: Trace) -> Explainer:
@@ -51,6 +57,9 @@ class HeldValues:
 
     def truth(self, program: MonitorProgram, trace: Trace) -> Truth:
         return monitor_truth(program, trace).verdict
+
+    def lasting_truth(self, program: MonitorProgram, trace: Trace) -> Truth:
+        return monitor_lasting_truth(program, trace)
 
     def robustness(self, program: MonitorProgram, trace: Trace) -> RobustnessResult:
         return monitor_robustness(program, trace)
@@ -92,6 +101,9 @@ class Lines:
 
     def truth(self, program: MonitorProgram, trace: Trace) -> Truth:
         return monitor_linear_truth(program, trace, self.parts).verdict
+
+    def lasting_truth(self, program: MonitorProgram, trace: Trace) -> Truth:
+        return monitor_linear_lasting_truth(program, trace, self.parts)
 
     def robustness(self, program: MonitorProgram, trace: Trace) -> RobustnessResult:
         return monitor_linear_robustness(program, trace)

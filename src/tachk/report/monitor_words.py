@@ -80,7 +80,7 @@ def _window_reason(trace: Trace, reason: Reason) -> Iterator[str]:
         case NodeKind.EVENTUALLY, Truth.FALSE:
             yield f"{inner} is true at no instant {window}{deadline}"
         case NodeKind.EVENTUALLY, Truth.UNDETERMINED:
-            yield f"{inner} has not been true yet; it is awaited {window}{deadline}"
+            yield f"{inner} has not been true {_so_far(trace, first)}; it is awaited {window}{deadline}"
         case NodeKind.ALWAYS, Truth.FALSE:
             yield f"{inner} should be true at every instant {window}"
         case NodeKind.ALWAYS, Truth.UNDETERMINED:
@@ -95,11 +95,16 @@ def _window_reason(trace: Trace, reason: Reason) -> Iterator[str]:
         case ((NodeKind.UNTIL | NodeKind.SINCE), Truth.FALSE):
             yield f"{inner} is true at no instant {window}{deadline}"
         case NodeKind.UNTIL, Truth.UNDETERMINED:
-            yield f"{inner} has not been true yet; it is awaited {window}{deadline}"
+            yield f"{inner} has not been true {_so_far(trace, first)}; it is awaited {window}{deadline}"
         case _:
             yield f"`{reason.text}` is {reason.value.word} at {cell_text(trace, reason.cell)}, looking {window}"
     for part in reason.parts:
         yield from _reason(trace, part)
+
+
+def _so_far(trace: Trace, first: int) -> str:
+    """``yet``, or that the window has not begun: the operand may well have been true before it."""
+    return "yet" if first <= 2 * trace.end else "in time yet"
 
 
 def _seen(trace: Trace, verdict: MonitorVerdict, finding: Finding) -> Iterator[str]:

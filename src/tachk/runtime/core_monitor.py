@@ -117,6 +117,15 @@ def monitor_truth(program: MonitorProgram, trace: Trace) -> TruthResult:
     return _truth_result(core)
 
 
+def monitor_lasting_truth(program: MonitorProgram, trace: Trace) -> Truth:
+    """Whether the formula is true if all values stay for ever as they are at the end of the trace. Operators without
+    upper bound still speak, at instants of the trace, about the trace only."""
+    core = _core.OfflineTruth(program, verdict=True, probes=[], signals=[])
+    _push(core, trace.times, _columns(program, trace))
+    core.finish(trace.end, lasting=True)
+    return _truth(*core.verdict())
+
+
 def monitor_robustness(program: MonitorProgram, trace: Trace) -> RobustnessResult:
     """How far the formula is from changing its truth on a trace."""
     core = _core.OfflineRobustness(program, verdict=True, probes=[], signals=[])
@@ -221,6 +230,12 @@ def monitor_linear_truth(program: MonitorProgram, trace: Trace, parts: int = MOS
     parts = 2 * core.refinement()
     violation = None if found is None else LinearViolation(found[0], found[1] / parts, found[2] / parts)
     return LinearTruthResult(_truth(low, high), violation)
+
+
+def monitor_linear_lasting_truth(program: MonitorProgram, trace: Trace, parts: int = MOST_PARTS) -> Truth:
+    """The same as `monitor_lasting_truth` where numbers move linearly between rows."""
+    low, high, _ = _linear(program, trace, _SPACE, parts).truth(lasting=True)
+    return _truth(low, high)
 
 
 def monitor_linear_robustness(program: MonitorProgram, trace: Trace) -> RobustnessResult:

@@ -127,6 +127,30 @@ def test_what_the_end_leaves_open_is_undetermined(formula: str, truth: str, pres
     assert (None if verdict.presumably is None else verdict.presumably.word) == presumably
 
 
+@pytest.mark.parametrize("interpolation", ["constant", "linear"])
+@pytest.mark.parametrize(
+    ("formula", "presumably"),
+    [
+        ("G (p -> G[0,50 s] !q)", "true"),
+        ("G F[1 s,2 s] !q", "true"),
+        ("G G[1 s,2 s] !q", "true"),
+        ("G (p -> F[9 s, 20 s] q)", "false"),
+    ],
+)
+def test_what_is_presumed_where_every_instant_up_to_the_end_is_open(
+    formula: str, presumably: str, interpolation: str
+) -> None:
+    trace = {"time": [0, 390, 400], "p": [False, True, True], "q": [False] * 3}
+    (verdict,) = tachk.monitor(formula, trace, unit="s", interpolation=interpolation)
+    assert verdict.truth is tachk.Truth.UNDETERMINED
+    assert verdict.presumably is not None and verdict.presumably.word == presumably
+
+
+def test_a_window_that_has_not_begun_is_told_so() -> None:
+    report = tachk.monitor("G F[1 s,2 s] !q", {"time": [0, 400], "q": [False] * 2}, unit="s")
+    assert "`!q` has not been true in time yet" in report.to_text()
+
+
 def test_the_end_can_be_given_a_meaning() -> None:
     formulas = ("G (p -> F[0,9] q)", "G x < 9", "G x < 3")
     assert [v.truth.word for v in judged(*formulas, end="weak")] == ["true", "true", "false"]

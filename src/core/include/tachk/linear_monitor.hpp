@@ -42,7 +42,7 @@ class LinearMonitor {
     Range<Truth> verdict;
     std::optional<FirstViolation> violation;
   };
-  Judgement truth() const;
+  Judgement truth(Afterwards afterwards = Afterwards::anything) const;
   Signal<Truth> truth_signal(std::size_t node) const;
   // Parts of a tick in which `truth` counts.
   std::int64_t refinement() const { return refinement_; }

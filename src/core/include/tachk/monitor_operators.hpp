@@ -19,9 +19,9 @@ namespace tachk {
 struct TraceEnd {
   Cell reached = 0;       // this cell is certainly not after the end
   bool finished = false;  // and it is the last one
-  // What lies after the end is taken as false (least) or as true (greatest); the leaves speak about it only if that is
-  // settled.
-  enum class Beyond { unknown, least, greatest } beyond = Beyond::unknown;
+  // What lies after the end is taken as false (least) or as true (greatest), or the leaves go on as they are (held);
+  // they speak about it only if that is settled.
+  enum class Beyond { unknown, least, greatest, held } beyond = Beyond::unknown;
 };
 
 template <class Value>

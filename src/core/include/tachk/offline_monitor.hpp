@@ -42,6 +42,9 @@ struct Requests {
   std::vector<std::size_t> signals = {};  // nodes whose whole signal is wanted
 };
 
+// What comes after the end of a trace, for operators that look so far: nobody knows, or all values stay as they are.
+enum class Afterwards { anything, the_same };
+
 // Pieces of a signal, from cell 0 to the end of the trace; adjacent pieces differ.
 template <class Value>
 struct Signal {
@@ -62,9 +65,11 @@ class OfflineMonitor {
   // Throws std::invalid_argument if times decrease or are too far from the first one.
   void push(const Samples& samples);
   // The trace ends at this tick, which is not before the last sample. There must be a sample.
-  void finish(std::int64_t end);
-  // Instead of samples and an end: whole signals of the leaves, of which only the cells up to `last` count.
-  void judge(Cell last, const std::function<void(const StreamNode&, Stream<Value>&)>& fill);
+  void finish(std::int64_t end, Afterwards afterwards = Afterwards::anything);
+  // Instead of samples and an end: whole signals of the leaves. Where anything may follow, only the cells up to `last`
+  // count.
+  void judge(Cell last, const std::function<void(const StreamNode&, Stream<Value>&)>& fill,
+             Afterwards afterwards = Afterwards::anything);
   // Whether further samples cannot change any result.
   bool settled() const;
   std::size_t columns() const { return program_.columns; }
@@ -124,8 +129,8 @@ class OfflineMonitor {
   void trim(Side& side);
   void collect(Fold& fold, const Side& side);
   void record(Recording& recording, const Side& side);
-  void close();
-  void conclude(Side& side, bool high);
+  void close(Afterwards afterwards);
+  void conclude(Side& side, TraceEnd::Beyond beyond);
   Side copy(const Side& side) const;
   Range<Value> bounds_of(const Term& term) const;
   Value value_of(const Term& term, const std::vector<Fold>& folds) const;
