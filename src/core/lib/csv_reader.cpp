@@ -88,6 +88,11 @@ bool same_word(std::string_view text, std::string_view lower) {
   return true;
 }
 
+// How other programs write that there is no value.
+bool is_missing(std::string_view text) {
+  return same_word(text, "nan") || same_word(text, "-nan") || same_word(text, "na") || same_word(text, "null");
+}
+
 }  // namespace
 
 CsvReader::CsvReader(CsvOptions options)
@@ -299,7 +304,7 @@ const char* CsvReader::read_slow_value(CsvColumn& column, const char* begin, con
   rest = close_cell(rest, begin, line, cell);
   if (rest == nullptr) return nullptr;
   const std::string_view text(p, static_cast<std::size_t>(end - p));
-  if (text.empty()) {
+  if (text.empty() || is_missing(text)) {
     if (!any_row_) return fail(CsvFaultKind::missing_value, begin, line, cell);
     put_number(column, column.last);
     return rest;

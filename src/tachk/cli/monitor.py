@@ -11,7 +11,7 @@ from rich.console import Console
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.monitor_request import MonitorRequest, destination, exit_status
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.monitoring.formulas import NamedFormula, read_formulas
+from tachk.monitoring.formulas import NamedFormula, check_order, read_formulas
 from tachk.monitoring.offline import Measures, judge, selected
 from tachk.report.monitor_record import Ending, MonitorRecord
 from tachk.report.monitor_text import print_monitor
@@ -24,6 +24,7 @@ _WIDTH = 1000
 
 def run_monitor(request: MonitorRequest) -> ExitStatus:
     """Judges a trace, whole or row by row."""
+    check_order(request.formula, request.trace)
     formulas = selected(read_formulas(request.formula), request.names)
     if request.online or request.follow or request.trace == "-":
         if request.interpolation != "constant":

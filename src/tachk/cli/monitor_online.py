@@ -19,6 +19,7 @@ from tachk.report.online_record import OnlineVerdict
 from tachk.report.online_report import decided_to_text, online_to_json, online_to_text
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace_csv import CsvRecording, open_csv, open_csv_stream
+from tachk.runtime.trace_files import is_csv
 
 _PATIENCE = 0.2
 """Seconds between two looks at a file that may grow."""
@@ -81,7 +82,7 @@ def _open(request: MonitorRequest) -> CsvRecording:
     if request.trace == "-":
         return open_csv_stream(cast("BufferedReader", sys.stdin.buffer), "-", request.time, request.unit)
     path = Path(request.trace)
-    if path.suffix.lower() not in (".csv", ".tsv", ".txt", ""):
+    if not is_csv(path):
         raise UsageError(f"{path}: row by row only CSV can be read", "leave out --online")
     if not request.follow:
         return open_csv(path, request.time, request.unit)

@@ -14,8 +14,8 @@ TRACE_CODES: dict[str, Explanation] = {
     ),
     "E0912": Explanation(
         "missing value",
-        "An empty cell means that the value of the row above stays. So the first row gives every column a value, and "
-        "every row has a time.",
+        "An empty cell, or nan, NA or null, means that the value of the row above stays. So the first row gives every "
+        "column a value, and every row has a time.",
         "time,speed\n0,\n1,17.5",
         "time,speed\n0,17.5\n1,",
     ),
@@ -47,7 +47,7 @@ TRACE_CODES: dict[str, Explanation] = {
     "E0917": Explanation(
         "value change dump that cannot be read",
         "A value change dump declares its variables under $scope and $var and ends the declarations with "
-        "$enddefinitions $end; then come times (#10) and values (1!, b0110 #, r1.5 %). A variable that a formula reads "
-        "has a known value from the first time on: x and z are no values.",
+        "$enddefinitions $end; then come times (#10) and values (1!, b0110 #, r1.5 %). The trace begins when all "
+        "variables that a formula reads have a known value, and then they keep one: x and z are no values.",
     ),
 }

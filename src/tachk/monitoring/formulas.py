@@ -18,6 +18,7 @@ from tachk.logic.durations import resolve, scaled
 from tachk.logic.sentences import meaning
 from tachk.monitoring.constants import constants_by_name
 from tachk.properties import monitoring
+from tachk.runtime.trace_files import TRACE_SUFFIXES
 from tachk.syntax import ast
 from tachk.syntax.formula import Formula
 from tachk.syntax.formula_parser import parse_formula
@@ -30,7 +31,9 @@ from tachk.time_units import length_of
 
 FORMULA_SUFFIXES = (".stl",)
 MODEL_SUFFIXES = (".ta", ".xta", ".xml")
-_TRACE_SUFFIXES = (".csv", ".tsv", ".vcd", ".parquet", ".pq")
+
+_NEVER_FORMULAS = tuple(suffix for suffix in TRACE_SUFFIXES if suffix != ".txt")
+"""Formulas may stand in a plain text file, as traces may."""
 
 _LINE = re.compile(r"(?P<name>[A-Za-z_]\w*)\s*(?:\"(?P<title>[^\"\n]*)\"\s*)?:(?!:)\s*")
 
@@ -74,11 +77,23 @@ def read_formulas(given: str | os.PathLike[str]) -> tuple[NamedFormula, ...]:
     """
     if not isinstance(given, str) or _is_file(given):
         path = Path(given)
-        if path.suffix.lower() in _TRACE_SUFFIXES:
-            raise UsageError(f"{path} is a trace, no file of formulas", "the formulas come first, then the trace")
+        if path.suffix.lower() in _NEVER_FORMULAS:
+            raise _exchanged(path)
         return _model_formulas(path) if path.suffix.lower() in MODEL_SUFFIXES else _file_formulas(path)
     source = Source("<formula>", with_full_stop(given))
     return _checked([_read("p1", "", Span(source, 0, len(source.text)))], "the formula")
+
+
+def check_order(formula: object, trace: object) -> None:
+    """Raises UsageError where the formulas were given in the place of the trace, and the trace in theirs."""
+    if isinstance(formula, (str, os.PathLike)) and isinstance(trace, (str, os.PathLike)):
+        first, second = Path(formula), Path(trace)
+        if first.suffix.lower() in TRACE_SUFFIXES and second.suffix.lower() in (*FORMULA_SUFFIXES, *MODEL_SUFFIXES):
+            raise _exchanged(first)
+
+
+def _exchanged(path: Path) -> UsageError:
+    return UsageError(f"{path} is a trace, no file of formulas", "the formulas come first, then the trace")
 
 
 def in_trace_units(named: NamedFormula, columns: Collection[str], unit: str) -> Formula:

@@ -14,7 +14,7 @@ from rich.console import Console
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.suggestion import unknown_key
-from tachk.monitoring.formulas import NamedFormula, in_trace_units, read_formulas
+from tachk.monitoring.formulas import NamedFormula, check_order, in_trace_units, read_formulas
 from tachk.monitoring.reading import Reading, follows_from_truth, infinite_robustness, reading_of
 from tachk.properties.lines import line_findings
 from tachk.properties.monitoring import compile as compile_formula
@@ -28,7 +28,7 @@ from tachk.runtime.core_monitor import (
     time_robustness_ahead,
     time_robustness_behind,
 )
-from tachk.runtime.explanation import horizon, never_triggered
+from tachk.runtime.explanation import never_triggered
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Interpolation, Recording, Trace
 from tachk.runtime.trace_files import open_trace
@@ -84,6 +84,7 @@ def monitor(
         UsageError: a file cannot be read, or an argument has no meaning.
     """
     ending = ending_of(end)
+    check_order(formula, trace)
     formulas = selected(formulas_of(formula), select)
     between = interpolation_of(interpolation)
     recording = open_trace(trace, time, unit)
@@ -210,7 +211,7 @@ def verdict_on(
     explainer = reading.explainer(program, trace)
     presumably = None
     if measured is Truth.UNDETERMINED:
-        later = reading.truth(program, replace(trace, end=trace.end + horizon(program)))
+        later = reading.lasting_truth(program, trace)
         presumably = None if later is Truth.UNDETERMINED else later
     robustness = None
     if measures.robustness:

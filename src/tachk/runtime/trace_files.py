@@ -10,9 +10,17 @@ from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.trace import Recording, Trace
 from tachk.runtime.trace_arrays import open_table
 
-CSV_SUFFIXES = (".csv", ".tsv", ".txt", "")
+CSV_SUFFIXES = (".csv", ".tsv", ".txt")
+"""A file without an ending is read as CSV too."""
 PARQUET_SUFFIXES = (".parquet", ".pq")
 VCD_SUFFIXES = (".vcd",)
+TRACE_SUFFIXES = CSV_SUFFIXES + PARQUET_SUFFIXES + VCD_SUFFIXES
+"""By which a file is known to be a trace. Nobody else lists them."""
+
+
+def is_csv(path: Path) -> bool:
+    """Whether a file of this name is read as comma-separated values."""
+    return path.suffix.lower() in (*CSV_SUFFIXES, "")
 
 
 class _Ready:
@@ -66,10 +74,8 @@ def open_trace(source: Any, time: str | None = None, unit: str | None = None) ->
         from tachk.runtime.trace_parquet import open_parquet
 
         return open_parquet(path, time, unit)
-    if suffix in CSV_SUFFIXES or not path.is_file():
+    if is_csv(path) or not path.is_file():
         from tachk.runtime.trace_csv import open_csv
 
         return open_csv(path, time, unit)
-    raise UsageError(
-        f"{path} is no kind of trace that is known", "known endings: .csv, .tsv, .txt, .parquet, .pq, .vcd"
-    )
+    raise UsageError(f"{path} is no kind of trace that is known", f"known endings: {', '.join(TRACE_SUFFIXES)}")

@@ -37,9 +37,12 @@ class ParquetRecording:
         parquet = _parquet()
         places = self.header.numbers(columns, self.name)
         wanted = [self.raw[self.header.time], *(self.raw[place] for place in places.values())]
-        table = parquet.read_table(self.name, columns=wanted)
         names = (self.header.names[self.header.time], *places)
-        cells = [_numpy(table.column(raw)) for raw in wanted]
+        try:
+            table = parquet.read_table(self.name, columns=wanted)
+            cells = [_numpy(table.column(raw)) for raw in wanted]
+        except (OSError, ValueError, NotImplementedError) as error:
+            raise _unreadable(self.name, error) from None
         return TableRecording(self.name, Header(names, 0, self.unit), cells).read(list(places))
 
 
@@ -50,13 +53,19 @@ def open_parquet(path: str | Path, time: str | None = None, unit: str | None = N
         schema = parquet.read_schema(str(path))
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
-    except (OSError, ValueError) as error:
-        raise UsageError(f"{path} is no Parquet file that can be read: {str(error).splitlines()[0]}") from None
+    except (OSError, ValueError, NotImplementedError) as error:
+        raise _unreadable(str(path), error) from None
     raw = tuple(schema.names)
     header = read_header(raw, time, unit, str(path))
     kind = str(schema.types[header.time])
     own = "s" if kind.startswith(("timestamp", "duration")) else ""
     return ParquetRecording(str(path), header, raw, known_unit(own))
+
+
+def _unreadable(path: str, error: Exception) -> UsageError:
+    """pyarrow's errors about what a file holds are subclasses of built-in ones."""
+    reason = (str(error).splitlines() or [type(error).__name__])[0]
+    return UsageError(f"{path} is no Parquet file that can be read: {reason}")
 
 
 def _numpy(column: Any) -> Any:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
+from io import FileIO
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from vcd.common import VarType
@@ -16,9 +18,26 @@ from tachk.runtime.trace import Trace, Values
 from tachk.runtime.trace_arrays import trace_of
 from tachk.runtime.trace_header import known_unit, no_such_column
 
+if TYPE_CHECKING:
+    from _typeshed import WriteableBuffer
+
 _TICKS_PER_UNIT = {"s": ("s", 1), "ms": ("ms", 1), "us": ("us", 1), "ns": ("ns", 1), "ps": ("ns", 10**3)}
 _FEMTOSECONDS = ("ns", 10**6)
 _LARGEST_EXACT = 2**53
+
+
+_BEYOND_ASCII = bytes(byte if byte < 128 else ord("?") for byte in range(256))
+
+
+class _Plain(FileIO):
+    """A file in which each byte beyond ASCII reads as a question mark. The standard knows ASCII only, yet localised
+    dates and names of people stand in comments, in whatever encoding."""
+
+    def readinto(self, buffer: WriteableBuffer, /) -> int:
+        count = super().readinto(buffer)
+        seen = memoryview(buffer)[:count]
+        seen[:] = bytes(seen).translate(_BEYOND_ASCII)
+        return count
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +75,7 @@ class VcdRecording:
             if name not in self.columns:
                 raise no_such_column(name, self.columns, self.name)
         try:
-            with Path(self.name).open("rb") as stream:
+            with _Plain(self.name) as stream:
                 times, rows = self._changes(wanted, tokenize(stream))
         except VCDParseError as error:
             raise _error(self.name, str(error).split(": ", 1)[-1], error.loc) from None
@@ -75,14 +94,17 @@ class VcdRecording:
         rows: list[tuple[float, ...]] = []
         now: int | None = None
         changed = True
+        last = False
         at = Location(1, 1)
 
         def settle() -> None:
+            if not times and not last and (unknown or None in values):
+                return  # before a reset much is unknown: the trace begins when it is not
             for place, where in unknown.items():
                 raise _error(self.name, f"{wanted[place].name!r} has no known value here", where, _NO_VALUE)
             for place, value in enumerate(values):
                 if value is None:
-                    raise _error(self.name, f"{wanted[place].name!r} has no value at the first time", at, _NO_VALUE)
+                    raise _error(self.name, f"{wanted[place].name!r} never has a value", at, _NO_VALUE)
             times.append(now or 0)
             rows.append(tuple(value for value in values if value is not None))
 
@@ -111,7 +133,8 @@ class VcdRecording:
                     values[place] = value
         if now is None:
             raise UsageError(f"{self.name} has no times", "its changes should stand behind lines such as #0")
-        if changed or times[-1] != now:
+        if changed or not times or times[-1] != now:
+            last = True
             settle()  # also without a change: the dump ends here
         return times, rows
 
@@ -128,7 +151,7 @@ def open_vcd(path: str | Path, unit: str | None = None) -> VcdRecording:
     """
     name = str(path)
     try:
-        with Path(path).open("rb") as stream:
+        with _Plain(name) as stream:
             variables, (shown, ticks), magnitude = _declarations(tokenize(stream), name)
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
@@ -166,7 +189,9 @@ def _declarations(tokens: Iterator[Token], name: str) -> tuple[tuple[VcdVariable
     raise _error(name, "the declarations do not end with $enddefinitions", Location(1, 1))
 
 
-_NO_VALUE = "x and z are no values; a variable that a formula reads has a value from the first time on"
+_NO_VALUE = (
+    "x and z are no values; the trace begins when every variable that a formula reads has one, and then they stay known"
+)
 
 
 def _variable(token: Token, scopes: list[str]) -> VcdVariable:

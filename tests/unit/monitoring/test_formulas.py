@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tachk.diagnostics.diagnostic import InputError, UsageError
-from tachk.monitoring.formulas import in_trace_units, read_formulas
+from tachk.monitoring.formulas import check_order, in_trace_units, read_formulas
 from tachk.syntax.formula_printer import print_formula
 
 FILE = """\
@@ -133,3 +133,14 @@ def test_a_trace_in_the_place_of_the_formulas_is_recognised(tmp_path: Path) -> N
     path.write_text("time,a\n0,1\n", encoding="utf-8")
     with pytest.raises(UsageError, match="is a trace, no file of formulas"):
         read_formulas(str(path))
+
+
+@pytest.mark.parametrize("trace", ["a.csv", "a.txt", "a.vcd", "a.parquet", "a.tsv"])
+@pytest.mark.parametrize("formulas", ["a.stl", "a.ta", "a.xml"])
+def test_formulas_and_trace_exchanged(trace: str, formulas: str, tmp_path: Path) -> None:
+    for name in (trace, formulas):
+        (tmp_path / name).write_text("time,p\n0,1\n")
+    with pytest.raises(UsageError, match="is a trace, no file of formulas") as refusal:
+        check_order(tmp_path / trace, str(tmp_path / formulas))
+    assert refusal.value.help == "the formulas come first, then the trace"
+    check_order(tmp_path / formulas, tmp_path / trace)

@@ -68,6 +68,11 @@ def test_only_the_wanted_columns_have_to_be_numbers() -> None:
     assert fault(',time,note,x\n7,0,"a, ""b""",1\n', ["note"]) == ("E0911", "t.csv:2:5")
 
 
+@pytest.mark.parametrize("word", ["nan", "NaN", "-nan", "NA", "null", '"nan"', " nan "])
+def test_what_other_programs_write_for_no_value_means_that_the_value_stays(word: str) -> None:
+    assert read(f"t,x\n0,1.5\n1,{word}\n2,2\n").columns["x"].tolist() == [1.5, 1.5, 2.0]
+
+
 def test_rows_of_one_instant_are_kept_in_order() -> None:
     assert read("t,x\n0,1\n0,2\n0,3\n").times.tolist() == [0, 0, 0]
 
@@ -86,7 +91,7 @@ def test_the_time_column_and_its_unit_can_be_given() -> None:
         ("time,p\n0,1\n2,1\n1,0\n", ("E0913", "t.csv:4:1")),
         ("time,p\n0,1\n# x\n1,ä\n", ("E0911", "t.csv:4:3")),
         ("time,é,p\n0,1,1\n1,1,x1\n", ("E0911", "t.csv:3:5")),
-        ("time,p\n0,nan\n", ("E0911", "t.csv:2:3")),
+        ("time,p\n0,nan\n", ("E0912", "t.csv:2:3")),
         ("time,p\n0,1e999\n", ("E0911", "t.csv:2:3")),
         ("time,p\n0,true\n1,2\n", ("E0911", "t.csv:3:3")),
         ("time,p\n0,2\n1,true\n", ("E0911", "t.csv:3:3")),
@@ -199,7 +204,7 @@ def test_blocks_refuse_times_that_are_finer_than_said(tmp_path: Path) -> None:
         ("t,x\n2024-01-31T12:00:00,1\n", "dates are read from Parquet and pandas"),
         ("t,x\nsoon,1\n", "times are numbers such as"),
         ("t,x\n0,yes\n", "true or false"),
-        ("t,x\n0,NaN\n", "leave the cell empty"),
+        ("t,x\n0,inf\n", "leave the cell empty"),
     ],
 )
 def test_advice_on_cells(text: str, help: str) -> None:

@@ -53,6 +53,20 @@ def test_what_is_no_parquet_file(tmp_path: Path) -> None:
         open_trace(tmp_path / "e.parquet")
 
 
+def test_a_damaged_file(tmp_path: Path) -> None:
+    """Every single byte damaged in turn: the file is read, or refused in a sentence."""
+    path = write(tmp_path / "f.parquet", t=[0, 1, 2], p=[1, 0, 1])
+    whole = path.read_bytes()
+    refused = 0
+    for place in range(0, len(whole), 3):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 0x15]) + whole[place + 1 :])
+        try:
+            open_trace(path).read(["p"])
+        except UsageError:
+            refused += 1
+    assert refused > 20
+
+
 def test_without_pyarrow_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     original = builtins.__import__
 

@@ -70,6 +70,20 @@ def test_all_variables_are_listed(tmp_path: Path) -> None:
     assert recording.columns == ("top.clk", "top.cnt", "top.level", "top.sub.temp")
 
 
+def test_the_trace_begins_when_everything_that_is_read_is_known(tmp_path: Path) -> None:
+    trace = read(tmp_path, HEAD + BODY, ["top.clk", "top.cnt"])
+    assert trace.clock(0) == 50
+    assert trace.times.tolist() == [0, 50, 150]
+    assert trace.columns["top.cnt"].tolist() == [3.0, 4.0, 4.0]
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1"])
+def test_comments_and_dates_in_any_language(tmp_path: Path, encoding: str) -> None:
+    path = tmp_path / "wave.vcd"
+    path.write_bytes((f"$comment M\u00fcller $end\n{HEAD}{BODY}").replace("today", "5. M\u00e4rz").encode(encoding))
+    assert open_trace(path).read(["top.clk"]).columns["top.clk"].tolist() == [0, 1, 0, 0]
+
+
 @pytest.mark.parametrize(("scale", "unit", "ticks"), [("1 us", "us", 1), ("100 ps", "ns", 1000), ("1 fs", "ns", 10**6)])
 def test_timescales(tmp_path: Path, scale: str, unit: str, ticks: int) -> None:
     trace = read(tmp_path, HEAD.replace("10 ns", scale) + BODY, ["top.clk"])
@@ -79,8 +93,9 @@ def test_timescales(tmp_path: Path, scale: str, unit: str, ticks: int) -> None:
 @pytest.mark.parametrize(
     ("text", "column", "place"),
     [
-        (HEAD + BODY, "top.cnt", "15:"),  # it is x at the first time
-        (HEAD + BODY.replace('bx "\n', ""), "top.cnt", "12:"),  # it has no value at the first time
+        (HEAD + BODY.replace("b0011", "bx").replace("b0100", "bx"), "top.cnt", "26:"),  # it is never known
+        (HEAD + BODY.replace("b0100", "bx"), "top.cnt", "26:"),  # it was known, and is no longer
+        (HEAD + BODY.replace('b0011 "\n', "").replace('bx "\n', "").replace('b0100 "\n', ""), "top.cnt", "24:"),
         (HEAD + BODY.replace("#20", "#7"), "top.clk", "27:"),
         (HEAD + BODY.replace("1!", "1"), "top.clk", "21:"),  # an identifier is missing
         (HEAD.replace("$enddefinitions $end\n", ""), "top.clk", "1:"),
