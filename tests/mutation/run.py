@@ -1,0 +1,121 @@
+"""``python -m tests.mutation.run [IDS] [--area AREA]``: do the tests notice the mutants?
+
+Each mutant is applied to a copy of the sources in ``build/mutation``; the checkout is never changed. A result stays
+valid until the file that is changed, the mutant or one of its tests changes: a run that was stopped goes on where it
+was.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import sys
+import time
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from tests.mutation.mutants import ROOT, Mutant, MutantError, load_mutants
+from tests.mutation.results import KILLED, SURVIVED, TIMEOUT, Result, read_results, summary, write_result
+from tests.mutation.workspace import Run, Workspace, WorkspaceError
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="python -m tests.mutation.run", description=__doc__)
+    parser.add_argument("ids", nargs="*", metavar="ID", help="these mutants only, or all whose id begins so")
+    parser.add_argument("--area", action="append", default=[], help="the mutants of this area; may be repeated")
+    parser.add_argument("--fresh", action="store_true", help="run mutants again whose result is still valid")
+    parser.add_argument("--summary", action="store_true", help="only print the table of the results so far")
+    parser.add_argument("--folder", type=Path, default=ROOT / "build" / "mutation", help="where copy and results are")
+    given = parser.parse_args(arguments)
+    mutants = load_mutants()
+    chosen = [
+        mutant
+        for mutant in mutants
+        if (not given.ids or any(mutant.id.startswith(name) for name in given.ids))
+        and (not given.area or mutant.area in given.area)
+    ]
+    if not chosen:
+        parser.error("there is no such mutant")
+    given.folder.mkdir(parents=True, exist_ok=True)
+    log = given.folder / "results.jsonl"
+    if given.summary:
+        print(summary(chosen, read_results(log)))
+        return 0
+    found = _run(chosen, given.folder, log, fresh=given.fresh)
+    print(f"\n{summary(chosen, found)}")
+    unexpected = [m.id for m in chosen if (found[m.id].fate not in (KILLED, TIMEOUT)) != bool(m.equivalent)]
+    if unexpected:
+        print(f"\nnot as the list says: {' '.join(unexpected)}")
+    return 1 if unexpected else 0
+
+
+def _run(chosen: Sequence[Mutant], folder: Path, log: Path, *, fresh: bool) -> dict[str, Result]:
+    before = read_results(log)
+    found: dict[str, Result] = {}
+    waiting: list[tuple[Mutant, str]] = []
+    for mutant in chosen:
+        digest = _digest(mutant)
+        if not fresh and mutant.id in before and before[mutant.id].digest == digest:
+            found[mutant.id] = before[mutant.id]
+        else:
+            waiting.append((mutant, digest))
+    if not waiting:
+        return found
+    workspace = Workspace(ROOT, folder / "tree")
+    print(f"{len(found)} results are still valid, {len(waiting)} mutants to run; first the tests without a mutant")
+    failing = _failing_anyway(workspace, [mutant for mutant, _ in waiting])
+    # One C++ file after the other, then Python, so that little is compiled twice.
+    for mutant, digest in sorted(waiting, key=lambda entry: (entry[0].file.endswith(".py"), entry[0].file)):
+        begin = time.monotonic()
+        fate, by = _try(workspace, mutant, failing)
+        result = Result(mutant.id, digest, fate, by, round(time.monotonic() - begin, 1))
+        found[mutant.id] = result
+        write_result(log, result)
+        print(f"{mutant.id:<6} {mutant.area:<14} {fate:<14} {result.seconds:6.1f} s  {by}", flush=True)
+    return found
+
+
+def _failing_anyway(workspace: Workspace, mutants: Iterable[Mutant]) -> list[str]:
+    """The tests that fail without a mutant: they say nothing about one."""
+    mutants = list(mutants)
+    failing = []
+    programs = sorted({name for mutant in mutants for name in mutant.programs})
+    failing += [name for name in programs if workspace.programs([name]).failed is not None]
+    paths = sorted({name for mutant in mutants for name in mutant.paths})
+    failing += [run.failed for run in workspace.pytest(paths, all_of_them=True) if run.failed] if paths else []
+    for name in failing:
+        print(f"fails without a mutant, does not count: {name}")
+    return failing
+
+
+def _try(workspace: Workspace, mutant: Mutant, failing: Sequence[str]) -> tuple[str, str]:
+    try:
+        text = mutant.apply((ROOT / mutant.file).read_text(encoding="utf-8"))
+        with workspace.changed(mutant.file, text):
+            run = Run()
+            programs = [name for name in mutant.programs if name not in failing]
+            if programs:
+                run = workspace.programs(programs)
+            if run.failed is None and mutant.paths:
+                run = next(iter(workspace.pytest(mutant.paths, failing)), run)
+    except MutantError as error:
+        return "does not apply", str(error)
+    except WorkspaceError as error:
+        return "cannot run", str(error).replace("\n", " ")[-300:]
+    if run.failed is None:
+        return SURVIVED, mutant.equivalent
+    return (TIMEOUT if run.timeout else KILLED), run.failed
+
+
+def _digest(mutant: Mutant) -> str:
+    """Of all that the result depends on in the first place."""
+    hashed = hashlib.sha256(repr((mutant.file, mutant.after, mutant.old, mutant.new, mutant.tests)).encode())
+    for name in (mutant.file, *mutant.tests):
+        path = ROOT / (name.split("::")[0] if "/" in name else f"tests/core/{name}.cpp")
+        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
+            hashed.update(file.read_bytes() if file.is_file() else b"")
+    return hashed.hexdigest()[:16]
+
+
+if __name__ == "__main__":
+    sys.exit(main())
