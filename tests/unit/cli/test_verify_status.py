@@ -19,6 +19,7 @@ MODEL = "int n = 0; process P() { init location A { to B { assign n = 1; } } loc
         ("E<> n == 1\nE<> n < 1.5", ExitStatus.UNSUPPORTED),
         ("E<> n == 1\nE<> nobody == 1", ExitStatus.BAD_INPUT),
         ("E<> n < 1.5\nE<> nobody == 1", ExitStatus.BAD_INPUT),
+        ("A[] n == 0\nE<> n < 1.5", ExitStatus.NOT_AS_EXPECTED),
     ],
 )
 def test_a_query_that_is_not_checked_counts_although_others_were(
