@@ -15,9 +15,7 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from io import StringIO
-from typing import overload
-
-from rich.console import Console
+from typing import TYPE_CHECKING, overload
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
@@ -29,10 +27,11 @@ from tachk.model.query import Query
 from tachk.properties.verdict import Answer, Verdict
 from tachk.properties.verify import refused
 from tachk.properties.verify import verify as verify_queries
-from tachk.report.json_report import Json, run_to_json
 from tachk.report.record import NotChecked, RunRecord
-from tachk.report.text_report import print_run
 from tachk.syntax.source_files import read_source
+
+if TYPE_CHECKING:
+    from tachk.report.json_report import Json
 
 __all__ = [
     "Answer",
@@ -222,6 +221,8 @@ class Report(Sequence[Verdict]):
 
     def to_dict(self) -> dict[str, Json]:
         """The run as docs/schema/verify.schema.json describes it."""
+        from tachk.report.json_report import run_to_json
+
         return run_to_json(self.record)
 
     def to_rows(self) -> list[dict[str, str | int | float | bool | None]]:
@@ -244,6 +245,10 @@ class Report(Sequence[Verdict]):
 
     def to_text(self, every_trace: bool = False, clocks: bool = False) -> str:
         """What `tachk verify` prints."""
+        from rich.console import Console
+
+        from tachk.report.text_report import print_run
+
         out = StringIO()
         print_run(self.record, Console(file=out, width=1000, highlight=False), every_trace, clocks)
         return out.getvalue()

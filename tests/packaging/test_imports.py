@@ -52,3 +52,48 @@ def test_importing_tachk_is_light() -> None:
     program = "import sys, tachk; print('lark' in sys.modules, 'click' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout == "False False\n"
+
+
+MODEL = """process P() { clock x; init location a { to b { guard x >= 1; } } location b; }
+system P;
+property p : E<> P.b;
+"""
+
+UNUSED = {
+    "jinja2",
+    "jsonschema",
+    "matplotlib",
+    "networkx",
+    "numpy",
+    "pandas",
+    "typer",
+    "vcd",
+    "xml.etree.ElementTree",
+    "z3",
+    *(f"tachk.{name}" for name in ("export", "logic", "monitoring", "runtime", "testing")),
+    *(f"tachk.report.{name}" for name in ("html_report", "json_report", "junit_report", "signal_plot")),
+    "tachk.frontend.observers",
+    "tachk.properties.monitoring",
+    "tachk.syntax.sentence_parser",
+    "tachk.syntax.tchecker_text",
+    "tachk.syntax.uppaal_xml",
+}
+"""Of no use to a model in text form whose property is no formula and no sentence."""
+
+
+def test_verify_loads_only_what_the_model_needs(tmp_path: Path) -> None:
+    model = tmp_path / "m.ta"
+    model.write_text(MODEL, encoding="utf-8")
+    program = (
+        "import json, sys\n"
+        "from tachk.cli.main import app\n"
+        "try:\n"
+        "    app(['verify', sys.argv[1]])\n"
+        "except SystemExit as end:\n"
+        "    assert end.code == 0\n"
+        "print(json.dumps(sorted(sys.modules)))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program, str(model)], capture_output=True, text=True, check=True)
+    loaded = set(json.loads(done.stdout.splitlines()[-1]))
+    assert "tachk.engines.zone" in loaded
+    assert not loaded & UNUSED

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.suggestion import closest
-from tachk.syntax.sentence_parser import with_full_stop
 
 MODEL_SUFFIXES = (".ta", ".xta", ".xml", ".tck")
 QUERY_SUFFIXES = (".q",)
@@ -29,6 +28,8 @@ def split_models_and_queries(arguments: Sequence[str]) -> tuple[tuple[str, ...],
         if _is_model(argument):
             models.append(argument)
         else:
+            from tachk.syntax.sentence_parser import with_full_stop
+
             queries.append(with_full_stop(argument))
     if not models:
         raise UsageError(

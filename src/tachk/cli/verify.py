@@ -11,8 +11,6 @@ from functools import partial
 from pathlib import Path
 from typing import TextIO
 
-from rich.console import Console
-
 from tachk import api
 from tachk.cli.arguments import parse_definitions, parse_size, split_models_and_queries
 from tachk.cli.exit_status import ExitStatus, worst
@@ -21,11 +19,7 @@ from tachk.cli.progress import ProgressLine
 from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
 from tachk.engines.protocol import Extrapolation, Limits, Options, SearchOrder
 from tachk.properties.verdict import Answer
-from tachk.report.json_report import runs_to_json
-from tachk.report.junit_report import runs_to_junit
 from tachk.report.record import NotRead, RunRecord
-from tachk.report.text_report import print_run
-from tachk.report.verifyta_report import run_to_verifyta
 
 _WIDTH = 1000
 """Columns of a report that does not go to a terminal: wide enough for no line to be broken."""
@@ -73,6 +67,8 @@ def run_verify(request: VerifyRequest) -> ExitStatus:
                 if request.format == "text" and out is not None:
                     _print_text(record, out, request, first=not any(isinstance(r, RunRecord) for r in records))
                 elif request.format == "verifyta" and out is not None:
+                    from tachk.report.verifyta_report import run_to_verifyta
+
                     out.write(run_to_verifyta(record))
                 records.append(record)
                 return worst(_statuses(record))
@@ -86,9 +82,13 @@ def run_verify(request: VerifyRequest) -> ExitStatus:
         status = guarded(command)
         if out is not None:
             if request.format == "json":
+                from tachk.report.json_report import runs_to_json
+
                 json.dump(runs_to_json(records), out, indent=2)
                 out.write("\n")
             elif request.format == "junit":
+                from tachk.report.junit_report import runs_to_junit
+
                 out.write(runs_to_junit(records))
     return status
 
@@ -126,6 +126,10 @@ def _destination(request: VerifyRequest) -> Iterator[TextIO | None]:
 def _print_text(record: RunRecord, out: TextIO, request: VerifyRequest, first: bool) -> None:
     if not first:
         out.write("\n")
+    from rich.console import Console
+
+    from tachk.report.text_report import print_run
+
     console = Console(file=out, highlight=False, width=None if out.isatty() else _WIDTH)
     print_run(record, console, request.every_trace, request.clocks)
 

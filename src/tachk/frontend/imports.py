@@ -12,8 +12,7 @@ from tachk.frontend.findings import Findings
 from tachk.syntax import ast
 from tachk.syntax.contextual import CONTEXTUAL_KEYWORDS
 from tachk.syntax.parser import parse_document
-from tachk.syntax.source_files import read_source
-from tachk.syntax.tchecker_text import is_tchecker, parse_tchecker
+from tachk.syntax.source_files import is_tchecker, read_source
 
 
 @dataclass(slots=True)
@@ -35,6 +34,8 @@ class Importer:
         path = Path(source.name).absolute()
         self.reading.append(path.resolve())
         if is_tchecker(source):
+            from tachk.syntax.tchecker_text import parse_tchecker
+
             document, diagnostics = parse_tchecker(source)
         else:
             document, diagnostics = parse_document(source, self.strict_xta)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
@@ -15,20 +16,21 @@ from tachk.frontend.elaborate import Elaborated, elaborate
 from tachk.frontend.expectations import with_expectations
 from tachk.frontend.findings import Findings
 from tachk.frontend.imports import Importer
-from tachk.frontend.observers import temporal_formula
 from tachk.frontend.queries import UncheckedQuery, elaborate_each, elaborate_entries, wrong_query
 from tachk.frontend.scope import Scope
 from tachk.model.expressions import Variable
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.syntax import ast
-from tachk.syntax.formula import Formula
 from tachk.syntax.layout import Layout
 from tachk.syntax.parser import parse_expression
 from tachk.syntax.query_files import parse_each_query
-from tachk.syntax.source_files import read_source
+from tachk.syntax.source_files import is_xml, read_source
 from tachk.syntax.strict import additions
-from tachk.syntax.uppaal_xml import XmlModel, is_xml, parse_uppaal_xml
+
+if TYPE_CHECKING:
+    from tachk.syntax.formula import Formula
+    from tachk.syntax.uppaal_xml import XmlModel
 
 __all__ = [
     "LoadedModel",
@@ -110,6 +112,8 @@ def load_model(
     source = model if isinstance(model, Source) else read_source(model)
     findings = Findings()
     if is_xml(source):
+        from tachk.syntax.uppaal_xml import parse_uppaal_xml
+
         return _load_xml(parse_uppaal_xml(source), constants or {}, strict_xta)
     document, merged = Importer(findings, strict_xta).read(source)
     if document is None:
@@ -193,6 +197,8 @@ def _explained(unchecked: Iterable[UncheckedQuery], refusals: Sequence[Diagnosti
 
 def temporal_formula_of(loaded: LoadedModel, node: ast.TemporalFormula) -> Formula | None:
     """What a temporal property of the model says, bounds in its time units; None where it is wrong."""
+    from tachk.frontend.observers import temporal_formula
+
     return temporal_formula(node, loaded._scope, replace(loaded._constants, findings=Findings(), in_query=True))
 
 

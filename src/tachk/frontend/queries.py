@@ -11,7 +11,6 @@ from tachk.frontend.clock_constraints import mentions_comparison
 from tachk.frontend.context import Context
 from tachk.frontend.expressions import condition, expression
 from tachk.frontend.findings import Findings
-from tachk.frontend.observers import elaborate_temporal
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.frontend.typing import describe, is_integral
 from tachk.model.expressions import Binary, BinaryOperator, Deadlock, Expression, Unary
@@ -58,6 +57,8 @@ def elaborate_query(
     """A query with its names resolved, in a scope that has the processes; None after a report."""
     if isinstance(formula, ast.TemporalFormula):
         expected = None if expectation is None else Expectation(expectation)
+        from tachk.frontend.observers import elaborate_temporal
+
         return elaborate_temporal(formula, name, scope, context, title, expected)
     context = replace(context, in_query=True)
     kind = QueryKind(formula.kind)

@@ -25,8 +25,7 @@ from tachk.syntax.formula_parser import parse_formula
 from tachk.syntax.formula_printer import print_formula
 from tachk.syntax.rewrite import rewrite
 from tachk.syntax.sentence_parser import parse_sentence, with_full_stop
-from tachk.syntax.source_files import read_source
-from tachk.syntax.uppaal_xml import is_xml
+from tachk.syntax.source_files import is_xml, read_source
 from tachk.time_units import length_of
 
 FORMULA_SUFFIXES = (".stl",)

@@ -10,8 +10,7 @@ from tachk.syntax import ast
 from tachk.syntax.layout import Layout
 from tachk.syntax.parser import has_errors, parse_document
 from tachk.syntax.query_files import BrokenQuery
-from tachk.syntax.tchecker_text import is_tchecker, parse_tchecker
-from tachk.syntax.uppaal_xml import is_xml, parse_uppaal_xml
+from tachk.syntax.source_files import is_tchecker, is_xml
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,11 +34,15 @@ def read_model(source: Source) -> ReadModel:
         InputError: with everything that is wrong.
     """
     if is_xml(source):
+        from tachk.syntax.uppaal_xml import parse_uppaal_xml
+
         read = parse_uppaal_xml(source)
         if has_errors(read.diagnostics):
             raise InputError(read.diagnostics)
         return ReadModel(read.document, read.layout, read.broken, read.diagnostics)
     if is_tchecker(source):
+        from tachk.syntax.tchecker_text import parse_tchecker
+
         document, diagnostics = parse_tchecker(source)
     else:
         document, diagnostics = parse_document(source)

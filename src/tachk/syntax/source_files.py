@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.span import Source, Span
@@ -10,6 +11,7 @@ from tachk.diagnostics.span import Source, Span
 LARGEST_FILE = 8 * 1024 * 1024
 """Bytes. The largest public model has less than two megabytes."""
 
+_TCHECKER = re.compile(r"(?:\s|#[^\n]*\n)*system[ \t]*:")
 _PROBE = 64 * 1024
 _CONTROL = frozenset(range(32)) - frozenset(b"\t\n\r\f\v\x1a")
 
@@ -44,6 +46,16 @@ def read_source(path: str | os.PathLike[str]) -> Source:
     if not source.text.strip():
         raise InputError([Diagnostic("E0006", "the file is empty", Span(source, 0, 0))])
     return source
+
+
+def is_xml(source: Source) -> bool:
+    """Whether a text looks like XML: no model written as text begins with ``<``."""
+    return source.text.lstrip("\ufeff \t\r\n").startswith("<")
+
+
+def is_tchecker(source: Source) -> bool:
+    """Whether a text begins as TChecker's files do; no model of another kind does."""
+    return _TCHECKER.match(source.text) is not None
 
 
 def _refuse_binary(name: str, data: bytes) -> None:

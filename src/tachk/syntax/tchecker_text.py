@@ -25,15 +25,9 @@ _LINE = re.compile(
     r"[ \t]*(?P<kind>[a-z]+)[ \t]*:(?P<rest>[^\n#{]*)(?P<attributes>\{[^}]*\})?[ \t\r]*(?:#[^\n]*)?(?:\n|\Z)"
 )
 _IDLE = re.compile(r"[ \t\r]*(?:#[^\n]*)?(?:\n|\Z)")
-_START = re.compile(r"(?:\s|#[^\n]*\n)*system[ \t]*:")
 _ARGUMENTS = {"system": 1, "process": 1, "event": 1, "clock": 2, "int": 5, "location": 2, "edge": 4}
 _LOCATION_ATTRIBUTES = ("initial", "urgent", "committed", "invariant", "labels")
 _EDGE_ATTRIBUTES = ("provided", "do")
-
-
-def is_tchecker(source: Source) -> bool:
-    """Whether a text begins as TChecker's files do; no model of another kind does."""
-    return _START.match(source.text) is not None
 
 
 @dataclass(frozen=True, slots=True)

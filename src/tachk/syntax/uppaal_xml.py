@@ -39,11 +39,6 @@ class XmlModel:
     diagnostics: tuple[Diagnostic, ...]
 
 
-def is_xml(source: Source) -> bool:
-    """Whether a text looks like XML: no model written as text begins with ``<``."""
-    return source.text.lstrip("\ufeff \t\r\n").startswith("<")
-
-
 def parse_uppaal_xml(source: Source) -> XmlModel:
     """Reads a model.
 

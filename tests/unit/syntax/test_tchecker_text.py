@@ -9,7 +9,8 @@ from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
 from tachk.frontend.load import load_model
 from tachk.syntax.printer import print_document
-from tachk.syntax.tchecker_text import is_tchecker, parse_tchecker
+from tachk.syntax.source_files import is_tchecker
+from tachk.syntax.tchecker_text import parse_tchecker
 
 FILE = """\
 # a sender and two listeners

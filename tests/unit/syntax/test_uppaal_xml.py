@@ -11,7 +11,8 @@ from tachk.diagnostics.span import Source
 from tachk.syntax import ast
 from tachk.syntax.layout import EdgeKey, Point
 from tachk.syntax.printer import print_document
-from tachk.syntax.uppaal_xml import XmlModel, is_xml, parse_uppaal_xml
+from tachk.syntax.source_files import is_xml
+from tachk.syntax.uppaal_xml import XmlModel, parse_uppaal_xml
 
 DOOR = """\
 <?xml version="1.0" encoding="utf-8"?>
