@@ -21,7 +21,14 @@ from tachk.syntax.formula_printer import print_formula
 from tachk.testing import Case, Shape, random_case
 from tachk.testing.agreement import VARIANTS, Effort, compare
 from tachk.testing.exact_monitor import verdict
-from tachk.testing.observers import query_of, random_observer_case, random_watched, replaying, violated
+from tachk.testing.observers import (
+    bounded_observer_case,
+    query_of,
+    random_observer_case,
+    random_watched,
+    replaying,
+    violated,
+)
 
 SMALL = Shape(processes=2, locations=3, clocks=2, constant=3, deadlocks=False)
 MAXIMAL_STATES = 400
@@ -44,6 +51,22 @@ def test_an_observer_can_reach_its_bad_location_where_the_monitor_says_false(blo
         answers.append(truth)
     assert answers.count(False) > 5
     assert len(answers) - answers.count(False) > 5
+
+
+@pytest.mark.parametrize("block", range(5))
+def test_an_observer_says_what_the_monitor_says_where_events_fall_on_bounds(block: int) -> None:
+    answers = []
+    for seed in range(80 * block, 80 * block + 80):
+        case = bounded_observer_case(Random(seed))
+        model = replaying(case.trace)
+        query = query_of(case.formula, model)
+        if query is None:
+            continue
+        truth = verdict(case.formula, case.trace).truth
+        assert violated(model, query) == (truth is False), f"seed {seed}: {print_formula(case.formula)} is {truth}"
+        answers.append(truth)
+    assert answers.count(False) > 15
+    assert len(answers) - answers.count(False) > 15
 
 
 @pytest.mark.parametrize("block", range(3))

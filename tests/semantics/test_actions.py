@@ -289,3 +289,23 @@ def test_updates_of_one_edge_run_left_to_right(reaches) -> None:
     process.edge(a, b, updates=[n.assign(2), m.assign(n + 1), n.assign(m + 1)])
     assert reaches(network, b.reached & (n == 4) & (m == 3))
     assert not reaches(network, b.reached & (n != 4))
+
+
+def test_a_receiver_that_is_committed_lets_a_sender_synchronise_that_is_not(reaches) -> None:
+    network = NetworkBuilder()
+    go = network.channel("go")
+    p, q = network.process("P"), network.process("Q")
+    p.edge(p.location("A"), p.location("B"), send=go)
+    after = q.location("C", committed=True), q.location("D")
+    q.edge(*after, receive=go)
+    assert reaches(network, after[1].reached)
+
+
+def test_priorities_end_no_state_from_which_something_is_possible(reaches) -> None:
+    network = NetworkBuilder()
+    n = network.integer("n", 0, 1)
+    p, q = network.process("P", 1), network.process("Q")
+    a, b = p.location("A"), q.location("B")
+    p.edge(a, a, updates=[n.assign(1)])
+    q.edge(b, b)
+    assert not reaches(network, deadlock())

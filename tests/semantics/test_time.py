@@ -298,3 +298,25 @@ def test_an_urgent_channel_waits_for_the_guard_of_its_receiver(reaches) -> None:
     q.edge(*received, guard=n == 1, receive=go)
     r.edge(r.location("U"), r.location("V"), guard=x >= 3, updates=[n.assign(1)])
     assert reaches(network, received[1].reached)
+
+
+def test_a_process_is_no_partner_of_itself(reaches) -> None:
+    network = NetworkBuilder()
+    x = network.clock("x")
+    go = network.channel("go", urgent=True)
+    process = network.process("P")
+    a, b = process.location("A"), process.location("B")
+    process.edge(a, b, send=go)
+    process.edge(a, b, receive=go)
+    assert reaches(network, a.reached & (x > 5))
+
+
+def test_an_urgent_sender_whose_guard_is_false_does_not_stop_time(reaches) -> None:
+    network = NetworkBuilder()
+    x, n = network.clock("x"), network.integer("n", 0, 1)
+    go = network.channel("go", urgent=True)
+    p, q = network.process("P"), network.process("Q")
+    a = p.location("A")
+    p.edge(a, p.location("B"), guard=n == 1, send=go)
+    q.edge(q.location("C"), q.location("D"), receive=go)
+    assert reaches(network, a.reached & (x > 5))

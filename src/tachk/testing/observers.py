@@ -61,6 +61,28 @@ def random_observer_case(random: Random) -> ObserverCase:
     )
 
 
+def bounded_observer_case(random: Random) -> ObserverCase:
+    """A requirement with windows, often about rises and falls, and a trace in which one flag after the other changes
+    exactly a bound of its windows, or the difference of two, after the one before."""
+    formula = _on_bounds(random)
+    bounds = {duration.value for duration in _durations(formula) if isinstance(duration.value, Fraction)}
+    gaps = sorted({gap for low in (Fraction(0), *bounds) for high in bounds if (gap := high - low) > 0}) or [
+        Fraction(1)
+    ]
+    flags = dict.fromkeys(FLAGS, False)
+    if random.random() < 0.3:
+        flags[random.choice(FLAGS)] = True
+    rows, times = [dict(flags)], [Fraction(0)]
+    for _ in range(random.randint(2, 6)):
+        name = random.choice(FLAGS)
+        flags[name] = not flags[name]
+        rows.append(dict(flags))
+        times.append(times[-1] + (random.choice(gaps) if random.random() < 0.9 else Fraction(1, 2)))
+    columns = {name: tuple(row[name] for row in rows) for name in FLAGS}
+    end = times[-1] * SCALE + random.choice((1, 5, 17))
+    return ObserverCase(scaled(formula, Fraction(SCALE)), ExactTrace(tuple(t * SCALE for t in times), columns, end))
+
+
 def replaying(trace: ExactTrace) -> LoadedModel:
     """A model whose only run takes the rows of a trace at their times and stops at its end."""
     names = list(trace.columns)
@@ -187,6 +209,38 @@ def _response(random: Random) -> Formula:
         lambda: syntax.Always(NOWHERE, _EVER, _condition(random)),
     ]
     return random.choices(makers, (2, 5, 5, 3, 2, 2, 3, 1, 1, 1, 1, 1, 1, 1))[0]()
+
+
+def _on_bounds(random: Random) -> Formula:
+    """A formula whose verdict may hang on the moment at which a window begins or ends."""
+    edge = random.choice((syntax.Rise, syntax.Rise, syntax.Fall))
+    goal = edge(NOWHERE, _condition(random)) if random.random() < 0.5 else _condition(random)
+    if random.random() < 0.5:
+        goal = syntax.Not(NOWHERE, goal)
+    window = _bounded(random)
+    makers: list[Callable[[], Formula]] = [
+        lambda: syntax.Eventually(NOWHERE, window, goal),
+        lambda: syntax.Always(NOWHERE, window, goal),
+        lambda: syntax.Until(NOWHERE, window, _condition(random), goal),
+        lambda: syntax.Eventually(NOWHERE, window, syntax.Always(NOWHERE, _bounded(random), goal)),
+        lambda: syntax.Always(NOWHERE, window, syntax.Always(NOWHERE, _bounded(random), goal)),
+        lambda: _past(random),
+    ]
+    answer = random.choices(makers, (3, 4, 3, 2, 2, 4))[0]()
+    trigger = edge(NOWHERE, syntax.Atom(NOWHERE, _name(random)))
+    return _globally(_implies(trigger, answer)) if random.random() < 0.9 else _globally(goal)
+
+
+def _durations(formula: Formula) -> list[syntax.Duration]:
+    found: list[syntax.Duration] = []
+
+    def note(node: object) -> object:
+        if isinstance(node, syntax.Duration):
+            found.append(node)
+        return node
+
+    rewrite(formula, note)
+    return found
 
 
 def _past(random: Random) -> Formula:

@@ -10,7 +10,8 @@ import pytest
 from tachk.cli import monitor_online
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.monitor import run_monitor
-from tachk.cli.monitor_request import MonitorRequest
+from tachk.cli.monitor_request import MonitorRequest, exit_status
+from tachk.runtime.node_signal import Truth
 
 TEXT = "time [s],p,q\n0,0,0\n1,1,0\n2,0,0\n9,0,0\n20,0,1\n"
 
@@ -63,6 +64,12 @@ def test_standard_input_is_judged_row_by_row(
 def test_the_end_of_standard_input(monkeypatch: pytest.MonkeyPatch, formula: str, end: str, status: ExitStatus) -> None:
     feed(monkeypatch, [TEXT[:17], TEXT[17:]])
     assert run_monitor(MonitorRequest(formula, "-", end=end, quiet=True)) is status
+
+
+def test_a_false_formula_counts_more_than_one_that_is_open() -> None:
+    assert exit_status({Truth.TRUE}) is ExitStatus.AS_EXPECTED
+    assert exit_status({Truth.TRUE, Truth.UNDETERMINED}) is ExitStatus.UNKNOWN
+    assert exit_status({Truth.TRUE, Truth.UNDETERMINED, Truth.FALSE}) is ExitStatus.NOT_AS_EXPECTED
 
 
 def test_a_growing_file_is_waited_for(

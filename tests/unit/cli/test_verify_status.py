@@ -19,6 +19,8 @@ MODEL = "int n = 0; process P() { init location A { to B { assign n = 1; } } loc
         ("E<> n == 1\nE<> n < 1.5", ExitStatus.UNSUPPORTED),
         ("E<> n == 1\nE<> nobody == 1", ExitStatus.BAD_INPUT),
         ("E<> n < 1.5\nE<> nobody == 1", ExitStatus.BAD_INPUT),
+        ("E<> n == 1\nA<> n == 1", ExitStatus.UNSUPPORTED),
+        ("Pr[<=10](<> n == 1)", ExitStatus.UNSUPPORTED),
         ("A[] n == 0\nE<> n < 1.5", ExitStatus.NOT_AS_EXPECTED),
     ],
 )
@@ -29,3 +31,11 @@ def test_a_query_that_is_not_checked_counts_although_others_were(
     model.write_text(MODEL)
     file.write_text(f"{queries}\n")
     assert run_verify(VerifyRequest((str(model),), query_files=(file,), quiet=True)) is status
+
+
+def test_one_unknown_answer_beside_others_is_unknown(tmp_path: Path) -> None:
+    model, file = tmp_path / "m.ta", tmp_path / "m.q"
+    model.write_text(MODEL)
+    file.write_text("E<> n == 0\nA[] n <= 1\n")
+    request = VerifyRequest((str(model),), query_files=(file,), quiet=True, max_depth=0)
+    assert run_verify(request) is ExitStatus.UNKNOWN

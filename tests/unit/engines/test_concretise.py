@@ -207,3 +207,11 @@ def test_a_path_does_not_wait_beyond_the_moment_an_urgent_guard_becomes_true() -
     too_late = q.edge(left, right, guard=x >= 4)
     assert times(checked(network, path(at_three, process=1))) == [3]
     assert concretise(network.build(), path(too_late, process=1)) is None
+
+
+def test_a_location_with_a_lower_invariant_is_entered_when_it_holds() -> None:
+    network = NetworkBuilder()
+    x = network.clock("x")
+    process = network.process("P")
+    process.edge(process.location("A"), process.location("B", invariant=x >= 2))
+    assert times(checked(network, path(0))) == [2]
