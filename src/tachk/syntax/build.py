@@ -56,22 +56,23 @@ class Builder(ExpressionBuilder, FormulaBuilder):
         return ast.EmptyStatement(children[0].span)
 
     def if_statement(self, children: Children) -> ast.IfStatement:
-        return ast.IfStatement(span_of(children), children[2], children[4], children[6])
+        otherwise = None if children[5] is None else _embedded(children, 6)
+        return ast.IfStatement(span_of(children), children[2], _embedded(children, 4), otherwise)
 
     def while_statement(self, children: Children) -> ast.WhileStatement:
-        return ast.WhileStatement(span_of(children), children[2], children[4])
+        return ast.WhileStatement(span_of(children), children[2], _embedded(children, 4))
 
     def do_statement(self, children: Children) -> ast.DoStatement:
-        return ast.DoStatement(span_of(children), children[1], children[4])
+        return ast.DoStatement(span_of(children), _embedded(children, 1), children[4])
 
     def for_statement(self, children: Children) -> ast.ForStatement:
-        _, _, initial, _, condition, _, step, _, body = children
+        _, _, initial, _, condition, _, step, _, _ = children
         return ast.ForStatement(
-            span_of(children), tuple(initial or ()), tuple(condition or ()), tuple(step or ()), body
+            span_of(children), tuple(initial or ()), tuple(condition or ()), tuple(step or ()), _embedded(children, 8)
         )
 
     def iteration_statement(self, children: Children) -> ast.IterationStatement:
-        return ast.IterationStatement(span_of(children), children[2], children[4], children[6])
+        return ast.IterationStatement(span_of(children), children[2], children[4], _embedded(children, 6))
 
     def return_statement(self, children: Children) -> ast.ReturnStatement:
         return ast.ReturnStatement(span_of(children), children[1])
@@ -321,3 +322,9 @@ class Builder(ExpressionBuilder, FormulaBuilder):
 
     def synchronisation_fragment(self, children: Children) -> Any:
         return children[0]
+
+
+def _embedded(children: Children, place: int) -> ast.Statement:
+    """The statement that another one consists of; an empty one where it was passed over after an error."""
+    given: ast.Statement | None = children[place]
+    return given if given is not None else ast.EmptyStatement(span_of(children[:place]))

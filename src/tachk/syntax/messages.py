@@ -136,7 +136,7 @@ def _brackets(situation: Situation) -> Diagnostic | None:
         return Diagnostic("E0113", "this '{' is never closed", token.span, "add '}'")
     if token.text not in _CLOSES:
         return None
-    if not stack:
+    if not stack or (token.text != "}" and stack[-1].text == "{" and _is_closed_later(situation)):
         return Diagnostic("E0113", f"this '{token.text}' closes nothing", token.span, "remove it")
     if stack[-1].text != _CLOSES[token.text]:
         return Diagnostic(
@@ -147,6 +147,18 @@ def _brackets(situation: Situation) -> Diagnostic | None:
             (Label(token.span, f"'{token.text}' is here"),),
         )
     return None
+
+
+def _is_closed_later(situation: Situation) -> bool:
+    """Whether the brace that is open at the token that does not fit is closed, were that token not there."""
+    depth = 1
+    for token in situation.tokens[situation.index + 1 :]:
+        if token.type in ("PROCESS", "SYSTEM"):
+            return False
+        depth += (token.text == "{") - (token.text == "}")
+        if not depth:
+            return True
+    return False
 
 
 def _temporal_word(situation: Situation) -> Diagnostic | None:
