@@ -52,7 +52,8 @@ LOWERING_CODES: dict[str, Explanation] = {
     "E0708": Explanation(
         "too many edges after select",
         "An edge with select labels stands for one edge for each combination of values, and the engine keeps them all. "
-        "More than 1,000,000 are refused. Select from smaller ranges, or set a variable step by step.",
+        "More than 1,000,000 edges are refused, and more than 10,000,000 combinations to try. Select from smaller "
+        "ranges, or set a variable step by step.",
     ),
     "E0709": Explanation(
         "clock difference with a wide bound",

@@ -99,8 +99,10 @@ NAME_CODES: dict[str, Explanation] = {
         "const int n = 2147483647;",
     ),
     "E0606": Explanation(
-        "array too large",
-        "An array of more than 2**20 values is taken for a mistake. Every state would hold a copy of it.",
+        "variables too large",
+        "An array or struct of more than 2**20 values is taken for a mistake: every state would hold a copy of it. All "
+        "variables of a model together have at most 2**22 values, a model has at most 50,000 clocks, and arrays and "
+        "structs are nested at most 50 levels deep.",
         "int a[2000][2000];",
         "int a[20][20];",
     ),

@@ -24,7 +24,7 @@ from tachk.model.expressions import (
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.layout import CellLayout, cell_bounds
 from tachk.model.traversal import roots, statement_expressions, walk
-from tachk.model.types import leaves
+from tachk.model.types import Type, cell_count, clock_count, leaves
 from tachk.records import dataclass
 
 _NO_CELLS = CellLayout({}, (), (), (), (), (), (), ())
@@ -51,10 +51,12 @@ class Budget:
     Attributes:
         instances: of quantifiers that are written out.
         cells: of variables.
+        clocks: the engine has numbers for 60,000, of which observers use some.
     """
 
     instances: int = 2**16
     cells: int = 2**22
+    clocks: int = 50_000
 
 
 @dataclass(slots=True)
@@ -90,13 +92,15 @@ class Context:
         self.error("E0609", span, "this quantifier has too many instances", "quantify over a smaller type")
         return False
 
-    def allow_cells(self, count: int, span: Span) -> bool:
-        """Whether a variable of that many cells may be declared; reports if it may not."""
-        self.budget.cells -= count
-        if self.budget.cells >= 0:
-            return True
-        self.error("E0606", span, "the variables of this model are too large", "use smaller arrays")
-        return False
+    def allow_variable(self, type_: Type, span: Span) -> bool:
+        """Whether a variable of that type may be declared; reports if it may not."""
+        self.budget.cells -= cell_count(type_)
+        self.budget.clocks -= clock_count(type_)
+        if self.budget.cells < 0:
+            self.error("E0606", span, "the variables of this model are too large", "use smaller arrays")
+        elif self.budget.clocks < 0:
+            self.error("E0606", span, "this model has more than 50000 clocks", "declare fewer, or run fewer processes")
+        return self.budget.cells >= 0 and self.budget.clocks >= 0
 
     # ---- effects --------------------------------------------------------------------------------------------------
 

@@ -121,7 +121,7 @@ def _variable(
             "drop `meta`, or write the variable first wherever it is used",
         )
         meta = False
-    if not context.allow_cells(cell_count(type_), node.span):
+    if not context.allow_variable(type_, node.span):
         return None
     cells = default_cells(type_)
     if node.initialiser is not None:

@@ -205,6 +205,8 @@ class _Body:
             elif type_ is not None and constant:
                 self.context.error("E0607", declarator.name.span, f"constant `{declarator.name.name}` needs a value")
                 type_ = None
+            if type_ is not None and not self.context.allow_variable(type_, declarator.span):
+                type_ = None
             symbol: Symbol = BrokenSymbol(declarator.name.span)
             if type_ is None:
                 broken = True

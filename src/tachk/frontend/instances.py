@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from itertools import islice
 
 from tachk.diagnostics.diagnostic import Label
 from tachk.diagnostics.span import NOWHERE, Span
@@ -89,9 +90,15 @@ class Instances:
             return
         instances: dict[tuple[int, ...], ProcessSymbol] = {}
         self.symbols[name.name] = FamilySymbol(instances, len(node.parameters), name.span)
-        free = list(self._free_values(node, (), Scope(self.globals), name.span))
-        if len(free) + len(self.processes) > MAXIMUM_INSTANCES:
-            self.context.error("E0418", name.span, f"`{name.name}` would have {len(free)} instances")
+        room = MAXIMUM_INSTANCES - len(self.processes)
+        free = list(islice(self._free_values(node, (), Scope(self.globals), name.span), room + 1))
+        if len(free) > room:
+            self.context.error(
+                "E0418",
+                name.span,
+                f"with the instances of `{name.name}` this model has more than {MAXIMUM_INSTANCES} processes",
+                "give the free parameters smaller ranges",
+            )
             return
         for values, bound in free:
             full = f"{name.name}({','.join(map(str, values))})"
@@ -131,7 +138,12 @@ class Instances:
             return
         low, high = bounds(type_)
         if high - low >= MAXIMUM_INSTANCES:
-            self.context.error("E0418", used_at, f"`{node.name.name}` would have {high - low + 1} instances")
+            self.context.error(
+                "E0418",
+                used_at,
+                f"`{node.name.name}` would have {high - low + 1} instances, more than {MAXIMUM_INSTANCES}",
+                f"give `{parameter.name.name}` a smaller range",
+            )
             return
         for value in range(low, high + 1):
             inner = Scope(self.globals, "", dict(bound.symbols))

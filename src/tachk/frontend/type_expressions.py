@@ -22,11 +22,15 @@ from tachk.model.types import (
     Type,
     VoidType,
     cell_count,
+    nesting,
 )
 from tachk.syntax import ast
 
 MAXIMUM_CELLS = 2**20
 """Cells of one variable; more is taken for a mistake rather than allocated."""
+
+MAXIMUM_NESTING = 50
+"""Arrays and structs within one another, so that recursive passes over types need no stack of their own."""
 
 ConstantInteger = Callable[[ast.Expression, str], int | None]
 """Evaluates an expression that must be a constant integer; the text is the beginning of the message."""
@@ -163,7 +167,7 @@ class TypeReader:
                     broken = True
                 else:
                     fields.append((declarator.name.name, type_))
-        return None if broken else RecordType(name, tuple(fields))
+        return None if broken else self._small(RecordType(name, tuple(fields)), node.span, "a struct")
 
     def dimensions(self, element: Type, dimensions: tuple[ast.Expression | ast.TypeExpression, ...]) -> Type | None:
         """The type of an array with the given dimensions; the element's type where there are none."""
@@ -175,10 +179,27 @@ class TypeReader:
             index = self._index(dimension)
             if index is None:
                 return None
-            type_ = ArrayType(type_, index)
-            if cell_count(type_) > MAXIMUM_CELLS:
-                self.context.error("E0606", dimension.span, f"an array of {cell_count(type_)} values is too large")
+            array = self._small(ArrayType(type_, index), dimension.span, "an array")
+            if array is None:
                 return None
+            type_ = array
+        return type_
+
+    def _small(self, type_: ArrayType | RecordType, span: Span, what: str) -> Type | None:
+        """The type, if what looks at every part of it can do so."""
+        if nesting(type_) > MAXIMUM_NESTING:
+            self.context.error(
+                "E0606", span, f"arrays and structs are nested more than {MAXIMUM_NESTING} levels deep", "flatten them"
+            )
+            return None
+        if cell_count(type_) > MAXIMUM_CELLS:
+            self.context.error(
+                "E0606",
+                span,
+                f"{what} of {cell_count(type_)} values is too large",
+                f"a variable has at most {MAXIMUM_CELLS} values; declare a smaller one",
+            )
+            return None
         return type_
 
     def _index(self, dimension: ast.Expression | ast.TypeExpression) -> IntType | ScalarType | None:

@@ -114,6 +114,28 @@ def cell_count(type_: Type) -> int:
             return 1
 
 
+def clock_count(type_: Type) -> int:
+    """How many of the cells are clocks."""
+    match type_:
+        case ArrayType():
+            return type_.size * clock_count(type_.element)
+        case RecordType():
+            return sum(clock_count(t) for _, t in type_.fields)
+        case _:
+            return int(isinstance(type_, ClockType))
+
+
+def nesting(type_: Type) -> int:
+    """How many arrays and structs enclose the innermost part of a type; 0 for an integer."""
+    match type_:
+        case ArrayType():
+            return 1 + nesting(type_.element)
+        case RecordType():
+            return 1 + max(nesting(t) for _, t in type_.fields)
+        case _:
+            return 0
+
+
 def leaves(type_: Type, path: str = "") -> Iterator[tuple[str, Type]]:
     """The cells of a type in order, each with its access path (``[2].x``) and its leaf type."""
     match type_:

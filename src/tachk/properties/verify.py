@@ -29,7 +29,7 @@ from tachk.properties.plan import Search, Task, plan
 from tachk.properties.verdict import Answer, Verdict
 from tachk.semantics.bystanders import without_bystanders
 from tachk.semantics.discrete import environment, initial_discrete, prepare
-from tachk.semantics.features import check_supported
+from tachk.semantics.features import check_selections, check_supported
 from tachk.semantics.lower import lower
 from tachk.semantics.spectators import with_spectators, without_spectators
 from tachk.semantics.step import StepError
@@ -54,6 +54,7 @@ def verify(
         InputError: the initial state violates an invariant.
         UnsupportedError: the network itself uses a feature that cannot be checked.
     """
+    check_selections(network)
     _check_initial_state(network)
     verdicts: dict[int, Verdict] = {}
     supported = []

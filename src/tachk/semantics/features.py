@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from math import prod
 
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
@@ -30,6 +31,10 @@ from tachk.semantics.conditions import reads_clock
 from tachk.semantics.fold import COMPARISONS, Known, fold, known_values, negate
 from tachk.semantics.goal import check_predicate, mentions_time
 from tachk.semantics.intervals import interval
+from tachk.semantics.layout import cell_range
+
+MAXIMAL_SELECTIONS = 10_000_000
+"""Combinations of the values of one edge's select labels; each is tried against the guard."""
 
 
 class Feature(StrEnum):
@@ -84,6 +89,22 @@ def query_features(query: Query) -> FeatureSet:
         if any(isinstance(node, Deadlock) for node in walk(expression)):
             uses.append(FeatureUse(Feature.DEADLOCK, f"the query {query.name}", expression.span))
     return FeatureSet(tuple(uses))
+
+
+def check_selections(network: Network) -> None:
+    """Raises UnsupportedError where the select labels of an edge have too many combinations of values to try."""
+    for process in network.processes:
+        for edge in process.edges:
+            sizes = [high - low + 1 for low, high in (cell_range(variable.type) for variable in edge.selects)]
+            if prod(sizes) > MAXIMAL_SELECTIONS:
+                raise UnsupportedError(
+                    Diagnostic(
+                        "E0708",
+                        f"the select labels of this edge have {prod(sizes)} combinations of values",
+                        edge.spans[0],
+                        "select from smaller ranges, or replace a select by a variable that is set step by step",
+                    )
+                )
 
 
 def check_supported(network: Network, query: Query) -> None:

@@ -6,9 +6,10 @@ import pytest
 
 from tachk.diagnostics.codes import CODES
 from tachk.diagnostics.diagnostic import UnsupportedError
-from tachk.model.builder import NetworkBuilder, Term, deadlock
+from tachk.model.builder import NetworkBuilder, Term, bound_variable, deadlock
 from tachk.model.query import Query, QueryKind
-from tachk.semantics.features import Feature, check_supported, network_features, query_features
+from tachk.model.types import IntType
+from tachk.semantics.features import Feature, check_selections, check_supported, network_features, query_features
 
 
 def query(predicate: Term, kind: QueryKind = QueryKind.POSSIBLY) -> Query:
@@ -118,3 +119,14 @@ def test_a_predicate_that_is_too_large_when_negated_is_refused_under_invariantly
         predicate = predicate | ((x < i) & (y > i))
     check_supported(network.build(), query(predicate))
     assert refusal(network, query(predicate, QueryKind.INVARIANTLY)) == "E0707"
+
+
+def test_selections_that_cannot_all_be_tried_are_refused() -> None:
+    network = NetworkBuilder()
+    p = network.process("P")
+    a = p.location("a")
+    i, j = bound_variable("i", IntType(0, 30000)), bound_variable("j", IntType(0, 30000))
+    p.edge(a, a, selects=[i, j], guard=i == j)
+    with pytest.raises(UnsupportedError, match="900060001 combinations") as caught:
+        check_selections(network.build())
+    assert caught.value.diagnostic.code == "E0708"
