@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tachk.syntax import tables
+
 SOURCES = Path(__file__).parents[2] / "src/tachk"
 HEAVY = {"_core", "certify", "engines", "frontend", "semantics", "syntax"}
 
@@ -60,8 +62,10 @@ property p : E<> P.b;
 """
 
 UNUSED = {
+    "hashlib",
     "jinja2",
     "jsonschema",
+    "lark",
     "matplotlib",
     "networkx",
     "numpy",
@@ -81,6 +85,13 @@ UNUSED = {
 """Of no use to a model in text form whose property is no formula and no sentence."""
 
 
+@pytest.fixture
+def with_tables() -> None:
+    """The tables of the grammar are in the cache: without, lark has to compute them."""
+    tables.grammar()
+
+
+@pytest.mark.usefixtures("with_tables")
 def test_verify_loads_only_what_the_model_needs(tmp_path: Path) -> None:
     model = tmp_path / "m.ta"
     model.write_text(MODEL, encoding="utf-8")
@@ -97,3 +108,12 @@ def test_verify_loads_only_what_the_model_needs(tmp_path: Path) -> None:
     loaded = set(json.loads(done.stdout.splitlines()[-1]))
     assert "tachk.engines.zone" in loaded
     assert not loaded & UNUSED
+
+
+def test_one_module_knows_lark() -> None:
+    users = {
+        str(path.relative_to(SOURCES))
+        for path in SOURCES.rglob("*.py")
+        if any(name.split(".")[0] == "lark" for name in imported_modules(path))
+    }
+    assert users == {"syntax/compile_grammar.py"}

@@ -1,6 +1,6 @@
 """Running LALR tables.
 
-lark builds the tables, this module runs them, some three times as fast as lark does: rules are looked up once instead
+lark computes the tables, this module runs them, some three times as fast as lark does: rules are looked up once instead
 of at every reduction, and the long chains of reductions that only pass on a value (an operand is a product is a sum is
 a relation ...) are followed once for each place in the tables.
 """
@@ -11,9 +11,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from lark.parsers.lalr_analysis import Shift
-from lark.parsers.lalr_parser_state import ParseConf
-
+from tachk.syntax.grammar import Grammar, Rule
 from tachk.syntax.tokens import END, Token
 
 T = TypeVar("T")
@@ -53,41 +51,35 @@ class _OnDemand(dict[int, T]):
 
 
 class Tables:
-    """What lark computed, and the chains of reductions met so far; the same for all start symbols.
+    """The tables of a grammar, with a builder's methods, and the chains of reductions met so far.
 
     Attributes:
         rows: the step for each terminal.
         gotos: the state behind each rule.
     """
 
-    def __init__(self, computed: ParseConf[int]) -> None:
-        self._computed = computed
-        self._reductions: dict[int, _Reduction] = {}
+    def __init__(self, grammar: Grammar, builder: object) -> None:
+        self._grammar = grammar
+        self._builder = builder
+        self._reductions = _OnDemand(self._reduction)
         self.rows = _OnDemand(self._steps)
         self.gotos = _OnDemand(self._targets)
         self.chains: dict[tuple[int, int, str], int] = {}
 
     def ends(self, start: str) -> tuple[int, int]:
         """The first and the last state for a start symbol."""
-        table = self._computed.parse_table
-        return table.start_states[start], table.end_states[start]
+        return self._grammar.starts[start], self._grammar.ends[start]
 
     def _steps(self, state: int) -> dict[str, _Step]:
-        row = self._computed.states[state]
-        return {name: arg if action is Shift else self._reduction(arg) for name, (action, arg) in row.items()}
+        row = self._grammar.rows[state]
+        return {name: step if step >= 0 else self._reductions[~step] for name, step in row.items()}
 
     def _targets(self, state: int) -> dict[str, int]:
-        row = self._computed.states[state]
-        return {name: arg for name, (action, arg) in row.items() if action is Shift}
+        return {name: step for name, step in self._grammar.rows[state].items() if step >= 0}
 
-    def _reduction(self, rule: Any) -> _Reduction:
-        known = self._reductions.get(id(rule))
-        if known is None:
-            size = len(rule.expansion)
-            passes_on = rule.options.expand1 and rule.alias is None and size == 1
-            known = _Reduction(size, rule.origin.name, self._computed.callbacks[rule], passes_on)
-            self._reductions[id(rule)] = known
-        return known
+    def _reduction(self, number: int) -> _Reduction:
+        rule = self._grammar.rules[number]
+        return _Reduction(rule.size, rule.origin, _build(rule, self._builder), rule.passes_on and rule.size == 1)
 
     def end_of_chain(self, below: int, state: int, kind: str, end: int) -> int:
         """The state in which the reductions end that pass on the value between two states, before a terminal."""
@@ -96,6 +88,46 @@ class Tables:
             state = self.gotos[below][step.origin]
         self.chains[key] = state
         return state
+
+
+def _build(rule: Rule, builder: object) -> Callable[[list[Any]], Any]:
+    """What makes one value of those of a rule."""
+    make = list if rule.is_inlined else getattr(builder, rule.callback, None)
+    if rule.passes_on:
+        make = _single if make is None else _single_or(make)
+    assert make is not None, f"no method for {rule.callback}"
+    return _spread(rule, make) if rule.places or rule.inlined else make
+
+
+def _single(values: list[Any]) -> Any:
+    (value,) = values
+    return value
+
+
+def _single_or(make: Callable[[list[Any]], Any]) -> Callable[[list[Any]], Any]:
+    return lambda values: values[0] if len(values) == 1 else make(values)
+
+
+def _spread(rule: Rule, make: Callable[[list[Any]], Any]) -> Callable[[list[Any]], Any]:
+    """Puts None in the places of absent parts, and the values of inlined rules in the place of these."""
+    places = rule.places or (0,) * (rule.size + 1)
+    inlined = rule.inlined
+
+    def build(values: list[Any]) -> Any:
+        spread: list[Any] = []
+        for place, value in enumerate(values):
+            if places[place]:
+                spread += [None] * places[place]
+            if place not in inlined:
+                spread.append(value)
+            elif spread:
+                spread += value
+            else:
+                # A list that grows at its end would otherwise be copied for each element. Nobody else has it.
+                spread = value
+        return make(spread + [None] * places[-1] if places[-1] else spread)
+
+    return build
 
 
 class Stack:

@@ -6,13 +6,11 @@ import re
 from dataclasses import dataclass
 from functools import cache
 
-import lark
-from lark.lexer import PatternStr
-
 from tachk.resources import grammar_text
+from tachk.syntax.grammar import Grammar
 from tachk.syntax.lalr import Tables
 from tachk.syntax.sentence_build import SentenceBuilder
-from tachk.syntax.tables import cached_parser
+from tachk.syntax.tables import cached_grammar
 
 START = "sentence"
 
@@ -35,22 +33,22 @@ class Phrase:
 
 
 @cache
-def _parser() -> lark.Lark:
-    return cached_parser(grammar_text("sentences"), (START,), SentenceBuilder())
+def _grammar() -> Grammar:
+    return cached_grammar(grammar_text("sentences"), (START,))
 
 
 @cache
 def sentence_tables() -> Tables:
-    return Tables(_parser().parse_interactive("").parser_state.parse_conf)
+    return Tables(_grammar(), SentenceBuilder())
 
 
 @cache
 def phrases() -> tuple[Phrase, ...]:
     """Every phrase of the grammar, longer ones first."""
     found = [
-        Phrase(terminal.name, tuple(_WORD.findall(terminal.pattern.value)))
-        for terminal in _parser().terminals
-        if isinstance(terminal.pattern, PatternStr)
+        Phrase(terminal.name, tuple(_WORD.findall(terminal.text)))
+        for terminal in _grammar().terminals
+        if terminal.text is not None
     ]
     return tuple(sorted(found, key=lambda phrase: (-len(phrase.words), phrase.words)))
 

@@ -1,27 +1,22 @@
-"""The LALR tables of the grammar, built once by lark and kept in a per-user cache between runs.
+"""The LALR tables of the grammar, computed once and kept in a per-user cache between runs.
 
-Building costs half a second, loading a few milliseconds. A cache that is missing, unreadable, foreign or outdated only
-costs the time to build again.
+Computing costs half a second, loading a few milliseconds. A cache that is missing, unreadable, foreign or outdated only
+costs the time to compute again.
 """
 
 from __future__ import annotations
 
-import hashlib
-import io
 import os
-import sys
-import tempfile
-from collections.abc import Iterator, Sequence
+import pickle
+import zlib
+from collections.abc import Sequence
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from typing import Any
-
-import lark
-from lark.lexer import Lexer as LarkLexer
 
 from tachk.resources import grammar_text
 from tachk.syntax.build import Builder
+from tachk.syntax.grammar import Grammar
 from tachk.syntax.lalr import Tables
 from tachk.syntax.tokens import Lexer
 
@@ -41,55 +36,43 @@ STARTS = (
     "assignment_fragment",
 )
 
-
-class _NoLexer(LarkLexer):
-    """Tokens are cut by `tachk.syntax.tokens` and fed to the parser one by one."""
-
-    def __init__(self, lexer_conf: Any) -> None:
-        pass
-
-    def lex(self, *_: Any) -> Iterator[Any]:
-        return iter(())
+_FORMAT = 2
+"""Of the cache: one more whenever `Grammar` changes."""
 
 
 @cache
-def parser_tables() -> lark.Lark:
-    """The parser of the whole grammar, one start symbol for each kind of text."""
-    return cached_parser("\n".join(grammar_text(name) for name in GRAMMAR_FILES), STARTS, Builder())
+def grammar() -> Grammar:
+    """The whole grammar, one start symbol for each kind of text."""
+    return cached_grammar("\n".join(grammar_text(name) for name in GRAMMAR_FILES), STARTS)
 
 
-def cached_parser(grammar: str, starts: Sequence[str], builder: Any) -> lark.Lark:
-    """The LALR parser of a grammar whose rules call the methods of a builder, from the cache where it is there."""
-    path = _cache_path(grammar, starts)
+def cached_grammar(text: str, starts: Sequence[str]) -> Grammar:
+    """The tables of a grammar, from the cache where they are there."""
+    key = f"{_FORMAT}\n{' '.join(starts)}\n{text}"
+    path = _cache_path(key)
     if path is not None:
         with suppress(Exception):
             # Whatever is wrong with a cache file must not stand in the user's way.
-            return _load(path, builder)
-    built = lark.Lark(
-        grammar,
-        parser="lalr",
-        lexer=_NoLexer,
-        start=list(starts),
-        keep_all_tokens=True,
-        maybe_placeholders=True,
-        transformer=builder,
-    )
+            return _load(path, key)
+    from tachk.syntax.compile_grammar import compile_grammar
+
+    compiled = compile_grammar(text, starts)
     if path is not None:
         with suppress(OSError):
-            _store(built, path)
-    return built
+            _store(compiled, path, key)
+    return compiled
 
 
 @cache
 def tables() -> Tables:
     """The tables of the whole grammar in the form in which they are run."""
-    return Tables(parser_tables().parse_interactive("", start=STARTS[0]).parser_state.parse_conf)
+    return Tables(grammar(), Builder())
 
 
 @cache
 def lexer() -> Lexer:
     """The lexer for the grammar's terminals."""
-    return Lexer({terminal.name: terminal for terminal in parser_tables().terminals})
+    return Lexer(grammar().terminals)
 
 
 def terminal_spelling() -> dict[str, str]:
@@ -98,30 +81,35 @@ def terminal_spelling() -> dict[str, str]:
     return {name: text for text, name in (*cutter.keywords.items(), *cutter.symbols.items())}
 
 
-def _cache_path(grammar: str, starts: Sequence[str]) -> Path | None:
+def _cache_path(key: str) -> Path | None:
     """Where the tables of a grammar are kept, or None where there is no home directory."""
-    what = f"{grammar}{tuple(starts)}{lark.__version__}{sys.version_info[:2]}"
-    name = hashlib.sha256(what.encode()).hexdigest()[:20]
     root = os.environ.get("XDG_CACHE_HOME")
     try:
         folder = Path(root) if root else Path.home() / ".cache"
     except RuntimeError:
         return None
-    return folder / "tachk" / f"grammar-{name}.bin"
+    return folder / "tachk" / f"grammar-{zlib.crc32(key.encode()):08x}.bin"
 
 
-def _load(path: Path, builder: Any) -> lark.Lark:
-    """Tables from the cache. `lark.Lark.load` cannot take a transformer, the method behind it can."""
-    return lark.Lark.__new__(lark.Lark)._load(io.BytesIO(path.read_bytes()), transformer=builder)
+def _load(path: Path, key: str) -> Grammar:
+    stored, *parts = pickle.loads(path.read_bytes())
+    if stored != key:
+        raise ValueError("the tables of another grammar")
+    (grammar,) = parts
+    if not isinstance(grammar, Grammar):
+        raise TypeError("no tables")
+    return grammar
 
 
-def _store(tables: lark.Lark, path: Path) -> None:
+def _store(grammar: Grammar, path: Path, key: str) -> None:
     """Write the tables beside their place and move them there, so that no reader sees half a file."""
+    import tempfile  # takes hashlib with it
+
     path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name)
     try:
         with os.fdopen(handle, "wb") as stream:
-            tables.save(stream)
+            pickle.dump((key, grammar), stream, pickle.HIGHEST_PROTOCOL)
         os.replace(temporary, path)
     except BaseException:
         with suppress(OSError):

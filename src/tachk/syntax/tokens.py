@@ -6,14 +6,13 @@ The terminals come from the grammar. Contextual keywords are decided afterwards,
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-
-from lark.lexer import PatternStr, TerminalDef
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Source, Span
 from tachk.syntax.ast import Comment
+from tachk.syntax.grammar import Terminal
 
 Match = Callable[[str, int, int], re.Match[str] | None]
 
@@ -57,19 +56,19 @@ class Lexed:
 class Lexer:
     """Cuts texts into the terminals of one grammar."""
 
-    def __init__(self, terminals: Mapping[str, TerminalDef]) -> None:
+    def __init__(self, terminals: Iterable[Terminal]) -> None:
         self.keywords: dict[str, str] = {}
         self.symbols: dict[str, str] = {}
-        expressions: list[TerminalDef] = []
-        for terminal in terminals.values():
-            if not isinstance(terminal.pattern, PatternStr):
+        expressions: list[Terminal] = []
+        for terminal in terminals:
+            if terminal.text is None:
                 expressions.append(terminal)
-            elif _WORD.fullmatch(terminal.pattern.value):
-                self.keywords[terminal.pattern.value] = terminal.name
+            elif _WORD.fullmatch(terminal.text):
+                self.keywords[terminal.text] = terminal.name
             else:
-                self.symbols[terminal.pattern.value] = terminal.name
+                self.symbols[terminal.text] = terminal.name
         expressions.sort(key=lambda terminal: -terminal.priority)
-        named = "|".join(f"(?P<{terminal.name}>{terminal.pattern.to_regexp()})" for terminal in expressions)
+        named = "|".join(f"(?P<{terminal.name}>{terminal.regexp})" for terminal in expressions)
         longest_first = sorted(self.symbols, key=len, reverse=True)
         symbols = "|".join(re.escape(symbol) for symbol in longest_first)
         self._pattern = re.compile(f"{_OUTER}|{named}|(?P<SYMBOL>{symbols})".replace("\n", ""), re.VERBOSE)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import lark
 import pytest
 
 from tachk.diagnostics.span import Source
-from tachk.syntax import tables
+from tachk.syntax import compile_grammar, tables
 from tachk.syntax.driver import drive
 
 
@@ -20,20 +19,24 @@ def cache_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def build() -> object:
     """The tables, made or loaded anew."""
-    return tables.parser_tables.__wrapped__()
+    return tables.grammar.__wrapped__()
 
 
 def test_the_second_run_loads_what_the_first_one_stored(cache_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     build()
     (stored,) = cache_folder.iterdir()
     assert stored.name.startswith("grammar-")
-    monkeypatch.setattr(lark, "Lark", _OnlyLoading)
+    monkeypatch.setattr(compile_grammar, "compile_grammar", lambda *_: pytest.fail("the tables were computed again"))
     assert build() is not None
 
 
-class _OnlyLoading(lark.Lark):
-    def __init__(self, *_: object, **__: object) -> None:
-        raise AssertionError("the tables were built again")
+def test_the_tables_of_another_grammar_are_not_taken(cache_folder: Path) -> None:
+    tables.cached_grammar('start: "a"', ("start",))
+    (stored,) = cache_folder.iterdir()
+    other = tables._cache_path(f'{tables._FORMAT}\nstart\nstart: "b"')
+    assert other is not None
+    stored.rename(other)
+    assert tables.cached_grammar('start: "b"', ("start",)).terminals[0].text == "b"
 
 
 @pytest.mark.parametrize("content", [b"", b"nonsense", b"\x80\x04N."])
