@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
 from tachk.frontend.load import load_model
 from tachk.properties.verdict import Verdict
@@ -33,3 +34,154 @@ def test_an_update_may_choose_the_clock_that_it_sets(query: str, answer: str) ->
     found = verdict(CONDITIONAL_RESET, query)
     assert found.answer.value == answer
     assert (found.trace is not None) is (answer == "holds")
+
+
+BUFFER = """
+    int[0,3] buf[4]; int len = 0; {urgent} chan get;
+    process Consumer() {{ init location Idle {{ to Busy {{ guard buf[len - 1] == 0; sync get?; }} }} location Busy; }}
+    process Producer() {{
+        clock x;
+        init location Wait {{ invariant x <= 5; to Full {{ guard x >= 2; assign buf[0] = 0, len = 1; }} }}
+        location Full {{ to Wait {{ sync get!; assign x = 0, len = 0; }} }}
+    }}
+    system Consumer, Producer;
+"""
+
+
+@pytest.mark.parametrize("urgent", ["urgent", ""])
+@pytest.mark.parametrize(
+    ("query", "answer"),
+    [("E<> Consumer.Busy", "holds"), ("A[] not Producer.Full", "fails"), ("A[] not deadlock", "fails")],
+)
+def test_a_receiver_is_asked_for_its_guard_only_by_a_sender(urgent: str, query: str, answer: str) -> None:
+    found = verdict(BUFFER.format(urgent=urgent), query)
+    assert found.answer.value == answer
+    assert found.trace is not None
+
+
+BESIDE = """
+    int a[2], n = 2; chan c;
+    process P() { init location A { to A { guard a[n] == 0; sync c?; } to B; } location B; }
+    process Q() { init location A; location B { to A { sync c!; } } }
+    system P, Q;
+"""
+
+
+@pytest.mark.parametrize(("query", "answer"), [("E<> P.B", "holds"), ("A[] not P.B", "fails"), ("G !P.B", "fails")])
+def test_a_guard_that_nobody_asks_for_does_not_spoil_a_run(query: str, answer: str) -> None:
+    found = verdict(BESIDE, query)
+    assert found.answer.value == answer
+    assert found.trace is not None
+
+
+SENDER = """
+    int a[2], n = 2; chan c;
+    process P() { init location A { to A { guard a[n] == 0; sync c!; } to B; } location B; }
+    process Q() { init location A; }
+    system P, Q;
+"""
+
+
+def test_a_sender_is_asked_for_its_guard_also_where_nobody_receives() -> None:
+    found = verdict(SENDER, "A[] P.A || P.B")
+    assert found.answer.value == "unknown"
+    assert found.fault is not None
+
+
+FAULTY_ACTION = """
+    int a[2], n = 2;
+    process P() { init location A { to A { assign a[n] = 1; } } location B; }
+    system P;
+"""
+
+
+@pytest.mark.parametrize(
+    ("query", "answer"),
+    [
+        ("E<> deadlock || P.A", "holds"),
+        ("E<> P.A || deadlock", "holds"),
+        ("A[] not deadlock && not P.A", "fails"),
+        ("E<> deadlock || P.B", "unknown"),
+        ("A[] not deadlock", "unknown"),
+    ],
+)
+def test_what_decides_without_deadlock_needs_no_action(query: str, answer: str) -> None:
+    found = verdict(FAULTY_ACTION, query)
+    assert found.answer.value == answer
+    assert (found.fault is not None) is (answer == "unknown")
+    assert (found.trace is not None) is (answer != "unknown")
+
+
+def of_channel(guard: str) -> str:
+    return f"""
+        chan c[2]; int n = 2;
+        process P() {{
+            clock x;
+            init location A {{
+                invariant x < 3;
+                to A {{ guard {guard}; sync c[n]!; }}
+                to A {{ guard x >= 1; assign x = 0; }}
+            }}
+        }}
+        system P;
+    """
+
+
+@pytest.mark.parametrize(
+    ("guard", "answer"), [("x >= 3", "holds"), ("x >= 3 && n < 2", "holds"), ("n < 2", "holds"), ("x >= 2", "unknown")]
+)
+def test_a_channel_index_counts_only_where_the_guard_holds(guard: str, answer: str) -> None:
+    assert verdict(of_channel(guard), "A[] not deadlock").answer.value == answer
+
+
+def of_receiver(guard: str, kind: str) -> str:
+    return f"""
+        {kind} chan c[2], d; int n = 2; clock x;
+        process P() {{ init location A {{ to A {{ guard {guard}; sync c[n]?; }} }} }}
+        process Q() {{
+            init location A {{ invariant x <= 3; to B {{ sync c[0]!; }} to D {{ sync d!; }} }}
+            location B; location D;
+        }}
+        system P, Q;
+    """
+
+
+@pytest.mark.parametrize("kind", ["broadcast", ""])
+@pytest.mark.parametrize(("guard", "answer"), [("x >= 4", "fails"), ("x >= 2", "unknown"), ("n < 2", "fails")])
+def test_the_channel_index_of_a_receiver_counts_only_where_its_guard_holds(kind: str, guard: str, answer: str) -> None:
+    assert verdict(of_receiver(guard, kind), "E<> x >= 4 && Q.A && P.A").answer.value == answer
+
+
+def test_a_sender_on_another_channel_does_not_ask() -> None:
+    text = of_receiver("x >= 0", "broadcast").replace("to B { sync c[0]!; }", "")
+    assert verdict(text, "E<> Q.B && P.A").answer.value == "fails"
+
+
+def test_an_initial_invariant_that_is_false_before_it_can_fail_is_an_input_error() -> None:
+    text = "int a[2], n = 2; clock x; process P() { init location A { invariant x <= a[n] && n < 2; } } system P;"
+    with pytest.raises(InputError, match="E0409"):
+        verdict(text, "A[] P.A")
+
+
+ORDER = """
+    int a[2], n = 2, m = 0; clock x;
+    process P() {{ init location A {{ to B {{ guard {guard}; assign n = 2, m = 0; }} }} location B; }}
+    system P;
+"""
+
+
+@pytest.mark.parametrize(
+    ("guard", "answer"),
+    [
+        ("n < 2 && a[n] == 1", "fails"),
+        ("a[n] == 1 && n < 2", "unknown"),
+        ("a[n] == 1 && m == 5", "unknown"),
+        ("x <= a[n] && n < 2", "fails"),
+        ("(x <= a[n] || n == 2) && x >= 1", "holds"),
+        ("x >= 3 && a[n] == 1", "unknown"),
+        ("m == 0 || a[n] == 1", "holds"),
+    ],
+)
+def test_a_guard_is_evaluated_from_left_to_right_clocks_last(guard: str, answer: str) -> None:
+    found = verdict(ORDER.format(guard=guard), "E<> P.B")
+    assert found.answer.value == answer

@@ -198,7 +198,8 @@ class Decoder {
     result.target = static_cast<std::int32_t>(in_.below(locations, "location"));
     result.guard = condition();
     result.channel = in_.number();
-    if (result.channel >= static_cast<std::int32_t>(program_.channels.size()))
+    result.channels = in_.count();
+    if (result.channel >= 0 && static_cast<std::size_t>(result.channel) + result.channels > program_.channels.size())
       throw std::invalid_argument("bad channel in image");
     result.channel_code = code();
     result.sends = in_.flag();

@@ -101,6 +101,14 @@ std::int32_t Semantics::channel_of(const Edge& edge, std::int32_t* slots) {
                                       : static_cast<std::int32_t>(machine_.value(edge.channel_code, slots));
 }
 
+bool Semantics::names_within(const Edge& edge, std::int32_t channel, std::int32_t* slots, const void* zone,
+                             std::size_t level) {
+  const std::size_t before = action_.guard.size();
+  const bool open = guarded(edge, slots, zone, level) != nullptr;
+  action_.guard.resize(before);
+  return open && names(edge, channel, slots);
+}
+
 bool Semantics::invariant(std::int32_t* slots, std::vector<Atom>& atoms) {
   for (std::size_t p = 0; p < program_.processes.size(); ++p) {
     const Location& here = location(p, slots);
@@ -159,6 +167,11 @@ bool Semantics::weakest_precondition(const Effect& effect, std::vector<Atom>& at
   return true;
 }
 
+bool Semantics::may_be_urgent(const Edge& edge) const {
+  const auto first = program_.channels.begin() + edge.channel;
+  return std::any_of(first, first + edge.channels, [](const Channel& channel) { return channel.urgent; });
+}
+
 bool Semantics::time_passes(std::int32_t* slots) {
   const std::size_t processes = program_.processes.size();
   if (has_urgent_locations_)
@@ -168,9 +181,7 @@ bool Semantics::time_passes(std::int32_t* slots) {
   for (std::size_t p = 0; p < processes; ++p) {
     for (const std::uint32_t number : outgoing(p, slots).sends) {
       const Edge& sender = program_.edges[number];
-      if (sender.channel_code == no_code && !program_.channels[static_cast<std::size_t>(sender.channel)].urgent)
-        continue;
-      if (!offers(number, slots)) continue;
+      if (!may_be_urgent(sender) || !offers(number, slots)) continue;
       const std::int32_t channel = channel_of(sender, slots);
       const Channel& kind = program_.channels[static_cast<std::size_t>(channel)];
       if (!kind.urgent) continue;
@@ -178,7 +189,7 @@ bool Semantics::time_passes(std::int32_t* slots) {
       for (std::size_t q = 0; q < processes; ++q) {
         if (q == p) continue;
         for (const std::uint32_t other : outgoing(q, slots).receives)
-          if (hears(other, channel, slots)) return false;
+          if (may_hear(other, channel, slots) && names(program_.edges[other], channel, slots)) return false;
       }
     }
   }

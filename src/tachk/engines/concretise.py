@@ -12,7 +12,7 @@ from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.traversal import walk
 from tachk.semantics import dbm, symbolic
-from tachk.semantics.constraints import disjunctive
+from tachk.semantics.constraints import certain, conditional_constraints
 from tachk.semantics.dbm import LESS_EQUAL_ZERO, Constraint, Zone, complement, raw_bound
 from tachk.semantics.discrete import (
     Model,
@@ -77,7 +77,7 @@ def _of_phase(model: Model, discrete: DiscreteState, phase: int, leaves_by: Tran
     scratch = environment(model, discrete)
     for location in model.current(discrete):
         if location.invariant is not None:
-            condition = disjunctive(location.invariant, scratch)
+            condition = conditional_constraints(location.invariant, scratch)
             yield [tuple(Moment(phase, False, c) for c in conjunction) for conjunction in condition]
             yield _at_end(phase, condition)
     if leaves_by is not None:
@@ -167,7 +167,7 @@ def _final(
         if here.invariant is not None:
             here = replace(here, invariant=dbm.intersect(here.invariant, _reached(model, states, phases, path)))
         return _conditions(symbolic.where(model, here, predicate))
-    return disjunctive(predicate, environment(model, states[-1]))
+    return certain(predicate, environment(model, states[-1]))
 
 
 def _trace(

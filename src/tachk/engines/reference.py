@@ -81,6 +81,9 @@ def explore(network: Network, goals: Sequence[Expression], limits: Limits = Limi
                 reason = "depth limit"
                 continue
             search.explored += 1
+            for asked in node.situation.faults:
+                if symbolic.intersections([node.zone], asked.domain):
+                    raise asked.fault
             for move in node.situation.moves:
                 _follow(search, node, move)
             move = None

@@ -226,7 +226,7 @@ def _encode(program: Program, goals: Sequence[Goal]) -> list[int]:
     for edge in program.edges:
         image += (edge.process, edge.source, edge.target)
         image.extend(_condition(edge.guard))
-        image += (edge.channel, edge.channel_code, int(edge.sends))
+        image += (edge.channel, edge.channels, edge.channel_code, int(edge.sends))
         image.extend(_update(edge.update))
     image.append(len(goals))
     for goal in goals:

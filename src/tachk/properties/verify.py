@@ -13,7 +13,6 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, InternalError, 
 from tachk.engines.concretise import concretise
 from tachk.engines.protocol import INTERRUPTED, GoalOutcome, Limits, Options, Outcome, Progress, Statistics, Status
 from tachk.engines.zone import explore
-from tachk.model.evaluate import holds
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query, QueryKind
@@ -28,11 +27,12 @@ from tachk.properties.observed import (
 from tachk.properties.plan import Search, Task, plan
 from tachk.properties.verdict import Answer, Verdict
 from tachk.semantics.bystanders import without_bystanders
-from tachk.semantics.discrete import environment, initial_discrete, prepare
+from tachk.semantics.discrete import initial_discrete, prepare
 from tachk.semantics.features import check_selections, check_supported
 from tachk.semantics.lower import lower
 from tachk.semantics.spectators import with_spectators, without_spectators
-from tachk.semantics.step import StepError
+from tachk.semantics.step import StepError, satisfies_invariant
+from tachk.semantics.trace import TimedState
 
 
 def verify(
@@ -90,14 +90,13 @@ def _not_begun(task: Task) -> Verdict:
 
 def _check_initial_state(network: Network) -> None:
     model = prepare(network)
-    start = environment(model, initial_discrete(model), (Fraction(0),) * (model.dimension - 1))
+    start = TimedState(initial_discrete(model), (Fraction(0),) * (model.dimension - 1), Fraction(0))
     violated = []
-    for process in network.processes:
-        location = process.locations[process.initial]
+    for number, process in enumerate(network.processes):
         # An invariant that cannot be evaluated is a run-time error, which the search reports.
         with suppress(EvaluationFault):
-            if not holds(location.invariant, start):
-                violated.append((process.name, location))
+            if not satisfies_invariant(model, start, number):
+                violated.append((process.name, process.locations[process.initial]))
     if violated:
         raise InputError(
             Diagnostic(

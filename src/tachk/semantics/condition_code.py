@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import (
@@ -22,6 +24,7 @@ from tachk.model.expressions import (
 from tachk.semantics.bounds import ConstraintRange
 from tachk.semantics.codegen import CodeGenerator
 from tachk.semantics.conditions import ClockAtom, Conjunction, conjuncts
+from tachk.semantics.failures import can_fail
 from tachk.semantics.fold import COMPARISONS, Known, cannot_fail, fold, fold_place, is_integer
 from tachk.semantics.intervals import interval, possible_cells
 from tachk.semantics.layout import Layout, cell_range
@@ -51,18 +54,24 @@ class ConditionCompiler:
     def compile(self, conjunction: Conjunction, known: Known) -> tuple[Condition, tuple[ConstraintRange, ...]] | None:
         """The compiled condition; None if it is false in every state.
 
+        Tests come before code, but none that stands behind something that may fail: it would hide the error.
         Raises UnsupportedError for a clock bound that may be too large.
         """
         tests: list[Test] = []
         remaining: list[Expression] = []
-        for integer in conjunction.integers:
-            for part in self._tests_or_rest(integer, known):
-                if part is False:
+        fails = False  # once something may fail, what stands behind it must not hide that
+        for part in (part for integer in conjunction.integers for part in conjuncts(fold(integer, known))):
+            if fails:
+                remaining.append(part)
+                continue
+            for simple in self._tests_or_rest(part, known):
+                if simple is False:
                     return None
-                if isinstance(part, Test):
-                    tests.append(part)
-                elif part is not True:
-                    remaining.append(part)
+                if isinstance(simple, Test):
+                    tests.append(simple)
+                elif simple is not True:
+                    remaining.append(simple)
+                    fails = fails or can_fail(simple, known)
         constraints: list[ClockConstraint] = []
         ranges: list[ConstraintRange] = []
         code = NO_CODE
@@ -83,17 +92,13 @@ class ConditionCompiler:
         """A condition that is false in every state."""
         return Condition(code=self.generator.value_code(Constant(0)))
 
-    def _tests_or_rest(self, integer: Expression, known: Known) -> list[Test | bool | Expression]:
+    def _tests_or_rest(self, part: Expression, known: Known) -> Sequence[Test | bool | Expression]:
         """The condition as tests, truth values that are known, and what needs code."""
-        parts: list[Test | bool | Expression] = []
-        for part in conjuncts(fold(integer, known)):
-            test = self._test(part)
-            unrolled = self._unrolled(part, known) if test is None else None
-            if unrolled is not None:
-                parts.extend(unrolled)
-            else:
-                parts.append(part if test is None else test)
-        return parts
+        test = self._test(part)
+        if test is not None:
+            return [test]
+        unrolled = self._unrolled(part, known)
+        return [part] if unrolled is None else unrolled
 
     def _unrolled(self, part: Expression, known: Known) -> list[Test | bool | Expression] | None:
         """A short ``forall`` whose instances are all tests."""

@@ -1,9 +1,14 @@
 """The clock constraints of a condition in a given discrete state.
 
-Everything but the comparisons of clocks is evaluated; what is left is brought into disjunctive normal form.
+Everything but the comparisons of clocks is evaluated; what is left is brought into disjunctive normal form. What is
+evaluated, and in which order, is the rule for run-time errors in docs/semantics.md; `conditional_constraints` has it
+for guards and invariants, `certain` for the predicates of queries.
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
 
 from tachk.model.evaluate import Environment, clock_number, evaluate
 from tachk.model.expressions import (
@@ -17,8 +22,9 @@ from tachk.model.expressions import (
     Unary,
     UnaryOperator,
 )
+from tachk.model.fault import EvaluationFault
 from tachk.model.types import ClockType, ScalarLike, bounds
-from tachk.semantics.dbm import Constraint, complement, raw_bound
+from tachk.semantics.dbm import INFINITY, Constraint, bound_value, complement, raw_bound
 
 Conjunction = tuple[Constraint, ...]
 Disjunction = list[Conjunction]
@@ -54,8 +60,119 @@ def compares_clocks(expression: Expression) -> bool:
             return False
 
 
+def conditional_constraints(condition: Expression | None, environment: Environment) -> Disjunction:
+    """The disjunctive normal form of a guard or an invariant; None stands for true.
+
+    First the integer conditions of the conjunction are evaluated from left to right, as far as they are true; then
+    the bounds of all clock comparisons. Where one side of a disjunction compares clocks, the other one is evaluated
+    before it. Raises EvaluationFault, and ValueError for a comparison that is not a difference constraint.
+    """
+    if condition is None:
+        return TRUE
+    for excuses, part, positive in _parts(condition, True, (), environment):
+        if not compares_clocks(part) and not _excused(excuses, environment):
+            if (evaluate(part, environment) != 0) is not positive:
+                return FALSE
+    result = TRUE
+    for excuses, part, positive in _parts(condition, True, (), environment):
+        if compares_clocks(part) and not _excused(excuses, environment):
+            result = conjunction(result, disjunctive(part, environment, not positive))
+    return result
+
+
+_Excuses = tuple[tuple[Expression, bool], ...]
+
+
+def _excused(excuses: _Excuses, environment: Environment) -> bool:
+    """Whether something makes it superfluous to ask a part: an expression with the truth it must have for that."""
+    return any((evaluate(expression, environment) != 0) is wanted for expression, wanted in excuses)
+
+
+def _parts(
+    condition: Expression, positive: bool, excuses: _Excuses, environment: Environment
+) -> Iterator[tuple[_Excuses, Expression, bool]]:
+    """The conjuncts of a condition, or (not positive) of its negation, with what excuses from each; quantified
+    variables are bound in the environment while one is looked at."""
+    if not compares_clocks(condition):
+        yield excuses, condition, positive
+        return
+    match condition:
+        case Unary(UnaryOperator.NOT, operand):
+            yield from _parts(operand, not positive, excuses, environment)
+        case Binary(BinaryOperator.AND | BinaryOperator.OR | BinaryOperator.IMPLY as operator, left, right):
+            left_positive = positive if operator is not BinaryOperator.IMPLY else not positive
+            if (operator is BinaryOperator.AND) is positive:
+                yield from _parts(left, left_positive, excuses, environment)
+                yield from _parts(right, positive, excuses, environment)
+            elif not compares_clocks(left):
+                yield from _parts(right, positive, (*excuses, (left, left_positive)), environment)
+            elif not compares_clocks(right):
+                yield from _parts(left, left_positive, (*excuses, (right, positive)), environment)
+            else:
+                yield excuses, condition, positive
+        case Conditional(test, then, otherwise) if not compares_clocks(test):
+            yield from _parts(then, positive, (*excuses, (test, False)), environment)
+            yield from _parts(otherwise, positive, (*excuses, (test, True)), environment)
+        case Quantifier(kind, variable, body) if kind is (QuantifierKind.FORALL if positive else QuantifierKind.EXISTS):
+            assert isinstance(variable.type, ScalarLike)
+            low, high = bounds(variable.type)
+            for value in range(low, high + 1):
+                environment.bind(variable, value)
+                yield from _parts(body, positive, excuses, environment)
+        case _:
+            yield excuses, condition, positive
+
+
+def certain(predicate: Expression, environment: Environment, negated: bool = False) -> Disjunction:
+    """Where a predicate, or its negation, is true whatever the parts of it are that cannot be evaluated.
+
+    The disjunctive normal form in Kleene's logic, an error being the third value.
+    """
+    if not _is_connected(predicate):
+        try:
+            return disjunctive(predicate, environment, negated)
+        except EvaluationFault:
+            return FALSE
+    match predicate:
+        case Unary(UnaryOperator.NOT, operand):
+            return certain(operand, environment, not negated)
+        case Binary(BinaryOperator.AND | BinaryOperator.OR | BinaryOperator.IMPLY as operator, left, right):
+            left_negated = negated if operator is not BinaryOperator.IMPLY else not negated
+            one, other = certain(left, environment, left_negated), certain(right, environment, negated)
+            return conjunction(one, other) if (operator is BinaryOperator.AND) is not negated else one + other
+        case Conditional(test, then, otherwise):
+            return conjunction(certain(test, environment), certain(then, environment, negated)) + conjunction(
+                certain(test, environment, True), certain(otherwise, environment, negated)
+            )
+        case _:
+            raise TypeError(f"{type(predicate).__name__} connects no predicates")
+
+
+def _is_connected(predicate: Expression) -> bool:
+    match predicate:
+        case Unary(UnaryOperator.NOT) | Binary(BinaryOperator.AND | BinaryOperator.OR | BinaryOperator.IMPLY):
+            return True
+        case Conditional():
+            return True
+        case _:
+            return False
+
+
+def satisfied(condition: Disjunction, clocks: Sequence[Fraction]) -> bool:
+    """Whether clock values, entry i for clock number i + 1, satisfy a disjunction."""
+    point = (Fraction(0), *clocks)
+
+    def met(constraint: Constraint) -> bool:
+        i, j, raw = constraint
+        difference, bound = point[i] - point[j], bound_value(raw)
+        return raw >= INFINITY or difference < bound or (difference == bound and raw % 2 == 1)
+
+    return any(all(map(met, conjunction)) for conjunction in condition)
+
+
 def disjunctive(condition: Expression | None, environment: Environment, negated: bool = False) -> Disjunction:
-    """The disjunctive normal form of a condition, or of its negation; None stands for true.
+    """The disjunctive normal form of a condition, or of its negation, each part evaluated as it stands in the text;
+    None stands for true.
 
     Raises EvaluationFault, and ValueError for a comparison that is not a difference constraint.
     """

@@ -54,15 +54,6 @@ class Model:
         return tuple(p.locations[n] for p, n in zip(self.network.processes, discrete.locations, strict=True))
 
 
-@dataclass(frozen=True, slots=True)
-class Offer:
-    """An edge that could be taken, with the channel it names in the current state; None for an internal edge."""
-
-    participant: Participant
-    channel: int | None
-    sends: bool
-
-
 def prepare(network: Network) -> Model:
     layout = cell_layout(network)
     channels = []
@@ -126,37 +117,69 @@ def bind_selects(model: Model, participant: Participant, scratch: Environment) -
         scratch.bind(variable, value)
 
 
-def offers(model: Model, scratch: Environment, is_open: Callable[[Participant], bool]) -> tuple[tuple[Offer, ...], ...]:
-    """For each process the outgoing edges that ``is_open`` accepts, with their channels. Raises EvaluationFault.
+# ---- what is asked, and when -----------------------------------------------------------------------------------------
+#
+# The rule for run-time errors (docs/semantics.md): an internal edge and a sending edge are asked for their guards in
+# every state, a receiving edge only where the guard of a sender holds whose channel it may name; a channel index is
+# evaluated where the guard of its edge holds. Whoever enumerates transitions does it with these functions.
 
-    ``scratch`` is the environment of the state; ``is_open`` finds the select variables bound in it.
-    """
 
-    def of_process(process: int, location: int) -> Iterator[Offer]:
+def initiators(model: Model, discrete: DiscreteState) -> Iterator[Participant]:
+    """The edges that can begin a transition: senders, and the internal edges that the committed rule admits."""
+    committed = _committed(model, discrete)
+    for process, location in enumerate(discrete.locations):
         for participant in model.instances[process][location]:
-            bind_selects(model, participant, scratch)
-            if is_open(participant):
-                yield offer(model, participant, scratch)
+            synchronisation = model.edge(participant).synchronisation
+            if synchronisation is None:
+                if committed[process] or not any(committed):
+                    yield participant
+            elif synchronisation.direction is Direction.SEND:
+                yield participant
 
-    return tuple(tuple(of_process(p, location)) for p, location in enumerate(scratch.locations))
 
-
-def offer(model: Model, participant: Participant, scratch: Environment) -> Offer:
-    """The offer that an edge makes, with its select variables bound in the environment. Raises EvaluationFault."""
+def channel_named(model: Model, participant: Participant, scratch: Environment) -> int | None:
+    """The channel that an edge names, its select variables bound; None for an internal one. Raises EvaluationFault."""
     synchronisation = model.edge(participant).synchronisation
     if synchronisation is None:
-        return Offer(participant, None, sends=False)
-    channel = model.fixed.get(participant)
-    if channel is None:
-        channel = channel_number(synchronisation.channel, scratch)
-    return Offer(participant, channel, synchronisation.direction is Direction.SEND)
+        return None
+    fixed = model.fixed.get(participant)
+    return channel_number(synchronisation.channel, scratch) if fixed is None else fixed
 
 
-def may_denote(model: Model, place: Expression, channel: int) -> bool:
+def listeners(
+    model: Model, discrete: DiscreteState, sender: Participant, channel: int
+) -> tuple[tuple[Participant, ...], ...]:
+    """For each other process the receiving edges that may name a channel and that the committed rule admits."""
+    committed = _committed(model, discrete)
+    free = model.channels[channel][0].broadcast or not any(committed) or committed[sender.process]
+    return tuple(
+        tuple(p for p in model.instances[process][location] if _may_hear(model, p, channel))
+        if process != sender.process and (free or committed[process])
+        else ()
+        for process, location in enumerate(discrete.locations)
+    )
+
+
+def _may_hear(model: Model, participant: Participant, channel: int) -> bool:
+    synchronisation = model.edge(participant).synchronisation
+    if synchronisation is None or synchronisation.direction is Direction.SEND:
+        return False
+    fixed = model.fixed.get(participant)
+    return _may_denote(model, synchronisation.channel, channel) if fixed is None else fixed == channel
+
+
+def may_be_urgent(model: Model, participant: Participant) -> bool:
+    """Whether an edge names an urgent channel in some state."""
+    synchronisation = model.edge(participant).synchronisation
+    urgent = (number for number, (type_, _) in enumerate(model.channels) if type_.urgent)
+    return synchronisation is not None and any(_may_denote(model, synchronisation.channel, n) for n in urgent)
+
+
+def _may_denote(model: Model, place: Expression, channel: int) -> bool:
     """Whether a channel expression can denote a channel in any state, judged by the variable it is built on."""
     match place:
         case Index(base) | Field(base):
-            return may_denote(model, base, channel)
+            return _may_denote(model, base, channel)
         case Reference(variable):
             first = model.layout.first[variable]
             return first <= model.layout.channel_cells[channel] < first + cell_count(variable.type)
@@ -164,65 +187,41 @@ def may_denote(model: Model, place: Expression, channel: int) -> bool:
             return True
 
 
-def combinations(
+def transitions_with(
     model: Model,
     discrete: DiscreteState,
-    offered: Sequence[Sequence[Offer]],
-    may_abstain: Callable[[Sequence[Offer]], bool],
+    sender: Participant,
+    channel: int,
+    hearing: Sequence[Sequence[Participant]],
+    may_abstain: Callable[[Sequence[Participant]], bool],
 ) -> Iterator[Transition]:
-    """The transitions that the offers allow and the committed rule admits.
+    """The transitions of a sender with those that hear it, as far as the committed rule admits them.
 
-    For a broadcast ``may_abstain`` says of a process's matching offers whether the process can also stay out.
+    For a broadcast ``may_abstain`` says of the edges of one process whether the process can also stay out.
     """
-    for first in (o for of_process in offered for o in of_process):
-        if first.channel is None:
-            candidates: Iterator[Transition] = iter([Transition((first.participant,))])
-        elif not first.sends:
-            continue
-        elif model.channels[first.channel][0].broadcast:
-            candidates = _broadcasts(first, offered, may_abstain)
-        else:
-            candidates = _handshakes(first, offered)
-        yield from (t for t in candidates if _admitted(model, discrete, t))
-
-
-def _matching(sender: Offer, offered: Sequence[Sequence[Offer]]) -> list[list[Offer]]:
-    """For each other process its receiving offers on the sender's channel."""
-    return [
-        [o for o in of_process if o.channel == sender.channel and not o.sends]
-        for process, of_process in enumerate(offered)
-        if process != sender.participant.process
-    ]
-
-
-def _handshakes(sender: Offer, offered: Sequence[Sequence[Offer]]) -> Iterator[Transition]:
-    for receivers in _matching(sender, offered):
-        for receiver in receivers:
-            yield Transition((sender.participant, receiver.participant))
-
-
-def _broadcasts(
-    sender: Offer, offered: Sequence[Sequence[Offer]], may_abstain: Callable[[Sequence[Offer]], bool]
-) -> Iterator[Transition]:
+    if not model.channels[channel][0].broadcast:
+        yield from (Transition((sender, receiver)) for of_process in hearing for receiver in of_process)
+        return
+    committed = _committed(model, discrete)
     choices: list[list[tuple[Participant, ...]]] = []
-    for receivers in _matching(sender, offered):
-        joins: list[tuple[Participant, ...]] = [(r.participant,) for r in receivers]
+    for receivers in hearing:
+        joins: list[tuple[Participant, ...]] = [(receiver,) for receiver in receivers]
         choices.append(joins + ([()] if may_abstain(receivers) else []))
     for chosen in product(*choices):
-        yield Transition((sender.participant, *(p for join in chosen for p in join)))
+        participants = (sender, *(p for join in chosen for p in join))
+        if not any(committed) or any(committed[p.process] for p in participants):
+            yield Transition(participants)
 
 
-def _admitted(model: Model, discrete: DiscreteState, transition: Transition) -> bool:
-    """The committed rule: where a current location is committed, the transition leaves a committed location."""
-    committed = [location.committed for location in model.current(discrete)]
-    return not any(committed) or any(committed[p.process] for p in transition.participants)
+def _committed(model: Model, discrete: DiscreteState) -> tuple[bool, ...]:
+    return tuple(location.committed for location in model.current(discrete))
 
 
 def channel_of(model: Model, discrete: DiscreteState, transition: Transition) -> int | None:
     """The channel of a transition that starts in a state; None for an internal one."""
     scratch = environment(model, discrete)
     bind_selects(model, transition.participants[0], scratch)
-    return offer(model, transition.participants[0], scratch).channel
+    return channel_named(model, transition.participants[0], scratch)
 
 
 def is_urgent(model: Model, discrete: DiscreteState, transition: Transition) -> bool:

@@ -58,7 +58,7 @@ def interval(expression: Expression, known: Known, arguments: Mapping[Variable, 
         case Binary(operator, left, right):
             if operator in COMPARISONS or operator in CONNECTIVES:
                 return 0, 1
-            return _arithmetic(operator, interval(left, known, given), interval(right, known, given))
+            return arithmetic(operator, interval(left, known, given), interval(right, known, given))
         case Conditional(_, then, otherwise):
             return _hull(interval(then, known, given), interval(otherwise, known, given))
         case Quantifier(kind, variable, body):
@@ -141,7 +141,8 @@ def _call(call: Call, known: Known, given: Mapping[Variable, Interval]) -> Inter
     return (low, high) if low <= high else declared
 
 
-def _arithmetic(operator: BinaryOperator, left: Interval, right: Interval) -> Interval:
+def arithmetic(operator: BinaryOperator, left: Interval, right: Interval) -> Interval:
+    """The values of ``left operator right`` where there is one."""
     match operator:
         case BinaryOperator.ADD:
             return _fit(left[0] + right[0], left[1] + right[1])

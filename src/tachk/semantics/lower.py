@@ -7,10 +7,10 @@ from dataclasses import replace
 
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
-from tachk.model.expressions import Assign, Constant, Expression
+from tachk.model.expressions import Assign, Constant, Expression, Field, Index, Reference
 from tachk.model.network import Direction, Edge, Location, Network, Process
 from tachk.model.traversal import called_functions, statement_expressions, walk
-from tachk.model.types import ChannelType, ClockType
+from tachk.model.types import ChannelType, ClockType, leaves
 from tachk.semantics.bounds import (
     BoundEdge,
     ConstraintRange,
@@ -143,15 +143,16 @@ class _Lowering:
         if compiled is None:
             return
         guard, ranges = compiled
-        channel, channel_code, sends, broadcast = -1, NO_CODE, False, False
+        channel, channels, channel_code, sends, broadcast = -1, 0, NO_CODE, False, False
         if edge.synchronisation is not None:
             place = fold_place(edge.synchronisation.channel, known)
             sends = edge.synchronisation.direction is Direction.SEND
             broadcast = isinstance(place.type, ChannelType) and place.type.broadcast
             slot = self.layout.known_slot(place)
             if slot is not None:
-                channel = self.layout.slots[slot].initial
+                channel, channels = self.layout.slots[slot].initial, 1
             else:
+                channel, channels = self._possible_channels(place)
                 channel_code = self.generator.number_code(place, known)
         updates = tuple(fold(update, known) for update in edge.updates)
         self.edges.append(
@@ -163,6 +164,7 @@ class _Lowering:
                 edge.target,
                 guard,
                 channel,
+                channels,
                 channel_code,
                 sends,
                 self._update(updates),
@@ -177,6 +179,18 @@ class _Lowering:
                 both_directions=broadcast and not sends,
             )
         )
+
+    def _possible_channels(self, place: Expression) -> tuple[int, int]:
+        """The first of the channels that a place may denote, and their number: all of the variable it is built on."""
+        match place:
+            case Index(base) | Field(base):
+                return self._possible_channels(base)
+            case Reference(variable):
+                first = self.layout.first_slot(variable)
+                of_channels = [isinstance(leaf, ChannelType) for _, leaf in leaves(variable.type)]
+                return self.layout.slots[first + of_channels.index(True)].initial, sum(of_channels)
+            case _:
+                return 0, len(self.layout.channels)
 
     def _update(self, updates: tuple[Expression, ...]) -> Update:
         stores: dict[int, int] = {}

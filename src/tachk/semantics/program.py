@@ -101,7 +101,8 @@ class ProgramEdge:
     Attributes:
         edge: its number in ``network.processes[process].edges``.
         selects: the values of its select variables.
-        channel: channel number; -1 for an internal edge; ignored if ``channel_code`` is given.
+        channel: channel number; -1 for an internal edge; the first of the possible ones if ``channel_code`` is given.
+        channels: how many channels from that one on the edge may name.
         sends: ``!`` rather than ``?``.
     """
 
@@ -112,6 +113,7 @@ class ProgramEdge:
     target: int
     guard: Condition = Condition()
     channel: int = -1
+    channels: int = 0
     channel_code: int = NO_CODE
     sends: bool = False
     update: Update = Update()

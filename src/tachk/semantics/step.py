@@ -9,26 +9,31 @@ satisfies all invariants. It is *enabled* if no possible transition has a higher
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 
 from tachk.model.evaluate import Environment, holds
-from tachk.model.expressions import Expression
+from tachk.model.expressions import Binary, BinaryOperator, Expression, Unary, UnaryOperator
 from tachk.model.fault import EvaluationFault
-from tachk.semantics.constraints import disjunctive
+from tachk.semantics.constraints import Disjunction, conditional_constraints, satisfied
 from tachk.semantics.dbm import INFINITY, Constraint, bound_value
 from tachk.semantics.discrete import (
     Model,
-    combinations,
+    bind_selects,
+    channel_named,
     environment,
     execute_updates,
     has_priorities,
     initial_discrete,
+    initiators,
     is_urgent,
+    listeners,
+    may_be_urgent,
     may_delay,
-    offers,
     priority,
     stopped_clocks,
+    transitions_with,
 )
 from tachk.semantics.trace import DiscreteState, Participant, TimedState, Transition
 
@@ -46,15 +51,81 @@ def initial_state(model: Model) -> TimedState:
 
 
 def satisfies_invariants(model: Model, state: TimedState) -> bool:
+    """Whether all invariants hold; none is asked behind a false one. Raises EvaluationFault."""
+    return all(satisfies_invariant(model, state, process) for process in range(len(state.discrete.locations)))
+
+
+def satisfies_invariant(model: Model, state: TimedState, process: int) -> bool:
+    """Whether the invariant of a process's location holds. Raises EvaluationFault."""
+    return _holds_at(model, state, model.current(state.discrete)[process].invariant)
+
+
+def _holds_at(model: Model, state: TimedState, condition: Expression | None, of: Participant | None = None) -> bool:
+    """Whether a guard or an invariant holds, evaluated as docs/semantics.md says. Raises EvaluationFault.
+
+    The rule says what goes wrong, and what is false whatever the clocks; the evaluator, which knows nothing of
+    constraints, says what holds, unless it meets in the order of the text what the rule does not ask.
+    """
     scratch = environment(model, state.discrete, state.clocks)
-    return all(holds(location.invariant, scratch) for location in model.current(state.discrete))
+    if of is not None:
+        bind_selects(model, of, scratch)
+    asked = conditional_constraints(condition, scratch)
+    if not asked:
+        return False
+    try:
+        return holds(condition, scratch)
+    except EvaluationFault:
+        return satisfied(asked, state.clocks)
+
+
+def _is_open(model: Model, state: TimedState, participant: Participant) -> bool:
+    return _holds_at(model, state, model.edge(participant).guard, participant)
+
+
+def _channel(model: Model, discrete: DiscreteState, participant: Participant) -> int | None:
+    scratch = environment(model, discrete)
+    bind_selects(model, participant, scratch)
+    return channel_named(model, participant, scratch)
+
+
+def _hears(model: Model, state: TimedState, participant: Participant, channel: int) -> bool:
+    return _is_open(model, state, participant) and _channel(model, state.discrete, participant) == channel
 
 
 def _guarded_transitions(model: Model, state: TimedState) -> Iterator[Transition]:
     """The transitions whose guards hold and that the committed rule admits, in the order of processes and edges."""
-    scratch = environment(model, state.discrete, state.clocks)
-    offered = offers(model, scratch, lambda participant: holds(model.edge(participant).guard, scratch))
-    return combinations(model, state.discrete, offered, may_abstain=lambda receivers: not receivers)
+    for first in initiators(model, state.discrete):
+        if _is_open(model, state, first):
+            yield from _begun_by(model, state, first)
+
+
+def _begun_by(model: Model, state: TimedState, first: Participant) -> Iterator[Transition]:
+    """The transitions that an edge begins whose guard holds."""
+    channel = _channel(model, state.discrete, first)
+    if channel is None:
+        yield Transition((first,))
+        return
+    hearing = [
+        [p for p in of_process if _hears(model, state, p, channel)]
+        for of_process in listeners(model, state.discrete, first, channel)
+    ]
+    yield from transitions_with(
+        model, state.discrete, first, channel, hearing, may_abstain=lambda receivers: not receivers
+    )
+
+
+def _is_guarded(model: Model, state: TimedState, transition: Transition) -> bool:
+    """Whether the guards of one transition hold and the committed rule admits it; nothing else is asked."""
+    first, *others = transition.participants
+    if first not in initiators(model, state.discrete) or not _is_open(model, state, first):
+        return False
+    channel = _channel(model, state.discrete, first)
+    if channel is None or model.channels[channel][0].broadcast:
+        return transition in _begun_by(model, state, first)
+    if len(others) != 1:
+        return False
+    audience = (p for of_process in listeners(model, state.discrete, first, channel) for p in of_process)
+    return others[0] in audience and _hears(model, state, others[0], channel)
 
 
 def possible(model: Model, state: TimedState) -> list[tuple[Transition, TimedState]]:
@@ -74,7 +145,7 @@ def successors(model: Model, state: TimedState) -> list[tuple[Transition, TimedS
 
 def fire(model: Model, state: TimedState, transition: Transition) -> TimedState:
     """The state after an enabled transition. Raises StepError if it is not enabled, and EvaluationFault."""
-    if transition not in _guarded_transitions(model, state):
+    if not _is_guarded(model, state, transition):
         raise StepError("the transition is not enabled: a guard is false, or it is not a transition of this state")
     after = _successor(model, state, transition)
     if not satisfies_invariants(model, after):
@@ -110,8 +181,13 @@ def delay(model: Model, state: TimedState, duration: Fraction) -> TimedState:
 
 
 def urgent(model: Model, state: TimedState) -> bool:
-    """Whether the guards of a synchronisation over an urgent channel hold now."""
-    return any(is_urgent(model, state.discrete, t) for t in _guarded_transitions(model, state))
+    """Whether the guards of a synchronisation over an urgent channel hold now. No other guards are asked."""
+    return any(
+        is_urgent(model, state.discrete, transition)
+        for first in initiators(model, state.discrete)
+        if may_be_urgent(model, first) and _is_open(model, state, first)
+        for transition in _begun_by(model, state, first)
+    )
 
 
 def deadlocked(model: Model, state: TimedState) -> bool:
@@ -131,10 +207,39 @@ def deadlocked(model: Model, state: TimedState) -> bool:
 
 
 def satisfies(model: Model, state: TimedState, predicate: Expression) -> bool:
-    """Whether a state predicate, which may ask for deadlock, is true. Raises EvaluationFault."""
+    """Whether a state predicate, which may ask for deadlock, is true.
+
+    Raises EvaluationFault only if that depends on something that cannot be evaluated.
+    """
     scratch = environment(model, state.discrete, state.clocks)
     scratch.deadlock = lambda: deadlocked(model, state)
-    return holds(predicate, scratch)
+    return _truth(predicate, scratch)
+
+
+def _truth(predicate: Expression, scratch: Environment) -> bool:
+    match predicate:
+        case Unary(UnaryOperator.NOT, operand):
+            return not _truth(operand, scratch)
+        case Binary(BinaryOperator.AND, left, right):
+            return not _either(left, True, right, True, scratch)
+        case Binary(BinaryOperator.OR, left, right):
+            return _either(left, False, right, False, scratch)
+        case Binary(BinaryOperator.IMPLY, left, right):
+            return _either(left, True, right, False, scratch)
+        case _:
+            return holds(predicate, scratch)
+
+
+def _either(left: Expression, left_negated: bool, right: Expression, right_negated: bool, scratch: Environment) -> bool:
+    """Whether one of two predicates, each perhaps negated, is true, even if the other cannot be evaluated."""
+    try:
+        if _truth(left, scratch) is not left_negated:
+            return True
+    except EvaluationFault:
+        if _truth(right, scratch) is not right_negated:
+            return True
+        raise
+    return _truth(right, scratch) is not right_negated
 
 
 def _later(model: Model, state: TimedState, duration: Fraction) -> TimedState:
@@ -165,24 +270,37 @@ def _telling_moments(model: Model, state: TimedState, before: Fraction | None) -
 
 def _constraints_in_sight(model: Model, discrete: DiscreteState) -> Iterator[Constraint]:
     """The clock constraints of all guards, and of the invariants here and behind all transitions that values do not
-    rule out."""
-    scratch = environment(model, discrete)
-    yield from _constraints(_invariants(model, discrete), scratch)
-    in_guards: list[Constraint] = []
+    rule out. What cannot be evaluated is left out: whoever tries it while it is asked for will meet the fault."""
+    yield from _constraints(_invariants(model, discrete), environment(model, discrete))
+    closed: Disjunction = []
+    guards: dict[Participant, Disjunction] = {}
 
-    def is_open(participant: Participant) -> bool:
-        guard = disjunctive(model.edge(participant).guard, scratch)
-        in_guards.extend(c for conjunction in guard for c in conjunction)
-        return bool(guard)
+    def guard(participant: Participant) -> Disjunction:
+        if participant not in guards:
+            scratch = environment(model, discrete)
+            bind_selects(model, participant, scratch)
+            with suppress(EvaluationFault):
+                guards[participant] = conditional_constraints(model.edge(participant).guard, scratch)
+        return guards.setdefault(participant, closed)
 
-    offered = offers(model, scratch, is_open)
-    yield from in_guards
-    for transition in combinations(model, discrete, offered, may_abstain=lambda receivers: True):
+    candidates: list[Transition] = []
+    for first in initiators(model, discrete):
+        if not guard(first):
+            continue
+        with suppress(EvaluationFault):
+            channel = _channel(model, discrete, first)
+            if channel is None:
+                candidates.append(Transition((first,)))
+                continue
+            hearing = [list(filter(guard, p)) for p in listeners(model, discrete, first, channel)]
+            candidates.extend(transitions_with(model, discrete, first, channel, hearing, lambda receivers: True))
+    yield from (c for found in guards.values() for conjunction in found for c in conjunction)
+    for transition in candidates:
         try:
             target, _ = execute_updates(model, discrete, transition)
             constraints = list(_constraints(_invariants(model, target), environment(model, target)))
         except EvaluationFault:
-            continue  # whoever tries the transition while its guard holds will meet the fault
+            continue
         yield from constraints
 
 
@@ -192,5 +310,5 @@ def _invariants(model: Model, discrete: DiscreteState) -> Iterable[Expression | 
 
 def _constraints(conditions: Iterable[Expression | None], scratch: Environment) -> Iterator[Constraint]:
     for condition in conditions:
-        for conjunction in disjunctive(condition, scratch):
+        for conjunction in conditional_constraints(condition, scratch):
             yield from conjunction

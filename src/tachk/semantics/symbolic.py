@@ -10,33 +10,32 @@ Exact without stopwatches; with them `elapse` and `where` lean to the side that 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import reduce
 
 from tachk.model.evaluate import Environment
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
-from tachk.model.network import Direction
 from tachk.semantics import dbm
-from tachk.semantics.constraints import TRUE, Disjunction, conjunction, disjunctive
+from tachk.semantics.constraints import FALSE, TRUE, Disjunction, certain, conditional_constraints, conjunction
 from tachk.semantics.dbm import Federation, Zone
 from tachk.semantics.discrete import (
     Model,
-    Offer,
     bind_selects,
+    channel_named,
     channel_of,
-    combinations,
     environment,
     execute_updates,
     has_priorities,
     initial_discrete,
+    initiators,
     is_urgent,
+    listeners,
     may_delay,
-    may_denote,
-    offer,
-    offers,
     priority,
     stopped_clocks,
+    transitions_with,
 )
 from tachk.semantics.trace import DiscreteState, Participant, Transition
 
@@ -62,8 +61,17 @@ class Move:
 
 
 @dataclass(frozen=True, slots=True)
+class Fault:
+    """A guard or a channel index that cannot be evaluated, and the clock valuations where it is asked for."""
+
+    domain: Federation
+    fault: EvaluationFault
+
+
+@dataclass(frozen=True, slots=True)
 class Situation:
     """Attributes:
+    faults: the guards and channel indices that go wrong; what they would have led to is not among the moves.
     invariant: the valuations that satisfy all invariants; None if there are none.
     delays: time may pass: no current location is urgent or committed.
     urgent: where the guards of a synchronisation over an urgent channel hold.
@@ -79,16 +87,18 @@ class Situation:
     urgent: Federation
     alive: Federation
     perhaps_alive: Federation
+    faults: tuple[Fault, ...] = ()
 
 
 def situation(model: Model, discrete: DiscreteState) -> Situation:
-    """Works out what a discrete state allows. Raises EvaluationFault for guards and invariants that go wrong."""
+    """Works out what a discrete state allows. Raises EvaluationFault for invariants that go wrong."""
     invariant = invariant_zone(model, discrete)
     delays = may_delay(model, discrete)
     stopped = stopped_clocks(model, discrete)
     if invariant is None:
         return Situation(discrete, None, delays, stopped, (), [], [], [])
-    guarded = _guarded(model, discrete)
+    guarded, faulty = _guarded(model, discrete)
+    faults = tuple(Fault(domain, f) for c, f in faulty if (domain := _part(invariant, c)))
     moves = [m for m in (_move(model, discrete, invariant, t, g) for t, g in guarded) if m.domain]
     if has_priorities(model):
         ranks = [priority(model, discrete, m.transition) for m in moves]
@@ -108,7 +118,7 @@ def situation(model: Model, discrete: DiscreteState) -> Situation:
     alive = _alive(invariant, urgent, somewhere) if delays and not stopped else somewhere
     # The past of a zone is a zone only if no clock stops.
     perhaps_alive = [invariant] if somewhere and delays and stopped else alive
-    return Situation(discrete, invariant, delays, stopped, tuple(moves), urgent, alive, perhaps_alive)
+    return Situation(discrete, invariant, delays, stopped, tuple(moves), urgent, alive, perhaps_alive, faults)
 
 
 def _alive(invariant: Zone, urgent: Federation, somewhere: Federation) -> Federation:
@@ -128,58 +138,83 @@ def _part(zone: Zone, condition: Disjunction) -> Federation:
     return [z for z in (dbm.constrain_all(zone, c) for c in condition) if z is not None]
 
 
-def _guarded(model: Model, discrete: DiscreteState) -> list[tuple[Transition, Disjunction]]:
-    """The transitions that the discrete state admits, each with the clock constraints of all its guards."""
-    scratch = environment(model, discrete)
+def _guarded(
+    model: Model, discrete: DiscreteState
+) -> tuple[list[tuple[Transition, Disjunction]], list[tuple[Disjunction, EvaluationFault]]]:
+    """The transitions that the discrete state admits, each with the clock constraints of all its guards; and what
+    cannot be evaluated, with where it is asked for."""
     guards: dict[Participant, Disjunction] = {}
+    found: list[tuple[Transition, Disjunction]] = []
+    faults: list[tuple[Disjunction, EvaluationFault]] = []
 
-    def is_open(participant: Participant) -> bool:
-        guards[participant] = disjunctive(model.edge(participant).guard, scratch)
-        return bool(guards[participant])
+    def channel_heard(participant: Participant, asked: Disjunction) -> int | None:
+        """The channel that an edge names if its guard can hold; None if not or where something goes wrong."""
+        scratch = environment(model, discrete)
+        bind_selects(model, participant, scratch)
+        try:
+            guards[participant] = conditional_constraints(model.edge(participant).guard, scratch)
+            if not guards[participant]:
+                return None
+            asked = conjunction(asked, guards[participant])
+            return channel_named(model, participant, scratch)
+        except EvaluationFault as fault:
+            guards.setdefault(participant, FALSE)
+            faults.append((asked, fault))
+            return None
 
-    def may_abstain(receivers: Iterable[Offer]) -> bool:
-        return all(() not in guards[r.participant] for r in receivers)
-
-    offered = offers(model, scratch, is_open)
-    return [
-        (transition, guard_of(model, discrete, transition))
-        for transition in combinations(model, discrete, offered, may_abstain)
-    ]
+    for first in initiators(model, discrete):
+        before = len(faults)
+        channel = channel_heard(first, TRUE)
+        if not guards[first] or len(faults) > before:
+            continue
+        if channel is None:
+            found.append((Transition((first,)), guards[first]))
+            continue
+        hearing = [
+            [p for p in of_process if channel_heard(p, guards[first]) == channel]
+            for of_process in listeners(model, discrete, first, channel)
+        ]
+        for transition in transitions_with(
+            model, discrete, first, channel, hearing, lambda receivers: all(() not in guards[r] for r in receivers)
+        ):
+            with suppress(EvaluationFault):  # which is among the faults
+                found.append((transition, guard_of(model, discrete, transition)))
+    return found, faults
 
 
 def guard_of(model: Model, discrete: DiscreteState, transition: Transition) -> Disjunction:
     """The clock constraints of all guards of one transition, those that keep others out of a broadcast included.
 
-    False if the guards rule the transition out in the discrete state. Its committed rule is not looked at.
+    False if the guards rule the transition out in the discrete state. Its committed rule is not looked at. Raises
+    EvaluationFault.
     """
     scratch = environment(model, discrete)
     whole = TRUE
     for participant in transition.participants:
         bind_selects(model, participant, scratch)
-        whole = conjunction(whole, disjunctive(model.edge(participant).guard, scratch))
+        whole = conjunction(whole, conditional_constraints(model.edge(participant).guard, scratch))
     channel = channel_of(model, discrete, transition)
     if channel is None or not model.channels[channel][0].broadcast:
         return whole
     joined = {p.process for p in transition.participants}
-    for process, location in enumerate(discrete.locations):
-        if process not in joined:
-            for participant in model.instances[process][location]:
+    for of_process in listeners(model, discrete, transition.participants[0], channel):
+        for participant in of_process:
+            if participant.process not in joined:
                 whole = conjunction(whole, _stays_out(model, participant, channel, scratch))
     return whole
 
 
 def _stays_out(model: Model, participant: Participant, channel: int, scratch: Environment) -> Disjunction:
-    """Where an edge does not receive a broadcast: where its guard is false, or everywhere if it does not listen."""
+    """Where an edge that may hear a broadcast does not: where its guard is false, everywhere if it names another
+    channel. Where it names none, because its index goes wrong, nothing is said."""
     edge = model.edge(participant)
-    if edge.synchronisation is None or edge.synchronisation.direction is Direction.SEND:
-        return TRUE
-    if not may_denote(model, edge.synchronisation.channel, channel):
-        return TRUE
     bind_selects(model, participant, scratch)
-    guard = disjunctive(edge.guard, scratch)
-    if not guard or offer(model, participant, scratch).channel != channel:
+    if not conditional_constraints(edge.guard, scratch):
         return TRUE
-    return disjunctive(edge.guard, scratch, negated=True)
+    with suppress(EvaluationFault):
+        if channel_named(model, participant, scratch) != channel:
+            return TRUE
+    return certain(edge.guard, scratch, negated=True) if edge.guard is not None else FALSE
 
 
 def _move(model: Model, discrete: DiscreteState, invariant: Zone, transition: Transition, guard: Disjunction) -> Move:
@@ -199,12 +234,16 @@ def _move(model: Model, discrete: DiscreteState, invariant: Zone, transition: Tr
 
 
 def invariant_zone(model: Model, discrete: DiscreteState) -> Zone | None:
-    """The clock valuations that satisfy all invariants. Raises ValueError if they are not convex."""
-    conditions = [location.invariant for location in model.current(discrete)]
+    """The clock valuations that satisfy all invariants. Raises EvaluationFault, and ValueError if they are not convex.
+
+    Once one is false whatever the clocks, those of later processes are not evaluated.
+    """
     scratch = environment(model, discrete)
-    whole = reduce(conjunction, (disjunctive(c, scratch) for c in conditions), TRUE)
-    if not whole:
-        return None
+    whole = TRUE
+    for location in model.current(discrete):
+        whole = conjunction(whole, conditional_constraints(location.invariant, scratch))
+        if not whole:
+            return None
     if len(whole) > 1:
         raise ValueError("an invariant cannot be a disjunction of clock constraints")
     return dbm.constrain_all(dbm.universe(model.dimension), whole[0])
@@ -276,16 +315,15 @@ def _strictly_later(zone: Zone) -> Zone:
 
 
 def where(model: Model, here: Situation, predicate: Expression) -> Federation:
-    """The clock valuations, among those that satisfy the invariants, where a state predicate holds.
-
-    ``deadlock`` may occur anywhere in it. Raises EvaluationFault.
+    """The clock valuations, among those that satisfy the invariants, where a state predicate holds, whatever the parts
+    of it are that cannot be evaluated. ``deadlock`` may occur anywhere in it.
     """
     if here.invariant is None:
         return []
 
     def zones(scratch: Environment) -> Federation:
         assert here.invariant is not None
-        return _part(here.invariant, disjunctive(predicate, scratch))
+        return _part(here.invariant, certain(predicate, scratch))
 
     def assuming(answer: bool) -> Environment:
         scratch = environment(model, here.discrete)
@@ -295,4 +333,5 @@ def where(model: Model, here: Situation, predicate: Expression) -> Federation:
     if_dead, if_alive = zones(assuming(True)), zones(assuming(False))
     if if_dead == if_alive:
         return if_dead
-    return dbm.subtract_all(if_dead, here.alive) + intersections(if_alive, here.perhaps_alive)
+    unknown = [dbm.down(zone) for fault in here.faults for zone in fault.domain]
+    return dbm.subtract_all(if_dead, [*here.alive, *unknown]) + intersections(if_alive, here.perhaps_alive)

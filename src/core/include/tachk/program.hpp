@@ -111,12 +111,16 @@ struct Edge {
   std::int32_t source;
   std::int32_t target;
   Condition guard;
-  std::int32_t channel;
+  std::int32_t channel;  // where there is code, the first of the channels that it may name
   std::int32_t channel_code;
   bool sends;
   Update update;
+  std::uint32_t channels = 1;  // how many the edge may name, from that one on
 
-  bool internal() const { return channel < 0 && channel_code == no_code; }
+  bool internal() const { return channel < 0; }
+  bool may_name(std::int32_t number) const {
+    return channel >= 0 && static_cast<std::uint32_t>(number) - static_cast<std::uint32_t>(channel) < channels;
+  }
 };
 
 struct Process {

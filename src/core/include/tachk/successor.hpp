@@ -39,7 +39,8 @@ class Semantics {
 
   // Calls visit(action, guarded) for each action that is enabled somewhere in the zone; `guarded` is that part of the
   // zone. Priorities and the invariants of the targets are not considered. Both arguments are only valid during the
-  // call. Throws ModelFault.
+  // call. Receivers are asked only where the guard of a sender holds, channel codes only where that of their edge does
+  // (docs/semantics.md, run-time errors). Throws ModelFault.
   template <class Visit>
   void for_each_action(std::int32_t* slots, const void* zone, Visit&& visit);
 
@@ -106,12 +107,18 @@ class Semantics {
     return outgoing_[location_number(process, slots[process])];
   }
   std::int32_t channel_of(const Edge& edge, std::int32_t* slots);
-  // Whether a receiving edge listens to the channel now, its clock guard unseen.
-  bool hears(std::uint32_t number, std::int32_t channel, std::int32_t* slots) {
-    const Edge& receiver = program_.edges[number];
-    if (receiver.channel_code == no_code && receiver.channel != channel) return false;
-    return offers(number, slots) && channel_of(receiver, slots) == channel;
+  // Whether a receiving edge may name the channel and the integer part of its guard holds.
+  bool may_hear(std::uint32_t number, std::int32_t channel, std::int32_t* slots) {
+    return program_.edges[number].may_name(channel) && offers(number, slots);
   }
+  // Whether an edge that may name the channel does so now. Only to be asked where its guard holds.
+  bool names(const Edge& edge, std::int32_t channel, std::int32_t* slots) {
+    return edge.channel_code == no_code || channel_of(edge, slots) == channel;
+  }
+  // Whether a sending edge names an urgent channel in some state.
+  bool may_be_urgent(const Edge& edge) const;
+  // As `names`, asked only if the guard of the edge holds somewhere in the zone; uses the buffer of this level.
+  bool names_within(const Edge& edge, std::int32_t channel, std::int32_t* slots, const void* zone, std::size_t level);
   // Whether the integer part of an edge's guard holds.
   bool offers(std::uint32_t number, std::int32_t* slots) {
     const IntegerGuard& guard = integer_guards_[number];
@@ -172,11 +179,11 @@ void Semantics::for_each_action(std::int32_t* slots, const void* zone, Visit&& v
     for (const std::uint32_t number : out.sends) {
       const Edge& sender = program_.edges[number];
       if (!offers(number, slots)) continue;
-      const std::int32_t channel = channel_of(sender, slots);
       action_.edges.assign(1, number);
       action_.guard.clear();
       const void* sent = guarded(sender, slots, zone, 0);
       if (sent == nullptr) continue;
+      const std::int32_t channel = channel_of(sender, slots);
       if (program_.channels[static_cast<std::size_t>(channel)].broadcast) {
         broadcast(0, channel, committed, from_committed, slots, sent, 1, visit);
         continue;
@@ -185,11 +192,13 @@ void Semantics::for_each_action(std::int32_t* slots, const void* zone, Visit&& v
       for (std::size_t q = 0; q < processes; ++q) {
         if (q == p || (committed && !from_committed && !location(q, slots).committed)) continue;
         for (const std::uint32_t other : outgoing(q, slots).receives) {
-          if (!hears(other, channel, slots)) continue;
+          if (!may_hear(other, channel, slots)) continue;
+          const Edge& partner = program_.edges[other];
           action_.edges.resize(1);
           action_.edges.push_back(other);
           action_.guard.resize(sender_atoms);
-          if (const void* rest = guarded(program_.edges[other], slots, sent, 1)) visit(std::as_const(action_), rest);
+          const void* rest = guarded(partner, slots, sent, 1);
+          if (rest != nullptr && names(partner, channel, slots)) visit(std::as_const(action_), rest);
         }
       }
     }
@@ -209,9 +218,11 @@ void Semantics::broadcast(std::size_t receiver, std::int32_t channel, bool commi
   for (; receiver < program_.processes.size() && listeners_.size() == first; ++receiver) {
     if (receiver == sender) continue;
     for (const std::uint32_t number : outgoing(receiver, slots).receives) {
-      if (!hears(number, channel, slots)) continue;
+      if (!may_hear(number, channel, slots)) continue;
+      const Edge& listener = program_.edges[number];
+      if (listener.channel_code != no_code && !names_within(listener, channel, slots, zone, level)) continue;
       listeners_.push_back(number);
-      must_join |= !program_.edges[number].guard.constrains_clocks();
+      must_join |= !listener.guard.constrains_clocks();
     }
   }
   const std::size_t last = listeners_.size();
