@@ -24,7 +24,7 @@ from tachk.syntax.expression_printer import (
     print_type,
 )
 from tachk.syntax.printer import write_declaration
-from tachk.syntax.query_printer import print_query
+from tachk.syntax.query_printer import print_expected, print_query
 from tachk.syntax.rewrite import fresh_name, names_in
 from tachk.syntax.writer import Writer
 
@@ -224,4 +224,4 @@ def _system(model: PlainModel) -> dict[str, str]:
 def _queries(model: PlainModel) -> Iterator[tuple[str, str]]:
     for query in model.queries:
         text = " ".join(print_query(query.formula).split())
-        yield text, "" if query.expectation is None else f"expect {query.expectation}"
+        yield text, "" if query.expectation is None else f"expect {print_expected(query.expectation)}"

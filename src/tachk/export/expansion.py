@@ -45,6 +45,8 @@ def expand(model: LoadedModel, definitions: Iterable[str] = (), repair_names: bo
     """
     steps = _imports(model)
     values = dict(model.heading.constants)
+    outcomes = {query.name: query.expectation for query in model.queries}
+    outcomes |= {query.name: query.expectation for query in model.unchecked}
     overridden = {name: values[name] for name in definitions if name in values}
     typed = tuple(_typed(_with_value(item, overridden, steps), steps) for item in model.items)
     items = _ordered_prefixes(without_builtins(typed, steps))
@@ -62,7 +64,7 @@ def expand(model: LoadedModel, definitions: Iterable[str] = (), repair_names: bo
         next(item for item in items if isinstance(item, ast.SystemLine)),
         tuple(item for item in items if isinstance(item, ast.ProgressDeclaration)),
         tuple(item for item in items if isinstance(item, ast.GanttDeclaration)),
-        _queries(items, steps),
+        _queries([_with_outcome(item, outcomes) for item in items], steps),
         _time_unit(items, steps),
         model.document.comments,
         tuple(steps),
@@ -222,6 +224,14 @@ def _count(number: int, noun: str) -> str:
 
 
 # ---- signals and properties -----------------------------------------------------------------------------------------
+
+
+def _with_outcome(item: ast.Item, outcomes: Mapping[str, str | None]) -> ast.Item:
+    """A property whose expectation depends on constants with the one that their values give."""
+    if not isinstance(item, ast.PropertyDeclaration) or not isinstance(item.expectation, ast.ConditionalExpectation):
+        return item
+    outcome = outcomes.get(item.name.name)
+    return replace(item, expectation=None if outcome is None else str(outcome))
 
 
 def _queries(items: Sequence[ast.Item], steps: list[Step]) -> tuple[PlainQuery, ...]:

@@ -31,12 +31,13 @@ class PlainQuery:
     """Attributes:
     name: of the property; empty if it has none.
     comment: what is said about it: its title or its documentation.
+    expectation: an outcome, as far as the model is known: without it, it may depend on constants.
     """
 
     name: str
     formula: ast.PropertyFormula
     comment: str = ""
-    expectation: str | None = None
+    expectation: ast.Expected | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,8 @@ from collections.abc import Iterable
 
 from tachk.export.plain import PlainQuery
 from tachk.export.uppaal_limits import refused
-from tachk.syntax.query_printer import print_query
+from tachk.syntax import ast
+from tachk.syntax.query_printer import print_expected, print_query
 from tachk.syntax.uppaal_xml_queries import set_aside
 
 _OUTCOMES = {"holds": "T", "fails": "F"}
@@ -33,6 +34,8 @@ def _query(query: PlainQuery, is_refused: bool) -> str:
     if is_refused:
         return "\n".join([*lines, set_aside(print_query(query.formula))]) + "\n"
     lines.append(" \\\n".join(line.strip() for line in print_query(query.formula).splitlines() if line.strip()))
-    if query.expectation is not None:
+    if isinstance(query.expectation, ast.ConditionalExpectation):
+        lines[-1] += f" expect {print_expected(query.expectation)}"
+    elif query.expectation is not None:
         lines.append(f"/* EXPECT:{_OUTCOMES[query.expectation]} */")
     return "\n".join(lines) + "\n"

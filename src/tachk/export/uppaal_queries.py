@@ -13,8 +13,8 @@ from tachk.syntax import ast
 from tachk.syntax.layout import QueryLayout
 from tachk.syntax.parser import parse_query
 from tachk.syntax.query_files import expectation_in
-from tachk.syntax.query_printer import print_query
-from tachk.syntax.uppaal_xml_queries import MEASURES, comment_of, outcome, says, set_aside
+from tachk.syntax.query_printer import print_expected, print_query
+from tachk.syntax.uppaal_xml_queries import MEASURES, comment_of, conditional_in, outcome, says, set_aside
 from tachk.syntax.uppaal_xml_tree import parse_xml
 
 _WORDS = {"holds": "EXPECT:T", "fails": "EXPECT:F"}
@@ -58,6 +58,12 @@ def _view(query: PlainQuery, node: ast.PropertyDeclaration, layout: QueryLayout,
     comment = comment_of(node)
     if layout.comment is not None and says(layout.comment, node):
         comment = layout.comment
+    if isinstance(node.expectation, ast.ConditionalExpectation):
+        if conditional_in(comment) != node.expectation:
+            line = f"expect {print_expected(node.expectation)}"
+            comment = "\n".join(part for part in (comment_of(node), line) if part)
+        return QueryView(formula, comment, layout.options)
+    assert not isinstance(query.expectation, ast.ConditionalExpectation), "only that of the node depends on constants"
     stated = expectation_in(formula) or expectation_in(comment) or _outcome(query, results)
     if query.expectation != stated:
         results = ()

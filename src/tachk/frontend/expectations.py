@@ -1,14 +1,18 @@
-"""``expect A, B fails;``: what one system expects of the properties that it imports."""
+"""What is expected of properties: ``expect A, B fails;`` for imported ones, and outcomes that depend on constants."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from tachk.diagnostics.diagnostic import Label
 from tachk.diagnostics.span import Span
 from tachk.diagnostics.suggestion import did_you_mean
+from tachk.frontend.context import Context
+from tachk.frontend.expressions import condition
 from tachk.frontend.findings import Findings
+from tachk.frontend.scope import Scope
+from tachk.model.query import Expectation
 from tachk.syntax import ast
 
 
@@ -16,7 +20,7 @@ def with_expectations(items: Iterable[ast.Item], findings: Findings) -> list[ast
     """The items without the expectations, which the properties now have; they go before those at the properties."""
     items = list(items)
     names = [item.name.name for item in items if isinstance(item, ast.PropertyDeclaration)]
-    expected: dict[str, tuple[str, Span]] = {}
+    expected: dict[str, tuple[ast.Expected, Span]] = {}
     for item in items:
         if not isinstance(item, ast.ExpectationDeclaration):
             continue
@@ -38,3 +42,30 @@ def with_expectations(items: Iterable[ast.Item], findings: Findings) -> list[ast
         for item in items
         if not isinstance(item, ast.ExpectationDeclaration)
     ]
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """What is expected of one query.
+
+    Attributes:
+        expectation: for the values that the constants have; None if nothing is said.
+        conditional: it depends on constants, so that it speaks of other values, too.
+    """
+
+    expectation: Expectation | None = None
+    conditional: bool = False
+
+
+def claim(expected: ast.Expected | None, scope: Scope, context: Context) -> Claim:
+    """The outcome that is expected with the values of the constants; nothing after a report."""
+    if expected is None:
+        return Claim()
+    if isinstance(expected, str):
+        return Claim(Expectation(expected))
+    otherwise = claim(expected.otherwise, scope, context)
+    value = condition(expected.condition, scope, context)
+    cells = None if value is None else context.constant_cells(value, "the condition of an expectation")
+    if cells is None:
+        return Claim()
+    return Claim(Expectation(expected.outcome) if cells[0] else otherwise.expectation, True)

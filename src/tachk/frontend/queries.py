@@ -9,6 +9,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.frontend.clock_constraints import mentions_comparison
 from tachk.frontend.context import Context
+from tachk.frontend.expectations import claim
 from tachk.frontend.expressions import condition, expression
 from tachk.frontend.findings import Findings
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
@@ -52,14 +53,15 @@ def elaborate_query(
     scope: Scope,
     context: Context,
     title: str = "",
-    expectation: str | None = None,
+    expectation: ast.Expected | None = None,
 ) -> Query | None:
     """A query with its names resolved, in a scope that has the processes; None after a report."""
+    expected = claim(expectation, scope, context)
     if isinstance(formula, ast.TemporalFormula):
-        expected = None if expectation is None else Expectation(expectation)
         from tachk.frontend.observers import elaborate_temporal
 
-        return elaborate_temporal(formula, name, scope, context, title, expected)
+        query = elaborate_temporal(formula, name, scope, context, title, expected.expectation)
+        return None if query is None else replace(query, conditional=expected.conditional)
     context = replace(context, in_query=True)
     kind = QueryKind(formula.kind)
     predicate: Expression | None = None
@@ -76,8 +78,17 @@ def elaborate_query(
             operands.append(value)
     if broken:
         return None
-    expected = None if expectation is None else Expectation(expectation)
-    return Query(name, kind, predicate, tuple(operands), formula.span.text, title, expected, formula.span)
+    return Query(
+        name,
+        kind,
+        predicate,
+        tuple(operands),
+        formula.span.text,
+        title,
+        expected.expectation,
+        formula.span,
+        conditional=expected.conditional,
+    )
 
 
 def _predicate(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
@@ -169,7 +180,8 @@ def elaborate_properties(
             )
         seen.setdefault(name, node.name.span)
         if isinstance(node.formula, ast.UncheckedFormula):
-            unchecked.append(_unchecked(node.formula, name, node.title, node.expectation))
+            expected = claim(node.expectation, scope, context)
+            unchecked.append(_unchecked(node.formula, name, node.title, expected.expectation))
             continue
         own = Findings()
         title = node.title or node.doc
@@ -221,7 +233,8 @@ def elaborate_entries(
             unchecked.append(wrong_query(name, entry.text, entry.comment, entry.span, own))
             continue
         if isinstance(entry.formula, ast.UncheckedFormula):
-            unchecked.append(_unchecked(entry.formula, name, entry.comment, entry.expectation))
+            expected = claim(entry.expectation, scope, replace(context, findings=own))
+            unchecked.append(_unchecked(entry.formula, name, entry.comment, expected.expectation))
             continue
         inner = replace(context, findings=own)
         query = elaborate_query(entry.formula, name, scope, inner, entry.comment, entry.expectation)
@@ -234,6 +247,5 @@ def elaborate_entries(
     return tuple(queries), tuple(unchecked)
 
 
-def _unchecked(node: ast.UncheckedFormula, name: str, title: str, expectation: str | None) -> UncheckedQuery:
-    expected = None if expectation is None else Expectation(expectation)
-    return UncheckedQuery(name, node.text, node.family, title, expected, node.span)
+def _unchecked(node: ast.UncheckedFormula, name: str, title: str, expectation: Expectation | None) -> UncheckedQuery:
+    return UncheckedQuery(name, node.text, node.family, title, expectation, node.span)

@@ -49,6 +49,7 @@ class Query:
     predicate: the state predicate; for LEADS_TO the left side, for SUPREMUM and the like the restriction or None.
     operands: LEADS_TO: the right side; SUPREMUM and the like: the expressions. Empty otherwise.
     text: the formula as the user wrote it.
+    conditional: the expectation depends on constants, so that it speaks of other values of them, too.
     observer: what has to be added to the network for this query alone; the predicate names its location.
     """
 
@@ -61,3 +62,4 @@ class Query:
     expectation: Expectation | None = None
     span: Span = NOWHERE
     observer: Observer | None = None
+    conditional: bool = False

@@ -61,7 +61,10 @@ def _suite(parent: ElementTree.Element, record: RunRecord) -> None:
         elif verdict.answer is Answer.UNKNOWN:
             _result(case, "error", f"unknown: {verdict.reason}", _details(record, verdict))
         elif verdict.met is False:
-            _result(case, "failure", f"{verdict.answer.value}, expected {wanted}", _details(record, verdict))
+            said = f"{verdict.answer.value}, expected {wanted}"
+            if record.leaves_the_model(verdict):
+                said = f"differs from what the model expects of other constants: {said}"
+            _result(case, "failure", said, _details(record, verdict))
     for query in record.not_checked:
         case = _case(suite, record.model, _name(query.name, query.title), "0.000")
         if query.diagnostics:

@@ -71,6 +71,12 @@ class RunRecord:
     refusals: tuple[Diagnostic, ...] = ()
     runs: bool = True
 
+    def leaves_the_model(self, verdict: Verdict) -> bool:
+        """Whether an answer is another than the model expects while the model does not speak of these constants:
+        values came from outside, and the expectation does not depend on them."""
+        said = verdict.query.expectation is not None and not verdict.query.conditional
+        return verdict.met is False and said and bool(self.definitions)
+
     @property
     def nothing_checked(self) -> bool:
         """There are queries, and none of them is of a kind that is checked."""

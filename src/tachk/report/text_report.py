@@ -177,7 +177,7 @@ def _table(record: RunRecord) -> Table:
     table.add_column("meaning", overflow="fold")
     for verdict in record.verdicts:
         query, statistics = verdict.query, verdict.statistics
-        mark = {True: " ", False: "✗", None: "?"}[verdict.met]
+        mark = "≠" if record.leaves_the_model(verdict) else {True: " ", False: "✗", None: "?"}[verdict.met]
         expected = query.expectation.value if query.expectation else "-"
         table.add_row(
             Text.assemble((f"{mark} ", "red"), query.name),
@@ -198,13 +198,17 @@ def _summary(record: RunRecord) -> Text:
         return Text("nothing was checked: no query is of a kind that tachk checks", style="yellow")
     if total == 0:
         return Text("nothing to check: the model has no property and no query was given", style="yellow")
-    wrong = sum(verdict.met is False for verdict in record.verdicts)
+    other = sum(map(record.leaves_the_model, record.verdicts))
+    wrong = sum(verdict.met is False for verdict in record.verdicts) - other
     unknown = sum(verdict.met is None for verdict in record.verdicts)
-    if wrong == unknown == refused == 0:
+    if wrong == other == unknown == refused == 0:
         return Text(f"{total} of {total} as expected", style="green")
-    parts = [f"{total - wrong - unknown - refused} of {total} as expected"]
+    parts = [f"{total - wrong - other - unknown - refused} of {total} as expected"]
     if wrong:
         parts.append(f"{wrong} not")
+    if other:
+        verb = "differs" if other == 1 else "differ"
+        parts.append(f"{other} {verb} from what the model expects of other constants")
     if unknown:
         parts.append(f"{unknown} unknown")
     if refused:

@@ -573,13 +573,30 @@ PropertyFormula = QueryFormula | UncheckedFormula | TemporalFormula
 
 
 @dataclass(frozen=True, slots=True)
+class ConditionalExpectation(Node):
+    """``fails if N > 2 else holds``: ``outcome`` where a condition on constants is true.
+
+    Attributes:
+        outcome: ``holds`` or ``fails``.
+    """
+
+    outcome: str
+    condition: Expression
+    otherwise: str | ConditionalExpectation
+
+
+Expected = str | ConditionalExpectation
+"""What ``expect`` says: ``holds``, ``fails``, or which of them where."""
+
+
+@dataclass(frozen=True, slots=True)
 class PropertyDeclaration(Node):
-    """``property NAME "title" : formula expect holds;``; ``expectation`` is ``holds``, ``fails`` or None."""
+    """``property NAME "title" : formula expect holds;``."""
 
     name: Identifier
     title: str
     formula: PropertyFormula
-    expectation: str | None = None
+    expectation: Expected | None = None
     doc: str = ""
 
 
@@ -588,7 +605,7 @@ class ExpectationDeclaration(Node):
     """``expect A, B fails;``: what a system expects of properties that an imported file states."""
 
     names: tuple[Identifier, ...]
-    expectation: str
+    expectation: Expected
 
 
 @dataclass(frozen=True, slots=True)
@@ -597,7 +614,7 @@ class QueryEntry(Node):
 
     formula: PropertyFormula
     comment: str = ""
-    expectation: str | None = None
+    expectation: Expected | None = None
 
 
 Item = (

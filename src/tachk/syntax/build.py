@@ -164,10 +164,17 @@ class Builder(ExpressionBuilder, FormulaBuilder):
         return ast.TemporalFormula(children[0].span, None, children[0].text)
 
     def query(self, children: Children) -> ast.QueryEntry:
-        formula, _, outcome = children
+        formula, _, expected = children
         if isinstance(formula, WholeFormula):
             formula = ast.TemporalFormula(formula.span, as_formula(formula.expression))
-        return ast.QueryEntry(span_of(children), formula, "", outcome.text if outcome is not None else None)
+        return ast.QueryEntry(span_of(children), formula, "", None if expected is None else _outcome(expected))
+
+    def expected(self, children: Children) -> Token | ast.ConditionalExpectation:
+        outcome, _, condition, _, otherwise = children
+        if condition is None:
+            word: Token = outcome
+            return word
+        return ast.ConditionalExpectation(span_of(children), outcome.text, condition, _outcome(otherwise))
 
     def property(self, children: Children) -> ast.PropertyDeclaration:
         keyword, name, title, _, entry, _ = children
@@ -182,7 +189,7 @@ class Builder(ExpressionBuilder, FormulaBuilder):
 
     def expectation(self, children: Children) -> ast.ExpectationDeclaration:
         names = tuple(child for child in children if isinstance(child, ast.Identifier))
-        return ast.ExpectationDeclaration(span_of(children), names, children[-2].text)
+        return ast.ExpectationDeclaration(span_of(children), names, _outcome(children[-2]))
 
     # ---- templates ----
 
@@ -328,3 +335,7 @@ def _embedded(children: Children, place: int) -> ast.Statement:
     """The statement that another one consists of; an empty one where it was passed over after an error."""
     given: ast.Statement | None = children[place]
     return given if given is not None else ast.EmptyStatement(span_of(children[:place]))
+
+
+def _outcome(expected: Token | ast.ConditionalExpectation) -> ast.Expected:
+    return expected.text if isinstance(expected, Token) else expected

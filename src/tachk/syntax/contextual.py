@@ -59,6 +59,7 @@ _WITHOUT_MEANING = {"break": ";", "continue": ";", "switch": "(", "enum": "{"}
 """Words of C that UPPAAL reserves and gives no meaning, with what follows them in C. Old models use them as names."""
 
 _FLAGS = {"init": "INIT_FLAG", "urgent": "URGENT_FLAG", "committed": "COMMITTED_FLAG"}
+_OUTCOMES = ("holds", "fails")
 _ARROWS = ("->", "-u->")
 _OPENING = {"{", "(", "["}
 _CLOSING = {"}", ")", "]"}
@@ -234,10 +235,16 @@ class _Resolver:
         ahead = 2
         while self.text(ahead) == "," and self.type(ahead + 1) == "NAME":
             ahead += 2
-        if self.text(ahead) in ("holds", "fails") and self.text(ahead + 1) == ";":
+        if self.text(ahead) in _OUTCOMES and self.text(ahead + 1) in (";", "if"):
             token.type = "EXPECT"
-            outcome = self.tokens[self.position + ahead]
-            outcome.type = outcome.text.upper()
+            self.outcomes(self.position + ahead, self.end_of_property())
+
+    def outcomes(self, start: int, end: int) -> None:
+        """Mark the words ``holds`` and ``fails`` of ``fails if e else holds``."""
+        for index in range(start, end):
+            token = self.tokens[index]
+            if token.text in _OUTCOMES and (index == start or self.tokens[index - 1].text == "else"):
+                token.type = token.text.upper()
 
     def declares(self) -> bool:
         """Whether a name and parentheses, but no function body, follow."""
@@ -340,16 +347,10 @@ class _Resolver:
     def query(self, end: int, expectation: bool) -> None:
         """Mark the words of a query that ends before the token ``end``."""
         tokens = self.tokens
-        suffix = end
-        if (
-            expectation
-            and end - self.position > 2
-            and tokens[end - 2].text == "expect"
-            and tokens[end - 1].text in ("holds", "fails")
-        ):
-            suffix = end - 2
-            tokens[end - 2].type = "EXPECT"
-            tokens[end - 1].type = tokens[end - 1].text.upper()
+        suffix = self.suffix(end) if expectation else end
+        if suffix < end:
+            tokens[suffix].type = "EXPECT"
+            self.outcomes(suffix + 1, end)
         formula = tokens[self.position : suffix]
         if formula and unchecked_family(words_of(" ".join(token.text for token in formula))):
             self.output.append(_joined("UNCHECKED", formula))
@@ -362,6 +363,14 @@ class _Resolver:
             self.symbolic(formula)
         self.output += tokens[suffix:end]
         self.position = end
+
+    def suffix(self, end: int) -> int:
+        """Where ``expect holds`` or ``expect fails if ...`` begins behind a query; its end if there is none."""
+        for index in range(end - 2, self.position, -1):
+            first, second, third = self.tokens[index : index + 3]
+            if first.text == "expect" and second.text in _OUTCOMES and (index + 2 == end or third.text == "if"):
+                return index
+        return end
 
     def symbolic(self, formula: list[Token]) -> None:
         index = 0

@@ -23,7 +23,7 @@ from tachk.syntax.expression_printer import (
     print_type,
 )
 from tachk.syntax.print_statements import write_block
-from tachk.syntax.query_printer import print_query
+from tachk.syntax.query_printer import print_expected, print_query
 from tachk.syntax.writer import Writer
 
 
@@ -70,7 +70,7 @@ def write_item(writer: Writer, item: ast.Item) -> None:
         case ast.ExpectationDeclaration(names=names, expectation=expectation):
             text = ", ".join(identifier.name for identifier in names)
             writer.begin(item)
-            writer.filled("expect", f"{text} {expectation};".split(" "))
+            writer.filled("expect", f"{text} {print_expected(expectation)};".split(" "))
             writer.behind(item)
         case _:
             write_declaration(writer, item)
@@ -139,7 +139,7 @@ def _write_list(writer: Writer, line: str, head: str, declarators: Sequence[ast.
 
 def _write_property(writer: Writer, item: ast.PropertyDeclaration) -> None:
     title = f' "{item.title}"' if item.title else ""
-    expectation = f" expect {item.expectation}" if item.expectation else ""
+    expectation = f" expect {print_expected(item.expectation)}" if item.expectation else ""
     head, formula = f"property {item.name.name}{title} :", print_query(item.formula)
     writer.begin(item, item.doc)
     if writer.fits(f"{head} {formula}{expectation};"):

@@ -7,6 +7,13 @@ from tachk.syntax.expression_printer import print_expression, print_expressions
 from tachk.syntax.formula_printer import print_formula
 
 
+def print_expected(expected: ast.Expected) -> str:
+    """The text behind ``expect``."""
+    if isinstance(expected, str):
+        return expected
+    return f"{expected.outcome} if {print_expression(expected.condition)} else {print_expected(expected.otherwise)}"
+
+
 def print_query(query: ast.PropertyFormula) -> str:
     """The text of what a property or a query asks; a sentence as it was written."""
     match query:

@@ -76,7 +76,7 @@ def parse_sentence(source: Source | Span) -> tuple[Sentence | None, Diagnostics]
 def with_full_stop(text: str) -> str:
     """The text of an argument, completed if it is a sentence that only lacks its full stop."""
     *tokens, _ = lexer().cut(Source("", text)).tokens
-    outcome = len(tokens) > 1 and tokens[-2].text == "expect"
+    outcome = any(first.text == "expect" and second.text in ("holds", "fails") for first, second in pairwise(tokens))
     return f"{text}." if not outcome and not is_sentence(tokens) and lacks_full_stop(tokens) else text
 
 

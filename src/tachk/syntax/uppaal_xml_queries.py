@@ -10,7 +10,7 @@ import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
-from tachk.diagnostics.span import Span
+from tachk.diagnostics.span import Source, Span
 from tachk.syntax import ast
 from tachk.syntax.layout import Layout, QueryLayout
 from tachk.syntax.parser import parse_query
@@ -25,7 +25,7 @@ from tachk.syntax.uppaal_xml_tree import Element
 _NAMED = re.compile(r"(?P<name>[A-Za-z_]\w*)(?::[ \t]+(?P<title>[^\n\"]*[^\s\"]))?(?:\n|\Z)", re.ASCII)
 _AUTOMATIC = re.compile(r"q[0-9]+")
 _OUTCOMES = {"success": "holds", "failure": "fails"}
-_EXPECT_LINE = re.compile(r"(?:\A|\n)EXPECT:[ \t]*\S+\Z")
+_EXPECT_LINE = re.compile(r"(?:\A|\n)(?:EXPECT:[ \t]*\S+|(?P<conditional>expect (?:holds|fails) if [^\n]+))\Z")
 _SET_ASIDE = re.compile(r"\s*/\* UPPAAL does not check: (?P<formula>.*\S)\s*\*/\s*", re.DOTALL)
 MEASURES = ("sup", "inf", "bounds")
 
@@ -92,7 +92,9 @@ class QueriesReader:
                 self.broken.append(BrokenQuery(said.name, formula.text.strip(), plain_text(comment), span, diagnostics))
                 continue
             tag = texts.tag(element)
-            expectation = entry.expectation or expectation_in(formula.text) or expectation_in(comment)
+            expectation = (
+                entry.expectation or expectation_in(formula.text) or expectation_in(comment) or conditional_in(comment)
+            )
             if isinstance(entry.formula, ast.QueryFormula) and entry.formula.kind in MEASURES:
                 expectation = None
             else:
@@ -133,6 +135,15 @@ def comment_of(node: ast.PropertyDeclaration) -> str:
     automatic = _AUTOMATIC.fullmatch(node.name.name) and not node.title
     head = "" if automatic else f"{node.name.name}: {node.title}" if node.title else node.name.name
     return "\n".join(part for part in (head, node.doc) if part)
+
+
+def conditional_in(comment: str) -> ast.Expected | None:
+    """The expectation that depends on constants in the last line of a comment: ``expect fails if N > 2 else holds``."""
+    found = _EXPECT_LINE.search(plain_text(comment))
+    if found is None or not found["conditional"]:
+        return None
+    entry, diagnostics = parse_query(Source("<comment>", f"E<> true {found['conditional']}"))
+    return None if entry is None or diagnostics else entry.expectation
 
 
 def describe(comment: str) -> Described:

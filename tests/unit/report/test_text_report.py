@@ -95,6 +95,18 @@ def test_no_run_is_told_where_none_was_asked_for(record: RunRecord) -> None:
     assert "start in" not in text
 
 
+def test_an_expectation_of_other_constants_reads_as_such(record: RunRecord) -> None:
+    verdict = record.verdicts[0]
+    elsewhere = replace(record, verdicts=(verdict,), not_checked=(), definitions=("MAX",))
+    assert elsewhere.met is False
+    assert "≠ always_off  fails" in printed(elsewhere)
+    assert "0 of 1 as expected, 1 differs from what the model expects of other constants" in printed(elsewhere)
+    for query in (replace(verdict.query, expectation=None), replace(verdict.query, conditional=True)):
+        spoken_of = replace(elsewhere, verdicts=(replace(verdict, query=query),))
+        assert "✗ always_off  fails" in printed(spoken_of)
+        assert printed(spoken_of).endswith("0 of 1 as expected, 1 not\n")
+
+
 def test_square_brackets_of_queries_are_not_markup(record: RunRecord) -> None:
     query = replace(record.verdicts[0].query, title="", text="A[] not [red]x[/red]")
     changed = replace(record, verdicts=(replace(record.verdicts[0], query=query),))
