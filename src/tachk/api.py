@@ -132,10 +132,11 @@ class Model:
         sources = [Source("<query>", text) for text in queries]
         files = [read_source(path) for path in query_files]
         if not names and not sources and not files:
-            checked, unchecked = self.properties, self.loaded.unchecked
+            formulas = self.loaded.formulas
         else:
-            given, unchecked = self._given(files, sources)
-            checked = (*(self._property(name) for name in names), *given)
+            given = self._given(files, sources)
+            formulas = (*(self._property(name) for name in names), *given)
+        checked = tuple(formula for formula in formulas if isinstance(formula, Query))
         options, limits = options or Options(), limits or Limits()
         if self.refusals:
             network, verdicts = self.loaded.heading, refused(checked, self.refusals[0])
@@ -143,29 +144,27 @@ class Model:
             network = self.network
             verdicts = verify_queries(network, checked, options, limits, progress, trace)
         not_checked = tuple(
-            NotChecked(query.name, query.text, _why_not(query), query.diagnostics, query.title) for query in unchecked
+            NotChecked(f.name, f.text, _why_not(f), f.diagnostics, f.title, f.span, number)
+            for number, f in enumerate(formulas, 1)
+            if isinstance(f, UncheckedQuery)
         )
         record = RunRecord(
             self.path, network, verdicts, not_checked, options, limits, self.definitions, self.refusals, trace
         )
         return Report(record)
 
-    def _given(
-        self, files: Iterable[Source], sources: Iterable[Source]
-    ) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
+    def _given(self, files: Iterable[Source], sources: Iterable[Source]) -> tuple[Query | UncheckedQuery, ...]:
         """The queries of several texts, numbered through in their order whether they are checked or not."""
-        checked: list[Query] = []
-        unchecked: list[UncheckedQuery] = []
+        formulas: list[Query | UncheckedQuery] = []
         diagnostics: list[Diagnostic] = []
         for source, typed in [(file, False) for file in files] + [(source, True) for source in sources]:
-            found, others = elaborate_query_file(self.loaded, source, len(checked) + len(unchecked) + 1)
-            checked += found
-            unchecked += others
+            found, others = elaborate_query_file(self.loaded, source, len(formulas) + 1)
+            formulas += sorted((*found, *others), key=lambda formula: formula.span.start)
             if typed:
                 diagnostics += (finding for query in others if query.is_wrong for finding in query.diagnostics)
         if diagnostics:
             raise InputError(diagnostics)
-        return tuple(checked), tuple(unchecked)
+        return tuple(formulas)
 
     def _property(self, name: str) -> Query:
         for query in self.properties:

@@ -5,7 +5,7 @@ folder. A ``console`` block holds commands (``$ tachk ...``), each followed by i
 as one text and, unless the status is 0, by a line ``[exit N]``. ``...`` stands for any text in a line, or, alone on a
 line, for any number of lines.
 
-The README and docs/monitoring.md are such documents too. They show what really happens, so there measured times and
+The README and some pages of docs are such documents too. They show what really happens, so there measured times and
 sizes may differ.
 """
 
@@ -97,7 +97,7 @@ def test_document(path: Path, tmp_path: Path) -> None:
             check(path, command, *run(command.arguments))
 
 
-@pytest.mark.parametrize("name", ["README.md", "docs/monitoring.md"])
+@pytest.mark.parametrize("name", ["README.md", "docs/monitoring.md", "docs/uppaal.md"])
 def test_pages_that_show_commands_in_the_checkout(name: str) -> None:
     readme = CHECKOUT / name
     _, commands = read_document(readme)

@@ -25,6 +25,7 @@ COMMANDS = (
     "plot",
     "explain",
     "sentences",
+    "verifyta",
 )
 """In the order of the help. The command NAME is `tachk.cli.commands.NAME.command`."""
 

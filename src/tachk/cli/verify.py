@@ -67,9 +67,7 @@ def run_verify(request: VerifyRequest) -> ExitStatus:
                 if request.format == "text" and out is not None:
                     _print_text(record, out, request, first=not any(isinstance(r, RunRecord) for r in records))
                 elif request.format == "verifyta" and out is not None:
-                    from tachk.report.verifyta_report import run_to_verifyta
-
-                    out.write(run_to_verifyta(record))
+                    _print_as_verifyta(record, out, request)
                 records.append(record)
                 return worst(_statuses(record))
 
@@ -132,6 +130,18 @@ def _print_text(record: RunRecord, out: TextIO, request: VerifyRequest, first: b
 
     console = Console(file=out, highlight=False, width=None if out.isatty() else _WIDTH)
     print_run(record, console, request.every_trace, request.clocks)
+
+
+def _print_as_verifyta(record: RunRecord, out: TextIO, request: VerifyRequest) -> None:
+    """The report, and on standard error the traces that were asked for: where verifyta writes them."""
+    from tachk.report.verifyta_report import run_to_verifyta
+    from tachk.report.verifyta_trace import concrete_trace
+
+    wanted = request.every_trace and request.trace != "none"
+    out.write(run_to_verifyta(record, request.trace if wanted else "no"))
+    for verdict in record.verdicts:
+        if wanted and verdict.trace is not None:
+            print(concrete_trace(record.network, verdict.trace), file=sys.stderr)
 
 
 def _limits(request: VerifyRequest) -> Limits:

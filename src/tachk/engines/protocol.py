@@ -90,6 +90,7 @@ class Statistics:
     transitions: successors computed.
     seconds: wall-clock time of the search.
     peak_bytes: largest size of the engine's data structures.
+    user_seconds: CPU time that the process spent in user mode during the search.
     """
 
     states_explored: int = 0
@@ -97,6 +98,7 @@ class Statistics:
     transitions: int = 0
     seconds: float = 0.0
     peak_bytes: int = 0
+    user_seconds: float = 0.0
 
 
 class Status(StrEnum):

@@ -5,6 +5,7 @@ This is the only module that knows `tachk._core`.
 
 from __future__ import annotations
 
+import os
 import time
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
@@ -88,11 +89,12 @@ def _search(
 ) -> tuple[Outcome, list[int]]:
     """The outcome of one exploration, and the goals that may be REACHED only seemingly."""
     explorer = _explorer(program, goals, options, limits)
-    start = time.perf_counter()
+    start, user = time.perf_counter(), _user_seconds()
     status, reason = _run(explorer, start, limits, progress)
     fault = _fault(program, explorer) if status == _FAULT else None
     outcomes = tuple(_goal_outcome(program, explorer, number, status) for number in range(len(goals)))
-    outcome = Outcome(outcomes, _statistics(explorer, start), reason, fault, exact=not program.has_stopwatches)
+    statistics = replace(_statistics(explorer, start), user_seconds=_user_seconds() - user)
+    outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
     if options.extrapolation is not Extrapolation.LU:
         return outcome, []
     exact = replace(options, extrapolation=Extrapolation.NONE, narrow=False)
@@ -103,6 +105,15 @@ def _search(
             if not _explorer(program, goals, exact, Limits()).leads_to(explorer.path(node), number):
                 doubtful.append(number)
     return outcome, doubtful
+
+
+def _user_seconds() -> float:
+    """CPU time of this process in user mode so far."""
+    try:
+        import resource
+    except ImportError:  # Windows, where time is counted more coarsely
+        return os.times().user
+    return resource.getrusage(resource.RUSAGE_SELF).ru_utime
 
 
 def _explorer(program: Program, goals: Sequence[Goal], options: Options, limits: Limits) -> _core.Explorer:
@@ -135,6 +146,7 @@ def _joined(first: Outcome, second: Outcome, repeated: Sequence[int]) -> Outcome
             a.transitions + b.transitions,
             a.seconds + b.seconds,
             max(a.peak_bytes, b.peak_bytes),
+            a.user_seconds + b.user_seconds,
         ),
         reason=first.reason or second.reason,
         fault=first.fault or second.fault,

@@ -76,6 +76,18 @@ class LoadedModel:
         return self._elaborated
 
     @property
+    def formulas(self) -> tuple[Query | UncheckedQuery, ...]:
+        """The queries and the unchecked ones together, in the order in which the model states them."""
+        stated = [item.name.name for item in self.items if isinstance(item, ast.PropertyDeclaration)]
+        order = {name: number for number, name in enumerate(stated)}
+
+        def place(query: Query | UncheckedQuery) -> int:
+            # In XML a query that cannot be read is no item, but all queries stand in one text.
+            return order[query.name] if self.layout is None else query.span.start
+
+        return tuple(sorted((*self.queries, *self.unchecked), key=place))
+
+    @property
     def heading(self) -> Network:
         """The constants and the time unit without any process: what reports say about every model."""
         return Network((), (), 0, self._elaborated.constants, (), self._elaborated.time_unit)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.diagnostics.span import NOWHERE, Span
 from tachk.engines.protocol import Limits, Options
 from tachk.model.network import Network
 from tachk.properties.verdict import Answer, Verdict
@@ -17,6 +18,8 @@ class NotChecked:
     Attributes:
         reason: ``"statistical query"``, or the first of the diagnostics.
         diagnostics: what is wrong with it; empty if it belongs to another kind of analysis.
+        span: where it stands.
+        number: its place among all formulas of the run, checked or not, from 1.
     """
 
     name: str
@@ -24,6 +27,8 @@ class NotChecked:
     reason: str
     diagnostics: tuple[Diagnostic, ...] = ()
     title: str = ""
+    span: Span = NOWHERE
+    number: int = 0
 
     @property
     def is_wrong(self) -> bool:

@@ -1,59 +1,121 @@
-"""The lines that UPPAAL's verifyta prints, for scripts that look for them."""
+"""The lines that UPPAAL's verifyta prints, for scripts that look for them.
+
+Every formula counts in the numbering, checked or not. What verifyta would not say stands behind ``tachk:``, and never
+holds words that scripts take for a verdict.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
+from tachk.diagnostics.span import Span
 from tachk.engines.protocol import SearchOrder
+from tachk.model.query import QueryKind
 from tachk.properties.verdict import Answer, Verdict
-from tachk.report.record import RunRecord
+from tachk.report.process_memory import peak_memory
+from tachk.report.record import NotChecked, RunRecord
 
-_ANSWERS = {
-    Answer.HOLDS: "Formula is satisfied.",
-    Answer.FAILS: "Formula is NOT satisfied.",
-    Answer.UNKNOWN: "Formula is MAYBE satisfied.",
+_ORDERS = {
+    SearchOrder.BFS: "breadth first",
+    SearchOrder.DFS: "depth first",
+    SearchOrder.RANDOM_DFS: "random depth first",
 }
+OUT_OF_MEMORY = "memory limit"
 
 
-def run_to_verifyta(record: RunRecord) -> str:
-    """What verifyta would print with ``-u``. What it would not say stands in lines that begin with ``--  tachk:``."""
-    lines = ["Options for the verification:", "  Generating no trace", f"  Search order is {_order(record)}", ""]
-    for number, verdict in enumerate(record.verdicts, 1):
-        lines += _verdict(number, verdict)
-    for skipped in record.not_checked:
-        lines += [f"-- tachk: {skipped.name} is not checked: {skipped.reason}"]
-    return "\n".join(lines).rstrip() + "\n"
+def run_to_verifyta(record: RunRecord, trace: str = "no") -> str:
+    """What verifyta would print with ``-u`` about a whole run.
+
+    Args:
+        trace: as of `option_lines`; the traces themselves are printed elsewhere.
+    """
+    lines = list(option_lines(trace, record.options.order, record.options.seed))
+    for number, report in numbered(record):
+        if isinstance(report, NotChecked):
+            lines += heading_lines(number, report.span)
+            lines.append(note(f"not checked: {report.reason}"))
+        else:
+            lines += heading_lines(number, report.query.span)
+            lines += verdict_lines(report)
+            if trace != "no" and report.trace is not None:
+                lines.append(f"Showing {evidence(report)}.")
+            lines += summary_lines(report)
+    return "\n".join(lines) + "\n"
 
 
-def _order(record: RunRecord) -> str:
-    match record.options.order:
-        case SearchOrder.BFS:
-            return "breadth first"
-        case SearchOrder.DFS:
-            return "depth first"
-        case SearchOrder.RANDOM_DFS:
-            return "random depth first"
+def numbered(record: RunRecord) -> Iterator[tuple[int, Verdict | NotChecked]]:
+    """The formulas with their numbers among all of the run: those of a verdict are the ones that are left."""
+    taken = {skipped.number: skipped for skipped in record.not_checked}
+    verdicts = iter(record.verdicts)
+    for number in range(1, len(record.verdicts) + len(taken) + 1):
+        yield number, taken[number] if number in taken else next(verdicts)
 
 
-def _verdict(number: int, verdict: Verdict) -> Iterator[str]:
-    yield f"Verifying formula {number} at {_place(verdict)}"
-    yield f" -- {_ANSWERS[verdict.answer]}"
-    reason = verdict.reason or ("" if verdict.unsupported is None else verdict.unsupported.message)
-    if reason:
-        yield f" -- tachk: {reason}"
+def option_lines(trace: str, order: SearchOrder, seed: int, notes: Sequence[str] = ()) -> Iterator[str]:
+    """The summary of the options. ``trace``: ``no``, ``some`` or ``shortest``."""
+    yield "Options for the verification:"
+    yield f"  Generating {trace} trace"
+    yield f"  Search order is {_ORDERS[order]}"
+    yield f"  Seed is {seed}"
+    yield from (f"  tachk: {_harmless(text)}" for text in notes)
+
+
+def heading_lines(number: int, span: Span) -> Iterator[str]:
+    """What precedes the verdict about a formula."""
+    yield ""
+    yield f"Verifying formula {number} at {place_of(span)}"
+
+
+def verdict_lines(verdict: Verdict) -> Iterator[str]:
+    """The answer; only a reason where there is none. "May be" is the answer of an over-approximation alone."""
+    match verdict.answer:
+        case Answer.HOLDS:
+            yield " -- Formula is satisfied."
+        case Answer.FAILS:
+            yield " -- Formula is NOT satisfied."
+        case Answer.UNKNOWN if verdict.unsupported is not None:
+            yield note(f"not checked: {verdict.unsupported.message}")
+        case Answer.UNKNOWN if not verdict.exact:
+            yield " -- Formula MAY be satisfied."
+            yield note(verdict.reason)
+        case Answer.UNKNOWN if verdict.reason == OUT_OF_MEMORY:
+            yield " -- Out of memory."
+        case _:
+            yield note(f"no answer: {verdict.reason}")
+
+
+def evidence(verdict: Verdict) -> str:
+    """What the trace of a verdict is called."""
+    return "example trace" if verdict.query.kind is QueryKind.POSSIBLY else "counter example"
+
+
+def summary_lines(verdict: Verdict) -> Iterator[str]:
+    """The figures of ``-u``: states and time of the search, memory of the process."""
+    if verdict.unsupported is not None:
+        return
     statistics = verdict.statistics
     yield f" -- States stored : {statistics.states_stored} states"
     yield f" -- States explored : {statistics.states_explored} states"
-    yield f" -- CPU user time used : {round(statistics.seconds * 1000)} ms"
-    yield f" -- Virtual memory used : {_kibibytes(statistics.peak_bytes)} KiB"
-    yield f" -- Resident memory used : {_kibibytes(statistics.peak_bytes)} KiB"
-    yield ""
+    yield f" -- CPU user time used : {round(statistics.user_seconds * 1000)} ms"
+    memory = peak_memory()
+    if memory is not None:
+        yield f" -- Virtual memory used : {memory[0]} KiB"
+        yield f" -- Resident memory used : {memory[1]} KiB"
 
 
-def _place(verdict: Verdict) -> str:
-    span = verdict.query.span
-    return f"line {span.source.line_column(span.start)[0]}"
+def place_of(span: Span) -> str:
+    """``/nta/queries/query[1]/formula`` in XML, ``FILE:LINE`` elsewhere."""
+    if span.passage is not None:
+        return span.passage.path
+    place = span.in_file
+    return f"{place.source.name}:{place.source.line_column(place.start)[0]}"
 
 
-def _kibibytes(size: int) -> int:
-    return -(-size // 1024)
+def note(text: str) -> str:
+    """A line that verifyta does not have."""
+    return f" -- tachk: {_harmless(text)}"
+
+
+def _harmless(text: str) -> str:
+    """A text of one line without the word by which scripts tell verdicts."""
+    return " ".join(text.split()).replace("satisfied", "fulfilled")

@@ -4,36 +4,89 @@ from __future__ import annotations
 
 import re
 
+import pytest
+
 from tachk import api
 from tachk.diagnostics.span import Source
-from tachk.engines.protocol import Limits
+from tachk.engines.protocol import Limits, Statistics
 from tachk.frontend.load import load_model
-from tachk.report.verifyta_report import run_to_verifyta
+from tachk.properties.verdict import Answer, Verdict
+from tachk.report.process_memory import peak_memory
+from tachk.report.record import RunRecord
+from tachk.report.verifyta_report import note, run_to_verifyta, verdict_lines
+from tachk.report.verifyta_trace import concrete_trace, symbolic_trace
 
 MODEL = """\
-process P() { clock x; init location A { to B { guard x > 1; } } location B; }
+process P() { clock x; int n; init location A { to B { guard x > 1; assign n = 2, x = 0; } } location B; }
 system P;
 property reach : E<> P.B;
-property stay : A[] P.A;
 property chance : Pr[<=10] (<> P.B);
+property later : A<> P.B;
+property stay : A[] P.A;
 """
 
 
-def report(limits: Limits | None = None) -> str:
-    model = api.Model("m.ta", load_model(Source("m.ta", MODEL)))
-    return run_to_verifyta(model.verify(limits=limits, trace=False).record)
+def record(text: str = MODEL, limits: Limits | None = None, trace: bool = False) -> RunRecord:
+    return api.Model("m.ta", load_model(Source("m.ta", text))).verify(limits=limits, trace=trace).record
 
 
-def test_verdicts_and_figures() -> None:
-    text = report()
-    assert re.findall(r"^Verifying formula (\d+) at line (\d+)$", text, re.M) == [("1", "3"), ("2", "4")]
-    assert re.findall(r"^ -- (Formula .*)$", text, re.M) == ["Formula is satisfied.", "Formula is NOT satisfied."]
-    assert re.search(r"^ -- States explored : \d+ states$", text, re.M)
-    assert re.search(r"^ -- CPU user time used : \d+ ms$", text, re.M)
-    assert re.search(r"^ -- Resident memory used : \d+ KiB$", text, re.M)
-    assert "-- tachk: chance is not checked: " in text
+def test_every_formula_counts_and_only_those_checked_have_a_verdict() -> None:
+    text = run_to_verifyta(record())
+    found = re.findall(r"^Verifying formula (\d+) at (.*)\n -- (.*)$", text, re.M)
+    assert found == [
+        ("1", "m.ta:3", "Formula is satisfied."),
+        ("2", "m.ta:4", "tachk: not checked: statistical query"),
+        ("3", "m.ta:5", "tachk: not checked: queries with `A<>` are not checked yet"),
+        ("4", "m.ta:6", "Formula is NOT satisfied."),
+    ]
+    assert text.count("satisfied") == 2
 
 
-def test_a_limit_is_maybe() -> None:
-    text = report(Limits(depth=0))
-    assert " -- Formula is MAYBE satisfied.\n -- tachk: depth limit\n" in text
+def test_figures() -> None:
+    text = run_to_verifyta(record())
+    assert len(re.findall(r"^ -- States explored : \d+ states$", text, re.M)) == 2
+    assert len(re.findall(r"^ -- CPU user time used : \d+ ms$", text, re.M)) == 2
+    virtual = {int(size) for size in re.findall(r"^ -- Virtual memory used : (\d+) KiB$", text, re.M)}
+    resident = {int(size) for size in re.findall(r"^ -- Resident memory used : (\d+) KiB$", text, re.M)}
+    known = peak_memory()
+    assert known is not None
+    assert max(virtual) <= known[0]
+    assert 8000 < min(resident) <= max(resident) <= known[1], "the interpreter alone takes more"
+
+
+def test_cpu_time_is_no_wall_clock_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    import tachk.engines.zone as zone
+
+    ticks = iter((1.0, 1.25, 3.0, 3.25, 5.0, 5.25))
+    monkeypatch.setattr(zone, "_user_seconds", lambda: next(ticks))
+    assert " -- CPU user time used : 250 ms" in run_to_verifyta(record())
+
+
+def test_a_limit_is_no_verdict() -> None:
+    text = run_to_verifyta(record(limits=Limits(depth=0)))
+    assert " -- tachk: no answer: depth limit\n" in text
+    assert "satisfied" not in text
+
+
+def test_what_an_over_approximation_finds_may_be() -> None:
+    verdict = Verdict(record().verdicts[0].query, Answer.UNKNOWN, False, "stopwatches", Statistics())
+    assert list(verdict_lines(verdict)) == [" -- Formula MAY be satisfied.", " -- tachk: stopwatches"]
+
+
+def test_notes_hold_no_word_that_looks_like_a_verdict() -> None:
+    assert note("UPPAAL answers\n may be satisfied") == " -- tachk: UPPAAL answers may be fulfilled"
+
+
+def test_traces() -> None:
+    found = record(trace=True)
+    run = found.verdicts[0].trace
+    assert run is not None
+    assert concrete_trace(found.network, run) == (
+        "\nState:\n( P.A )\nP.x=0 P.n=0\n\nDelay: 1.5\n\nState:\n( P.A )\nP.x=1.5 P.n=0\n"
+        "\nTransitions:\n  P.A->P.B { x > 1, tau, n := 2, x := 0 }\n\nState:\n( P.B )\nP.x=0 P.n=2\n"
+    )
+    assert symbolic_trace(found.network, run) == (
+        "\nState\n( P.A )\nP.n=0\n\nTransitions:\n  P.A->P.B { x > 1, tau, n := 2, x := 0 }\n\nState\n( P.B )\nP.n=2\n"
+    )
+    assert "Showing example trace.\n" in run_to_verifyta(found, "some")
+    assert run_to_verifyta(found).count("Showing") == 0
