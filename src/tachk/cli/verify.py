@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -45,6 +44,7 @@ class VerifyRequest:
     extrapolation: str = "lu"
     every_trace: bool = False
     clocks: bool = False
+    every_step: bool = False
     quiet: bool = False
 
 
@@ -81,9 +81,9 @@ def run_verify(request: VerifyRequest) -> ExitStatus:
         if out is not None:
             if request.format == "json":
                 from tachk.report.json_report import runs_to_json
+                from tachk.report.json_text import json_text
 
-                json.dump(runs_to_json(records), out, indent=2)
-                out.write("\n")
+                out.write(json_text(runs_to_json(records, request.every_step)))
             elif request.format == "junit":
                 from tachk.report.junit_report import runs_to_junit
 
@@ -129,7 +129,7 @@ def _print_text(record: RunRecord, out: TextIO, request: VerifyRequest, first: b
     from tachk.report.text_report import print_run
 
     console = Console(file=out, highlight=False, width=None if out.isatty() else _WIDTH)
-    print_run(record, console, request.every_trace, request.clocks)
+    print_run(record, console, request.every_trace, request.clocks, request.every_step)
 
 
 def _print_as_verifyta(record: RunRecord, out: TextIO, request: VerifyRequest) -> None:

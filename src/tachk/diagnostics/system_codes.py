@@ -111,6 +111,12 @@ SYSTEM_CODES: dict[str, Explanation] = {
         _P + "system P;\nproperty safe : A[] P.s;\nexpect save fails;",
         _P + "system P;\nproperty safe : A[] P.s;\nexpect safe holds;",
     ),
+    "E0426": Explanation(
+        "nothing to hide",
+        "`hide A, B;` names templates, or processes of the system line, that told runs leave out.",
+        _P + "system P;\nhide Q;",
+        _P + "system P;\nhide P;",
+    ),
     "E0501": Explanation(
         "deadlock outside a query",
         "`deadlock` speaks about all that can happen later, so it cannot be part of the behaviour itself, nor of a "

@@ -250,6 +250,8 @@ def _queries(items: Sequence[ast.Item], steps: list[Step]) -> tuple[PlainQuery, 
             name = item.name.name
             steps.append(Step("property", item.name.span, f"`{name}` is a query with a comment"))
             queries.append(PlainQuery(name, formula, comment, item.expectation))
+        if isinstance(item, ast.HideDeclaration):
+            steps.append(Step("hide", item.span, "UPPAAL tells every process, also those that the model hides"))
     return tuple(queries)
 
 

@@ -14,7 +14,7 @@ class Step:
 
     Attributes:
         kind: the construct: ``"import"``, ``"location blocks"``, ``"value passing"``, ``"signal"``, ``"property"``,
-            ``"observer"``, ``"constant"``, ``"name"``, ``"time unit"``, ``"UPPAAL 3.x"``.
+            ``"observer"``, ``"constant"``, ``"name"``, ``"time unit"``, ``"hide"``, ``"UPPAAL 3.x"``.
         text: what became what, a sentence without a full stop.
     """
 

@@ -21,6 +21,7 @@ from tachk.syntax.writer import Writer
 _BESIDE = (
     ast.PropertyDeclaration
     | ast.ExpectationDeclaration
+    | ast.HideDeclaration
     | ast.SignalDeclaration
     | ast.TimeUnitDeclaration
     | ast.ImportDeclaration

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from tachk.diagnostics.diagnostic import Label
 from tachk.diagnostics.span import Span
+from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.channels import ChannelTable
 from tachk.frontend.context import Context
 from tachk.frontend.declarations import Declared, declare, set_channel_priorities
@@ -105,6 +106,7 @@ def _elaborated(
         tuple(declared.constants),
         signals,
         context.time_unit,
+        _hidden(items, instances, context),
     )
     return Elaborated(network, queries, unchecked, scope, context)
 
@@ -135,6 +137,17 @@ def _system_line(items: Sequence[ast.Item], whole: Span, context: Context) -> as
         f"end the file with `system {templates or 'P'};`",
     )
     return None
+
+
+def _hidden(items: Sequence[ast.Item], instances: Instances, context: Context) -> tuple[str, ...]:
+    templates = [item.name.name for item in items if isinstance(item, ast.Template | ast.Instantiation)]
+    known = [*templates, *(process.name for process in instances.processes)]
+    names = [name for item in items if isinstance(item, ast.HideDeclaration) for name in item.names]
+    for name in names:
+        if name.name not in known:
+            help_ = did_you_mean(name.name, known) or "name a template, or a process of the system line"
+            context.error("E0426", name.span, f"there is no template or process `{name.name}` to hide", help_)
+    return tuple(dict.fromkeys(name.name for name in names))
 
 
 def _time_unit(items: Sequence[ast.Item], context: Context) -> str:

@@ -104,6 +104,7 @@ class Network:
     default_priority: the priority of internal edges and of channels without one of their own.
     constants: the global integer constants with their values, for reports.
     time_unit: what one time unit means, for output only: ``"1 ms"``.
+    hidden: templates and processes that told runs leave out, for output only.
     """
 
     processes: tuple[Process, ...]
@@ -112,6 +113,11 @@ class Network:
     constants: tuple[tuple[str, int], ...] = ()
     signals: tuple[Signal, ...] = ()
     time_unit: str = ""
+    hidden: tuple[str, ...] = ()
+
+    def hides(self, process: Process) -> bool:
+        """Whether told runs leave the process out."""
+        return process.name in self.hidden or process.template in self.hidden
 
     def all_variables(self) -> tuple[Variable, ...]:
         """Global variables first, then those of each process in order: the order of cells everywhere in tachk."""

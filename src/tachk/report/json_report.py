@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
+from itertools import pairwise
 
 from tachk.diagnostics.diagnostic import Diagnostic, Severity
 from tachk.diagnostics.render_json import diagnostic_to_json
@@ -11,23 +13,27 @@ from tachk.engines.protocol import RunTimeFault
 from tachk.model.network import Direction, Network
 from tachk.properties.verdict import Verdict
 from tachk.report.record import NotRead, RunRecord
-from tachk.report.trace_view import Event, Snapshot, TraceView, ViewStep, view_event, view_path, view_trace
+from tachk.report.trace_view import Event, Move, Snapshot, TraceView, ViewStep, view_event, view_path, view_trace
 
 Json = Mapping[str, "Json"] | Sequence["Json"] | str | int | float | bool | None
 
 
-def runs_to_json(records: Iterable[RunRecord | NotRead]) -> dict[str, Json]:
-    """What a command did, one run for each model, in the one shape of docs/schema/verify.schema.json."""
-    return {"runs": [not_read_to_json(r) if isinstance(r, NotRead) else run_to_json(r) for r in records]}
+def runs_to_json(records: Iterable[RunRecord | NotRead], every_step: bool = False) -> dict[str, Json]:
+    """What a command did, one run for each model, in the one shape of docs/schema/verify.schema.json.
+
+    Args:
+        every_step: tell also what the model hides.
+    """
+    return {"runs": [not_read_to_json(r) if isinstance(r, NotRead) else run_to_json(r, every_step) for r in records]}
 
 
-def run_to_json(record: RunRecord) -> dict[str, Json]:
+def run_to_json(record: RunRecord, every_step: bool = False) -> dict[str, Json]:
     """The run as a dictionary for `json.dumps`."""
     return {
         "model": record.model,
         "constants": dict(record.network.constants),
         "time_unit": record.network.time_unit,
-        "results": [verdict_to_json(record.network, verdict) for verdict in record.verdicts],
+        "results": [verdict_to_json(record.network, verdict, every_step) for verdict in record.verdicts],
         "not_checked": [
             {
                 "name": query.name,
@@ -66,7 +72,7 @@ def _errors(diagnostics: Iterable[Diagnostic]) -> list[Json]:
     return [diagnostic_to_json(diagnostic) for diagnostic in diagnostics]
 
 
-def verdict_to_json(network: Network, verdict: Verdict) -> dict[str, Json]:
+def verdict_to_json(network: Network, verdict: Verdict, every_step: bool = False) -> dict[str, Json]:
     """One answer; ``trace`` is a list of states, each with the step that leads to it."""
     query = verdict.query
     statistics = verdict.statistics
@@ -86,10 +92,16 @@ def verdict_to_json(network: Network, verdict: Verdict) -> dict[str, Json]:
             "seconds": statistics.seconds,
             "peak_bytes": statistics.peak_bytes,
         },
-        "trace": None if verdict.trace is None else trace_to_json(view_trace(network, verdict.trace)),
+        "trace": None
+        if verdict.trace is None
+        else trace_to_json(_told(view_trace(network, verdict.trace), every_step)),
         "fault": None if verdict.fault is None else _fault(network, verdict.fault),
         "observer": _observer(verdict),
     }
+
+
+def _told(view: TraceView, every_step: bool) -> TraceView:
+    return view if every_step else view.without_hidden()
 
 
 def _observer(verdict: Verdict) -> Json:
@@ -101,38 +113,72 @@ def _observer(verdict: Verdict) -> Json:
 
 
 def trace_to_json(trace: TraceView) -> list[dict[str, Json]]:
-    """A list of states, the initial one first; exact times are strings such as ``"5/2"``."""
-    return [_state(trace.initial, None), *(_state(step.state, step) for step in trace.steps)]
+    """A list of states, the initial one first; exact times are strings such as ``"5/2"``.
+
+    The initial state is whole. A later one names what is different: locations, variables, and the clocks that do not
+    show their value of before plus the delay. Documentation and places of an edge stand where it is taken first.
+    """
+    states = [trace.initial, *(step.state for step in trace.steps)]
+    told: set[tuple[str, str, tuple[Span, ...]]] = set()
+    changes = (_change(*pair, step, told) for pair, step in zip(pairwise(states), trace.steps, strict=True))
+    return [_whole(trace.initial), *changes]
 
 
-def _state(state: Snapshot, step: ViewStep | None) -> dict[str, Json]:
-    event = None if step is None else step.event
+def _whole(state: Snapshot) -> dict[str, Json]:
     return {
-        "delay": None if step is None or step.delay is None else str(step.delay),
-        "transition": None if event is None else _transition(event),
-        "time": None if state.time is None else str(state.time),
+        "time": _time(state.time),
         "locations": dict(state.locations),
         "variables": dict(state.variables),
         "clocks": None if state.clocks is None else {name: str(value) for name, value in state.clocks},
     }
 
 
-def _transition(event: Event) -> dict[str, Json]:
+def _change(
+    before: Snapshot, after: Snapshot, step: ViewStep, told: set[tuple[str, str, tuple[Span, ...]]]
+) -> dict[str, Json]:
+    changes: dict[str, dict[str, Json]] = {
+        "locations": dict(new for old, new in zip(before.locations, after.locations, strict=True) if old != new),
+        "variables": dict(new for old, new in zip(before.variables, after.variables, strict=True) if old != new),
+        "clocks": _changed_clocks(before, after, step.delay or Fraction(0)),
+    }
+    return {
+        "delay": _time(step.delay),
+        "time": _time(after.time),
+        "transition": None if step.event is None else _transition(step.event, told),
+        **{name: changed for name, changed in changes.items() if changed},
+    }
+
+
+def _changed_clocks(before: Snapshot, after: Snapshot, delay: Fraction) -> dict[str, Json]:
+    clocks = zip(before.clocks or (), after.clocks or (), strict=True)
+    return {name: str(value) for (_, old), (name, value) in clocks if value != old + delay}
+
+
+def _time(time: Fraction | None) -> str | None:
+    return None if time is None else str(time)
+
+
+def _transition(event: Event, told: set[tuple[str, str, tuple[Span, ...]]]) -> dict[str, Json]:
     return {
         "channel": event.channel or None,
-        "participants": [
-            {
-                "process": move.process,
-                "role": _ROLES[move.direction],
-                "source": move.source,
-                "target": move.target,
-                "select": dict(move.selects),
-                "doc": move.doc,
-                "positions": _positions(move.spans),
-            }
-            for move in event.moves
-        ],
+        "participants": [_participant(move, told) for move in event.moves],
     }
+
+
+def _participant(move: Move, told: set[tuple[str, str, tuple[Span, ...]]]) -> dict[str, Json]:
+    participant: dict[str, Json] = {
+        "process": move.process,
+        "role": _ROLES[move.direction],
+        "source": move.source,
+        "target": move.target,
+    }
+    if move.selects:
+        participant["select"] = dict(move.selects)
+    edge = move.process, move.source, move.spans
+    if edge not in told:
+        told.add(edge)
+        participant |= {"doc": move.doc, "positions": _positions(move.spans)}
+    return participant
 
 
 _ROLES = {None: "internal", Direction.SEND: "sends", Direction.RECEIVE: "receives"}
@@ -151,5 +197,5 @@ def _fault(network: Network, fault: RunTimeFault) -> dict[str, Json]:
         "path": trace_to_json(view_path(network, fault.path) if fault.run is None else view_trace(network, fault.run)),
         "transition": None
         if fault.transition is None
-        else _transition(view_event(network, fault.path, fault.transition)),
+        else _transition(view_event(network, fault.path, fault.transition), set()),
     }

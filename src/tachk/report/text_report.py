@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from fractions import Fraction
-
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -13,19 +10,22 @@ from tachk.diagnostics.render import render
 from tachk.diagnostics.span import Span
 from tachk.engines.protocol import RunTimeFault
 from tachk.model.fault import RuntimeErrorKind
-from tachk.model.network import Direction, Network
+from tachk.model.network import Network
 from tachk.model.query import Observer, QueryKind
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.quantity import bytes_, count, duration, seconds
 from tachk.report.record import RunRecord
-from tachk.report.trace_view import Event, Move, Snapshot, TraceView, view_event, view_path, view_trace
+from tachk.report.trace_summary import news_line
+from tachk.report.trace_text import Ends, Telling, event_lines, print_trace
+from tachk.report.trace_view import view_event, view_path, view_trace
+from tachk.semantics.trace import TimedTrace
 
 _CONSTANTS_SHOWN = 8
-_ARRAY_TOGETHER = 3
-_FAULT_BEGINNING, _FAULT_END = 10, 30
-"""Of a longer run to a run-time error only so many steps are told, at either end."""
-_DEFECT_END = 3
-"""Of the run behind a violation that the model expects only so many steps are told."""
+_FAULT_ENDS = Ends(10, 30)
+"""Of a longer run to a run-time error only so much is told."""
+
+_DEFECT_ENDS = Ends(0, 3)
+"""Of the run behind a violation that the model expects only the last steps are told."""
 
 _STYLES = {Answer.HOLDS: "green", Answer.FAILS: "red", Answer.UNKNOWN: "yellow"}
 
@@ -43,12 +43,15 @@ FAULT_MEANING = {
 }
 
 
-def print_run(record: RunRecord, console: Console, every_trace: bool = False, clocks: bool = False) -> None:
+def print_run(
+    record: RunRecord, console: Console, every_trace: bool = False, clocks: bool = False, every_step: bool = False
+) -> None:
     """Prints the answers of one run.
 
     Args:
         every_trace: tell also the runs behind answers that are as expected.
         clocks: print the value of every clock after each step.
+        every_step: tell also repeated rounds step by step, and what the model hides.
     """
     console.print(_title(record))
     if record.verdicts:
@@ -58,21 +61,29 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, cl
         if not query.diagnostics:
             text = " ".join(query.text.split())
             console.print(Text(f"  {query.name} is not checked: {text} ({query.reason})", style="dim"))
-    _print_unknown(record, console, every_trace)
+    _print_unknown(record, console, every_step)
     for verdict in record.verdicts if record.runs else ():
         if verdict.trace is None:
             continue
         known_defect = verdict.answer is Answer.FAILS and verdict.met is True and not every_trace
         if every_trace or known_defect or verdict.met is not True:
             console.print()
-            console.print(Text(_trace_title(record.network, verdict), style="bold"))
-            left_out = range(len(verdict.trace.steps) + 1 - _DEFECT_END) if known_defect else range(0)
-            view = view_trace(record.network, verdict.trace)
-            print_trace(view, console, record.network.time_unit, clocks, left_out)
-            if verdict.query.observer is not None:
-                console.print(_observer_line(verdict, verdict.query.observer, record.network.time_unit))
+            ends = _DEFECT_ENDS if known_defect else Ends()
+            _print_evidence(record.network, verdict, verdict.trace, console, Telling(clocks, every_step, ends))
     console.print()
     console.print(_summary(record))
+
+
+def _print_evidence(network: Network, verdict: Verdict, trace: TimedTrace, console: Console, telling: Telling) -> None:
+    """The run behind an answer, what is news in it first."""
+    view = view_trace(network, trace)
+    console.print(Text(_trace_title(network, verdict), style="bold"))
+    if verdict.query.observer is not None:
+        console.print(_observer_line(verdict, verdict.query.observer, network.time_unit), soft_wrap=True)
+    news = news_line(view, network.time_unit)
+    if news:
+        console.print(Text(f"  {news}", style="italic"), soft_wrap=True)
+    print_trace(view, console, network.time_unit, telling)
 
 
 def _print_unknown(record: RunRecord, console: Console, every_step: bool) -> None:
@@ -99,36 +110,6 @@ def _are(names: list[str]) -> str:
     return "is" if len(names) == 1 else "are"
 
 
-def print_trace(
-    trace: TraceView, console: Console, time_unit: str = "", clocks: bool = False, left_out: range = range(0)
-) -> None:
-    """Prints a run: what happens, when, and what it changes.
-
-    Args:
-        left_out: the numbers of neighbouring steps that are only counted; 0 is the initial state.
-    """
-    times = [_when(trace.initial.time, None, time_unit)]
-    times += [_when(step.state.time, step.delay, time_unit) for step in trace.steps]
-    width = max(map(len, times))
-    lines = Text()
-    if 0 not in left_out:
-        _append_step(lines, f"{0:5}  {times[0]:<{width}}  ", list(_start_lines(trace.initial, clocks)))
-    before = trace.initial
-    for number, (time, step) in enumerate(zip(times[1:], trace.steps, strict=True), start=1):
-        if number in left_out:
-            if number == left_out[-1]:
-                lines.append(f"  ...  ({count(len(left_out))} steps)\n", style="dim")
-            before = step.state
-            continue
-        details = [Text("time passes")] if step.event is None else list(_event_lines(step.event))
-        details += _change_lines(before, step.state)
-        if clocks and step.state.clocks:
-            details.append(_clock_line(step.state.clocks))
-        _append_step(lines, f"{number:5}  {time:<{width}}  ", details)
-        before = step.state
-    console.print(lines, end="", soft_wrap=True)
-
-
 def print_fault(
     network: Network, fault: RunTimeFault, console: Console, run: bool = True, every_step: bool = False
 ) -> None:
@@ -143,15 +124,13 @@ def print_fault(
     console.print(Text(_excerpt(fault.span)), soft_wrap=True)
     if fault.transition is not None:
         console.print("while this was tried:")
-        for line in _event_lines(view_event(network, fault.path, fault.transition)):
+        for line in event_lines(view_event(network, fault.path, fault.transition)):
             console.print(Text.assemble("       ", line), soft_wrap=True)
     if not run:
         return
     console.print("after:")
     view = view_path(network, fault.path) if fault.run is None else view_trace(network, fault.run)
-    steps = len(view.steps)
-    left_out = range(0) if every_step else range(_FAULT_BEGINNING + 1, steps + 1 - _FAULT_END)
-    print_trace(view, console, network.time_unit, left_out=left_out)
+    print_trace(view, console, network.time_unit, Telling(every_step=every_step, ends=_FAULT_ENDS))
 
 
 def _title(record: RunRecord) -> Text:
@@ -236,83 +215,6 @@ def _observer_line(verdict: Verdict, observer: Observer, time_unit: str) -> Text
         for move in followed
     ]
     return Text(f"  {observer.formula}: {', '.join(words)}", style="italic")
-
-
-def _when(time: Fraction | None, delay: Fraction | None, time_unit: str) -> str:
-    if time is None:
-        return ""
-    waited = f" (+{duration(delay, time_unit)})" if delay else ""
-    return duration(time, time_unit) + waited
-
-
-def _append_step(lines: Text, margin: str, details: list[Text]) -> None:
-    for detail in details:
-        lines.append(margin, style="cyan")
-        lines.append_text(detail)
-        lines.append("\n")
-        margin = " " * len(margin)
-
-
-def _start_lines(state: Snapshot, clocks: bool) -> Iterator[Text]:
-    yield Text("start in " + ", ".join(f"{process}.{location}" for process, location in state.locations))
-    variables = [f"{name} = {_value(value)}" for name, value in state.variables if value]
-    if variables:
-        rest = ", all other variables 0" if len(variables) < len(state.variables) else ""
-        yield Text("  " + ", ".join(variables) + rest)
-    if clocks and state.clocks:
-        yield _clock_line(state.clocks)
-
-
-def _event_lines(event: Event) -> Iterator[Text]:
-    for move in event.moves:
-        yield _move_line(event.channel, move)
-        for words in (move.doc, move.arrival):
-            if words:
-                yield Text(f"  {' '.join(words.split())}", style="italic")
-
-
-def _move_line(channel: str, move: Move) -> Text:
-    line = Text()
-    if move.direction is not None:
-        mark = "!" if move.direction is Direction.SEND else "?"
-        line.append(f"{channel}{mark}  ", style="bold")
-    line.append(f"{move.process}: {move.source} → {move.target}")
-    if move.selects:
-        line.append("  [" + ", ".join(f"{name} = {value}" for name, value in move.selects) + "]")
-    return line
-
-
-def _change_lines(before: Snapshot, after: Snapshot) -> list[Text]:
-    groups: list[list[tuple[str, int | bool, int | bool]]] = []
-    last = ("", -1)
-    pairs = zip(before.variables, after.variables, strict=True)
-    for position, ((name, old), (_, new)) in enumerate(pairs):
-        if old != new:
-            array = name.rpartition("[")[0] if name.endswith("]") else ""
-            if array and last == (array, position - 1):
-                groups[-1].append((name, old, new))
-            else:
-                groups.append([(name, old, new)])
-            last = (array, position)
-    return [Text("  " + ", ".join(map(_group, groups)))] if groups else []
-
-
-def _group(cells: list[tuple[str, int | bool, int | bool]]) -> str:
-    """Changes of one variable, or of neighbouring cells of one array: ``a[0..2]: 1 2 0 → 2 0 0``."""
-    if len(cells) < _ARRAY_TOGETHER:
-        return ", ".join(f"{name}: {_value(old)} → {_value(new)}" for name, old, new in cells)
-    name = f"{cells[0][0][:-1]}..{cells[-1][0].rpartition('[')[2]}"
-    olds = " ".join(_value(old) for _, old, _ in cells)
-    news = " ".join(_value(new) for _, _, new in cells)
-    return f"{name}: {olds} → {news}"
-
-
-def _clock_line(clocks: tuple[tuple[str, Fraction], ...]) -> Text:
-    return Text("  " + ", ".join(f"{name} = {value}" for name, value in clocks), style="dim")
-
-
-def _value(value: int | bool) -> str:
-    return str(value).lower()
 
 
 def _excerpt(span: Span) -> str:

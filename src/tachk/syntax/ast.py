@@ -609,6 +609,13 @@ class ExpectationDeclaration(Node):
 
 
 @dataclass(frozen=True, slots=True)
+class HideDeclaration(Node):
+    """``hide A, B;``: templates or processes that told runs leave out."""
+
+    names: tuple[Identifier, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class QueryEntry(Node):
     """One query of a .q file or of the command line, with the comment that describes it."""
 
@@ -628,6 +635,7 @@ Item = (
     | GanttDeclaration
     | PropertyDeclaration
     | ExpectationDeclaration
+    | HideDeclaration
 )
 
 

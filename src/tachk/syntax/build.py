@@ -191,6 +191,10 @@ class Builder(ExpressionBuilder, FormulaBuilder):
         names = tuple(child for child in children if isinstance(child, ast.Identifier))
         return ast.ExpectationDeclaration(span_of(children), names, _outcome(children[-2]))
 
+    def hide(self, children: Children) -> ast.HideDeclaration:
+        names = tuple(child for child in children if isinstance(child, ast.Identifier))
+        return ast.HideDeclaration(span_of(children), names)
+
     # ---- templates ----
 
     def process(self, children: Children) -> ast.Template:

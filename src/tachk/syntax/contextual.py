@@ -34,6 +34,7 @@ SPELLING = {
     "IMPORT": "import",
     "TIME_UNIT": "time_unit",
     "PROPERTY": "property",
+    "HIDE": "hide",
     "SIGNAL": "signal",
     "PRIORITY": "priority",
     "BEFORE_UPDATE": "before_update",
@@ -221,6 +222,8 @@ class _Resolver:
             token.type = "TIME_UNIT"
         elif word == "expect" and following == "NAME" and (third == "NAME" or self.text(2) == ","):
             self.expectation(token)
+        elif word == "hide" and following == "NAME" and self.text(2) in (",", ";"):
+            token.type = "HIDE"
         elif word == "property" and following == "NAME" and (third == "STRING" or self.text(2) == ":"):
             token.type = "PROPERTY"
             length = 4 if third == "STRING" else 3

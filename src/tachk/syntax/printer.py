@@ -72,6 +72,11 @@ def write_item(writer: Writer, item: ast.Item) -> None:
             writer.begin(item)
             writer.filled("expect", f"{text} {print_expected(expectation)};".split(" "))
             writer.behind(item)
+        case ast.HideDeclaration(names=names):
+            text = ", ".join(identifier.name for identifier in names)
+            writer.begin(item)
+            writer.filled("hide", f"{text};".split(" "))
+            writer.behind(item)
         case _:
             write_declaration(writer, item)
 

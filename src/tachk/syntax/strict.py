@@ -30,6 +30,8 @@ def _in_item(item: ast.Item) -> Iterator[tuple[str, Span]]:
             yield "a property", item.name.span
         case ast.ExpectationDeclaration():
             yield "an expectation", item.span
+        case ast.HideDeclaration():
+            yield "'hide'", item.span
         case ast.Template():
             yield from _in_template(item)
         case _:

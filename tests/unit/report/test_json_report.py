@@ -42,8 +42,6 @@ def test_schema_refuses_a_fourth_answer(record: RunRecord) -> None:
 def test_trace_names_everything_and_keeps_times_exact(record: RunRecord) -> None:
     start, step, rest = round_trip(record)["results"][0]["trace"]
     assert start == {
-        "delay": None,
-        "transition": None,
         "time": "0",
         "locations": {"User": "idle", "Lamp": "off"},
         "variables": {"n": 0, "lit": False},
@@ -56,7 +54,8 @@ def test_trace_names_everything_and_keeps_times_exact(record: RunRecord) -> None
     assert step["transition"]["participants"][0]["positions"] == ["lamp.ta:2:3"]
     assert step["variables"] == {"n": 3, "lit": True}
     assert rest["transition"] is None
-    assert rest["clocks"] == {"User.x": "17/6"}
+    assert rest["delay"] == "1/3"
+    assert "clocks" not in rest, "it shows its value of before plus the delay"
 
 
 def test_fault_has_its_place_and_the_path_with_values(record: RunRecord) -> None:
@@ -65,7 +64,7 @@ def test_fault_has_its_place_and_the_path_with_values(record: RunRecord) -> None
     assert fault["position"] == "lamp.ta:2:3"
     assert fault["text"] == "n = n + 1"
     assert [state["variables"]["n"] for state in fault["path"]] == [0, 3]
-    assert fault["path"][-1]["clocks"] is None
+    assert fault["path"][0]["clocks"] is None
 
 
 def test_met_is_null_for_unknown(record: RunRecord) -> None:

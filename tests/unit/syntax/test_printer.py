@@ -279,3 +279,7 @@ def test_every_query_is_read_as_it_was(left: ast.Expression, right: ast.Expressi
     assert diagnostics == ()
     assert entry is not None
     assert entry.formula == formula
+
+
+def test_hide_is_printed_as_it_is_read() -> None:
+    assert check_round_trip("hide Link, Tracker;\n") == "hide Link, Tracker;\n"

@@ -55,6 +55,9 @@ from tachk.cli import options
     help="Tell also the runs behind answers that are as expected, and every run whole.",
 )
 @click.option("--clocks", is_flag=True, help="Print the clocks after each step of a run.")
+@click.option(
+    "--every-step", is_flag=True, help="Tell runs whole: each step of repeated rounds, and what the model hides."
+)
 def command(trace: str | None, every_trace: bool, **given: Any) -> None:
     """Check the properties of models, or the given queries.
 
