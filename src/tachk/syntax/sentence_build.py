@@ -12,8 +12,9 @@ from typing import Any, TypeVar
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Span
 from tachk.syntax import sentence as s
-from tachk.syntax.formula import Duration, Formula, Not, Rise
-from tachk.syntax.sentence_conditions import Refused, read_condition, read_duration, read_value
+from tachk.syntax.ast import BinaryExpression
+from tachk.syntax.formula import And, Atom, Duration, Formula, Not, Or, Rise
+from tachk.syntax.sentence_conditions import Refused, read_condition, read_duration, read_number, read_value
 from tachk.syntax.tokens import Token
 
 Children = list[Any]
@@ -161,6 +162,35 @@ class SentenceBuilder:
     def must_have_been(self, children: Children) -> s.MustHaveBeen:
         return s.MustHaveBeen(_span(children), _condition(children[0]), _optional(children[3]))
 
+    def must_compare(self, children: Children) -> s.MustBeTrue:
+        left, comparison, right = children
+        span = _span(children)
+        return s.MustBeTrue(span, _compared(span, left, comparison.text, right))
+
+    def below(self, children: Children) -> Mark:
+        return Mark("", _span(children), "<")
+
+    def at_or_below(self, children: Children) -> Mark:
+        return Mark("", _span(children), "<=")
+
+    def above(self, children: Children) -> Mark:
+        return Mark("", _span(children), ">")
+
+    def at_or_above(self, children: Children) -> Mark:
+        return Mark("", _span(children), ">=")
+
+    def must_be_inside(self, children: Children) -> s.MustBeTrue:
+        value, _, low, _, high = children
+        span = _span(children)
+        both = (_compared(span, low, "<=", value), _compared(span, value, "<=", high))
+        return s.MustBeTrue(span, And(span, both))
+
+    def must_be_outside(self, children: Children) -> s.MustBeTrue:
+        value, _, low, _, high = children
+        span = _span(children)
+        either = (_compared(span, value, "<", low), _compared(span, value, ">", high))
+        return s.MustBeTrue(span, Or(span, either))
+
     # ---- what parts are made of ----
 
     def level(self, children: Children) -> Formula:
@@ -200,6 +230,10 @@ def _polarity(wording: Token | None) -> bool:
 def _condition(token: Token, wording: Token | None = None) -> Formula:
     formula = read_condition(token.span)
     return formula if _polarity(wording) else Not(formula.span, formula)
+
+
+def _compared(span: Span, left: Token, operator: str, right: Token) -> Atom:
+    return Atom(span, BinaryExpression(span, operator, read_number(left.span), read_number(right.span)))
 
 
 def _duration(token: Token) -> Duration:

@@ -15,6 +15,9 @@ from tachk.time_units import SPELLINGS
 _TEMPORAL_HELP = "a condition is about one instant; a property with operators like F and G is written as a formula"
 
 
+_COMPARISONS = frozenset({"<", "<=", "==", "!=", ">=", ">", "&&", "||", "imply", "xor"})
+
+
 class Refused(Exception):
     """A part of a sentence cannot be read."""
 
@@ -57,6 +60,22 @@ def read_value(span: Span) -> ast.Expression:
             span,
             "write 'becomes true' or 'becomes false', or name a variable",
         )
+    )
+
+
+def read_number(span: Span) -> ast.Expression:
+    """The expression that a sentence compares with another.
+
+    Raises:
+        Refused: it is none, or a condition.
+    """
+    formula = read_condition(span)
+    if isinstance(formula, Atom):
+        expression = formula.expression
+        if not (isinstance(expression, ast.BinaryExpression) and expression.operator in _COMPARISONS):
+            return expression
+    raise Refused(
+        Diagnostic("E0144", "this is a condition, not a number", span, "write 'must be true', or name what is compared")
     )
 
 

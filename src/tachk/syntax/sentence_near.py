@@ -31,7 +31,7 @@ _WORDINGS = {
         *("with a delay of", "with a delay at most", "with a maximum delay of", "with a delay of up to"),
         *("with a delay of less than", "with a delay of maximum", "with a delay of no more than"),
     ),
-    "with a delay of between": ("with a delay between", "with a delay from", "with a delay of from"),
+    "with a delay of between": ("with a delay from", "with a delay of from"),
     "with no delay": ("without a delay", "without any delay", "with zero delay", "with 0 delay"),
     "immediately": ("at once", "instantly", "at the same time", "simultaneously", "instantaneously"),
     "eventually": ("finally", "sometime", "some time later", "sooner or later", "at some time", "at some point"),
@@ -64,12 +64,18 @@ _WORDINGS = {
     "must occur at least every": ("must occur every", "must recur every", "must be true at least every"),
     "must have been true": ("must have held", "must have occurred", "must have happened", "must have been"),
     "within the last": ("in the last", "during the last", "within the previous", "within the past"),
+    "must be less than": ("must be always less than", "must be below", "must always be below", "must stay below"),
+    "must be greater than": ("must be always greater than", "must be above", "must always be above", "must exceed"),
+    "must be at most": ("must be always at most", "must not exceed", "must never exceed", "must be no more than"),
+    "must be at least": ("must be always at least", "must be no less than", "must never be less than"),
+    "must be inside": ("must be always inside", "must be within", "must always be within", "must stay between"),
+    "must be outside": ("must be always outside", "must never be inside", "must never be between"),
     "at least": ("no less than", "not less than", "more than", "a minimum of", "minimum", "min"),
     "at most": ("no more than", "not more than", "less than", "up to", "a maximum of", "maximum", "max"),
     "later": ("afterwards", "after that", "thereafter"),
     "then": ("it follows that", "so"),
     "until": ("till", "up to"),
-    "counting from": ("starting from", "counting", "from", "reference", "relative to", "with reference"),
+    "counting from": ("starting at", "counting", "from", "reference", "relative to", "with reference"),
 }
 
 

@@ -33,6 +33,46 @@ def meant(text: str) -> Formula:
     return meaning(sentence)
 
 
+PREPRINT = {
+    "ECFS": ("true", "of at most 180 seconds", "allToAgent", "G F[0, 180 s] allToAgent"),
+    "ECRA": ("true", "of at most 180 seconds", "allToClient", "G F[0, 180 s] allToClient"),
+    "NIWS": ("sleep", "between 0 seconds and 50 seconds", "not arrive", "G (sleep -> F[0, 50 s] !arrive)"),
+    "RMIO": ("tenthAtAgent", "", "TDDSisSent", "G (tenthAtAgent -> TDDSisSent)"),
+    "RMIO2": ("tenthAtClient", "", "FDDSisSent", "G (tenthAtClient -> FDDSisSent)"),
+    "TMRK": ("lost", "between 0 seconds and 20 seconds", "marked", "G (lost -> F[0, 20 s] marked)"),
+    "FARS": ("behind", "between 0 seconds and 20 seconds", "caughtUp", "G (behind -> F[0, 20 s] caughtUp)"),
+}
+"""The seven sentences of the preprint with its words; only the signals, which it leaves out, are named here."""
+
+
+@pytest.mark.parametrize("name", PREPRINT)
+def test_the_sentences_of_the_preprint_are_read_word_for_word(name: str) -> None:
+    trigger, delay, response, formula = PREPRINT[name]
+    with_delay = f"with a delay {delay}" if delay else "with no delay"
+    text = f"At any point of time, whenever {trigger} is true, {with_delay}, {response} must be true."
+    expected, _ = parse_formula(Source("f", formula))
+    assert meant(text) == expected
+    assert print_formula(meant(text)) == formula
+
+
+@pytest.mark.parametrize(
+    ("text", "formula"),
+    [
+        ("At any point of time, x must always be less than 5.", "G (x < 5)"),
+        ("x must always be less than or equal to 5.", "G (x <= 5)"),
+        ("x + 1 must be greater than y.", "G (x + 1 > y)"),
+        ("x must always be greater than or equal to 5.", "G (x >= 5)"),
+        ("whenever p, within d, x must be at most 5.", "G (p -> F[0, d] (x <= 5))"),
+        ("x must be at least 5.", "G (x >= 5)"),
+        ("x must always be inside 2 and 5.", "G (2 <= x && x <= 5)"),
+        ("x must always be outside 2 and 5.", "G (x < 2 || x > 5)"),
+    ],
+)
+def test_bounds_checks(text: str, formula: str) -> None:
+    expected, _ = parse_formula(Source("f", formula))
+    assert meant(text) == expected
+
+
 @pytest.mark.parametrize(
     ("text", "formula"),
     [
