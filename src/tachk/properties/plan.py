@@ -9,6 +9,7 @@ from tachk.model.expressions import BOOL, Deadlock, Expression, Reference, Unary
 from tachk.model.query import Observer, Query, QueryKind
 from tachk.model.traversal import walk
 from tachk.model.types import ClockType, leaves
+from tachk.semantics.spectators import speaks_of_nothing
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,12 +29,14 @@ class Search:
 
 
 def plan(queries: Sequence[Query]) -> tuple[Search, ...]:
-    """One search for each set of queries that look at the same clocks and agree in asking for deadlock or not.
+    """One search for each set of queries that look at the same clocks, and agree in asking for deadlock or not and in
+    speaking of anything at all.
 
-    A clock in a predicate stays alive everywhere, and ``deadlock`` needs a finer abstraction, so sharing a search with
-    such a query would make the others pay for it. So would an observer: a query that has one is searched alone.
+    A clock in a predicate stays alive everywhere, ``deadlock`` needs a finer abstraction, and where a query speaks of
+    nothing (``E<> false``) nothing may be left out, so sharing a search with such a query would make the others pay for
+    it. So would an observer: a query that has one is searched alone.
     """
-    searches: dict[tuple[bool, frozenset[Variable], int], list[Task]] = {}
+    searches: dict[tuple[bool, frozenset[Variable], bool, int], list[Task]] = {}
     for number, query in enumerate(queries, start=1):
         task = Task(query, target_of(query))
         alone = 0 if query.observer is None else number
@@ -52,10 +55,11 @@ def target_of(query: Query) -> Expression:
     raise ValueError(f"{query.kind.value} is not decided by reachability")
 
 
-def _demands(target: Expression) -> tuple[bool, frozenset[Variable]]:
+def _demands(target: Expression) -> tuple[bool, frozenset[Variable], bool]:
     parts = list(walk(target))
     variables = {part.variable for part in parts if isinstance(part, Reference)}
-    return any(isinstance(part, Deadlock) for part in parts), frozenset(filter(_has_clock, variables))
+    clocks = frozenset(filter(_has_clock, variables))
+    return any(isinstance(part, Deadlock) for part in parts), clocks, speaks_of_nothing(target)
 
 
 def _has_clock(variable: Variable) -> bool:

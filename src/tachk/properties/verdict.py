@@ -29,6 +29,8 @@ class Verdict:
     trace: a replayed run that shows E<> true or A[] false; None where no run can.
     fault: the run-time error of the model that ended the search, if one did.
     unsupported: why this query cannot be checked at all.
+    unexamined: the processes that were held still or left out, and the variables whose updates were, because the
+        answer does not depend on them, where they can meet run-time errors: these were not looked for.
     moves: what the observer of a temporal property did along the trace, which is that of the model alone.
     """
 
@@ -41,6 +43,7 @@ class Verdict:
     fault: RunTimeFault | None = None
     unsupported: Diagnostic | None = None
     moves: tuple[ObserverMove, ...] = ()
+    unexamined: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Verdict {self.query.name}: {self.answer.value}, {self.query.text}>"

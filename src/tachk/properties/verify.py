@@ -24,15 +24,16 @@ from tachk.properties.observed import (
     observed,
     without_observer,
 )
-from tachk.properties.plan import Search, Task, plan
+from tachk.properties.plan import Search, Task, plan, target_of
 from tachk.properties.verdict import Answer, Verdict
 from tachk.semantics.bystanders import without_bystanders
 from tachk.semantics.discrete import initial_discrete, prepare
 from tachk.semantics.features import check_selections, check_supported
 from tachk.semantics.lower import lower
-from tachk.semantics.spectators import with_spectators, without_spectators
+from tachk.semantics.spectators import every_action_counts, with_spectators, without_spectators
 from tachk.semantics.step import StepError, satisfies_invariant
-from tachk.semantics.trace import TimedState
+from tachk.semantics.trace import TimedState, TimedTrace
+from tachk.semantics.unexamined import unexamined
 
 
 def verify(
@@ -75,7 +76,20 @@ def verify(
             found = _run(network, search, options, _remaining(limits, started), progress, trace)
             interrupted = any(verdict.reason == INTERRUPTED for verdict in found)
         verdicts |= {id(verdict.query): verdict for verdict in found}
-    return tuple(verdicts[id(query)] for query in queries)
+    return _examined(network, [verdicts[id(query)] for query in queries])
+
+
+def _examined(network: Network, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
+    """The verdicts; if one of them was proved by exploring everything, no run-time error was overlooked for any."""
+    for verdict in verdicts:
+        kind = verdict.query.kind
+        proved = (kind, verdict.answer) in {
+            (QueryKind.POSSIBLY, Answer.FAILS),
+            (QueryKind.INVARIANTLY, Answer.HOLDS),
+        }
+        if proved and verdict.query.observer is None and every_action_counts(network, [target_of(verdict.query)]):
+            return tuple(replace(other, unexamined=()) for other in verdicts)
+    return tuple(verdicts)
 
 
 def _remaining(limits: Limits, started: float) -> Limits:
@@ -153,8 +167,9 @@ def _settle_without_bystanders(
     if outcome.reason == INTERRUPTED:
         return [_not_begun(task) for task in search.tasks]
     pairs = zip(search.tasks, outcome.goals, strict=True)
+    left_out = unexamined(network, relaxed)
     return [
-        Verdict(task.query, _answers(task)[1], True, "", outcome.statistics)
+        Verdict(task.query, _answers(task)[1], True, "", outcome.statistics, unexamined=left_out)
         for task, goal in pairs
         if goal.status is Status.UNREACHABLE
     ]
@@ -176,10 +191,28 @@ def _explore(
     if outcome.fault is not None:
         fault = explain(reduced, outcome.fault)
         if fault.run is not None:
-            fault = replace(fault, run=with_spectators(network, reduced, fault.run))
+            fault = replace(fault, run=_whole_run(network, reduced, fault.run))
         outcome = replace(outcome, fault=fault if search.observer is None else fault_without_observer(network, fault))
-    pairs = zip(tasks, outcome.goals, strict=True)
-    return [_verdict(network, reduced, task, goal, outcome, trace) for task, goal in pairs]
+    verdicts = []
+    for task, goal in zip(tasks, outcome.goals, strict=True):
+        verdict = _verdict(network, reduced, task, goal, outcome, trace)
+        if verdict is None:
+            everything = replace(options, spectators=True)
+            rest = limits
+            if limits.seconds is not None:
+                rest = replace(limits, seconds=max(limits.seconds - outcome.statistics.seconds, 0.0))
+            verdicts += _explore(network, search, [task], everything, rest, progress, trace)
+        else:
+            verdicts.append(verdict)
+    return verdicts
+
+
+def _whole_run(network: Network, reduced: Network, run: TimedTrace) -> TimedTrace | None:
+    """A run of the whole network that is a run of the reduced one; None where a spectator meets an error on the way."""
+    try:
+        return with_spectators(network, reduced, run)
+    except (StepError, EvaluationFault):
+        return None
 
 
 def _answers(task: Task) -> tuple[Answer, Answer]:
@@ -194,25 +227,29 @@ _INEXACT = "the stopwatches make the search inexact, and the run it found is not
 
 def _verdict(
     network: Network, reduced: Network, task: Task, goal: GoalOutcome, outcome: Outcome, trace: bool
-) -> Verdict:
+) -> Verdict | None:
+    """The verdict; None if the run that was found meets a run-time error of a process that was held still."""
     on_reached, otherwise = _answers(task)
     verdict = Verdict(task.query, Answer.UNKNOWN, outcome.exact, outcome.reason, outcome.statistics)
     if goal.status is Status.UNDECIDED:
         return replace(verdict, exact=True, fault=outcome.fault)
     if goal.status is Status.UNREACHABLE:
         # An over-approximation that does not reach the target proves that nothing does.
-        return replace(verdict, answer=otherwise, exact=True, reason="")
+        return replace(verdict, answer=otherwise, exact=True, reason="", unexamined=unexamined(network, reduced))
     if not trace and outcome.exact:
-        return replace(verdict, answer=on_reached, reason="")
+        return replace(verdict, answer=on_reached, reason="", unexamined=unexamined(network, reduced))
     run = concretise(reduced, goal.path or (), task.target)
     if run is None:
         if outcome.exact:
             raise InternalError(f"the path found for {task.query.text!r} has no timed run")
         return replace(verdict, reason=_INEXACT)
+    whole = _whole_run(network, reduced, run)
+    if whole is None:
+        return None if outcome.exact else replace(verdict, reason=_INEXACT)
+    run = whole
     try:
-        run = with_spectators(network, reduced, run)
         replay(network, run, task.target)
-    except (StepError, ReplayError) as error:
+    except ReplayError as error:
         if not outcome.exact:
             return replace(verdict, reason=_INEXACT)
         raise InternalError(f"the run found for {task.query.text!r} does not replay: {error}") from error

@@ -85,6 +85,7 @@ def verdict_to_json(network: Network, verdict: Verdict, every_step: bool = False
         "met": verdict.met,
         "exact": verdict.exact,
         "reason": verdict.reason,
+        "unexamined": list(verdict.unexamined),
         "stats": {
             "states_explored": statistics.states_explored,
             "states_stored": statistics.states_stored,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -62,6 +64,7 @@ def print_run(
             text = " ".join(query.text.split())
             console.print(Text(f"  {query.name} is not checked: {text} ({query.reason})", style="dim"))
     _print_unknown(record, console, every_step)
+    _print_unexamined(record.verdicts, console)
     for verdict in record.verdicts if record.runs else ():
         if verdict.trace is None:
             continue
@@ -104,6 +107,22 @@ def _print_unknown(record: RunRecord, console: Console, every_step: bool) -> Non
         if fault is not None:
             console.print()
             print_fault(record.network, fault, console, record.runs, every_step)
+
+
+def _print_unexamined(verdicts: Iterable[Verdict], console: Console) -> None:
+    """What was left out and might meet run-time errors, once for all queries for which it is the same."""
+    by_names: dict[tuple[str, ...], list[str]] = {}
+    for verdict in verdicts:
+        if verdict.unexamined:
+            by_names.setdefault(verdict.unexamined, []).append(verdict.query.name)
+    for names, queries in by_names.items():
+        depend = "does" if len(queries) == 1 else "do"
+        them = "it" if len(names) == 1 else "them"
+        text = (
+            f"\nrun-time errors of {', '.join(names)} were not looked for, "
+            f"as {', '.join(queries)} {depend} not depend on {them}; the query E<> false looks for all"
+        )
+        console.print(Text(text, style="yellow"))
 
 
 def _are(names: list[str]) -> str:

@@ -21,14 +21,12 @@ def without_bystanders(network: Network, targets: Sequence[Expression]) -> Netwo
     updates of the others that change nothing a target needs. Run-time errors of what is left out are not looked for.
 
     Processes and variables keep their numbers. The network comes back as it is where a target speaks of ``deadlock`` or
-    processes or channels have priorities, as there every possible action counts; where no target speaks of anything, as
+    processes or channels have priorities, as there every possible action counts; where a target speaks of nothing, as
     that is how to ask for the whole state space; and where all bystanders are spectators, which cost nothing.
     """
     if every_action_counts(network, targets):
         return network
     cone = _cone(network, targets)
-    if not cone.members:
-        return network
     bystanders = set(range(len(network.processes))) - cone.members
     if bystanders <= spectators(network, targets):
         return network

@@ -230,6 +230,12 @@ def is_urgent(model: Model, discrete: DiscreteState, transition: Transition) -> 
     return channel is not None and model.channels[channel][0].urgent
 
 
+def is_announced(model: Model, discrete: DiscreteState, transition: Transition) -> bool:
+    """Whether the transition is a broadcast."""
+    channel = channel_of(model, discrete, transition)
+    return channel is not None and model.channels[channel][0].broadcast
+
+
 def priority(model: Model, discrete: DiscreteState, transition: Transition) -> Priority:
     """What decides between transitions; larger goes first."""
     channel = channel_of(model, discrete, transition)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import assert_never
 
 from tachk.model.expressions import (
+    MIRRORED_COMPARISON,
     Aggregate,
     Assert,
     Assign,
@@ -31,11 +33,15 @@ from tachk.model.expressions import (
     Return,
     Statement,
     Unary,
+    Variable,
     While,
 )
-from tachk.model.types import ArrayType, ClockType, Type
+from tachk.model.network import Direction, Edge, Location
+from tachk.model.traversal import written_variables
+from tachk.model.types import ArrayType, ClockType, RecordType, Type
+from tachk.semantics.conditions import conjuncts
 from tachk.semantics.fold import Known, fold, fold_place, is_integer
-from tachk.semantics.intervals import arithmetic, interval
+from tachk.semantics.intervals import Interval, arithmetic, interval
 from tachk.semantics.layout import cell_range
 
 _LONG = 2**14
@@ -47,113 +53,184 @@ def can_fail(expression: Expression, known: Known) -> bool:
 
     ``x / y``, for one, cannot where the range of ``y`` leaves out 0, and ``n = m`` cannot where all of ``m`` fits.
     """
-    return _fails(fold(expression, known), known, 1)
+    return _Scope(known).fails(expression)
 
 
-def any_can_fail(expressions: Iterable[Expression], known: Known) -> bool:
-    return any(can_fail(expression, known) for expression in expressions)
+def location_can_fail(location: Location, known: Known) -> bool:
+    """Whether the invariant or a rate of a location can be a run-time error."""
+    invariant = () if location.invariant is None else (location.invariant,)
+    return any(can_fail(expression, known) for expression in (*invariant, *(rate for _, rate in location.rates)))
 
 
-def _fails(expression: Expression, known: Known, times: int) -> bool:
-    def inner(*parts: Expression) -> bool:
-        return any(_fails(part, known, times) for part in parts)
+def edge_can_fail(edge: Edge, known: Known, updates: Sequence[Expression] | None = None) -> bool:
+    """Whether something of an edge can be a run-time error.
 
-    match expression:
-        case Constant() | LocationTest() | Deadlock() | Reference():
-            return False
-        case Index(base, index):
-            assert isinstance(base.type, ArrayType)
-            last = base.type.low + base.type.size - 1
-            return inner(base, index) or not _within(interval(index, known), (base.type.low, last))
-        case Field(base):
-            return inner(base)
-        case Unary(_, operand):
-            return inner(operand)
-        case Binary(operator, left, right):
-            return inner(left, right) or _undefined(operator, right, known)
-        case Conditional(condition, then, otherwise):
-            return inner(condition, then, otherwise)
-        case Quantifier(_, variable, body):
-            low, high = cell_range(variable.type)
-            return (times * (high - low + 1) > _LONG) or _fails(body, known, times * (high - low + 1))
-        case Assign():
-            return inner(expression.target, expression.value) or _stores_badly(expression, known)
-        case Increment():
+    Args:
+        updates: those of its updates that are asked about, and nothing but them; all of the edge if there are none.
+    """
+    asked = edge.updates if updates is None else updates
+    if updates is None:
+        if edge.guard is not None and can_fail(edge.guard, known):
             return True
-        case Call(function, arguments):
-            pairs = list(zip(function.parameters, arguments, strict=True))
-            return (
-                inner(*arguments)
-                or any(not p.reference and not _fits(a, p.type, known) for p, a in pairs)
-                or _statement_fails(function.body, function.result, known, times)
-            )
-        case Comma(items) | Aggregate(items):
-            return inner(*items)
-        case _ as never:
-            assert_never(never)
-
-
-def _undefined(operator: BinaryOperator, right: Expression, known: Known) -> bool:
-    """Whether an operator may have no value for some right sides."""
-    if operator in (BinaryOperator.DIVIDE, BinaryOperator.MODULO):
-        low, high = interval(right, known)
-        return low <= 0 <= high
-    if operator in (BinaryOperator.SHIFT_LEFT, BinaryOperator.SHIFT_RIGHT):
-        return not _within(interval(right, known), (0, 31))
-    if operator is BinaryOperator.POWER:
-        return interval(right, known)[0] < 0
+        if edge.synchronisation is not None and can_fail(edge.synchronisation.channel, known):
+            return True
+    receives = edge.synchronisation is not None and edge.synchronisation.direction is Direction.RECEIVE
+    # What the sender does comes between the guard of a receiver and its updates.
+    narrow = {} if edge.guard is None or receives else _narrowed(fold(edge.guard, known), known)
+    for update in edge.updates:
+        if update in asked and _Scope(known, narrow).fails(update):
+            return True
+        narrow = {v: range_ for v, range_ in narrow.items() if v not in written_variables([update])}
     return False
 
 
-def _stores_badly(assignment: Assign, known: Known) -> bool:
-    target, value, operator = assignment.target, assignment.value, assignment.operator
-    if isinstance(target.type, ClockType):
-        return interval(value, known)[0] < 0
-    if operator is None:
-        return not _fits(value, target.type, known)
-    if _undefined(operator, value, known):
-        return True
-    result = arithmetic(operator, interval(target, known), interval(value, known))
-    return not _within(result, cell_range(target.type))
+def _narrowed(guard: Expression, known: Known) -> dict[Variable, Interval]:
+    """The ranges of variables where a guard holds, as far as it compares them with constants."""
+    found: dict[Variable, Interval] = {}
+    for part in conjuncts(guard):
+        match part:
+            case Binary(operator, Reference(variable), Constant(value)) if is_integer(variable.type):
+                pass
+            case Binary(operator, Constant(value), Reference(variable)) if is_integer(variable.type):
+                operator = MIRRORED_COMPARISON.get(operator, operator)
+            case _:
+                continue
+        low, high = found.get(variable, cell_range(variable.type))
+        match operator:
+            case BinaryOperator.EQUAL:
+                low, high = max(low, value), min(high, value)
+            case BinaryOperator.LESS:
+                high = min(high, value - 1)
+            case BinaryOperator.LESS_EQUAL:
+                high = min(high, value)
+            case BinaryOperator.GREATER:
+                low = max(low, value + 1)
+            case BinaryOperator.GREATER_EQUAL:
+                low = max(low, value)
+            case _:
+                pass
+        if low <= high:
+            found[variable] = low, high
+    return found
 
 
-def _fits(value: Expression, type_: Type, known: Known) -> bool:
-    """Whether all values of an expression lie in the ranges of a type."""
-    if isinstance(value, Aggregate) or not is_integer(type_) or not is_integer(value.type):
-        return value.type == type_ and not isinstance(value, Aggregate)
-    return _within(interval(value, known), cell_range(type_))
+@dataclass(frozen=True, slots=True)
+class _Scope:
+    """Where an expression is evaluated.
 
+    Attributes:
+        narrow: the ranges of variables, where they are smaller than the declared ones.
+        times: how often the loops around it may repeat it.
+    """
 
-def _within(inner: tuple[int, int], outer: tuple[int, int]) -> bool:
-    return outer[0] <= inner[0] and inner[1] <= outer[1]
+    known: Known
+    narrow: Mapping[Variable, Interval] = field(default_factory=dict)
+    times: int = 1
 
+    def fails(self, expression: Expression) -> bool:
+        return self._folded_fails(fold_place(expression, self.known))
 
-def _statement_fails(statement: Statement, result: Type, known: Known, times: int) -> bool:
-    def fails(expression: Expression) -> bool:
-        return _fails(fold(expression, known), known, times)
+    def _interval(self, expression: Expression) -> Interval:
+        return interval(expression, self.known, self.narrow)
 
-    match statement:
-        case Evaluate(expression):
-            return fails(expression)
-        case Declare(variable, initial):
-            return initial is not None and (fails(initial) or not _fits(fold(initial, known), variable.type, known))
-        case Block(statements):
-            return any(_statement_fails(inner, result, known, times) for inner in statements)
-        case If(condition, then, otherwise):
-            branches = (then,) if otherwise is None else (then, otherwise)
-            return fails(condition) or any(_statement_fails(branch, result, known, times) for branch in branches)
-        case While() | Assert():
+    def _repeated(self, variable: Variable) -> _Scope:
+        low, high = cell_range(variable.type)
+        return replace(self, times=self.times * (high - low + 1))
+
+    def _folded_fails(self, expression: Expression) -> bool:
+        def inner(*parts: Expression) -> bool:
+            return any(map(self._folded_fails, parts))
+
+        match expression:
+            case Constant() | LocationTest() | Deadlock() | Reference():
+                return False
+            case Index(base, index):
+                assert isinstance(base.type, ArrayType)
+                last = base.type.low + base.type.size - 1
+                return inner(base, index) or not _within(self._interval(index), (base.type.low, last))
+            case Field(base):
+                return inner(base)
+            case Unary(_, operand):
+                return inner(operand)
+            case Binary(operator, left, right):
+                return inner(left, right) or self._undefined(operator, right)
+            case Conditional(condition, then, otherwise):
+                return inner(condition, then, otherwise)
+            case Quantifier(_, variable, body):
+                repeated = self._repeated(variable)
+                return repeated.times > _LONG or repeated._folded_fails(body)
+            case Assign(target, value):
+                return inner(target, value) or self._stores_badly(expression)
+            case Increment(target, delta):
+                low, high = self._interval(target)
+                return inner(target) or not _within((low + delta, high + delta), cell_range(target.type))
+            case Call(function, arguments):
+                pairs = zip(function.parameters, arguments, strict=True)
+                return (
+                    inner(*arguments)
+                    or any(not p.reference and not self._fits(a, p.type) for p, a in pairs)
+                    or _Scope(self.known, times=self.times)._statement_fails(function.body, function.result)
+                )
+            case Comma(items) | Aggregate(items):
+                return inner(*items)
+            case _ as never:
+                assert_never(never)
+
+    def _undefined(self, operator: BinaryOperator, right: Expression) -> bool:
+        """Whether an operator may have no value for some right sides."""
+        if operator in (BinaryOperator.DIVIDE, BinaryOperator.MODULO):
+            low, high = self._interval(right)
+            return low <= 0 <= high
+        if operator in (BinaryOperator.SHIFT_LEFT, BinaryOperator.SHIFT_RIGHT):
+            return not _within(self._interval(right), (0, 31))
+        if operator is BinaryOperator.POWER:
+            return self._interval(right)[0] < 0
+        return False
+
+    def _stores_badly(self, assignment: Assign) -> bool:
+        target, value, operator = assignment.target, assignment.value, assignment.operator
+        if isinstance(target.type, ClockType):
+            return self._interval(value)[0] < 0
+        if operator is None:
+            return not self._fits(value, target.type)
+        if self._undefined(operator, value):
             return True
-        case Iterate(variable, body):
-            low, high = cell_range(variable.type)
-            repeated = times * (high - low + 1)
-            return repeated > _LONG or _statement_fails(body, result, known, repeated)
-        case Return(value):
-            return value is not None and (fails(value) or not _fits(fold(value, known), result, known))
-        case _ as never:
-            assert_never(never)
+        result = arithmetic(operator, self._interval(target), self._interval(value))
+        return not _within(result, cell_range(target.type))
+
+    def _fits(self, value: Expression, type_: Type) -> bool:
+        """Whether all values of an expression lie in the ranges of a type."""
+        if is_integer(type_):
+            return _within(self._interval(value), cell_range(type_))
+        if isinstance(value, Aggregate):
+            parts = [inner for _, inner in type_.fields] if isinstance(type_, RecordType) else []
+            parts = [type_.element] * len(value.items) if isinstance(type_, ArrayType) else parts
+            return all(self._fits(item, part) for item, part in zip(value.items, parts, strict=True))
+        return value.type == type_
+
+    def _statement_fails(self, statement: Statement, result: Type) -> bool:
+        def inner(*parts: Statement | None) -> bool:
+            return any(part is not None and self._statement_fails(part, result) for part in parts)
+
+        match statement:
+            case Evaluate(expression):
+                return self.fails(expression)
+            case Declare(variable, initial):
+                return initial is not None and (self.fails(initial) or not self._fits(initial, variable.type))
+            case Block(statements):
+                return inner(*statements)
+            case If(condition, then, otherwise):
+                return self.fails(condition) or inner(then, otherwise)
+            case While() | Assert():
+                return True
+            case Iterate(variable, body):
+                repeated = self._repeated(variable)
+                return repeated.times > _LONG or repeated._statement_fails(body, result)
+            case Return(value):
+                return value is not None and (self.fails(value) or not self._fits(value, result))
+            case _ as never:
+                assert_never(never)
 
 
-def place_can_fail(place: Expression, known: Known) -> bool:
-    """`can_fail` for a clock or a channel that an expression names."""
-    return _fails(fold_place(place, known), known, 1)
+def _within(inner: Interval, outer: Interval) -> bool:
+    return outer[0] <= inner[0] and inner[1] <= outer[1]

@@ -20,16 +20,17 @@ from tachk.model.traversal import (
     written_variables,
 )
 from tachk.model.types import ChannelType
-from tachk.semantics.discrete import has_priorities, prepare
-from tachk.semantics.step import StepError, delay, initial_state, possible
-from tachk.semantics.trace import Participant, TimedStep, TimedTrace
+from tachk.semantics.discrete import has_priorities, is_announced, prepare
+from tachk.semantics.step import StepError, begun_by, delay, fire, initial_state, is_possible
+from tachk.semantics.trace import Participant, TimedStep, TimedTrace, Transition
 
 
 def without_spectators(network: Network, targets: Sequence[Expression]) -> Network:
     """The network with every process held in its initial location that cannot influence whether a target is reachable.
 
     Processes and variables keep their numbers. Nothing is held still where a target speaks of ``deadlock`` or where
-    processes or channels have priorities: there every possible action counts.
+    processes or channels have priorities: there every possible action counts. Nor is it where a target speaks of
+    nothing, as that is how to ask for the whole state space.
     """
     still = spectators(network, targets)
     processes = enumerate(network.processes)
@@ -37,10 +38,17 @@ def without_spectators(network: Network, targets: Sequence[Expression]) -> Netwo
 
 
 def every_action_counts(network: Network, targets: Sequence[Expression]) -> bool:
-    """Whether what any process can do matters: a target speaks of ``deadlock``, or there are priorities."""
-    return has_priorities(prepare(network)) or any(
-        isinstance(node, Deadlock) for target in targets for node in walk(target)
+    """Whether what any process can do matters: for priorities, or as a target speaks of ``deadlock`` or of nothing."""
+    return (
+        has_priorities(prepare(network))
+        or any(isinstance(node, Deadlock) for target in targets for node in walk(target))
+        or any(map(speaks_of_nothing, targets))
     )
+
+
+def speaks_of_nothing(target: Expression) -> bool:
+    """Whether no location, no variable and no ``deadlock`` occurs in a target: ``E<> false``, ``A[] true``."""
+    return not any(mentioned([target])) and not any(isinstance(node, Deadlock) for node in walk(target))
 
 
 def spectators(network: Network, targets: Sequence[Expression]) -> set[int]:
@@ -74,27 +82,30 @@ def with_spectators(network: Network, reduced: Network, trace: TimedTrace) -> Ti
 
     Raises:
         StepError: there is none.
+        EvaluationFault: a spectator meets a run-time error on the way.
     """
     pairs = zip(network.processes, reduced.processes, strict=True)
     still = {number for number, (process, held) in enumerate(pairs) if process != held}
     if not still:
         return trace
 
-    def others(participants: tuple[Participant, ...]) -> tuple[Participant, ...]:
-        return tuple(participant for participant in participants if participant.process not in still)
+    def others(transition: Transition) -> tuple[Participant, ...]:
+        return tuple(participant for participant in transition.participants if participant.process not in still)
 
     model = prepare(network)
     state = initial = initial_state(model)
     steps = []
     for step in trace.steps:
         state = delay(model, state, step.delay)
-        transition = None
-        if step.transition is not None:
-            wanted = step.transition.participants
-            found = next(((t, after) for t, after in possible(model, state) if others(t.participants) == wanted), None)
-            if found is None:
-                raise StepError("no transition of the whole network is the one of the reduced network")
-            transition, state = found
+        transition = step.transition
+        if transition is not None:
+            wanted = transition.participants
+            if is_announced(model, state.discrete, transition):
+                heard = (t for t in begun_by(model, state, wanted[0]) if others(t) == wanted)
+                transition = next((t for t in heard if is_possible(model, state, t)), None)
+                if transition is None:
+                    raise StepError("no transition of the whole network is the one of the reduced network")
+            state = fire(model, state, transition)
         steps.append(TimedStep(step.delay, transition, state))
     return TimedTrace(initial, tuple(steps))
 

@@ -96,11 +96,11 @@ def _guarded_transitions(model: Model, state: TimedState) -> Iterator[Transition
     """The transitions whose guards hold and that the committed rule admits, in the order of processes and edges."""
     for first in initiators(model, state.discrete):
         if _is_open(model, state, first):
-            yield from _begun_by(model, state, first)
+            yield from begun_by(model, state, first)
 
 
-def _begun_by(model: Model, state: TimedState, first: Participant) -> Iterator[Transition]:
-    """The transitions that an edge begins whose guard holds."""
+def begun_by(model: Model, state: TimedState, first: Participant) -> Iterator[Transition]:
+    """The transitions that an edge begins whose guard holds. Raises EvaluationFault."""
     channel = _channel(model, state.discrete, first)
     if channel is None:
         yield Transition((first,))
@@ -121,7 +121,7 @@ def _is_guarded(model: Model, state: TimedState, transition: Transition) -> bool
         return False
     channel = _channel(model, state.discrete, first)
     if channel is None or model.channels[channel][0].broadcast:
-        return transition in _begun_by(model, state, first)
+        return transition in begun_by(model, state, first)
     if len(others) != 1:
         return False
     audience = (p for of_process in listeners(model, state.discrete, first, channel) for p in of_process)
@@ -141,6 +141,11 @@ def successors(model: Model, state: TimedState) -> list[tuple[Transition, TimedS
         return found
     highest = max(priority(model, state.discrete, t) for t, _ in found)
     return [(t, after) for t, after in found if priority(model, state.discrete, t) == highest]
+
+
+def is_possible(model: Model, state: TimedState, transition: Transition) -> bool:
+    """Whether a transition whose guards hold leads to a state that satisfies the invariants. Raises EvaluationFault."""
+    return satisfies_invariants(model, _successor(model, state, transition))
 
 
 def fire(model: Model, state: TimedState, transition: Transition) -> TimedState:
@@ -186,7 +191,7 @@ def urgent(model: Model, state: TimedState) -> bool:
         is_urgent(model, state.discrete, transition)
         for first in initiators(model, state.discrete)
         if may_be_urgent(model, first) and _is_open(model, state, first)
-        for transition in _begun_by(model, state, first)
+        for transition in begun_by(model, state, first)
     )
 
 

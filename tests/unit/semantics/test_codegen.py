@@ -52,6 +52,7 @@ from tachk.model.layout import cell_layout
 from tachk.model.network import Edge, Location, Network, Process
 from tachk.model.types import ArrayType, BoolType, ClockType, IntType, RecordType, Type
 from tachk.semantics.codegen import CodeGenerator
+from tachk.semantics.failures import can_fail, edge_can_fail
 from tachk.semantics.fold import known_values
 from tachk.semantics.layout import Layout
 from tachk.semantics.lower import lower
@@ -114,6 +115,7 @@ def compare_value(expression: Expression, effects: bool = True) -> None:
         expected = evaluate(expression, environment)
     except EvaluationFault as fault:
         expected = (fault.kind, fault.span)
+        assert can_fail(expression, known)
     actual, machine = run_program(program, start)
     assert actual == expected
     if not isinstance(expected, tuple):
@@ -130,6 +132,7 @@ def compare_updates(updates: Sequence[Expression]) -> None:
         execute(updates, environment)
     except EvaluationFault as caught:
         fault = (caught.kind, caught.span)
+        assert edge_can_fail(net.processes[0].edges[0], known_values(net, []))
     program, _ = lower(net)
     update = program.edges[0].update
     machine = Machine(program, initial_slots(program))
