@@ -12,6 +12,7 @@
 #include <tuple>
 
 #include "csv.hpp"
+#include "group.hpp"
 #include "linear.hpp"
 #include "offline.hpp"
 #include "online.hpp"
@@ -83,4 +84,5 @@ NB_MODULE(_core, m) {
   bind_offline(m);
   bind_linear(m);
   bind_online(m);
+  bind_group(m);
 }

@@ -91,7 +91,7 @@ void bind_online(nb::module_& m) {
       .def("violation", &violation_of, "(first cell, cell after the last, settled) or None.")
       .def(
           "robustness",
-          [](const Monitor& self) {
+          [](Monitor& self) {
             const auto range = self.monitor.robustness();
             return std::make_tuple(range.low, range.high);
           },

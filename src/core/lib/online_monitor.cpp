@@ -51,8 +51,8 @@ OnlineMonitor::OnlineMonitor(MonitorProgram program, bool quantitative)
     margins_ = std::make_unique<OfflineMonitor<Robustness>>(program_, Requests{});
     if (std::optional<MonitorProgram> other = falling_sooner(program_))
       sooner_ = std::make_unique<OfflineMonitor<Robustness>>(std::move(*other), Requests{});
+    waiting_.columns.resize(program_.columns);
   }
-  narrow(robustness_);
 }
 
 void OnlineMonitor::check_time(std::int64_t tick) const {
@@ -84,15 +84,50 @@ void OnlineMonitor::push(const Samples& samples) {
     const std::size_t row = samples.count - 1;
     last_values_[n] = column.numbers != nullptr ? column.numbers[row] : column.flags[row] != 0 ? 1.0 : 0.0;
   }
-  if (margins_) {
+  if (margins_) take_margins(samples);
+}
+
+// Samples come more often than bounds are asked for, and margins are much faster in blocks. So samples wait until a
+// block of them is there or somebody asks; what is found is the same.
+void OnlineMonitor::take_margins(const Samples& samples) {
+  constexpr std::size_t block = AtomEvaluator::block;
+  if (waiting_.ticks.size() + samples.count > block) catch_up();
+  if (samples.count > block) {
     margins_->push(samples);
-    narrow(margins_->so_far());
+    if (sooner_) sooner_->push(samples);
+    return;
   }
-  if (sooner_) {
-    sooner_->push(samples);
-    narrow({Bounds<Robustness>::least, sooner_->so_far().high});
+  waiting_.ticks.insert(waiting_.ticks.end(), samples.ticks, samples.ticks + samples.count);
+  for (std::size_t n = 0; n < waiting_.columns.size(); ++n) {
+    const Column& column = samples.columns[n];
+    std::vector<double>& waiting = waiting_.columns[n];
+    if (column.numbers != nullptr) {
+      waiting.insert(waiting.end(), column.numbers, column.numbers + samples.count);
+    } else {
+      for (std::size_t row = 0; row < samples.count; ++row) waiting.push_back(column.flags[row] != 0 ? 1.0 : 0.0);
+    }
+  }
+}
+
+void OnlineMonitor::catch_up() {
+  if (waiting_.ticks.empty()) return;
+  std::vector<Column> columns(waiting_.columns.size());
+  for (std::size_t n = 0; n < columns.size(); ++n) columns[n].numbers = waiting_.columns[n].data();
+  const Samples samples{waiting_.ticks.data(), columns.data(), waiting_.ticks.size()};
+  margins_->push(samples);
+  if (sooner_) sooner_->push(samples);
+  waiting_.ticks.clear();
+  for (std::vector<double>& column : waiting_.columns) column.clear();
+}
+
+Range<Robustness> OnlineMonitor::robustness() {
+  if (margins_ && !finished_) {
+    catch_up();
+    narrow(margins_->so_far());
+    if (sooner_) narrow({Bounds<Robustness>::least, sooner_->so_far().high});
   }
   narrow(robustness_);
+  return robustness_;
 }
 
 // What the range and the verdict say is true, so are the bounds found before.
@@ -251,20 +286,22 @@ void OnlineMonitor::finish(std::int64_t tick) {
     truth_.step(cell_of(tick), true);
   }
   now_ = tick;
-  finished_ = true;
   if (undetermined && truth_.verdict() != Decision::undetermined) decided_at_ = tick;
   if (margins_) {
+    static_cast<void>(robustness());
     margins_->finish(tick);
     narrow(margins_->verdict());
   }
-  narrow(robustness_);
   sooner_.reset();
+  finished_ = true;
 }
 
 std::size_t OnlineMonitor::bytes() const {
   std::size_t total = sizeof(*this) + truth_.bytes() + earlier_truth_.bytes();
   for (const auto* margins : {margins_.get(), sooner_.get()})
     if (margins != nullptr) total += margins->bytes();
+  total += waiting_.ticks.capacity() * sizeof(std::int64_t);
+  for (const auto& column : waiting_.columns) total += column.capacity() * sizeof(double);
   for (const auto& block : truths_) total += block.capacity();
   for (const auto& block : values_) total += block.capacity() * sizeof(double);
   return total;

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 import os
-from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
-from typing import cast
+from functools import partial
+from numbers import Rational, Real
+from typing import Any
 
 import numpy as np
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
+from tachk.diagnostics.suggestion import unknown_key
 from tachk.monitoring.formulas import NamedFormula, in_trace_units
 from tachk.monitoring.offline import Measures, counted, ending_of, formulas_of, selected, verdict_on
 from tachk.monitoring.reading import HeldValues
@@ -21,27 +23,28 @@ from tachk.properties.monitoring import compile as compile_formula
 from tachk.properties.monitoring import ticks_needed
 from tachk.report.monitor_record import Ending, MonitorRecord, MonitorVerdict
 from tachk.report.online_record import OnlineRecord, OnlineVerdict
-from tachk.runtime.explanation import horizon, memory
+from tachk.runtime.monitor_group import RowFault, open_group
 from tachk.runtime.node_signal import Truth
-from tachk.runtime.online_monitor import OnlineMonitor
-from tachk.runtime.trace import LARGEST_TICK, Ticks, Trace, Values
+from tachk.runtime.trace import Ticks, Trace, Values
 from tachk.runtime.trace_arrays import held_values
 from tachk.runtime.trace_header import known_unit
+from tachk.semantics.monitor_program import MonitorProgram
 from tachk.syntax.formula import Formula
 from tachk.time_units import usual_decimals
 
 Time = int | float | Fraction | Decimal
 
-MOST_KEPT = 1 << 16
-"""Rows that are kept to explain a violation, where the bounds of the formulas would ask for more."""
-
 
 @dataclass(slots=True)
 class _Watched:
+    """Attributes:
+    stretch: the first cell of the violation and the one behind it, as they were known when the formula was decided.
+    """
+
     named: NamedFormula
-    core: OnlineMonitor
-    places: tuple[int, ...]
+    program: MonitorProgram
     story: MonitorRecord | None = None
+    stretch: tuple[int, int] | None = None
     decided: bool = False
 
 
@@ -91,22 +94,25 @@ class Monitor:
         self.columns: tuple[str, ...] = tuple(names)
         resolved = _resolved(formulas, self.columns, self._unit)
         self.decimals = usual_decimals(self._unit) if decimals is None else decimals
+        if not 0 <= self.decimals <= 18:
+            raise UsageError(f"decimals={decimals}: expected 0 to 18")
         self._scale = math.lcm(10**self.decimals, *(ticks_needed(formula) for formula in resolved))
-        self._watched: list[_Watched] = []
-        for named, tree in zip(formulas, resolved, strict=True):
-            program = compile_formula(tree, self.columns, self._scale)
-            places = tuple(self.columns.index(column) for column in program.columns)
-            self._watched.append(_Watched(named, OnlineMonitor(program, robustness=robustness), places))
-        self._values: list[float | None] = [None] * len(self.columns)
-        self._kept: deque[tuple[Ticks, tuple[Values, ...]]] = deque()
-        self._kept_rows = 0
-        self._whole = True
-        reaches = [horizon(w.core.program) + memory(w.core.program) for w in self._watched]
-        self._reach = max(reaches)
-        self._open = len(self._watched)
-        self._now: int | None = None
-        self._first: int | None = None
-        self.rows = 0
+        programs = [compile_formula(tree, self.columns, self._scale) for tree in resolved]
+        self._watched = [_Watched(named, program) for named, program in zip(formulas, programs, strict=True)]
+        try:
+            self._group = open_group(
+                programs,
+                self.columns,
+                robustness=robustness,
+                decimals=self.decimals,
+                parts=self._scale // 10**self.decimals,
+                exact=partial(_exact_tick, self._scale),
+            )
+        except ValueError:
+            raise UsageError(f"times cannot be counted in units of 1/{self._scale}", "allow fewer decimals") from None
+        self._update = self._group.update
+        self._push = self._group.push
+        self._factors: dict[int, int] = {}
 
     # ---- what comes in ----
 
@@ -115,104 +121,83 @@ class Monitor:
 
         None and NaN mean that a value stays; columns that no formula reads may be there.
 
-        Returns the verdict on all formulas together, see `truth`. Raises UsageError for a column without a value, for
-        what is no number, and for a time before the one given last.
+        Returns the verdict on all formulas together, see `truth`. Raises UsageError, with column and row, for a column
+        without a value, for what is no number, for a time before the one given last, and for a time that differs from
+        that of the row before by too little to be counted. The monitor has then changed nothing.
         """
-        tick = self.tick(time)
-        row: list[float] = []
-        for name, value in zip(self.columns, self._values, strict=True):
-            new = more.get(name, value) if values is None else values.get(name, more.get(name, value))
-            row.append(_number(name, new, value))
-        self._check(tick, time)
-        self._values = [*row]
-        self.rows += 1
-        self._keep(np.array([tick]), tuple(np.array([value], dtype=np.float64) for value in row))
-        for watched in self._watched:
-            if not watched.decided:
-                self._look(watched, watched.core.update(tick, [row[place] for place in watched.places]))
-        return self.truth
+        truth = self._update(time, values, more)
+        if truth is not None:
+            return truth
+        self._refuse(time, lambda name: more.get(name) if values is None else dict(values).get(name, more.get(name)))
+        return self._look()
 
-    def push(self, times: Ticks, columns: Mapping[str, Values], decimals: int) -> Truth:
-        """Many rows at once, their times in units of ``10 ** -decimals``. Every column is given."""
-        if len(times) == 0:
-            return self.truth
-        factor = self._scale // 10**decimals
-        for time in (int(times[0]), int(times[-1])):
-            self._check(time * factor, Fraction(time, 10**decimals))
-        ticks = times * factor
-        held = tuple(held_values(columns[name], name, "the trace") for name in self.columns)
-        self._values = [float(values[-1]) for values in held]
-        self.rows += len(times)
-        self._now = int(ticks[-1])
-        self._keep(ticks, held)
-        for watched in self._watched:
-            if not watched.decided:
-                self._look(watched, watched.core.push(ticks, [held[place] for place in watched.places]))
-        return self.truth
+    def push(self, times: Ticks, columns: Mapping[str, Any], decimals: int) -> Truth:
+        """Many rows at once, their times in units of ``10 ** -decimals``. Every column is given.
+
+        Returns and raises the same as `update`.
+        """
+        factor = self._factors.get(decimals) or self._factor(decimals)
+        truth = self._push(times, columns, factor)
+        if truth is not None:
+            return truth
+        fault, _, _ = self._group.fault()
+        if fault in (RowFault.NOT_A_VALUE, RowFault.NOT_A_TIME):
+            times, columns = self._whole_numbers(times), self._held(columns, len(times))
+            truth = self._push(times, columns, factor)
+            if truth is not None:
+                return truth
+        row = self._group.fault()[2]
+        self._refuse(Fraction(int(times[row]), 10**decimals) if len(times) else 0, lambda name: columns[name], row)
+        return self._look()
 
     def advance(self, time: Time) -> Truth:
-        """Nothing has changed before this time; something may still change at it."""
-        tick = self.tick(time)
-        self._check(tick, time)
-        for watched in self._watched:
-            if not watched.decided:
-                self._look(watched, watched.core.advance(tick))
-        return self.truth
+        """Nothing has changed before this time; something may still change at it. Raises UsageError."""
+        self._check_begun()
+        truth = self._group.advance(time)
+        if truth is not None:
+            return truth
+        self._refuse(time)
+        return self._look()
 
     def finish(self, time: Time | None = None) -> tuple[OnlineVerdict, ...]:
         """The trace is over; it includes this time, or else ends with the last one given. Returns the verdicts."""
-        if time is not None:
-            self._check(self.tick(time), time)
-        if self._now is None:
-            raise UsageError("the trace has no rows", "the verdict needs at least the state at the beginning")
-        for watched in self._watched:
-            if not watched.decided:
-                self._look(watched, watched.core.finish(self._now))
+        self._check_begun()
+        if self._group.finish(time) is None:
+            self._refuse(time)
+            self._look()
         return self.verdicts
-
-    def tick(self, time: Time) -> int:
-        """A time as the monitor counts it; a float is rounded.
-
-        Raises UsageError for one that is finer, and for what is no time.
-        """
-        if isinstance(time, float):
-            if not math.isfinite(time):
-                raise UsageError(f"the time {time} is no number")
-            return round(time * self._scale)
-        if isinstance(time, int):
-            return time * self._scale
-        exact = Fraction(time) * self._scale
-        if exact.denominator != 1:
-            raise UsageError(f"the time {time} is finer than 1/{self._scale}", "allow more decimals")
-        return int(exact)
 
     # ---- what is known ----
 
     @property
     def truth(self) -> Truth:
         """FALSE if one formula is false, else UNDETERMINED if one is undetermined, else TRUE."""
-        truths = [watched.core.verdict for watched in self._watched]
-        return next(t for t in (Truth.FALSE, Truth.UNDETERMINED, Truth.TRUE) if t in truths)
+        return self._group.verdict()
 
     @property
     def decided(self) -> bool:
         """Whether nothing that follows can change a verdict."""
-        return self._open == 0
+        return self._group.open() == 0
 
     @property
     def verdicts(self) -> tuple[OnlineVerdict, ...]:
         """One for each formula, in order."""
-        return tuple(self._verdict(watched) for watched in self._watched)
+        return tuple(self._verdict(number) for number in range(len(self._watched)))
 
     def __getitem__(self, name: str) -> OnlineVerdict:
-        for watched in self._watched:
+        for number, watched in enumerate(self._watched):
             if watched.named.name == name:
-                return self._verdict(watched)
-        raise KeyError(name)
+                return self._verdict(number)
+        raise unknown_key(name, (watched.named.name for watched in self._watched))
 
     @property
     def unit(self) -> str:
         return self._unit
+
+    @property
+    def rows(self) -> int:
+        """How many have been given."""
+        return self._group.rows()
 
     def record(self, name: str = "-") -> OnlineRecord:
         """Everything that is known now, for reports.
@@ -220,92 +205,161 @@ class Monitor:
         Args:
             name: of the trace.
         """
-        begin, end = Fraction(self._first or 0, self._scale), Fraction(self._now or 0, self._scale)
-        return OnlineRecord(name, self.rows, begin, end, self._unit, self._ending, self.verdicts)
+        group = self._group
+        begin, end = self._clock(0), self._clock(group.now())
+        return OnlineRecord(name, group.rows(), begin, end, self._unit, self._ending, self.verdicts)
 
     @property
     def bytes_used(self) -> int:
         """Memory held by the monitors, without the rows that are kept for explanations."""
-        return sum(watched.core.bytes_used for watched in self._watched)
+        return self._group.bytes()
 
     # ---- inside ----
 
-    def _check(self, tick: int, time: Time) -> None:
-        if self._now is not None and tick < self._now:
-            raise UsageError(f"the time {time} lies before the one given last")
-        far = abs(tick) > LARGEST_TICK if self._first is None else tick - self._first >= LARGEST_TICK
-        if far:
+    def _factor(self, decimals: int) -> int:
+        if not 0 <= decimals <= self.decimals:
             raise UsageError(
-                f"the time {time} is too far from the beginning to be counted in units of 1/{self._scale}",
-                f"allow fewer decimals, say {max(self.decimals - 3, 0)}",
+                f"times in units of 1e-{decimals} are finer than those of the monitor, 1e-{self.decimals}",
+                f"open it with decimals={decimals}",
             )
-        self._now = tick
-        if self._first is None:
-            self._first = tick
+        self._factors[decimals] = self._scale // 10**decimals
+        return self._factors[decimals]
 
-    def _look(self, watched: _Watched, verdict: Truth) -> None:
-        if verdict is Truth.UNDETERMINED:
+    def _whole_numbers(self, times: Any) -> Ticks:
+        array = np.asarray(times)
+        if array.ndim != 1 or array.dtype.kind not in "iu":
+            raise UsageError("the times of many rows are a one-dimensional array of whole numbers")
+        return np.ascontiguousarray(array, dtype=np.int64)
+
+    def _held(self, columns: Mapping[str, Any], count: int) -> dict[str, Values]:
+        """Arrays without missing values. Raises UsageError for a column that is none of numbers, and so long."""
+        name = f"in what was pushed behind row {self.rows}"
+        held = {}
+        for number, column in enumerate(self.columns):
+            if column not in columns:
+                raise UsageError(f"{name}: there is no column {column!r}", "many rows at once give every column")
+            values = held_values(columns[column], column, name, self._group.held(number))
+            if len(values) != count:
+                raise UsageError(f"{name}: column {column!r} has {len(values)} values for {count} times")
+            held[column] = values
+        return held
+
+    def _check_begun(self) -> None:
+        if not self._group.begun():
+            raise UsageError("the trace has no rows", "the verdict needs at least the state at the beginning")
+
+    def _refuse(self, time: Time | None, given: Callable[[str], object] = lambda name: None, row: int = 0) -> None:
+        """Raises UsageError if the last call met a fault.
+
+        Args:
+            time: that it was given.
+            given: what it was given for a column.
+            row: that is at fault, among those of the call.
+        """
+        kind, number, _ = self._group.fault()
+        fault = RowFault(kind)
+        if fault is RowFault.NONE:
             return
-        watched.decided = True
-        self._open -= 1
-        if verdict is Truth.FALSE:
-            watched.story = self._story(watched)
-        if self._open == 0:
-            self._kept.clear()
+        place = f"row {self.rows + row}, at {time}"
+        match fault:
+            case RowFault.FINISHED:
+                raise UsageError("the trace is over", "begin a new monitor")
+            case RowFault.BACKWARDS:
+                raise UsageError(f"{place}: the time {time} lies before the one given last")
+            case RowFault.TOO_FAR:
+                raise UsageError(
+                    f"{place}: the time {time} is too far from the beginning to be counted in units of 1/{self._scale}",
+                    f"allow fewer decimals, say {self.decimals - 3}" if self.decimals >= 3 else "begin a new monitor",
+                )
+            case RowFault.MERGED:
+                raise UsageError(
+                    f"{place}: the time {time} is another one than that of the row before, but in units of "
+                    f"1/{self._scale} they are the same",
+                    "allow more decimals, or round the times where they should be equal",
+                )
+            case RowFault.NOT_A_TIME:
+                raise UsageError(f"{place}: the time {time} is no number that can be counted")
+        column = self.columns[number]
+        match fault:
+            case RowFault.INFINITE:
+                raise UsageError(f"{place}: the value {given(column)!r} of column {column!r} is not finite")
+            case RowFault.NOT_A_VALUE:
+                raise UsageError(
+                    f"{place}: the value {given(column)!r} of column {column!r} is no number",
+                    "values are numbers or booleans",
+                )
+            case RowFault.MISSING:
+                raise UsageError(
+                    f"{place}: column {column!r} has no value yet", "the first event gives every column a value"
+                )
 
-    def _verdict(self, watched: _Watched) -> OnlineVerdict:
-        core, named = watched.core, watched.named
-        measured = core.verdict
-        stretch = core.violation
-        at = core.decided_at
+    def _look(self) -> Truth:
+        """Notes what the last call has decided, while the rows that explain it are there still."""
+        for number, watched in enumerate(self._watched):
+            truth = Truth(self._group.verdict_of(number))
+            if watched.decided or truth is Truth.UNDETERMINED:
+                continue
+            watched.decided = True
+            watched.stretch = self._group.violation(number)
+            if truth is Truth.FALSE:
+                watched.story = self._story(watched)
+        return self._group.verdict()
+
+    def _verdict(self, number: int) -> OnlineVerdict:
+        watched, group = self._watched[number], self._group
+        named = watched.named
+        measured = Truth(group.verdict_of(number))
+        at = group.decided_at(number)
+        stretch = watched.stretch
         return OnlineVerdict(
             named.name,
             named.title,
             named.text,
             named.sentence,
             measured,
-            counted(measured, self._ending) if core.finished else measured,
-            None if at is None else Fraction(at, self._scale),
-            None if stretch is None else (self._clock(stretch.first), self._clock(stretch.last + 1)),
-            core.robustness if self._robust else None,
+            counted(measured, self._ending) if group.finished(number) else measured,
+            None if at is None else self._clock(at),
+            None if stretch is None else (self._clock(stretch[0] // 2), self._clock(stretch[1] // 2)),
+            group.robustness(number) if self._robust else None,
             watched.story,
         )
 
-    def _clock(self, cell: int) -> Fraction:
-        return Fraction((self._first or 0) + cell // 2, self._scale)
-
-    def _keep(self, ticks: Ticks, columns: tuple[Values, ...]) -> None:
-        """What may be needed to explain a violation that these rows or later ones bring up."""
-        if self._open == 0:
-            return
-        oldest = (int(self._kept[-1][0][-1]) if self._kept else int(ticks[0])) - self._reach - 1
-        self._kept.append((ticks, columns))
-        self._kept_rows += len(ticks)
-        while len(self._kept) > 1 and (int(self._kept[1][0][0]) <= oldest or self._kept_rows > MOST_KEPT):
-            self._kept_rows -= len(self._kept.popleft()[0])
-            self._whole = False
+    def _clock(self, tick: int) -> Fraction:
+        return Fraction(self._group.origin() + tick, self._scale)
 
     def _story(self, watched: _Watched) -> MonitorRecord | None:
         """The violation on the rows that are kept, if it is found there as the first one."""
-        ticks = np.concatenate([block[0] for block in self._kept])
-        columns = {}
-        for place, name in enumerate(self.columns):
-            values = np.concatenate([block[1][place] for block in self._kept]).astype(np.float64)
-            columns[name] = held_values(values, name, "the trace")
+        ticks, kept, whole = self._group.kept()
+        columns = {
+            name: held_values(values, name, "the trace") for name, values in zip(self.columns, kept, strict=True)
+        }
         first = int(ticks[0])
-        end = max(self._now or 0, int(ticks[-1])) - first
-        trace = Trace("", ticks - first, columns, end, self._scale, self._unit, Fraction(first, self._scale))
+        end = max(self._group.now(), int(ticks[-1])) - first
+        trace = Trace("", ticks - first, columns, end, self._scale, self._unit, self._clock(first))
         verdict: MonitorVerdict = verdict_on(
-            watched.named, watched.core.program, trace, Ending.UNDETERMINED, Measures(robustness=False), HeldValues()
+            watched.named, watched.program, trace, Ending.UNDETERMINED, Measures(robustness=False), HeldValues()
         )
-        stretch = watched.core.violation
         found = verdict.finding
         if verdict.measured is not Truth.FALSE or found is None:
             return None
-        shift = 2 * (first - (self._first or 0))
-        if not self._whole and (stretch is None or found.cell + shift != stretch.first):
+        if not whole and (watched.stretch is None or found.cell + 2 * first != watched.stretch[0]):
             return None
         return MonitorRecord(trace, "", (verdict,))
+
+
+def _exact_tick(scale: int, time: Any) -> int:
+    """A time that is neither int nor float, in ticks. Raises UsageError."""
+    try:
+        exact = Fraction(str(time) if isinstance(time, Real) and not isinstance(time, Rational) else time)
+    except (TypeError, ValueError, OverflowError):
+        raise UsageError(
+            f"the time {time!r} is no number",
+            "times are numbers in the unit of the monitor, such as time.timestamp() in seconds",
+        ) from None
+    ticks = exact * scale
+    if ticks.denominator != 1:
+        raise UsageError(f"the time {time} is finer than 1/{scale}", "allow more decimals")
+    return int(ticks)
 
 
 def _resolved(formulas: Sequence[NamedFormula], columns: Sequence[str], unit: str) -> list[Formula]:
@@ -322,20 +376,3 @@ def _resolved(formulas: Sequence[NamedFormula], columns: Sequence[str], unit: st
     if found:
         raise InputError(found)
     return resolved
-
-
-def _number(name: str, new: object, held: float | None) -> float:
-    """The value of a column after an event: the new one, or the one held where the event gives none."""
-    try:
-        number = math.nan if new is None else float(cast("float", new))
-    except (TypeError, ValueError):
-        raise UsageError(
-            f"the value {new!r} of column {name!r} is no number", "values are numbers or booleans"
-        ) from None
-    if math.isfinite(number):
-        return number
-    if math.isinf(number):
-        raise UsageError(f"the value {new!r} of column {name!r} is not finite")
-    if held is None:
-        raise UsageError(f"column {name!r} has no value yet", "the first event gives every column a value")
-    return held

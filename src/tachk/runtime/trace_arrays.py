@@ -169,10 +169,14 @@ def _rational_ticks(times: Sequence[Fraction], name: str) -> tuple[Ticks, int]:
     return np.array([int(time * scale) for time in times], dtype=np.int64), scale
 
 
-def held_values(values: Any, column: str, name: str) -> Values:
+def held_values(values: Any, column: str, name: str, before: float | None = None) -> Values:
     """The values of a column; a missing one (None, NaN, NaT) means that the value before stays.
 
     A column with no values but 0 and 1 holds truth values, as in a file. Numbers are not copied where they need not be.
+
+    Args:
+        before: the value before the first row, if there is one.
+
     Raises UsageError.
     """
     array = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
@@ -184,9 +188,10 @@ def held_values(values: Any, column: str, name: str) -> Values:
     if array.dtype.kind == "O":
         known = np.array([not _is_missing(value) for value in array], dtype=bool)
         if len(array) and known.any() and all(isinstance(value, (bool, np.bool_)) for value in array[known]):
-            flags = np.zeros(len(array), dtype=np.uint8)
-            flags[known] = array[known].astype(np.uint8)
-            return _hold(flags, known, column, name)
+            if before in (None, 0, 1):
+                flags = np.zeros(len(array), dtype=np.uint8)
+                flags[known] = array[known].astype(np.uint8)
+                return _hold(flags, known, column, name, before)
         array = np.where(known, array, 0)
     if array.dtype.kind not in "iufO":
         raise _no_numbers(column, name)
@@ -199,7 +204,7 @@ def held_values(values: Any, column: str, name: str) -> Values:
         infinite = np.isinf(numbers)
         if infinite.any():
             raise UsageError(f"{name}: column {column!r} has an infinite value in row {int(infinite.argmax())}")
-        numbers = np.asarray(_hold(numbers, known, column, name), dtype=np.float64)
+        numbers = np.asarray(_hold(numbers, known, column, name, before), dtype=np.float64)
     return numbers.astype(np.uint8) if _is_truth(numbers) else numbers
 
 
@@ -213,9 +218,12 @@ def _is_truth(numbers: NDArray[np.float64]) -> bool:
     return all(bool(((block == 0) | (block == 1)).all()) for block in blocks)
 
 
-def _hold(values: Values, known: NDArray[np.bool_], column: str, name: str) -> Values:
+def _hold(values: Values, known: NDArray[np.bool_], column: str, name: str, before: float | None) -> Values:
     if known.all():
         return values
+    if not known[0] and before is not None:
+        values, known = values.copy(), known.copy()
+        values[0], known[0] = before, True
     if not known[0]:
         raise UsageError(
             f"{name}: column {column!r} has no value in the first row",

@@ -38,7 +38,7 @@ class OnlineMonitor {
   const std::optional<Violation>& violation() const { return truth_.violation(); }
   // Bounds of the robustness of every continuation; they never widen. Without `quantitative` those that the verdict
   // gives. At the end they are the narrowest, before they need not be.
-  Range<Robustness> robustness() const { return robustness_; }
+  Range<Robustness> robustness();
   std::int64_t origin() const { return origin_; }
   std::int64_t now() const { return now_; }
   bool finished() const { return finished_; }
@@ -66,6 +66,14 @@ class OnlineMonitor {
   void follow_changes(Leaf& leaf, const double* values, const std::int64_t* ticks, std::size_t begin, std::size_t end);
   void hold_until(Cell end);
   void narrow(const Range<Robustness>& range);
+  void take_margins(const Samples& samples);
+  void catch_up();
+
+  // Samples that the margins have not seen yet.
+  struct Waiting {
+    std::vector<std::int64_t> ticks;
+    std::vector<std::vector<double>> columns;
+  };
 
   MonitorProgram program_;
   OnlineGraph graph_;
@@ -80,6 +88,7 @@ class OnlineMonitor {
   std::optional<std::int64_t> decided_at_;
   std::unique_ptr<OfflineMonitor<Robustness>> margins_;
   std::unique_ptr<OfflineMonitor<Robustness>> sooner_;  // of another form, for upper bounds before the end
+  Waiting waiting_;
   Range<Robustness> robustness_{Bounds<Robustness>::least, Bounds<Robustness>::greatest};
   std::vector<double> last_values_;  // of all columns
   bool begun_ = false;

@@ -1,0 +1,283 @@
+// tachk._core.MonitorGroup: rows as Python has them, dictionaries of numbers or of arrays; used through
+// tachk.monitoring.online. And the times of a whole trace as ticks.
+#include "group.hpp"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "monitor_program.hpp"
+#include "tachk/monitor_group.hpp"
+#include "tachk/ticks.hpp"
+
+namespace nb = nanobind;
+
+namespace {
+
+using tachk::int128;
+using tachk::RowFault;
+
+nb::object python_int(int128 number) {
+  const auto high = static_cast<std::int64_t>(number >> 62);
+  const auto low = static_cast<std::int64_t>(number & ((int128{1} << 62) - 1));
+  return (nb::int_(high) << nb::int_(62)) + nb::int_(low);
+}
+
+struct Group {
+  Group(std::vector<tachk::MonitorGroup::Watched> watched, const std::vector<std::string>& columns, bool quantitative,
+        const tachk::TickScale& scale_, std::int64_t reach, std::size_t most_kept, nb::object exact_,
+        nb::object truths_)
+      : scale(scale_),
+        group(std::move(watched), columns.size(), quantitative, scale_, reach, most_kept),
+        row(columns.size()),
+        views(columns.size()),
+        exact(std::move(exact_)),
+        truths{truths_[0], truths_[1], truths_[2]} {
+    for (const std::string& column : columns) names.push_back(nb::steal(PyUnicode_InternFromString(column.c_str())));
+  }
+
+  nb::object verdict() const { return truths[static_cast<std::size_t>(group.verdict())]; }
+
+  // The verdict, or None where there is something to look after: a decision, or a fault.
+  nb::object told(RowFault found) {
+    fault = found;
+    return found != RowFault::none || group.decided_some() ? nb::none() : verdict();
+  }
+
+  // A time in ticks, and as a floating-point number where it is one. None with a fault if it cannot be counted.
+  std::optional<int128> tick(nb::handle time, std::optional<double>& number) {
+    if (PyFloat_Check(time.ptr())) {
+      number = PyFloat_AS_DOUBLE(time.ptr());
+      const std::optional<int128> found = std::isfinite(*number) ? scale.tick(*number) : std::nullopt;
+      if (!found) fault = RowFault::not_a_time;
+      return found;
+    }
+    nb::object ticks = PyLong_Check(time.ptr()) ? nb::borrow(time) : exact(time);
+    int overflow = 0;
+    const long long whole = PyLong_AsLongLongAndOverflow(ticks.ptr(), &overflow);
+    if (whole == -1 && PyErr_Occurred() != nullptr) throw nb::python_error();
+    if (overflow != 0) {
+      fault = RowFault::too_far;
+      return std::nullopt;
+    }
+    if (!PyLong_Check(time.ptr())) return int128{whole};
+    constexpr long long exact_doubles = 1LL << 53;
+    if (-exact_doubles <= whole && whole <= exact_doubles) number = static_cast<double>(whole);
+    return int128{whole} * scale.ticks_per_unit();
+  }
+
+  // The number that a column gets; NaN where it keeps the one it has. None for what is no number.
+  static std::optional<double> number_of(PyObject* value) {
+    constexpr double keeps = std::numeric_limits<double>::quiet_NaN();
+    if (value == nullptr || value == Py_None) return keeps;
+    if (PyFloat_CheckExact(value)) return PyFloat_AS_DOUBLE(value);
+    const double number = PyFloat_AsDouble(value);
+    if (number == -1.0 && PyErr_Occurred() != nullptr) {
+      PyErr_Clear();
+      return std::nullopt;
+    }
+    return number;
+  }
+
+  nb::object update(nb::handle time, nb::handle values, nb::handle more) {
+    nb::object copied;
+    PyObject* given = values.is_none() ? nullptr : values.ptr();
+    if (given != nullptr && !PyDict_Check(given)) {
+      copied = nb::steal(PyObject_CallOneArg(reinterpret_cast<PyObject*>(&PyDict_Type), given));
+      if (!copied.is_valid()) throw nb::python_error();
+      given = copied.ptr();
+    }
+    PyObject* const others = PyDict_GET_SIZE(more.ptr()) == 0 ? nullptr : more.ptr();
+    for (std::size_t n = 0; n < names.size(); ++n) {
+      PyObject* value = given == nullptr ? nullptr : PyDict_GetItemWithError(given, names[n].ptr());
+      if (value == nullptr && others != nullptr) value = PyDict_GetItemWithError(others, names[n].ptr());
+      if (value == nullptr && PyErr_Occurred() != nullptr) throw nb::python_error();
+      const std::optional<double> number = number_of(value);
+      if (!number) {
+        faulty_column = n;
+        return told(RowFault::not_a_value);
+      }
+      row[n] = *number;
+    }
+    std::optional<double> plain;
+    const std::optional<int128> at = tick(time, plain);
+    if (!at) return nb::none();
+    const RowFault found = group.update(*at, plain, row);
+    faulty_column = group.faulty_column();
+    return told(found);
+  }
+
+  // As `update`; a column that is no contiguous array of float64, uint8 or bool, or not finite, is a `not_a_value`.
+  nb::object push(nb::handle given_times, nb::handle columns, std::int64_t factor) {
+    TickArray times;
+    if (!nb::try_cast(given_times, times, false)) return told(RowFault::not_a_time);
+    faulty_column = 0;
+    if (!PyDict_Check(columns.ptr())) return told(RowFault::not_a_value);
+    using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+    using Bytes = nb::ndarray<const std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+    using Flags = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+    const std::size_t count = times.shape(0);
+    Numbers numbers;
+    Bytes bytes;
+    Flags flags;
+    for (std::size_t n = 0; n < names.size(); ++n) {
+      faulty_column = n;
+      PyObject* const value = PyDict_GetItemWithError(columns.ptr(), names[n].ptr());
+      if (value == nullptr) return told(RowFault::not_a_value);
+      std::size_t length = 0;
+      if (nb::try_cast(nb::handle(value), numbers, false)) {
+        length = numbers.shape(0);
+        views[n] = {numbers.data(), nullptr};
+        if (!tachk::all_finite(numbers.data(), length)) return told(RowFault::not_a_value);
+      } else if (nb::try_cast(nb::handle(value), bytes, false)) {
+        length = bytes.shape(0);
+        views[n] = {nullptr, bytes.data()};
+      } else if (nb::try_cast(nb::handle(value), flags, false)) {
+        length = flags.shape(0);
+        views[n] = {nullptr, reinterpret_cast<const std::uint8_t*>(flags.data())};
+      } else {
+        return told(RowFault::not_a_value);
+      }
+      if (length != count) return told(RowFault::not_a_value);
+    }
+    // The dictionary holds the arrays while they are read.
+    return told(group.push(times.data(), factor, views, count, faulty_row));
+  }
+
+  nb::object advance(nb::handle time) {
+    std::optional<double> plain;
+    const std::optional<int128> at = tick(time, plain);
+    return at ? told(group.advance(*at)) : nb::none();
+  }
+
+  nb::object finish(nb::handle time) {
+    std::optional<double> plain;
+    std::optional<int128> at;
+    if (!time.is_none()) {
+      at = tick(time, plain);
+      if (!at) return nb::none();
+    }
+    return told(group.finish(at));
+  }
+
+  tachk::TickScale scale;
+  tachk::MonitorGroup group;
+  std::vector<nb::object> names;
+  std::vector<double> row;
+  std::vector<tachk::Column> views;
+  nb::object exact;  // counts times that are neither int nor float
+  nb::object truths[3];
+  RowFault fault = RowFault::none;
+  std::size_t faulty_column = 0;
+  std::size_t faulty_row = 0;
+};
+
+std::unique_ptr<Group> make_group(const std::vector<nb::object>& programs, const std::vector<std::string>& columns,
+                                  bool quantitative, int decimals, std::int64_t parts, std::int64_t reach,
+                                  std::size_t most_kept, nb::object exact, nb::object truths) {
+  std::vector<tachk::MonitorGroup::Watched> watched;
+  for (const nb::object& program : programs) {
+    tachk::MonitorGroup::Watched each{monitor_program_from(program), {}};
+    for (const auto& name : nb::cast<std::vector<std::string>>(program.attr("columns"))) {
+      const auto found = std::find(columns.begin(), columns.end(), name);
+      if (found == columns.end()) throw std::invalid_argument("a program reads a column that is not there");
+      each.places.push_back(static_cast<std::size_t>(found - columns.begin()));
+    }
+    watched.push_back(std::move(each));
+  }
+  return std::make_unique<Group>(std::move(watched), columns, quantitative, tachk::TickScale(decimals, parts), reach,
+                                 most_kept, std::move(exact), std::move(truths));
+}
+
+// First cell, cell after the last.
+std::optional<std::pair<std::int64_t, std::int64_t>> violation_of(const Group& self, std::size_t number) {
+  const auto& violation = self.group.monitor(number).violation();
+  if (!violation) return std::nullopt;
+  return std::make_pair(violation->cells.first, violation->cells.end);
+}
+
+nb::tuple kept_rows(const Group& self) {
+  const auto copied = [](auto values) { return as_array(std::vector(values.begin(), values.end())); };
+  nb::list columns;
+  for (std::size_t n = 0; n < self.group.columns(); ++n) columns.append(copied(self.group.kept_column(n)));
+  return nb::make_tuple(copied(self.group.kept_ticks()), columns, self.group.kept_all());
+}
+
+using Times = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+nb::tuple count_times(const Times& times, int usual) {
+  tachk::CountedTimes found;
+  {
+    nb::gil_scoped_release released;
+    found = tachk::counted({times.data(), times.shape(0)}, usual);
+  }
+  std::int64_t* const data = found.ticks.release();
+  nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<std::int64_t*>(p); });
+  const nb::ndarray<nb::numpy, std::int64_t, nb::ndim<1>> ticks(data, {data == nullptr ? 0 : times.shape(0)}, owner);
+  return nb::make_tuple(ticks, found.decimals, static_cast<int>(found.fault), found.row);
+}
+
+}  // namespace
+
+void bind_group(nb::module_& m) {
+  nb::class_<Group>(m, "MonitorGroup")
+      .def(nb::new_(&make_group), nb::kw_only(), nb::arg("programs"), nb::arg("columns"), nb::arg("quantitative"),
+           nb::arg("decimals"), nb::arg("parts"), nb::arg("reach"), nb::arg("most_kept"), nb::arg("exact"),
+           nb::arg("truths"))
+      .def("update", &Group::update, nb::arg("time"), nb::arg("values").none(), nb::arg("more"),
+           "One row; the joint verdict, or None where there is a decision or a fault.")
+      .def("push", &Group::push, nb::arg("times"), nb::arg("columns"), nb::arg("factor"), "Many rows, likewise.")
+      .def("advance", &Group::advance, nb::arg("time"), "Nothing has changed before this time.")
+      .def("finish", &Group::finish, nb::arg("time").none(), "The trace is over.")
+      .def("verdict", &Group::verdict, "Of all formulas together.")
+      .def(
+          "fault",
+          [](const Group& self) {
+            return std::make_tuple(static_cast<int>(self.fault), self.faulty_column, self.faulty_row);
+          },
+          "(kind, column, row) of the last call")
+      .def("open", [](const Group& self) { return self.group.open(); })
+      .def(
+          "held", [](const Group& self, std::size_t column) { return self.group.held(column); }, nb::arg("column"))
+      .def("rows", [](const Group& self) { return self.group.rows(); })
+      .def("begun", [](const Group& self) { return self.group.begun(); })
+      .def("origin", [](const Group& self) { return python_int(self.group.origin()); })
+      .def(
+          "now", [](const Group& self) { return self.group.now(); }, "Since the origin.")
+      .def("kept", &kept_rows, "(ticks since the origin, columns, whether these are all rows)")
+      .def("verdict_of",
+           [](const Group& self, std::size_t n) { return static_cast<int>(self.group.monitor(n).verdict()); })
+      .def("decided_at", [](const Group& self, std::size_t n) { return self.group.monitor(n).decided_at(); })
+      .def("violation", &violation_of, nb::arg("number"))
+      .def("finished", [](const Group& self, std::size_t n) { return self.group.monitor(n).finished(); })
+      .def("robustness",
+           [](Group& self, std::size_t n) {
+             const auto range = self.group.monitor(n).robustness();
+             return std::make_tuple(range.low, range.high);
+           })
+      .def("bytes", [](const Group& self) {
+        std::size_t total = 0;
+        for (std::size_t n = 0; n < self.group.size(); ++n) total += self.group.monitor(n).bytes();
+        return total;
+      });
+  m.def("count_times", &count_times, nb::arg("times"), nb::arg("usual"), "(ticks, decimals, fault, row of the fault)");
+  m.def(
+      "all_finite", [](const Times& values) { return tachk::all_finite(values.data(), values.shape(0)); },
+      nb::arg("values"));
+}

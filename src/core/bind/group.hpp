@@ -1,0 +1,6 @@
+// Adds the monitors of growing traces, as users feed them, to the extension module.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+void bind_group(nanobind::module_& m);

@@ -1,0 +1,50 @@
+// Times in floating point as whole numbers of ticks. A floating-point number is taken for the decimal number that it
+// prints as, if that has at most fifteen digits; such a number is the only one of so few decimals that prints like
+// this.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+namespace tachk {
+
+__extension__ typedef __int128 int128;
+
+inline constexpr int most_decimals = 18;
+
+// How many ticks make a unit of time: 10^decimals times `parts`.
+class TickScale {
+ public:
+  // Throws std::invalid_argument for decimals below 0 or above `most_decimals`, and for ticks that do not fit.
+  TickScale(int decimals, std::int64_t parts);
+
+  std::int64_t ticks_per_unit() const { return ticks_; }
+  // The tick of a finite time: of the decimal number that it prints as, else the nearest. None if it is too large.
+  std::optional<int128> tick(double time);
+
+ private:
+  int decimals_;
+  std::int64_t parts_;
+  std::int64_t ticks_;
+  int last_ = 0;  // the decimals of the time before, tried first
+};
+
+// The times of a whole trace, in units of 10^-decimals.
+struct CountedTimes {
+  enum class Fault { none, not_finite, too_large, merged };
+  std::unique_ptr<std::int64_t[]> ticks;  // as many as times
+  int decimals = 0;
+  Fault fault = Fault::none;
+  std::size_t row = 0;  // of the fault
+};
+
+// In the fewest decimals in which all times are whole. Where there are none, as many as keep different neighbours
+// different, at least `usual`; then rounded to the nearest.
+CountedTimes counted(std::span<const double> times, int usual);
+
+bool all_finite(const double* values, std::size_t count);
+
+}  // namespace tachk

@@ -1,0 +1,171 @@
+#include "tachk/ticks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <stdexcept>
+
+namespace tachk {
+namespace {
+
+constexpr std::array<double, 19> powers = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8, 1e9,
+                                           1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18};
+constexpr int most_exact_decimals = 15;
+constexpr double most_digits = 9007199254740992.0;  // 2^53: products beyond are not exact
+constexpr double furthest = 4611686018427387904.0;  // 2^62
+constexpr double furthest_of_all = 1e36;            // fits into 128 bits
+
+constexpr double exact_below = 2251799813685248.0;  // 2^51: fifteen digits
+
+// A sum with it has no room for a fraction: the nearest whole number of one below 2^51.
+constexpr double rounder = 6755399441055744.0;  // 1.5 * 2^52
+
+double nearest(double number) { return (number + rounder) - rounder; }
+
+constexpr std::array<std::int64_t, 19> whole_powers = [] {
+  std::array<std::int64_t, 19> result{1};
+  for (std::size_t n = 1; n < result.size(); ++n) result[n] = 10 * result[n - 1];
+  return result;
+}();
+
+std::int64_t power_of_ten(int exponent) { return whole_powers[static_cast<std::size_t>(exponent)]; }
+
+// Counts a block in units of 1 / power; false if that is not exact for all of it. Without jumps inside, so that the
+// compiler may use vectors.
+bool count_block(const double* times, std::size_t count, double power, std::int64_t* ticks) {
+  const auto offset = std::bit_cast<std::int64_t>(rounder);
+  bool exact = true;
+  for (std::size_t n = 0; n < count; ++n) {
+    const double shifted = times[n] * power + rounder;
+    exact &= (shifted - rounder) / power == times[n];
+    ticks[n] = std::bit_cast<std::int64_t>(shifted) - offset;
+  }
+  return exact;
+}
+
+double largest_of(const double* times, std::size_t count) {
+  double largest = 0;
+  for (std::size_t n = 0; n < count; ++n) largest = std::max(largest, std::fabs(times[n]));
+  return largest;
+}
+
+CountedTimes faulty(CountedTimes::Fault fault, std::size_t row) { return {nullptr, 0, fault, row}; }
+
+CountedTimes rounded(std::span<const double> times, double largest, int usual) {
+  CountedTimes result;
+  result.ticks = std::make_unique_for_overwrite<std::int64_t[]>(times.size());
+  if (largest >= furthest) {
+    for (std::size_t n = 0;; ++n)
+      if (std::fabs(times[n]) >= furthest) return faulty(CountedTimes::Fault::too_large, n);
+  }
+  const auto fits = [&](int decimals, double limit) {
+    return decimals <= most_decimals && largest * powers[static_cast<std::size_t>(decimals)] < limit;
+  };
+  int decimals = usual;
+  while (decimals > 0 && !fits(decimals, furthest)) --decimals;
+  std::size_t merged = 0;
+  const auto count = [&] {
+    const double power = powers[static_cast<std::size_t>(decimals)];
+    for (std::size_t n = 0; n < times.size(); ++n)
+      result.ticks[n] = static_cast<std::int64_t>(std::nearbyint(times[n] * power));
+    for (merged = 1; merged < times.size(); ++merged)
+      if (result.ticks[merged] == result.ticks[merged - 1] && times[merged] != times[merged - 1]) return false;
+    return true;
+  };
+  if (!count()) {
+    do {
+      if (!fits(decimals + 1, furthest)) return faulty(CountedTimes::Fault::merged, merged);
+      ++decimals;
+    } while (!count());
+    // Three more digits, so that gaps are right to a thousandth at least, as far as products are exact.
+    int finer = decimals;
+    while (finer < decimals + 3 && fits(finer + 1, most_digits)) ++finer;
+    if (finer > decimals) {
+      decimals = finer;
+      count();
+    }
+  }
+  result.decimals = decimals;
+  return result;
+}
+
+}  // namespace
+
+// What is not finite has all bits of its exponent set. Integers can be joined in any order, so vectors are used.
+bool all_finite(const double* values, std::size_t count) {
+  constexpr std::uint64_t exponent = 0x7ff0'0000'0000'0000;
+  constexpr std::size_t block = 1024;
+  for (std::size_t first = 0; first < count; first += block) {
+    const std::size_t end = std::min(first + block, count);
+    std::uint64_t infinite = 0;
+    for (std::size_t n = first; n < end; ++n)
+      infinite |= (std::bit_cast<std::uint64_t>(values[n]) & exponent) + (exponent & -exponent);
+    if (infinite >> 63) return false;
+  }
+  return true;
+}
+
+TickScale::TickScale(int decimals, std::int64_t parts) : decimals_(decimals), parts_(parts) {
+  if (decimals < 0 || decimals > most_decimals || parts < 1 ||
+      __builtin_mul_overflow(power_of_ten(decimals), parts, &ticks_))
+    throw std::invalid_argument("a scale has 0 to 18 decimals, and its ticks fit into 64 bits");
+}
+
+std::optional<int128> TickScale::tick(double time) {
+  const double size = std::fabs(time);
+  const auto exactly = [&](int decimals) -> std::optional<int128> {
+    const double power = powers[static_cast<std::size_t>(decimals)];
+    if (size * power >= exact_below) return std::nullopt;
+    const double whole = nearest(time * power);
+    if (whole / power != time) return std::nullopt;
+    last_ = decimals;
+    return int128{static_cast<std::int64_t>(whole)} * power_of_ten(decimals_ - decimals) * parts_;
+  };
+  const int most = std::min(decimals_, most_exact_decimals);
+  if (last_ <= most)
+    if (const auto found = exactly(last_)) return found;
+  for (int decimals = 0; decimals <= most; ++decimals)
+    if (const auto found = exactly(decimals)) return found;
+  const double product = time * static_cast<double>(ticks_);
+  if (!(std::fabs(product) < furthest_of_all)) return std::nullopt;
+  return static_cast<int128>(std::nearbyint(product));
+}
+
+CountedTimes counted(std::span<const double> times, int usual) {
+  constexpr std::size_t block = 1024;
+  CountedTimes result;
+  result.ticks = std::make_unique_for_overwrite<std::int64_t[]>(times.size());
+  double largest = 0;
+  int decimals = 0;
+  bool exact = true;
+  for (std::size_t first = 0; first < times.size(); first += block) {
+    const std::size_t count = std::min(block, times.size() - first);
+    const double* const part = times.data() + first;
+    if (!all_finite(part, count)) {
+      std::size_t row = first;
+      while (std::isfinite(times[row])) ++row;
+      return faulty(CountedTimes::Fault::not_finite, row);
+    }
+    largest = std::max(largest, largest_of(part, count));
+    if (!exact) continue;
+    std::int64_t* const ticks = result.ticks.get() + first;
+    for (int before = decimals;; ++decimals) {
+      if (decimals > most_exact_decimals || largest * powers[static_cast<std::size_t>(decimals)] >= exact_below) {
+        exact = false;
+        break;
+      }
+      if (!count_block(part, count, powers[static_cast<std::size_t>(decimals)], ticks)) continue;
+      if (decimals > before) {  // what was counted before is exact in these units too
+        const std::int64_t factor = power_of_ten(decimals - before);
+        for (std::size_t n = 0; n < first; ++n) result.ticks[n] *= factor;
+      }
+      break;
+    }
+  }
+  if (!exact) return rounded(times, largest, usual);
+  result.decimals = decimals;
+  return result;
+}
+
+}  // namespace tachk
