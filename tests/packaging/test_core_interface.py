@@ -43,12 +43,15 @@ def test_the_stub_lists_what_the_extension_has() -> None:
     stub = ROOT / "src/tachk/_core.pyi"
     if not stub.is_file():
         pytest.skip("needs a checkout")
-    classes = [node for node in ast.parse(stub.read_text(encoding="utf-8")).body if isinstance(node, ast.ClassDef)]
-    assert {node.name for node in classes} == {name for name in vars(_core) if not name.startswith("_")}
+    body = ast.parse(stub.read_text(encoding="utf-8")).body
+    classes = [node for node in body if isinstance(node, ast.ClassDef)]
+    functions = {node.name for node in body if isinstance(node, ast.FunctionDef)}
+    assert {node.name for node in classes} | functions == {name for name in vars(_core) if not name.startswith("_")}
     for class_ in classes:
         extension = getattr(_core, class_.name)
         methods = [n for n in class_.body if isinstance(n, ast.FunctionDef) and n.name != "__init__"]
         assert {n.name for n in methods} == {name for name in vars(extension) if not name.startswith("_")}, class_.name
         for method in methods:
             signature = re.sub(r"\[[^\[\]]*\]", "", str(getattr(extension, method.name).__doc__).splitlines()[0])
-            assert [a.arg for a in method.args.args] == re.findall(r"[(,] ?(\w+)", signature.split("->")[0])
+            arguments = [a.arg for a in (*method.args.args, *method.args.kwonlyargs)]
+            assert arguments == re.findall(r"[(,] ?(\w+)", signature.split("->")[0])

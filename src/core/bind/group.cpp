@@ -261,16 +261,24 @@ void bind_group(nb::module_& m) {
       .def(
           "now", [](const Group& self) { return self.group.now(); }, "Since the origin.")
       .def("kept", &kept_rows, "(ticks since the origin, columns, whether these are all rows)")
-      .def("verdict_of",
-           [](const Group& self, std::size_t n) { return static_cast<int>(self.group.monitor(n).verdict()); })
-      .def("decided_at", [](const Group& self, std::size_t n) { return self.group.monitor(n).decided_at(); })
+      .def(
+          "verdict_of",
+          [](const Group& self, std::size_t n) { return static_cast<int>(self.group.monitor(n).verdict()); },
+          nb::arg("number"))
+      .def(
+          "decided_at", [](const Group& self, std::size_t n) { return self.group.monitor(n).decided_at(); },
+          nb::arg("number"))
       .def("violation", &violation_of, nb::arg("number"))
-      .def("finished", [](const Group& self, std::size_t n) { return self.group.monitor(n).finished(); })
-      .def("robustness",
-           [](Group& self, std::size_t n) {
-             const auto range = self.group.monitor(n).robustness();
-             return std::make_tuple(range.low, range.high);
-           })
+      .def(
+          "finished", [](const Group& self, std::size_t n) { return self.group.monitor(n).finished(); },
+          nb::arg("number"))
+      .def(
+          "robustness",
+          [](Group& self, std::size_t n) {
+            const auto range = self.group.monitor(n).robustness();
+            return std::make_tuple(range.low, range.high);
+          },
+          nb::arg("number"))
       .def("bytes", [](const Group& self) {
         std::size_t total = 0;
         for (std::size_t n = 0; n < self.group.size(); ++n) total += self.group.monitor(n).bytes();

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 from fractions import Fraction
 
 import numpy as np
@@ -147,3 +148,120 @@ def test_times_are_counted_in_nanoseconds_where_nothing_else_is_said(unit: str, 
     assert usual_decimals(unit) == decimals
     if unit:
         assert tachk.Monitor("G p", unit=unit.split()[-1]).decimals == usual_decimals(unit.split()[-1])
+
+
+CASES = st.lists(st.tuples(st.integers(0, 3), st.booleans(), st.booleans(), st.integers(0, 5)), min_size=1, max_size=14)
+
+
+@given(CASES, st.sampled_from((*FORMULAS, "G x < 5", "F x > 4", "G (x < 4 || q)", "G rise(x < 3)")), st.data())
+def test_events_chunks_and_whole_traces_agree_to_the_bounds(
+    rows: list[tuple[int, bool, bool, int]], formula: str, data: st.DataObject
+) -> None:
+    """However the rows are cut into calls, and also where the verdict was decided long before the end."""
+    times = 1_000_000 + np.cumsum([row[0] for row in rows])
+    columns: dict[str, np.ndarray] = {name: np.array([row[n] for row in rows]) for n, name in enumerate("pqx", 1)}
+    whole = tachk.monitor(formula, {"t": times / 4, **columns})[0]
+    monitor = tachk.Monitor(formula, robustness=True)
+    at = 0
+    while at < len(rows):
+        size = data.draw(st.integers(0, 4))
+        if size == 0:
+            monitor.update(float(times[at]) / 4, {name: values[at] for name, values in columns.items()})
+            at += 1
+        else:
+            chunk = slice(at, at + size)
+            monitor.push(times[chunk] * 25, {name: values[chunk] for name, values in columns.items()}, 2)
+            at = min(at + size, len(rows))
+        if data.draw(st.booleans()):
+            low, high = monitor.verdicts[0].robustness or (0, 0)
+            assert whole.robustness is not None
+            assert low <= whole.robustness[0] and whole.robustness[1] <= high
+    (verdict,) = monitor.finish()
+    assert (verdict.truth, verdict.robustness) == (whole.truth, whole.robustness)
+    assert monitor.rows == len(rows)
+
+
+def test_bounds_go_on_after_the_decision() -> None:
+    monitor = tachk.Monitor("G (x < 5)", robustness=True)
+    for time, x in [(0, 1), (1, 6), (2, 10), (3, 1)]:
+        monitor.update(time, {"x": x})
+    assert monitor.decided
+    (verdict,) = monitor.finish()
+    assert (verdict.robustness, verdict.decided_at, verdict.violated) == ((-5, -5), 2, (1, 2))
+
+
+@pytest.mark.parametrize(
+    ("unit", "times"),
+    [
+        ("s", [1_772_323_200.5, 1_772_323_201.25, 1_772_323_204.5]),
+        ("s", [Fraction(3_544_646_401, 2), Fraction(7_089_292_805, 4), Fraction(3_544_646_409, 2)]),
+        ("ns", [1_772_323_200_500_000_000, 1_772_323_201_250_000_000, 1_772_323_204_500_000_000]),
+        ("ms", [1_772_323_200_500, 1_772_323_201_250, 1_772_323_204_500]),
+    ],
+)
+def test_clocks_may_show_the_time_since_1970(unit: str, times: list[float]) -> None:
+    monitor = tachk.Monitor("G (p -> F[0, 3 s] q)", unit=unit)
+    truths = [monitor.update(time, p=number == 1, q=False).word for number, time in enumerate(times)]
+    assert truths == ["undetermined", "undetermined", "false"]
+    (verdict,) = monitor.verdicts
+    assert verdict.violated is not None and verdict.violated[0] == times[1]
+    assert verdict.story is not None and verdict.story.trace.clock(0) == times[0]
+    assert monitor.record().begin == times[0]
+
+
+def test_times_that_differ_by_too_little_are_refused_and_change_nothing() -> None:
+    monitor = tachk.Monitor("G (x < 5)", unit="s")
+    monitor.update(0.0, x=1)
+    with pytest.raises(UsageError, match=r"row 1, at 1e-11: .* another one than that of the row before") as refusal:
+        monitor.update(1e-11, x=9)
+    assert refusal.value.help == "allow more decimals, or round the times where they should be equal"
+    assert monitor.finish(1)[0].truth is tachk.Truth.TRUE
+    monitor = tachk.Monitor("G (x < 5)", unit="s", decimals=12)
+    monitor.update(0.0, x=1)
+    monitor.update(1e-11, x=9)
+    assert monitor.update(2e-11, x=1) is tachk.Truth.FALSE
+
+
+@pytest.mark.parametrize(("time", "tick"), [(0.1, 1), (0.3, 3), (1_700_000_000.3, 17_000_000_003), (-0.7, -7)])
+def test_floating_point_times_are_the_decimal_numbers_that_they_print_as(time: float, tick: int) -> None:
+    monitor = tachk.Monitor("G p", decimals=9)
+    monitor.update(time, p=1)
+    assert monitor.record().begin == Fraction(tick, 10)
+
+
+def test_refusals_say_row_and_column() -> None:
+    monitor = tachk.Monitor(["G (x < 5)", "G (y < 5)"])
+    monitor.update(0, x=1, y=1)
+    with pytest.raises(UsageError, match="row 1, at 2: the value 'a' of column 'y' is no number"):
+        monitor.update(2, {"x": 1, "y": "a"})  # type: ignore[dict-item]
+    with pytest.raises(UsageError, match="row 1, at -1: the time -1 lies before"):
+        monitor.update(-1, x=1)
+    with pytest.raises(UsageError, match="no number") as refusal:
+        monitor.update(datetime.datetime(2026, 1, 1), x=1)  # type: ignore[arg-type]
+    assert "timestamp" in str(refusal.value.help)
+    with pytest.raises(UsageError, match="row 3, at 3: the time 3 lies before"):
+        monitor.push(np.array([3, 4, 3]), {"x": np.ones(3), "y": np.ones(3)}, 0)
+    with pytest.raises(UsageError, match="behind row 1: column 'y' has an infinite value in row 1"):
+        monitor.push(np.array([3, 4]), {"x": np.ones(2), "y": np.array([1, np.inf])}, 0)
+    with pytest.raises(UsageError, match="no column 'y'"):
+        monitor.push(np.array([3, 4]), {"x": np.ones(2)}, 0)
+    with pytest.raises(UsageError, match="'y' has 3 values for 2 times"):
+        monitor.push(np.array([3, 4]), {"x": np.ones(2), "y": np.ones(3)}, 0)
+    with pytest.raises(UsageError, match="finer than those of the monitor"):
+        monitor.push(np.array([3, 4]), {"x": np.ones(2), "y": np.ones(2)}, 12)
+    assert monitor.rows == 1
+    monitor.push(np.array([3, 4]), {"x": [float("nan"), 2], "y": [None, True]}, 0)
+    assert [v.truth.word for v in monitor.finish(9)] == ["true", "true"]
+    with pytest.raises(UsageError, match="the trace is over"):
+        monitor.update(10, x=1)
+
+
+def test_a_violation_in_a_long_chunk_is_explained() -> None:
+    monitor = tachk.Monitor("G (p -> F[0, 3] q)", unit="s", robustness=True)
+    times = np.arange(5000)
+    for first in range(0, 5000, 1000):
+        chunk = times[first : first + 1000]
+        monitor.push(chunk, {"p": chunk == 2_500, "q": np.zeros(1000)}, 0)
+    (verdict,) = monitor.verdicts
+    assert verdict.story is not None
+    assert explain_verdict(verdict.story, verdict.story.verdicts[0])[0] == "trigger: `p` becomes true at 2500 s"
