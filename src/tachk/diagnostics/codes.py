@@ -1,8 +1,8 @@
 """Every diagnostic code with its explanation, for ``tachk explain CODE`` and the documentation.
 
 The numbers: E00xx files and characters, E01xx syntax, E02xx names, E03xx types, E04xx templates and systems, E05xx
-queries and properties, E06xx constants, E07xx unsupported features, E08xx the formats and versions of other tools,
-E09xx formulas over traces, W0xxx warnings.
+queries and properties, E06xx constants, E07xx unsupported features and run-time errors, E08xx the formats and versions
+of other tools, E09xx formulas over traces, W0xxx warnings.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from tachk.diagnostics.lowering_codes import LOWERING_CODES
 from tachk.diagnostics.model_codes import MODEL_CODES
 from tachk.diagnostics.monitoring_codes import MONITORING_CODES
 from tachk.diagnostics.observer_codes import OBSERVER_CODES
+from tachk.diagnostics.run_time_codes import RUN_TIME_CODES
 from tachk.diagnostics.sentence_codes import SENTENCE_CODES
 from tachk.diagnostics.syntax_codes import SYNTAX_CODES
 from tachk.diagnostics.trace_codes import TRACE_CODES
@@ -28,6 +29,7 @@ CODES: dict[str, Explanation] = {
     **DURATION_CODES,
     **LOWERING_CODES,
     **VERIFICATION_CODES,
+    **RUN_TIME_CODES,
     **OBSERVER_CODES,
     **EXPORT_CODES,
     **MONITORING_CODES,

@@ -4,11 +4,44 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.engines.concretise import concretise
 from tachk.engines.protocol import RunTimeFault
-from tachk.model.fault import EvaluationFault
+from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.network import Network
 from tachk.semantics.discrete import execute_updates, prepare
+
+_WHAT = {
+    RuntimeErrorKind.RANGE: (
+        "E0761",
+        "a value is outside its declared range",
+        "declare a wider range, or guard the edge so that this is not evaluated there",
+    ),
+    RuntimeErrorKind.INDEX: (
+        "E0762",
+        "an index is outside its array",
+        "guard the edge so that this is not evaluated there, or make the array larger",
+    ),
+    RuntimeErrorKind.DIVISION: ("E0763", "division by zero", "guard the edge so that the divisor is not 0"),
+    RuntimeErrorKind.NEGATIVE_CLOCK: ("E0764", "a clock is set to a negative value", "set it to 0 or more"),
+    RuntimeErrorKind.SHIFT: ("E0765", "a shift distance is negative or above 31", "shift by 0 to 31"),
+    RuntimeErrorKind.NEGATIVE_EXPONENT: ("E0766", "an exponent is negative", "raise to powers of 0 or more"),
+    RuntimeErrorKind.ASSERT: ("E0767", "an assertion is false", "the run below leads to it"),
+    RuntimeErrorKind.LOOP: ("E0768", "this takes more than 2^24 instructions", "does a loop not end?"),
+    RuntimeErrorKind.BOUND: (
+        "E0769",
+        "a clock is compared with a value beyond the limits known before the run",
+        "declare ranges for the variables of the bound",
+    ),
+}
+"""Code, message and help of each kind."""
+
+
+def diagnostic_of(fault: RunTimeFault) -> Diagnostic:
+    """What is said about a run-time error, in the form of every other finding."""
+    code, message, help = _WHAT[fault.kind]
+    detail = f": {fault.detail}" if fault.detail else ""
+    return Diagnostic(code, f"run-time error: {message}{detail}", fault.span, help)
 
 
 def explain(network: Network, fault: RunTimeFault) -> RunTimeFault:

@@ -11,6 +11,7 @@ from tachk.diagnostics.render_json import diagnostic_to_json
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.engines.protocol import RunTimeFault
 from tachk.model.network import Direction, Network
+from tachk.properties.fault import diagnostic_of
 from tachk.properties.verdict import Verdict
 from tachk.report.record import NotRead, RunRecord
 from tachk.report.trace_view import Event, Move, Snapshot, TraceView, ViewStep, view_event, view_path, view_trace
@@ -190,7 +191,11 @@ def _positions(spans: Iterable[Span]) -> list[str]:
 
 
 def _fault(network: Network, fault: RunTimeFault) -> dict[str, Json]:
+    found = diagnostic_of(fault)
     return {
+        "code": found.code,
+        "message": found.message,
+        "help": found.help,
         "kind": fault.kind.name.lower(),
         "position": str(fault.span),
         "text": fault.span.text,

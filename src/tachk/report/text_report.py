@@ -8,12 +8,12 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.render import render
-from tachk.diagnostics.span import Span
 from tachk.engines.protocol import RunTimeFault
-from tachk.model.fault import RuntimeErrorKind
 from tachk.model.network import Network
 from tachk.model.query import Observer, QueryKind
+from tachk.properties.fault import diagnostic_of
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.quantity import bytes_, count, duration, seconds
 from tachk.report.record import RunRecord
@@ -30,19 +30,6 @@ _DEFECT_ENDS = Ends(0, 3)
 """Of the run behind a violation that the model expects only the last steps are told."""
 
 _STYLES = {Answer.HOLDS: "green", Answer.FAILS: "red", Answer.UNKNOWN: "yellow"}
-
-FAULT_MEANING = {
-    RuntimeErrorKind.NONE: "no error",
-    RuntimeErrorKind.RANGE: "a value is outside the declared range",
-    RuntimeErrorKind.INDEX: "an array index is out of range",
-    RuntimeErrorKind.DIVISION: "division by zero",
-    RuntimeErrorKind.NEGATIVE_CLOCK: "a clock is set to a negative value",
-    RuntimeErrorKind.SHIFT: "a shift distance is negative or above 31",
-    RuntimeErrorKind.NEGATIVE_EXPONENT: "a negative exponent",
-    RuntimeErrorKind.ASSERT: "an assertion is false",
-    RuntimeErrorKind.LOOP: "a function runs for more than 2^24 instructions",
-    RuntimeErrorKind.BOUND: "a clock is compared with a value beyond the constants known before the run",
-}
 
 
 def print_run(
@@ -92,14 +79,14 @@ def _print_evidence(network: Network, verdict: Verdict, trace: TimedTrace, conso
 def _print_unknown(record: RunRecord, console: Console, every_step: bool) -> None:
     """Why answers are unknown: each reason, each run-time error once, with the names of all it concerns."""
     for query in record.not_checked:
-        for diagnostic in query.diagnostics:
+        for found in query.diagnostics:
             console.print(Text(f"\n{query.name} cannot be checked:", style="yellow"))
-            console.print(Text(render(diagnostic)), soft_wrap=True)
+            console.print(_rendered(found), soft_wrap=True)
     unknown: dict[tuple[str, RunTimeFault | None], list[str]] = {}
     for verdict in record.verdicts:
         if verdict.unsupported is not None:
             console.print(Text(f"\n{verdict.query.name} cannot be checked:", style="yellow"))
-            console.print(Text(render(verdict.unsupported)), soft_wrap=True)
+            console.print(_rendered(verdict.unsupported), soft_wrap=True)
         elif verdict.answer is Answer.UNKNOWN:
             unknown.setdefault((verdict.reason, verdict.fault), []).append(verdict.query.name)
     for (reason, fault), names in unknown.items():
@@ -138,9 +125,7 @@ def print_fault(
         run: tell the run.
         every_step: tell it whole, however long it is.
     """
-    detail = f" ({fault.detail})" if fault.detail else ""
-    console.print(Text.assemble(("run-time error", "bold red"), f": {FAULT_MEANING[fault.kind]}{detail}"))
-    console.print(Text(_excerpt(fault.span)), soft_wrap=True)
+    console.print(_rendered(diagnostic_of(fault)), soft_wrap=True)
     if fault.transition is not None:
         console.print("while this was tried:")
         for line in event_lines(view_event(network, fault.path, fault.transition)):
@@ -150,6 +135,10 @@ def print_fault(
     console.print("after:")
     view = view_path(network, fault.path) if fault.run is None else view_trace(network, fault.run)
     print_trace(view, console, network.time_unit, Telling(every_step=every_step, ends=_FAULT_ENDS))
+
+
+def _rendered(diagnostic: Diagnostic) -> Text:
+    return Text.from_ansi(render(diagnostic, colour=True))
 
 
 def _title(record: RunRecord) -> Text:
@@ -234,12 +223,3 @@ def _observer_line(verdict: Verdict, observer: Observer, time_unit: str) -> Text
         for move in followed
     ]
     return Text(f"  {observer.formula}: {', '.join(words)}", style="italic")
-
-
-def _excerpt(span: Span) -> str:
-    span = span.in_file
-    line, column = span.source.line_column(span.start)
-    text = span.source.line(line)
-    length = max(1, min(span.end - span.start, len(text) - column + 1))
-    margin = " " * len(str(line))
-    return f"{margin} --> {span}\n{margin} |\n{line} | {text}\n{margin} | {' ' * (column - 1)}{'^' * length}"

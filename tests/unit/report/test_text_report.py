@@ -45,8 +45,8 @@ def test_clocks_are_printed_on_demand(record: RunRecord) -> None:
 
 def test_a_run_time_error_shows_the_source_line(record: RunRecord) -> None:
     text = printed(record)
-    assert "a value is outside the declared range" in text
-    assert "2 |   n = n + 1;\n  |   ^^^^^^^^^\n" in text
+    assert "error[E0761]: run-time error: a value is outside its declared range\n" in text
+    assert "    2 |   n = n + 1;\n      |   ^^^^^^^^^\nhelp: " in text
 
 
 def test_one_reason_is_told_once(record: RunRecord) -> None:
@@ -54,7 +54,7 @@ def test_one_reason_is_told_once(record: RunRecord) -> None:
     other = replace(bad, query=replace(bad.query, name="worse"))
     text = printed(replace(record, verdicts=(bad, other)))
     assert "bad, worse are unknown: run-time error" in text
-    assert text.count("a value is outside the declared range") == 1
+    assert text.count("a value is outside its declared range") == 1
 
 
 def test_summary_counts(record: RunRecord) -> None:

@@ -1,0 +1,50 @@
+"""Run-time errors are told as every other finding is: with a code, a place and a help line."""
+
+from __future__ import annotations
+
+import pytest
+
+from tachk.diagnostics.render import render
+from tachk.diagnostics.run_time_codes import RUN_TIME_CODES
+from tachk.diagnostics.span import Source
+from tachk.engines.protocol import RunTimeFault
+from tachk.frontend.load import load_model
+from tachk.model.fault import RuntimeErrorKind
+from tachk.properties.fault import diagnostic_of
+from tachk.properties.verdict import Verdict
+from tachk.properties.verify import verify
+
+
+def first(text: str) -> Verdict:
+    loaded = load_model(Source("m.ta", text))
+    return verify(loaded.network, loaded.queries)[0]
+
+
+def test_every_kind_has_a_code() -> None:
+    kinds = [kind for kind in RuntimeErrorKind if kind is not RuntimeErrorKind.NONE]
+    span = load_model(Source("m.ta", "process P() { init location a; }\nsystem P;")).document.span
+    assert [diagnostic_of(RunTimeFault(kind, span, (), None)).code for kind in kinds] == list(RUN_TIME_CODES)
+
+
+SLOW = {"E0768"}
+"""The reference evaluator takes seconds for 2^24 instructions."""
+
+
+@pytest.mark.parametrize("code", [code for code in RUN_TIME_CODES if RUN_TIME_CODES[code].bad and code not in SLOW])
+def test_the_example_of_a_code_meets_the_error_and_the_mended_one_does_not(code: str) -> None:
+    explanation = RUN_TIME_CODES[code]
+    fault = first(explanation.bad).fault
+    assert fault is not None
+    assert diagnostic_of(fault).code == code
+    assert first(explanation.good).fault is None
+
+
+def test_a_run_time_error_is_rendered_like_a_mistake() -> None:
+    fault = first(RUN_TIME_CODES["E0761"].bad).fault
+    assert fault is not None
+    assert render(diagnostic_of(fault)).splitlines() == [
+        "m.ta:3:37: error[E0761]: run-time error: a value is outside its declared range: 4 is not in [0, 3]",
+        "    3 |     init location a { to a { assign n = n + 1; } }",
+        "      |                                     ^^^^^^^^^",
+        "help: declare a wider range, or guard the edge so that this is not evaluated there",
+    ]
