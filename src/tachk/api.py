@@ -20,12 +20,12 @@ from typing import TYPE_CHECKING, overload
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
 from tachk.diagnostics.suggestion import closest, unknown_key
-from tachk.engines.protocol import Extrapolation, Limits, Options, Progress, SearchOrder
+from tachk.engines.protocol import Extrapolation, Limits, Options, SearchOrder
 from tachk.frontend.load import LoadedModel, UncheckedQuery, elaborate_query_file, load_model
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.verdict import Answer, Verdict
-from tachk.properties.verify import refused
+from tachk.properties.verify import VerifyProgress, refused
 from tachk.properties.verify import verify as verify_queries
 from tachk.report.record import NotChecked, RunRecord
 from tachk.syntax.source_files import read_source
@@ -112,7 +112,7 @@ class Model:
         options: Options | None = None,
         limits: Limits | None = None,
         trace: bool = True,
-        progress: Progress | None = None,
+        progress: VerifyProgress | None = None,
     ) -> Report:
         """Checks the given queries and the named properties; without either, every property of the model.
 
@@ -121,7 +121,7 @@ class Model:
             property: the name of a property of the model, or several.
             query_files: files of formulas, each with its optional expectation.
             trace: compute the run that shows a violation or a witness.
-            progress: called now and then during a long search.
+            progress: called now and then during a long search, with its statistics and the names of its queries.
 
         Raises:
             InputError: one of ``queries`` is wrong. A wrong query of a file is listed as not checked.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -13,6 +14,8 @@ MODEL_SUFFIXES = (".ta", ".xta", ".xml", ".tck")
 QUERY_SUFFIXES = (".q",)
 
 _QUERY_OPERATOR = re.compile(r"[AE]\s*(\[\]|<>)|-->|\b(sup|inf|bounds)\b|[\s{}()<>=!&|]")
+_RANGE = re.compile(r"\s*-?\w+\s*(\.\.\.?|:)\s*-?\w+\s*((:|\.\.)\s*-?\w+\s*)?|-?\w+\s*(,\s*-?\w+\s*)+")
+"""How other programs write several values."""
 _SIZES = {"": 1, "B": 1, "K": 10**3, "M": 10**6, "G": 10**9, "KI": 2**10, "MI": 2**20, "GI": 2**30}
 
 
@@ -41,11 +44,12 @@ def split_models_and_queries(arguments: Sequence[str]) -> tuple[tuple[str, ...],
 
 def _is_model(argument: str) -> bool:
     path = Path(argument)
-    if len(argument) < 4096 and path.is_file():
+    # Unlike the methods of Path, these take everything that is no path, such as a long query, for no file.
+    if os.path.exists(argument) and not os.path.isdir(argument):
         if path.suffix in QUERY_SUFFIXES:
             raise UsageError(f"{argument} is a file of queries", f"give it with -q: -q {argument}")
         return True
-    if len(argument) < 4096 and path.is_dir():
+    if os.path.isdir(argument):
         inside = sorted(str(p) for p in path.iterdir() if p.suffix in MODEL_SUFFIXES)
         models = ", ".join(inside[:5]) or "none"
         raise UsageError(f"{argument} is a folder, not a model", f"models in it: {models}")
@@ -76,6 +80,10 @@ def parse_definitions(definitions: Iterable[str]) -> dict[str, str]:
             raise UsageError(f"-D {definition}: expected NAME=EXPRESSION", "for example -D N=4")
         if name in result:
             raise UsageError(f"-D {name} is given twice")
+        if _RANGE.fullmatch(expression):
+            raise UsageError(
+                f"-D {definition}: one value at a time", "there is no command for a range of values yet; it is planned"
+            )
         result[name] = expression
     return result
 

@@ -21,12 +21,18 @@ class ExitStatus(IntEnum):
     NOT_AS_EXPECTED = 10
     """some expectation is not met; for `fmt --check`: some file is not in canonical form"""
     UNKNOWN = 20
-    """nothing worse than an unknown answer: a limit was hit, or the search was interrupted"""
+    """nothing worse than an unknown answer: a limit was hit"""
     INTERNAL_ERROR = 70
     """a defect of tachk"""
+    INTERRUPTED = 130
+    """Ctrl-C: the program ends by the signal, so that a shell ends its loop"""
+    PIPE_CLOSED = 141
+    """nobody reads the output any more: the program ends by the signal, as others do"""
 
 
 _GRAVITY = (
+    ExitStatus.INTERRUPTED,
+    ExitStatus.PIPE_CLOSED,
     ExitStatus.INTERNAL_ERROR,
     ExitStatus.BAD_INPUT,
     ExitStatus.NOT_AS_EXPECTED,

@@ -7,6 +7,7 @@ import traceback
 from collections.abc import Callable, Iterable
 
 from tachk.cli.exit_status import ExitStatus
+from tachk.cli.terminal import wants_colour
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
 
 _DIAGNOSTICS_SHOWN = 20
@@ -32,14 +33,13 @@ def guarded(action: Callable[[], ExitStatus], subject: str = "") -> ExitStatus:
         complain(f"{subject}: {error.message}" if subject else error.message, error.help)
         return ExitStatus.BAD_INPUT
     except BrokenPipeError:
-        sys.stderr.close()
-        return ExitStatus.AS_EXPECTED
+        return ExitStatus.PIPE_CLOSED
     except OSError as error:
         complain(f"{error.filename}: {error.strerror}" if error.filename else str(error))
         return ExitStatus.BAD_INPUT
     except KeyboardInterrupt:
         complain("interrupted before there was an answer")
-        return ExitStatus.UNKNOWN
+        return ExitStatus.INTERRUPTED
     except Exception:  # the last resort of the program: whatever comes here is a defect
         traceback.print_exc()
         complain(
@@ -64,6 +64,6 @@ def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
     if len(found) > _DIAGNOSTICS_SHOWN:
         found.sort(key=lambda diagnostic: diagnostic.severity is not Severity.ERROR)
     for diagnostic in found[:_DIAGNOSTICS_SHOWN]:
-        print(render(diagnostic, colour=sys.stderr.isatty()), file=sys.stderr)
+        print(render(diagnostic, colour=wants_colour(sys.stderr)), file=sys.stderr)
     if len(found) > _DIAGNOSTICS_SHOWN:
         print(f"... and {len(found) - _DIAGNOSTICS_SHOWN} more", file=sys.stderr)

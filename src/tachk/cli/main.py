@@ -7,11 +7,13 @@ what it does is in the module of its name in `tachk.cli`.
 from __future__ import annotations
 
 from importlib import import_module
+from typing import NoReturn
 
 import click
 from click.exceptions import NoSuchCommand
 
 import tachk
+from tachk.cli.program import end_program
 
 COMMANDS = (
     "verify",
@@ -69,6 +71,6 @@ def app() -> None:
     """
 
 
-def run() -> None:
+def run() -> NoReturn:
     """The console script."""
-    app(prog_name="tachk")
+    end_program(lambda: app.main(prog_name="tachk", standalone_mode=False))

@@ -6,10 +6,9 @@ import json
 from pathlib import Path
 from typing import TextIO
 
-from rich.console import Console
-
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.monitor_request import MonitorRequest, destination, exit_status
+from tachk.cli.terminal import console
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.monitoring.formulas import NamedFormula, check_order, read_formulas
 from tachk.monitoring.offline import Measures, judge, selected
@@ -17,9 +16,6 @@ from tachk.report.monitor_record import Ending, MonitorRecord
 from tachk.report.monitor_text import print_monitor
 from tachk.runtime.trace import Interpolation
 from tachk.runtime.trace_files import open_trace
-
-_WIDTH = 1000
-"""Columns of a report that does not go to a terminal: wide enough for no line to be broken."""
 
 
 def run_monitor(request: MonitorRequest) -> ExitStatus:
@@ -54,7 +50,7 @@ def _run_offline(request: MonitorRequest, formulas: tuple[NamedFormula, ...]) ->
 def _write(record: MonitorRecord, format_: str, out: TextIO) -> None:
     match format_:
         case "text":
-            print_monitor(record, Console(file=out, highlight=False, width=None if out.isatty() else _WIDTH))
+            print_monitor(record, console(out))
         case "json":
             from tachk.report.monitor_json import monitor_to_json
 

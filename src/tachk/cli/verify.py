@@ -15,13 +15,11 @@ from tachk.cli.arguments import parse_definitions, parse_size, split_models_and_
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import guarded, print_diagnostics
 from tachk.cli.progress import ProgressLine
+from tachk.cli.terminal import can_rewrite_lines, console
 from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
-from tachk.engines.protocol import Extrapolation, Limits, Options, SearchOrder
+from tachk.engines.protocol import INTERRUPTED, Extrapolation, Limits, Options, SearchOrder
 from tachk.properties.verdict import Answer
 from tachk.report.record import NotRead, RunRecord
-
-_WIDTH = 1000
-"""Columns of a report that does not go to a terminal: wide enough for no line to be broken."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +69,12 @@ def run_verify(request: VerifyRequest) -> ExitStatus:
                 records.append(record)
                 return worst(_statuses(record))
 
-            return worst([guarded(partial(check, path), path if len(models) > 1 else "") for path in models])
+            statuses: list[ExitStatus] = []
+            for path in models:
+                statuses.append(guarded(partial(check, path), path if len(models) > 1 else ""))
+                if statuses[-1] is ExitStatus.INTERRUPTED:
+                    break
+            return worst(statuses)
 
         def command() -> ExitStatus:
             with _listed("", records):
@@ -124,12 +127,9 @@ def _destination(request: VerifyRequest) -> Iterator[TextIO | None]:
 def _print_text(record: RunRecord, out: TextIO, request: VerifyRequest, first: bool) -> None:
     if not first:
         out.write("\n")
-    from rich.console import Console
-
     from tachk.report.text_report import print_run
 
-    console = Console(file=out, highlight=False, width=None if out.isatty() else _WIDTH)
-    print_run(record, console, request.every_trace, request.clocks, request.every_step)
+    print_run(record, console(out), request.every_trace, request.clocks, request.every_step)
 
 
 def _print_as_verifyta(record: RunRecord, out: TextIO, request: VerifyRequest) -> None:
@@ -173,7 +173,7 @@ def _check_model(
 ) -> RunRecord:
     model = api.load(path, **constants)
     print_diagnostics((*model.refusals, *model.warnings))
-    progress = ProgressLine() if sys.stderr.isatty() and not request.quiet else None
+    progress = ProgressLine() if can_rewrite_lines(sys.stderr) and not request.quiet else None
     try:
         report = model.verify(
             *queries,
@@ -192,6 +192,8 @@ def _check_model(
 
 def _statuses(record: RunRecord) -> Iterable[ExitStatus]:
     """Everything that the outcome of a run amounts to; the gravest of them is the status."""
+    if any(verdict.reason == INTERRUPTED for verdict in record.verdicts):
+        yield ExitStatus.INTERRUPTED
     if any(query.is_wrong for query in record.not_checked):
         yield ExitStatus.BAD_INPUT
     if any(verdict.met is False for verdict in record.verdicts):

@@ -253,6 +253,10 @@ def _refuse_dynamic_templates(items: Iterable[ast.Item], findings: Findings) -> 
             )
 
 
+_BOOLEAN_WORDS = {"yes": "true", "on": "true", "no": "false", "off": "false", "true": "true", "false": "false"}
+"""What people write for a Boolean constant, in any case."""
+
+
 def _overrides(
     constants: Mapping[str, int | bool | str], items: Iterable[ast.Item], findings: Findings
 ) -> dict[str, ast.Expression]:
@@ -268,6 +272,13 @@ def _overrides(
         text = str(value).lower() if isinstance(value, bool) else str(value)
         expression, diagnostics = parse_expression(Source(f"-D {name}", text))
         findings.extend(diagnostics)
+        if isinstance(expression, ast.NameExpression) and expression.name not in known:
+            meant = _BOOLEAN_WORDS.get(expression.name.lower())
+            if meant is not None:
+                findings.add(
+                    "E0201", expression.span, f"unknown name `{expression.name}`", f"a Boolean value is `{meant}`"
+                )
+                continue
         if expression is not None and not any(d.severity is Severity.ERROR for d in diagnostics):
             overrides[name] = expression
     return overrides

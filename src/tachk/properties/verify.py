@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 
 from tachk.certify.replay import ReplayError, replay
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, InternalError, UnsupportedError
@@ -35,13 +36,16 @@ from tachk.semantics.step import StepError, satisfies_invariant
 from tachk.semantics.trace import TimedState, TimedTrace
 from tachk.semantics.unexamined import unexamined
 
+VerifyProgress = Callable[[Statistics, tuple[str, ...]], None]
+"""What is told during a long search: the statistics so far, and the names of the queries that it is about to answer."""
+
 
 def verify(
     network: Network,
     queries: Sequence[Query],
     options: Options = Options(),
     limits: Limits = Limits(),
-    progress: Progress | None = None,
+    progress: VerifyProgress | None = None,
     trace: bool = True,
 ) -> tuple[Verdict, ...]:
     """Answer queries about a network, in their order.
@@ -73,7 +77,13 @@ def verify(
         if interrupted:
             found = [_not_begun(task) for task in search.tasks]
         else:
-            found = _run(network, search, options, _remaining(limits, started), progress, trace)
+            names = tuple(task.query.name for task in search.tasks)
+            told = None if progress is None else partial(_tell, progress, names)
+            try:
+                found = _run(network, search, options, _remaining(limits, started), told, trace)
+            except KeyboardInterrupt:
+                # What was decided before is kept, wherever the interruption comes.
+                found = [_not_begun(task) for task in search.tasks]
             interrupted = any(verdict.reason == INTERRUPTED for verdict in found)
         verdicts |= {id(verdict.query): verdict for verdict in found}
     return _examined(network, [verdicts[id(query)] for query in queries])
@@ -90,6 +100,10 @@ def _examined(network: Network, verdicts: Sequence[Verdict]) -> tuple[Verdict, .
         if proved and verdict.query.observer is None and every_action_counts(network, [target_of(verdict.query)]):
             return tuple(replace(other, unexamined=()) for other in verdicts)
     return tuple(verdicts)
+
+
+def _tell(progress: VerifyProgress, names: tuple[str, ...], statistics: Statistics) -> None:
+    progress(statistics, names)
 
 
 def _remaining(limits: Limits, started: float) -> Limits:

@@ -33,6 +33,13 @@ def test_an_overlong_argument_is_a_query(tmp_path: Path) -> None:
         assert split_models_and_queries(["a.ta", query]) == (("a.ta",), (query,))
 
 
+def test_a_long_formula_is_no_name_of_a_file(tmp_path: Path) -> None:
+    (tmp_path / "a.ta").touch()
+    query = "A[]" + "(P.a)" * 60
+    with chdir(tmp_path):
+        assert split_models_and_queries(["a.ta", query]) == (("a.ta",), (query,))
+
+
 def test_definitions_keep_their_expressions() -> None:
     assert parse_definitions(["N=4", " LOSS = 2 * 3", "B=x==1"]) == {"N": "4", "LOSS": "2 * 3", "B": "x==1"}
 
@@ -41,6 +48,19 @@ def test_definitions_keep_their_expressions() -> None:
 def test_malformed_definitions_are_refused(definition: str) -> None:
     with pytest.raises(UsageError):
         parse_definitions([definition])
+
+
+@pytest.mark.parametrize("values", ["1..3", "1:3", "0:1:5", "-1 .. N", "1,2,3", "1...3"])
+def test_a_range_of_values_is_refused_with_the_reason(values: str) -> None:
+    with pytest.raises(UsageError, match=f"-D N={values}: one value at a time") as caught:
+        parse_definitions([f"N={values}"])
+    assert caught.value.help is not None
+    assert "planned" in caught.value.help
+
+
+@pytest.mark.parametrize("value", ["B ? 1 : 3", "f(1, 2)", "M", "-3", "1 + 2"])
+def test_an_expression_is_no_range(value: str) -> None:
+    assert parse_definitions([f"N={value}"]) == {"N": value}
 
 
 @pytest.mark.parametrize(

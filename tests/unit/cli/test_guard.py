@@ -27,7 +27,7 @@ def raising(error: BaseException) -> ExitStatus:
         (UnsupportedError(FINDING), ExitStatus.UNSUPPORTED, "m.ta:1:1: error[E0101]: something is odd"),
         (UsageError("no such thing", "look elsewhere"), ExitStatus.BAD_INPUT, "help: look elsewhere"),
         (FileNotFoundError(2, "No such file", "gone"), ExitStatus.BAD_INPUT, "error: gone: No such file"),
-        (KeyboardInterrupt(), ExitStatus.UNKNOWN, "error: interrupted"),
+        (KeyboardInterrupt(), ExitStatus.INTERRUPTED, "error: interrupted"),
         (ZeroDivisionError(), ExitStatus.INTERNAL_ERROR, "please report it"),
     ],
 )
@@ -65,4 +65,5 @@ def test_the_gravest_status_wins() -> None:
     assert worst([ExitStatus.UNKNOWN, ExitStatus.UNSUPPORTED]) is ExitStatus.UNSUPPORTED
     assert worst([ExitStatus.BAD_INPUT, ExitStatus.NOT_AS_EXPECTED]) is ExitStatus.BAD_INPUT
     assert worst([ExitStatus.BAD_INPUT, ExitStatus.UNSUPPORTED]) is ExitStatus.BAD_INPUT
-    assert worst(list(ExitStatus)) is ExitStatus.INTERNAL_ERROR
+    assert worst([*ExitStatus][:-2]) is ExitStatus.INTERNAL_ERROR
+    assert worst(list(ExitStatus)) is ExitStatus.INTERRUPTED

@@ -47,6 +47,6 @@ def test_choices_are_the_values_that_exist(name: str, option: str, values: type[
 
 def test_a_misspelt_command_is_guessed_without_loading_the_others(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
-        app(["verif"], prog_name="tachk")
+        app(["explan"], prog_name="tachk")
     assert end.value.code == 2
-    assert "Did you mean 'verify'?" in capsys.readouterr().err
+    assert "Did you mean 'explain'?" in capsys.readouterr().err

@@ -127,6 +127,14 @@ def test_wrong_constants_from_outside(load: Any, constants: dict[str, Any], code
     assert code is None or first.code == code
 
 
+@pytest.mark.parametrize(("word", "meant"), [("yes", "true"), ("Off", "false"), ("True", "true")])
+def test_a_boolean_constant_from_outside_has_two_words(load: Any, word: str, meant: str) -> None:
+    with pytest.raises(InputError) as caught:
+        load(CONSTANTS + PROCESS, B=word)
+    assert caught.value.diagnostics[0].message == f"unknown name `{word}`"
+    assert caught.value.diagnostics[0].help == f"a Boolean value is `{meant}`"
+
+
 def test_unknown_constants_from_outside(load: Any) -> None:
     with pytest.raises(UsageError) as caught:
         load("const int MESSAGES = 3;\n" + PROCESS, MESAGES=4)

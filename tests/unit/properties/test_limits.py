@@ -64,7 +64,7 @@ def test_an_interrupted_search_leaves_a_doubtful_deadlock_open(answers: Answers)
     property N : E<> deadlock && P.K;
     """
 
-    def interrupt(_):
+    def interrupt(*_):
         raise KeyboardInterrupt
 
     assert answers(text) == {"D": "fails", "N": "holds"}

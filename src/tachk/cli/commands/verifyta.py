@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import sys
+from typing import NoReturn
 
 import click
 
 from tachk.cli import options
+from tachk.cli.program import end_program
 
 
 class _Untouched(click.Command):
@@ -20,19 +22,12 @@ class _Untouched(click.Command):
 @click.command(name="verifyta", cls=_Untouched)
 def command(arguments: tuple[str, ...]) -> None:
     """Check models with the options and the output of UPPAAL's verifyta, for scripts written for it."""
-    _run(arguments, "tachk verifyta")
-
-
-def _run(arguments: tuple[str, ...], program: str) -> None:
     from tachk.cli.verifyta import run_verifyta
 
+    program = click.get_current_context().command_path
     options.finish(lambda: run_verifyta(arguments, program))
 
 
-def run() -> None:
+def run() -> NoReturn:
     """The console script `tachk-verifyta`."""
-    with click.Context(command):
-        try:
-            _run(tuple(sys.argv[1:]), "tachk-verifyta")
-        except click.exceptions.Exit as end:
-            sys.exit(end.exit_code)
+    end_program(lambda: command.main(sys.argv[1:], prog_name="tachk-verifyta", standalone_mode=False))

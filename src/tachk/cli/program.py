@@ -1,0 +1,36 @@
+"""How a console script begins and ends."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Callable
+from typing import NoReturn
+
+import click
+
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.terminal import end_by, prepare_streams
+
+
+def end_program(command: Callable[[], int | None]) -> NoReturn:
+    """Runs a command line, which returns its status, and ends the program with that."""
+    prepare_streams()
+    try:
+        status = command()
+        sys.stdout.flush()
+    except click.ClickException as error:
+        error.show()
+        status = error.exit_code
+    except BrokenPipeError:
+        status = ExitStatus.PIPE_CLOSED
+    except (click.Abort, KeyboardInterrupt):
+        status = ExitStatus.INTERRUPTED
+    if status == ExitStatus.PIPE_CLOSED:
+        # Whatever is still to be written would fail when the interpreter ends, with a message.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        end_by(getattr(signal, "SIGPIPE", signal.SIGTERM))
+    if status == ExitStatus.INTERRUPTED:
+        end_by(signal.SIGINT)
+    sys.exit(status)

@@ -1,0 +1,104 @@
+"""What the streams of the program can show, and how the program ends when somebody breaks it off."""
+
+from __future__ import annotations
+
+import codecs
+import os
+import signal
+import sys
+from typing import TYPE_CHECKING, NoReturn, TextIO
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+_WIDTH = 1000
+"""Columns of a report that does not go to a terminal: wide enough for no line to be broken."""
+
+_SPELLINGS = {
+    "→": "->",
+    "←": "<-",
+    "✓": "+",
+    "✗": "x",
+    "≤": "<=",
+    "≥": ">=",
+    "≠": "!=",
+    "−": "-",
+    "–": "-",
+    "—": "-",
+    "…": "...",
+    "·": ".",
+    "∞": "inf",
+    "µ": "u",
+    "μ": "u",
+    "“": '"',
+    "”": '"',
+    "‘": "'",
+    "’": "'",
+}
+"""Of characters that tachk itself writes, for streams that do not have them."""
+
+
+def prepare_streams() -> None:
+    """Lets the standard streams replace characters that their encoding does not have, instead of raising errors."""
+    codecs.register_error("tachk", _spelled)
+    for stream in (sys.stdout, sys.stderr):
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            reconfigure(errors="tachk")
+
+
+def _spelled(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    text = error.object[error.start : error.end]
+    return "".join(_SPELLINGS.get(character, "?") for character in text), error.end
+
+
+def wants_colour(stream: TextIO) -> bool:
+    """Whether to colour: not with NO_COLOR, always with FORCE_COLOR, else on terminals that are not dumb."""
+    if os.environ.get("NO_COLOR"):
+        return False
+    if os.environ.get("FORCE_COLOR", "0") not in ("", "0"):
+        return stream in (sys.stdout, sys.stderr)
+    return can_rewrite_lines(stream)
+
+
+def can_rewrite_lines(stream: TextIO) -> bool:
+    """Whether a stream is a terminal that understands escape sequences."""
+    return stream.isatty() and os.environ.get("TERM") != "dumb"
+
+
+def width_of(stream: TextIO) -> int:
+    """The columns of a terminal, `COLUMNS` of the environment first."""
+    columns = os.environ.get("COLUMNS", "")
+    if columns.isdecimal() and int(columns) > 0:
+        return int(columns)
+    try:
+        return os.get_terminal_size(stream.fileno()).columns or 80
+    except (OSError, ValueError):
+        return 80
+
+
+def console(stream: TextIO) -> Console:
+    """What prints reports on a stream."""
+    from rich.console import Console
+
+    class Report(Console):
+        def on_broken_pipe(self) -> None:
+            """rich would end the program with status 1."""
+            raise BrokenPipeError
+
+    return Report(
+        file=stream,
+        highlight=False,
+        color_system="standard" if wants_colour(stream) else None,
+        force_terminal=wants_colour(stream) or None,
+        width=width_of(stream) if stream.isatty() else _WIDTH,
+    )
+
+
+def end_by(number: signal.Signals) -> NoReturn:
+    """Ends the program as the signal does by itself: a shell that sees this ends its loop, too."""
+    signal.signal(number, signal.SIG_DFL)
+    os.kill(os.getpid(), number)
+    sys.exit(128 + number)

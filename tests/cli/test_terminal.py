@@ -1,0 +1,170 @@
+"""How the program treats the streams it is given, tried with whole processes."""
+
+from __future__ import annotations
+
+import io
+import os
+import pty
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tachk.cli.terminal import wants_colour, width_of
+
+BROKEN = "process P() { init location a { to b; } location b; }\nsystem P;\nproperty safe : A[] P.a;\n"
+TWO = BROKEN + "property other : G (P.a -> F[0, 5] P.b);\n"
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    path = tmp_path / "m.ta"
+    path.write_text(BROKEN, encoding="utf-8")
+    return path
+
+
+def tachk(*arguments: object, **variables: str) -> subprocess.CompletedProcess[bytes]:
+    kept = {name: value for name, value in os.environ.items() if name not in ("NO_COLOR", "FORCE_COLOR", "COLUMNS")}
+    command = [sys.executable, "-m", "tachk", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, env=kept | variables, check=False)
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "ascii", "latin-1:strict"])
+def test_characters_that_a_stream_does_not_have_are_replaced(model: Path, encoding: str) -> None:
+    done = tachk("verify", model, PYTHONIOENCODING=encoding)
+    assert (done.returncode, done.stderr) == (10, b"")
+    assert b"x safe" in done.stdout
+    assert b"P: a -> b" in done.stdout
+
+
+def test_a_name_that_is_no_text_is_told(tmp_path: Path) -> None:
+    done = tachk("check", os.fsdecode(os.fsencode(tmp_path) + b"/\xff.ta"))
+    assert done.returncode == 2
+    assert b"?.ta" in done.stderr
+    assert b"Traceback" not in done.stderr
+
+
+class Screen(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize(
+    ("variables", "on_terminal", "on_pipe"),
+    [
+        ({}, True, False),
+        ({"NO_COLOR": "1"}, False, False),
+        ({"NO_COLOR": ""}, True, False),
+        ({"FORCE_COLOR": "1"}, True, True),
+        ({"FORCE_COLOR": "0"}, True, False),
+        ({"FORCE_COLOR": "1", "NO_COLOR": "1"}, False, False),
+        ({"TERM": "dumb"}, False, False),
+        ({"TERM": "dumb", "FORCE_COLOR": "1"}, True, True),
+    ],
+)
+def test_colour_is_what_the_environment_says(
+    variables: dict[str, str], on_terminal: bool, on_pipe: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("NO_COLOR", "FORCE_COLOR"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    for stream, wanted in ((Screen(), on_terminal), (io.StringIO(), on_pipe)):
+        monkeypatch.setattr(sys, "stderr", stream)
+        assert wants_colour(stream) is wanted
+
+
+def test_reports_and_messages_follow_the_environment(model: Path, tmp_path: Path) -> None:
+    wrong = tmp_path / "wrong.ta"
+    wrong.write_text("process P( {}\n", encoding="utf-8")
+    report = tmp_path / "report.txt"
+    assert b"\x1b[" in tachk("check", wrong, FORCE_COLOR="1").stderr
+    assert b"\x1b[" in tachk("verify", model, FORCE_COLOR="1").stdout
+    tachk("verify", model, "-o", report, FORCE_COLOR="1")
+    assert b"\x1b[" not in report.read_bytes()
+
+
+@pytest.mark.parametrize("variables", [{"NO_COLOR": "1"}, {"TERM": "dumb"}])
+def test_a_terminal_without_colour_gets_none(model: Path, variables: dict[str, str]) -> None:
+    ours, theirs = pty.openpty()
+    environment = {"PATH": os.environ["PATH"], "PYTHONPATH": os.environ.get("PYTHONPATH", ""), "TERM": "xterm"}
+    command = [sys.executable, "-m", "tachk", "verify", str(model), "A[] P.c"]
+    process = subprocess.Popen(command, stdout=theirs, stderr=theirs, env=environment | variables)
+    os.close(theirs)
+    said = b""
+    try:
+        while piece := os.read(ours, 4096):
+            said += piece
+    except OSError:  # this is how Linux tells the end
+        pass
+    assert process.wait() == 2
+    os.close(ours)
+    assert b"error[" in said
+    assert b"\x1b" not in said
+
+
+def test_width_of_a_stream_that_is_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
+    assert width_of(io.StringIO()) == 80
+    monkeypatch.setenv("COLUMNS", "132")
+    assert width_of(io.StringIO()) == 132
+    monkeypatch.setenv("COLUMNS", "wide")
+    assert width_of(io.StringIO()) == 80
+
+
+@pytest.mark.parametrize("arguments", [["verify"], ["explain", "E0101"]])
+def test_nobody_reading_is_no_error(model: Path, arguments: list[str]) -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    command = [sys.executable, "-m", "tachk", *arguments, *([str(model)] if arguments == ["verify"] else [])]
+    process = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, check=False)
+    os.close(writing)
+    assert (process.returncode, process.stderr) == (-signal.SIGPIPE, b"")
+
+
+INTERRUPT_SECOND_SEARCH = """
+import sys
+from tachk.properties import verify
+from tachk.cli.main import run
+
+lower, searches = verify.lower, []
+
+def interrupt(*arguments):
+    searches.append(arguments)
+    if len(searches) > 1:
+        raise KeyboardInterrupt
+    return lower(*arguments)
+
+verify.lower = interrupt
+run()
+"""
+
+
+def test_interruption_keeps_what_is_decided_and_ends_the_loop_of_a_shell(tmp_path: Path) -> None:
+    path = tmp_path / "m.ta"
+    path.write_text(TWO, encoding="utf-8")
+    command = [sys.executable, "-c", INTERRUPT_SECOND_SEARCH, "verify", str(path), str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == -signal.SIGINT
+    assert done.stderr == ""
+    assert "✗ safe      fails" in done.stdout
+    assert "other is unknown: interrupted" in done.stdout
+    assert done.stdout.count("m.ta") == 1
+
+
+@pytest.mark.parametrize("command", ["verify", "check"])
+def test_models_come_through_pipes(command: str, tmp_path: Path) -> None:
+    text = BROKEN.replace("A[]", "E<>").encode()
+    process = [sys.executable, "-m", "tachk", command]
+    done = subprocess.run([*process, "/dev/stdin"], input=text, capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert done.stdout.startswith(b"/dev/stdin")
+    reading, writing = os.pipe()
+    os.write(writing, text)
+    os.close(writing)
+    done = subprocess.run([*process, f"/dev/fd/{reading}"], pass_fds=[reading], capture_output=True, check=False)
+    os.close(reading)
+    assert (done.returncode, done.stderr) == (0, b"")
