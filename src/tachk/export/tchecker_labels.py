@@ -64,6 +64,8 @@ class QueryLabels:
 
 def query_labels(query: Query, network: Network, known: Known, prefix: str) -> QueryLabels:
     """The labels for a query; ``prefix`` begins their names."""
+    if query.observer is not None:
+        return QueryLabels(query, reason="it is a temporal formula, which an automaton beside the network follows")
     if query.kind not in (QueryKind.POSSIBLY, QueryKind.INVARIANTLY) or query.predicate is None:
         return QueryLabels(query, reason=f"TChecker does not check {query.kind.value}")
     target = query.predicate if query.kind is QueryKind.POSSIBLY else negate(query.predicate)
