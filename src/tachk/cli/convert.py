@@ -24,7 +24,7 @@ from tachk.syntax.parser import has_errors
 from tachk.syntax.printer import print_document
 from tachk.syntax.query_files import parse_queries
 from tachk.syntax.source_files import read_source
-from tachk.syntax.uppaal_xml_queries import without_properties
+from tachk.syntax.uppaal_xml_queries import without_properties, wrong_query
 
 
 def run_convert(source: str, output: Path, query_files: tuple[Path, ...], fix: bool) -> ExitStatus:
@@ -55,7 +55,7 @@ def _convert_to_text(source: Path, output: Path | None, query_files: tuple[Path,
     print_diagnostics(read.warnings)
     document, layout = read.document, read.layout
     wrong = () if layout is None else _wrong_queries(source)
-    aside = [" ".join(text.split()) for text in (*(q.text for q in read.broken), *(q.text for q in wrong))]
+    aside = [*(query.text for query in read.broken), *(query.text for query in wrong)]
     if layout is not None and wrong:
         layout = without_properties(layout, document, {query.name for query in wrong})
         names = {query.name for query in wrong}
@@ -67,7 +67,7 @@ def _convert_to_text(source: Path, output: Path | None, query_files: tuple[Path,
     if fix:
         document, steps = document_repairs(document)
         _tell(steps)
-    text = print_document(document) + "".join(f"\n// a query that is wrong: {query}\n" for query in aside)
+    text = print_document(document) + "".join(f"\n{wrong_query(query)}\n" for query in aside)
     if output is None:
         sys.stdout.write(text)
         return

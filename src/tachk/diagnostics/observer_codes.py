@@ -1,4 +1,4 @@
-"""Explanations of what is reported about temporal formulas that a model is checked against."""
+"""Explanations of why properties are refused that are no mistake."""
 
 from __future__ import annotations
 
@@ -25,5 +25,12 @@ OBSERVER_CODES: dict[str, Explanation] = {
         "temporal property of a model with priorities",
         "An observer takes steps of its own. Where channels or processes have priorities, a step of a higher priority "
         "keeps all others from happening, so the observer would change what the model does.",
+    ),
+    "E0733": Explanation(
+        "query about a process that does not run",
+        "A property names a process that the model describes, but the system line does not run it. Models are often "
+        "switched between several system lines, with queries about each; the query waits for its own.",
+        "process P() { state s; init s; }\nprocess Q() { state t; init t; }\nsystem P;\nproperty p : A[] Q.t;",
+        "process P() { state s; init s; }\nprocess Q() { state t; init t; }\nsystem P, Q;\nproperty p : A[] Q.t;",
     ),
 }

@@ -14,7 +14,15 @@ from tachk.syntax.layout import QueryLayout
 from tachk.syntax.parser import parse_query
 from tachk.syntax.query_files import expectation_in
 from tachk.syntax.query_printer import print_expected, print_query
-from tachk.syntax.uppaal_xml_queries import MEASURES, comment_of, conditional_in, outcome, says, set_aside
+from tachk.syntax.uppaal_xml_queries import (
+    MEASURES,
+    comment_of,
+    conditional_in,
+    outcome,
+    says,
+    set_aside,
+    wrong_query_in,
+)
 from tachk.syntax.uppaal_xml_tree import parse_xml
 
 _WORDS = {"holds": "EXPECT:T", "fails": "EXPECT:F"}
@@ -41,6 +49,9 @@ def query_views(model: LoadedModel, plain: PlainModel, layouts: Sequence[QueryLa
         elif layout.name in known:
             views.append(_view(known.pop(layout.name), properties[layout.name], layout, refuses))
     views += [_view(query, properties[query.name], QueryLayout(query.name), refuses) for query in known.values()]
+    written = {" ".join(view.formula.split()) for view in views}
+    wrong = (wrong_query_in(comment.text) for comment in model.document.comments)
+    views += [QueryView(formula, "") for formula in wrong if formula is not None and formula not in written]
     return tuple(views)
 
 

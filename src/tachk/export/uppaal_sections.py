@@ -3,7 +3,7 @@ their comments."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,8 +14,9 @@ from tachk.frontend.load import LoadedModel
 from tachk.syntax import ast
 from tachk.syntax.comment_placement import Placement, line_nodes, place_comments
 from tachk.syntax.expression_printer import print_parameters
-from tachk.syntax.parser import parse_declarations, parse_document, parse_parameters, parse_system
+from tachk.syntax.parser import comments_within, parse_declarations, parse_document, parse_parameters, parse_system
 from tachk.syntax.printer import write_item
+from tachk.syntax.uppaal_xml_queries import wrong_query_in
 from tachk.syntax.writer import Writer
 
 _BESIDE = (
@@ -46,20 +47,20 @@ class Sections:
     before: tuple[ast.Item, ...]
     after: tuple[ast.Item, ...]
     placement: Placement
-    last_comments: tuple[str, ...] = ()
+    own: bool = True
+    comments_before: tuple[str, ...] = ()
+    comments_after: tuple[str, ...] = ()
 
     def declaration(self, written: str | None) -> str:
-        """The global declarations."""
-        if not self.plain.time_unit and same(written, parse_declarations, self.before):
-            return written or ""
+        """The global declarations, and the comments that stand before the first template."""
         unit = [f"// one time unit is {self.plain.time_unit}"] if self.plain.time_unit else []
-        return self._text(self.before, unit)
+        text = self._text(self.before, unit, self.comments_before)
+        return (text if unit else self._kept(written, parse_declarations, self.before, text)) or ""
 
     def system(self, written: str | None) -> str:
-        """The instantiations and the system line with what stands beside it."""
-        return (
-            written or "" if same(written, parse_system, self.after) else self._text(self.after, [], self.last_comments)
-        )
+        """The instantiations and the system line with what stands beside it, and the comments of the properties."""
+        text = self._text(self.after, [], self.comments_after)
+        return self._kept(written, parse_system, self.after, text) or ""
 
     def parameter(self, template: ast.Template, written: str | None) -> str | None:
         """The parameters; None where there is no such section."""
@@ -72,14 +73,26 @@ class Sections:
         stands between them and the first location belongs to them.
         """
         doc = [f"/// {line}".rstrip() for line in template.doc.split("\n")] if template.doc else []
-        if same(written, parse_declarations, template.declarations) and (not doc or "\n".join(doc) in (written or "")):
-            return written
         placed = self.placement
-        head = [c.text for table in (placed.before, placed.opening) for c in table.get(id(template), [])]
+        first = bool(self.plain.templates) and template is self.plain.templates[0]
+        tables = (placed.opening,) if first else (placed.before, placed.opening)
+        head = [c.text for table in tables for c in table.get(id(template), [])]
         between = [c.text for node in template.locations[:1] for c in placed.before.get(id(node), [])]
         last = [c.text for table in (placed.closing, placed.behind) for c in table.get(id(template), [])]
         text = self._text(template.declarations, [*doc, *([""] if doc else []), *head], [*between, *last])
-        return text or None
+        if doc and "\n".join(doc) not in (written or ""):
+            return text
+        return self._kept(written, parse_declarations, template.declarations, text) or None
+
+    def _kept(self, written: str | None, parse: Parse, meant: object, text: str) -> str | None:
+        """A section as it was written where that says the same, comments included, else as it is formatted.
+
+        The comments of a section of the file that the model was read from are those of the model; a side file may be
+        older than the text beside it.
+        """
+        if same(written, parse, meant) and (self.own or _comment_lines(written or "") == _comment_lines(text)):
+            return written
+        return text
 
     def comments_beside(self, node: ast.LocationDeclaration | ast.Branchpoint | ast.EdgeDeclaration) -> list[str]:
         """The comments that stand before, in or behind a location or edge, with their delimiters. Those before the
@@ -111,8 +124,15 @@ class Sections:
         return writer.text()
 
 
+def _comment_lines(text: str) -> list[str]:
+    """The lines of all comments of a section, however they are indented."""
+    found = comments_within(Span(Source("", text), 0, len(text)))
+    return [line.strip() for comment in found for line in comment.text.split("\n")]
+
+
 def sections(model: LoadedModel, plain: PlainModel) -> Sections:
-    """The sections of a model; what its text declares behind the last template goes to the system section."""
+    """The sections of a model; what its text declares behind the last template goes to the system section, and so do
+    the comments of what has no section of its own."""
     declarations, instantiations = iter(plain.declarations), iter(plain.instantiations)
     progress, gantt = iter(plain.progress), iter(plain.gantt)
     last = max((at for at, item in enumerate(model.items) if isinstance(item, ast.Template)), default=-1)
@@ -134,8 +154,31 @@ def sections(model: LoadedModel, plain: PlainModel) -> Sections:
                 pass
     before += declarations  # what the expansion declares
     placement = _placement(model, plain)
-    last_comments = tuple(comment.text for comment in placement.closing.get(id(model.document), []))
-    return Sections(plain, tuple(before), tuple(after), placement, last_comments)
+    return Sections(
+        plain,
+        tuple(before),
+        tuple(after),
+        placement,
+        model.layout is not None,
+        tuple(_comments_beside(model, plain, placement, before=True)),
+        tuple(_comments_beside(model, plain, placement, before=False)),
+    )
+
+
+def _comments_beside(model: LoadedModel, plain: PlainModel, placement: Placement, before: bool) -> Iterator[str]:
+    """The comments of the items that are in no section, those before the last template or those behind it."""
+    templates = [at for at, item in enumerate(model.items) if isinstance(item, ast.Template)]
+    last = max(templates, default=-1)
+    found: list[ast.Comment] = []
+    for at, item in enumerate(model.items):
+        if isinstance(item, _BESIDE) and (at < last) is before:
+            tables = (placement.before, placement.opening, placement.behind, placement.closing)
+            found += (comment for table in tables for comment in table.get(id(item), []))
+    if before:
+        found += placement.before.get(id(plain.templates[0]), []) if plain.templates else []
+    else:
+        found += placement.closing.get(id(model.document), [])
+    yield from (c.text for c in sorted(found, key=lambda c: c.span.start) if wrong_query_in(c.text) is None)
 
 
 def same(written: str | None, parse: Parse, meant: object) -> bool:

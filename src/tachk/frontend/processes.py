@@ -44,20 +44,14 @@ def select_process(
                     )
                     return BrokenSymbol(span)
                 case TemplateSymbol():
-                    if context.in_query:
-                        context.error("E0206", span, f"no process `{name}` runs: it is not in the system line")
-                    else:
-                        _outside_query(node, context)
+                    _absent(name, node, context)
                     return BrokenSymbol(span)
                 case _:
                     return None
         case ast.CallExpression(span, ast.NameExpression(_, name), arguments):
             symbol = scope.lookup(name)
             if isinstance(symbol, TemplateSymbol):
-                if context.in_query:
-                    context.error("E0206", span, f"no process `{name}` runs: it is not in the system line")
-                else:
-                    _outside_query(node, context)
+                _absent(name, node, context)
                 return BrokenSymbol(span)
             if not isinstance(symbol, FamilySymbol):
                 if isinstance(symbol, ProcessSymbol):
@@ -78,6 +72,16 @@ def select_process(
             return process
         case _:
             return None
+
+
+def _absent(name: str, node: ast.Expression, context: Context) -> None:
+    """Reports a process that the model describes and does not run. People switch between system lines, and their
+    queries are about several of them: such a query is refused and no mistake."""
+    if context.in_query:
+        help_ = f"a property is checked where the system line names `{name}`"
+        context.error("E0733", node.span, f"no process `{name}` runs: it is not in the system line", help_)
+    else:
+        _outside_query(node, context)
 
 
 def _outside_query(node: ast.Expression, context: Context) -> None:

@@ -130,7 +130,10 @@ def elaborate_signals(nodes: Iterable[ast.SignalDeclaration], scope: Scope, cont
     context = replace(context, in_query=True)
     signals = []
     for node in nodes:
-        value = expression(node.expression, scope, context)
+        own = Findings()
+        value = expression(node.expression, scope, replace(context, findings=own))
+        # A property may wait for its process; a signal that cannot be observed would make the whole model wait.
+        context.findings.extend(replace(d, code="E0206") if d.code == "E0733" else d for d in own.sorted())
         symbol: Symbol = BrokenSymbol(node.name.span)
         if value is not None and _is_observable(value, node, context):
             signals.append(Signal(node.name.name, value, node.name.span))

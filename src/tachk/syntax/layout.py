@@ -89,8 +89,7 @@ class TemplateLayout:
     name: the position of the template's name.
     nodes: locations and branchpoints by name.
     extra: elements that tachk does not know, as they stood in the file.
-    parameter, declaration: the text of the sections, used again only while it still means the same. They are no part of
-        a side file: there the text of the model itself holds every comment and line break.
+    parameter, declaration: the text of the sections, used again only while it still means the same.
     """
 
     name: Point | None = None

@@ -1,7 +1,7 @@
 """Layouts as JSON: the side file ``model.layout.json`` beside ``model.ta``.
 
-There is a line for each location and each edge, so that version control shows what moved. What can be read off the text
-of the model is not repeated: see `TemplateLayout`.
+There is a line for each location and each edge, so that version control shows what moved. Sections of code are kept
+line by line: the text of the model says the same, but not with the blanks of the file.
 """
 
 from __future__ import annotations
@@ -53,10 +53,14 @@ def read_layout_beside(model: str | os.PathLike[str]) -> Layout | None:
 
 def layout_to_json(layout: Layout) -> str:
     """The text of a side file."""
-    lines = ["{", f'"layout": {_VERSION},', f'"dtd": {_line(layout.dtd)},', '"templates": {']
+    lines = ["{", f'"layout": {_VERSION},', f'"dtd": {_line(layout.dtd)},']
+    lines += _section("", "declaration", layout.declaration)
+    lines.append('"templates": {')
     for number, (name, template) in enumerate(layout.templates.items(), 1):
         lines.append(f"  {_line(name)}: {{")
         lines.append(f'    "name": {_line(template.name)},')
+        lines += _section("    ", "parameter", template.parameter)
+        lines += _section("    ", "declaration", template.declaration)
         lines.append('    "nodes": {')
         lines += _listed(f"      {_line(key)}: {_line(_node(node))}" for key, node in template.nodes.items())
         lines.append("    },")
@@ -65,10 +69,20 @@ def layout_to_json(layout: Layout) -> str:
         lines.append("    ],")
         lines.append(f'    "extra": {_line(template.extra)}')
         lines.append("  }" + ("," if number < len(layout.templates) else ""))
-    lines += ["},", f'"options": {_line(layout.options)},', '"queries": [']
+    lines.append("},")
+    lines += _section("", "system", layout.system)
+    lines += [f'"options": {_line(layout.options)},', '"queries": [']
     lines += _listed(f"  {_line(_query(query))}" for query in layout.queries)
     lines += ["],", f'"extra": {_line(layout.extra)}', "}"]
     return "\n".join(lines) + "\n"
+
+
+def _section(indent: str, name: str, text: str | None) -> list[str]:
+    """A section of code as a list of its lines, each on a line of its own."""
+    if text is None:
+        return []
+    lines = _listed(f"{indent}  {_line(line)}" for line in text.split("\n"))
+    return [f'{indent}"{name}": [', *lines, f"{indent}],"]
 
 
 def _listed(lines: Iterable[str]) -> list[str]:
@@ -167,6 +181,8 @@ def _read_layout(value: Json) -> Layout:
         _pairs(whole.get("options", [])),
         tuple(_read_query(part) for part in _list(whole.get("queries", []), "`queries`")),
         _texts(whole.get("extra", []), "`extra`"),
+        _read_section(whole.get("declaration"), "`declaration`"),
+        _read_section(whole.get("system"), "`system`"),
     )
 
 
@@ -178,7 +194,13 @@ def _read_template(value: Json) -> TemplateLayout:
         {name: _read_node(node) for name, node in _object(part.get("nodes", {}), "`nodes`").items()},
         dict(edges),
         _texts(part.get("extra", []), "`extra`"),
+        _read_section(part.get("parameter"), "`parameter`"),
+        _read_section(part.get("declaration"), "`declaration`"),
     )
+
+
+def _read_section(value: Json, what: str) -> str | None:
+    return None if value is None else "\n".join(_texts(value, what))
 
 
 def _read_node(value: Json) -> NodeLayout:

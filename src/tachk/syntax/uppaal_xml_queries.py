@@ -27,6 +27,7 @@ _AUTOMATIC = re.compile(r"q[0-9]+")
 _OUTCOMES = {"success": "holds", "failure": "fails"}
 _EXPECT_LINE = re.compile(r"(?:\A|\n)(?:EXPECT:[ \t]*\S+|(?P<conditional>expect (?:holds|fails) if [^\n]+))\Z")
 _SET_ASIDE = re.compile(r"\s*/\* UPPAAL does not check: (?P<formula>.*\S)\s*\*/\s*", re.DOTALL)
+_WRONG = "// a query that is wrong: "
 MEASURES = ("sup", "inf", "bounds")
 
 
@@ -117,6 +118,16 @@ class QueriesReader:
                 )
             )
         return found
+
+
+def wrong_query(formula: str) -> str:
+    """A query that no model can have, as a comment from which it comes back when XML is written."""
+    return f"{_WRONG}{' '.join(formula.split())}"
+
+
+def wrong_query_in(comment: str) -> str | None:
+    """The formula in a comment that `wrong_query` made; None for other comments."""
+    return comment.removeprefix(_WRONG).strip() if comment.startswith(_WRONG) else None
 
 
 def set_aside(formula: str) -> str:

@@ -258,8 +258,9 @@ class TemplateReader:
                 locations.append(location)
             nodes[node.name] = self._picture(node, labels)
         points = [node for node in self.nodes if node.element.name == "branchpoint"]
+        end = max([self._end(texts), *(part.span.end for part in (*locations, *edges))])
         template = ast.Template(
-            Span(texts.source, texts.tag(self.element).start, self._end(texts)),
+            Span(texts.source, texts.tag(self.element).start, end),
             ast.Identifier(name_place, self.name),
             tuple(parameters),
             tuple(declarations),

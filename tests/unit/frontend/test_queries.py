@@ -134,7 +134,6 @@ def test_array_constants_fold_in_queries(load: Any) -> None:
     [
         ("E<> Single.Of", "E0207", "Of"),
         ("E<> Singel.Off", "E0201", "Singel"),
-        ("E<> S.Off", "E0206", "S"),
         ("E<> T.Idle", "E0206", "T"),
         ("E<> T(3).Idle", "E0206", "T(3)"),
         ("E<> T(n).Idle", "E0601", "n"),

@@ -1,0 +1,168 @@
+"""A UPPAAL file that goes to text and comes back: what was not touched is what it was."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import chdir
+from pathlib import Path
+
+import pytest
+
+from tachk import api
+from tachk.cli.main import app
+
+VARIANTS = """\
+<nta>
+<declaration>int n;
+// trailing remark of the declarations</declaration>
+<template><name>P</name><declaration>// only a remark here</declaration>
+<location id="id0" x="0" y="0"><name x="-10" y="-34">A</name></location><init ref="id0"/></template>
+<template><name>Observer</name><location id="id1" x="0" y="0"><name x="-10" y="-34">Error</name></location>
+<init ref="id1"/></template>
+<system>system P;
+//system P, Observer;</system>
+<queries><query><formula>A[] n == 0</formula><comment>n never changes</comment></query>
+<query><formula>A[] not Observer.Error</formula><comment>sees no error</comment>
+<result outcome="success" type="quality" timestamp="2024-01-01 00:00:00 +0000"/></query>
+<query><formula>E&lt;&gt; Gone.s</formula><comment/></query></queries>
+</nta>
+"""
+SAVED = """\
+<?xml version="1.0" encoding="utf-8"?>
+<!DOCTYPE nta PUBLIC '-//Uppaal Team//DTD Flat System 1.1//EN' \
+'http://www.it.uu.se/research/group/darts/uppaal/flat-1_2.dtd'>
+<nta>
+	<declaration>// Place global declarations here.
+const int  N=3 ;
+int a [ N ]={1,2,3};   /* three
+      of them */
+bool  odd(int i) { return (i%2)==1; }
+chan go;</declaration>
+	<template>
+		<name x="5" y="5">P</name>
+		<parameter>const int[0, 1]   id</parameter>
+		<declaration>// Place local declarations here.
+clock x ; int  k:=0;</declaration>
+		<location id="id0" x="-100" y="0">
+			<name x="-110" y="-34">A</name>
+			<label kind="invariant" x="-110" y="17">x&lt;=5</label>
+		</location>
+		<location id="id1" x="100" y="0">
+			<name x="90" y="-34">B</name>
+			<urgent/>
+		</location>
+		<init ref="id0"/>
+		<transition>
+			<source ref="id0"/>
+			<target ref="id1"/>
+			<label kind="guard" x="-20" y="-34">x&gt;=2&amp;&amp;odd( a[0] )</label>
+			<label kind="assignment" x="-20" y="0">k:=1</label>
+			<nail x="0" y="17"/>
+		</transition>
+	</template>
+	<system>// Place template instantiations here.
+P0=P(0);
+// P1 = P(1);
+system P0 ;</system>
+	<queries>
+		<query>
+			<formula>E&lt;&gt; P0.B</formula>
+			<comment>can act</comment>
+		</query>
+	</queries>
+</nta>
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path) -> Iterator[Path]:
+    with chdir(tmp_path):
+        yield tmp_path
+
+
+def convert(source: str, target: str) -> str:
+    with pytest.raises(SystemExit) as end:
+        app(["convert", source, target], prog_name="tachk")
+    assert end.value.code == 0
+    return Path(target).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("with_layout", [True, False])
+def test_comments_and_queries_survive(with_layout: bool) -> None:
+    Path("a.xml").write_text(VARIANTS)
+    text = convert("a.xml", "a.ta")
+    assert "property q2 : A[] !Observer.Error expect holds;" in text
+    if not with_layout:
+        Path("a.layout.json").unlink()
+    back = convert("a.ta", "b.xml")
+    sections = dict(re.findall(r"<(declaration|system)>(.*?)</\1>", back, re.DOTALL)[:1])
+    assert "// trailing remark of the declarations" in sections["declaration"]
+    assert "<declaration>// only a remark here" in back
+    system = back[back.index("<system>") : back.index("</system>")]
+    assert "//system P, Observer;" in system
+    assert "wrong" not in system
+    assert len(re.findall("<query>", back)) == 3
+    assert "sees no error" in back
+    assert "<formula>E&lt;&gt; Gone.s</formula>" in back
+    assert ("<result outcome" in back) is with_layout
+    loaded = api.load("b.xml").loaded
+    assert [formula.name for formula in loaded.formulas] == ["q1", "q2", "q3"]
+
+
+def test_a_query_about_an_absent_process_is_refused_and_no_mistake(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("a.xml").write_text(VARIANTS.replace("<query><formula>E&lt;&gt; Gone.s</formula><comment/></query>", ""))
+    convert("a.xml", "a.ta")
+    for name in ("a.xml", "a.ta"):
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as end:
+            app(["verify", name], prog_name="tachk")
+        said = capsys.readouterr().out
+        assert end.value.code == 3
+        assert "error[E0733]: no process `Observer` runs: it is not in the system line" in said
+        assert "1 of 2 as expected, 1 cannot be checked" in said
+    text = Path("a.ta").read_text().replace("system P;", "system P, Observer;")
+    Path("a.ta").write_text(text)
+    assert api.load("a.ta").verify()["q2"].answer.value == "fails"
+
+
+def test_a_file_as_uppaal_saves_it_comes_back_letter_by_letter() -> None:
+    Path("a.xml").write_text(SAVED)
+    convert("a.xml", "a.ta")
+    assert convert("a.ta", "b.xml") == SAVED
+    assert convert("a.xml", "c.xml") == SAVED
+
+
+def test_only_the_section_that_was_edited_is_written_anew() -> None:
+    Path("a.xml").write_text(SAVED)
+    text = convert("a.xml", "a.ta")
+    assert "int k = 0;" in text
+    Path("a.ta").write_text(text.replace("int k = 0;", "int k = 1;"))
+    back = convert("a.ta", "b.xml")
+    changed = set(back.splitlines()) ^ set(SAVED.splitlines())
+    assert changed == {"clock x ; int  k:=0;</declaration>", "clock x;", "int k = 1;", "</declaration>"}
+
+
+@pytest.mark.parametrize(("before", "after"), [("three\n", "four\n"), ("// P1 = P(1);\n", "")])
+def test_a_comment_that_was_edited_is_not_brought_back(before: str, after: str) -> None:
+    Path("a.xml").write_text(SAVED)
+    text = convert("a.xml", "a.ta")
+    assert before in text
+    Path("a.ta").write_text(text.replace(before, after))
+    back = convert("a.ta", "b.xml")
+    assert before.strip() not in back
+    assert after.strip() in back
+
+
+def test_comments_outside_sections_find_a_place() -> None:
+    Path("a.ta").write_text(
+        "// the unit\ntime_unit = 1 ms;\nint n;\n// about P\nprocess P() { init location A; }\n"
+        "// about Q\nprocess Q() { init location B; }\nsystem P, Q;\n// about p\nproperty p : E<> P.A; // behind p\n"
+        "// the last\n"
+    )
+    back = convert("a.ta", "a.xml")
+    for comment in ("// the unit", "// about P", "// about Q", "// about p", "// behind p", "// the last"):
+        assert back.count(comment) == 1, comment
+    convert("a.xml", "b.ta")
+    again = convert("b.ta", "b.xml")
+    assert again == back
