@@ -68,8 +68,9 @@ def explore(
     LU bounds do not preserve deadlock: a widened zone holds valuations that can do less than those they stand for, so
     that some may be stuck where no true one is. But every true valuation is in a stored zone, so that a search that
     finds no deadlock has proved that there is none, and it is much smaller than one with MAX, which does preserve it.
-    What is found is tried without widening along its path; only where that fails MAX decides. Other places where it
-    matters that an action is impossible are seen to by the bounds themselves (`tachk.semantics.bounds`).
+    A deadlock found this way is replayed without extrapolation; if that does not confirm it, a search with MAX decides.
+    Priorities and broadcast guards also depend on an action being impossible; their bounds are already the maximum (see
+    `tachk.semantics.bounds`).
     """
     outcome, doubtful = _search(program, goals, options, limits, progress)
     if not doubtful:

@@ -156,13 +156,6 @@ def _other_treatment(model: LoadedModel, version: Version) -> Iterator[Diagnosti
         for location in template.locations:
             if location.invariant is not None:
                 yield from _invariant(location.invariant, version, model)
-    for node in nodes_of_kind(model.items, ast.VariableDeclaration):
-        if node.type is not None and "meta" in node.type.prefixes and "const" not in node.type.prefixes:
-            yield _otherwise(
-                node.span,
-                f"{version.full_name} keeps a meta variable from one transition to the next, tachk does not",
-                "write it before you read it in every transition",
-            )
     if model.document.legacy:
         yield _otherwise(
             model.document.span,

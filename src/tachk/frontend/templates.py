@@ -122,7 +122,7 @@ class Body:
                 self.context.error(
                     "E0750",
                     point.name.span,
-                    f"the branchpoint `{point.name.name}`, which no edge leaves, is not supported",
+                    f"branchpoint `{point.name.name}` has no outgoing edge, which is not supported",
                     "add a branch",
                 )
 

@@ -232,7 +232,7 @@ def _stated(path: Path) -> tuple[Sequence[ast.Item], str, dict[str, int]]:
 
     A file without a system line is no model but a part of models, so its names have no meaning yet: it is read only.
     """
-    # Half of the start of a process that only reads formulas.
+    # Imported late: these imports take half of the start-up time of a process that only reads formulas.
     from tachk.frontend.imports import Importer
     from tachk.frontend.load import load_model
 

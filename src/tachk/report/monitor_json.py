@@ -53,7 +53,7 @@ def _time_robustness(verdict: MonitorVerdict) -> dict[str, Json] | None:
 
 
 def finding_to_json(record: MonitorRecord, verdict: MonitorVerdict) -> dict[str, Json] | None:
-    """Where the formula is violated first, or hangs; None where it is true."""
+    """First violation, or the position at which the verdict stays open; None where it is true."""
     finding, trace = verdict.finding, record.trace
     if finding is None:
         return None

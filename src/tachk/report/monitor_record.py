@@ -50,7 +50,7 @@ class MonitorVerdict:
     robustness: how far the trace is from changing the verdict, as an interval over all continuations; None if it was
         not asked for.
     time_robustness: None if it was not asked for.
-    finding: where the formula is violated first, or hangs.
+    finding: the first violation, or the position at which the verdict stays open.
     vacuous: it asks for something whenever a trigger is true, and the trigger never is.
     explainer: for plots; None where the trace is not kept.
     """

@@ -182,7 +182,7 @@ def _summary(record: RunRecord) -> Text:
     refused = sum(bool(query.diagnostics) for query in record.not_checked)
     total = len(record.verdicts) + refused
     if record.nothing_checked:
-        return Text("nothing was checked: no query is of a kind that tachk checks", style="yellow")
+        return Text("nothing was checked: tachk supports none of the given queries", style="yellow")
     if total == 0:
         return Text("nothing to check: the model has no property and no query was given", style="yellow")
     other = sum(map(record.leaves_the_model, record.verdicts))

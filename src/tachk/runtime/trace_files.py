@@ -78,4 +78,4 @@ def open_trace(source: Any, time: str | None = None, unit: str | None = None) ->
         from tachk.runtime.trace_csv import open_csv
 
         return open_csv(path, time, unit)
-    raise UsageError(f"{path} is no kind of trace that is known", f"known endings: {', '.join(TRACE_SUFFIXES)}")
+    raise UsageError(f"unknown kind of trace: {path}", f"known endings: {', '.join(TRACE_SUFFIXES)}")

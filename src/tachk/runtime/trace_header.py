@@ -76,7 +76,7 @@ def agreed_unit(own: str, given: str | None, trace: str) -> str:
 def known_unit(unit: str) -> str:
     """The unit in its usual spelling; empty stays empty. Raises UsageError for one that is not known."""
     if unit and unit.lower() not in SPELLINGS:
-        raise UsageError(f"{unit!r} is no unit of time", f"known are {', '.join(UNITS)}")
+        raise UsageError(f"{unit!r} is not a unit of time", f"known are {', '.join(UNITS)}")
     return SPELLINGS.get(unit.lower(), "")
 
 

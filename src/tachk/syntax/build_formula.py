@@ -131,10 +131,10 @@ class FormulaBuilder:
 
 
 def unknown_unit(unit: str, span: Span) -> Diagnostic:
-    """The diagnostic for a word that is no unit of time."""
+    """The diagnostic for a word that is not a unit of time."""
     meant = SPELLINGS.get(unit.lower()) or ("min" if unit == "m" else None)
     help_ = f"did you mean '{meant}'?" if meant else f"the units are {', '.join(UNITS)}"
-    return Diagnostic("E0135", f"'{unit}' is no unit of time", span, help_)
+    return Diagnostic("E0135", f"'{unit}' is not a unit of time", span, help_)
 
 
 def _lacks_unit(duration: Duration) -> bool:

@@ -161,8 +161,8 @@ def _unexpected(span: Span, pieces: tuple[Piece, ...], readings: Readings) -> Di
         at = pieces[place].span
         if place and pieces[place - 1].kind == "number" and pieces[place].kind == "word":
             units = "the units are ns, us, ms, s, min, h and d"
-            return Diagnostic("E0135", f"'{at.text[:30]}' is no unit of time", at, units)
-        return Diagnostic("E0140", f"this is no sentence from '{at.text[:30]}' on", at, help or None)
+            return Diagnostic("E0135", f"'{at.text[:30]}' is not a unit of time", at, units)
+        return Diagnostic("E0140", f"cannot read this sentence from '{at.text[:30]}' onwards", at, help or None)
     end = Span(span.source, span.end, span.end)
     return Diagnostic("E0140", "the sentence is not complete", end, help or None)
 

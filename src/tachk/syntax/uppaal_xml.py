@@ -43,7 +43,7 @@ def parse_uppaal_xml(source: Source) -> XmlModel:
     """Reads a model.
 
     Raises:
-        InputError: the text is no well-formed XML, exceeds a limit, or is no UPPAAL model.
+        InputError: the text is not well-formed XML, exceeds a limit, or is not a UPPAAL model.
     """
     tree = parse_xml(source)
     if tree.root.name != "nta":

@@ -117,10 +117,10 @@ class _Reader:
     def refusal(self, error: expat.ExpatError) -> InputError:
         what = expat.ErrorString(error.code)
         start = min(self.offsets.character(max(self.parser.ErrorByteIndex, 0)), len(self.source.text))
-        message = f"this is no well-formed XML: {what}"
+        message = f"this is not well-formed XML: {what}"
         place = Span(self.source, start, start + 1)
         if error.code == expat.errors.codes[expat.errors.XML_ERROR_TAG_MISMATCH] and self.open:
-            message = f"this is no well-formed XML: <{self.open[-1].name}> is not closed"
+            message = f"this is not well-formed XML: <{self.open[-1].name}> is not closed"
         elif error.code == expat.errors.codes[expat.errors.XML_ERROR_UNDEFINED_ENTITY]:
             return _refuse(
                 "E0121", "this entity is not defined in XML", Span(self.source, start, start + 1), _ONLY_FIVE

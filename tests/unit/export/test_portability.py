@@ -97,11 +97,17 @@ def test_deadlock_where_uppaal_does_not_check_it() -> None:
         ("clock x; state a { x' == 0 }; init a;", "0"),
         ("clock x; state a { x < 3 }; init a;", "x < 3"),
         ("clock x; state a, b { x >= 3 }; init a; trans a -> b { guard x > 4; };", "x >= 3"),
-        ("meta int m; state a; init a;", "meta int m;"),
     ],
 )
 def test_what_is_treated_otherwise(inside: str, place: str) -> None:
     assert [(code, text) for code, text in found(process(inside)) if text == place] == [("W0501", place)]
+
+
+def test_meta_variables_mean_the_same_everywhere() -> None:
+    text = (
+        "meta int[0, 3] m; int[0, 3] n; state a, b; init a; trans a -> b { assign m = 2; }, b -> a { assign n = m; };"
+    )
+    assert found(process(text)) == []
 
 
 def test_the_exported_model_has_no_errors() -> None:

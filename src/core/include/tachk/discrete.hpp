@@ -46,8 +46,8 @@ class DiscreteStates {
   // States of more than two chunks are held as lists of chunks; with 0 words to a chunk none are.
   DiscreteStates(const Program& program, std::size_t chunk_words);
 
-  // Names the discrete state that `locate` is about; all slots in which it differs from the state unpacked last are in
-  // `written`. To be called as early as possible: the memory that is looked at then takes its time to arrive.
+  // Sets the discrete state that the next `locate` looks up; all slots in which it differs from the state unpacked last
+  // are in `written`. Call it early, so that its memory is fetched in the meantime.
   void announce(const std::int32_t* slots, const SlotSet& written);
   // The number of that state, which is new, with the note `fresh_note`, if nobody has asked for it before.
   std::uint32_t locate(std::uint32_t fresh_note);

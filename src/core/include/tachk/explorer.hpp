@@ -113,7 +113,8 @@ class Explorer {
   void check(const Watch& watch, std::uint32_t node, std::int32_t* slots, const void* zone);
   void check_goals(std::uint32_t node, std::int32_t* slots, const void* zone);
   bool meets(const Condition& condition, std::int32_t* slots, const void* zone, std::vector<Atom>& atoms);
-  // Deadlock, asked of the state in source_: begin, expand with a sink that passes actions on, end.
+  // Deadlock check of the state in `source_`. Call `begin_deadlock`, then `expand` (the sink calls `pass_to_deadlock`
+  // for each action), then `end_deadlock`.
   void begin_deadlock(const void* zone);
   void pass_to_deadlock(const void* guarded, const Effect& effect);
   void end_deadlock(std::uint32_t node);

@@ -29,8 +29,8 @@ class PassedList {
  public:
   PassedList(const Program& program, const ZoneOperations& zones, std::size_t chunk_words);
 
-  // Names the discrete state that `locate` is about, better early than late. All slots in which it differs from the
-  // state unpacked last are in `written`.
+  // Sets the discrete state that the next `locate` looks up. Call it early, so that its memory is fetched in the
+  // meantime. All slots in which it differs from the state unpacked last are in `written`.
   void announce(const std::int32_t* slots, const SlotSet& written) { discretes_.announce(slots, written); }
   // The number of that state, which is new if nobody has asked for it before.
   std::uint32_t locate() { return discretes_.locate(no_node); }
