@@ -69,17 +69,15 @@ def bounded_observer_case(random: Random) -> ObserverCase:
     gaps = sorted({gap for low in (Fraction(0), *bounds) for high in bounds if (gap := high - low) > 0}) or [
         Fraction(1)
     ]
-    flags = dict.fromkeys(FLAGS, False)
-    if random.random() < 0.3:
-        flags[random.choice(FLAGS)] = True
+    flags = {name: random.random() < share for name, share in zip(FLAGS, (0.0, 0.3, 0.7), strict=True)}
     rows, times = [dict(flags)], [Fraction(0)]
-    for _ in range(random.randint(2, 6)):
-        name = random.choice(FLAGS)
-        flags[name] = not flags[name]
+    for _ in range(random.randint(1, 4)):
+        for name in random.sample(FLAGS, random.choice((1, 1, 2))):
+            flags[name] = not flags[name]
         rows.append(dict(flags))
-        times.append(times[-1] + (random.choice(gaps) if random.random() < 0.9 else Fraction(1, 2)))
+        times.append(times[-1] + random.choice(gaps))
     columns = {name: tuple(row[name] for row in rows) for name in FLAGS}
-    end = times[-1] * SCALE + random.choice((1, 5, 17))
+    end = times[-1] * SCALE + random.choice((1, 5, 13))
     return ObserverCase(scaled(formula, Fraction(SCALE)), ExactTrace(tuple(t * SCALE for t in times), columns, end))
 
 
@@ -213,22 +211,32 @@ def _response(random: Random) -> Formula:
 
 def _on_bounds(random: Random) -> Formula:
     """A formula whose verdict may hang on the moment at which a window begins or ends."""
-    edge = random.choice((syntax.Rise, syntax.Rise, syntax.Fall))
-    goal = edge(NOWHERE, _condition(random)) if random.random() < 0.5 else _condition(random)
-    if random.random() < 0.5:
-        goal = syntax.Not(NOWHERE, goal)
-    window = _bounded(random)
+    trigger, goal, kept = (syntax.Atom(NOWHERE, ast.NameExpression(NOWHERE, name)) for name in FLAGS)
+
+    def goals() -> Formula:
+        found = random.choice((goal, syntax.Rise(NOWHERE, goal), syntax.Fall(NOWHERE, goal)))
+        return syntax.Not(NOWHERE, found) if random.random() < 0.5 else found
+
+    state = syntax.Not(NOWHERE, goal) if random.random() < 0.5 else goal
     makers: list[Callable[[], Formula]] = [
-        lambda: syntax.Eventually(NOWHERE, window, goal),
-        lambda: syntax.Always(NOWHERE, window, goal),
-        lambda: syntax.Until(NOWHERE, window, _condition(random), goal),
-        lambda: syntax.Eventually(NOWHERE, window, syntax.Always(NOWHERE, _bounded(random), goal)),
-        lambda: syntax.Always(NOWHERE, window, syntax.Always(NOWHERE, _bounded(random), goal)),
-        lambda: _past(random),
+        lambda: syntax.Eventually(NOWHERE, _window(random), goals()),
+        lambda: syntax.Always(NOWHERE, _window(random), goals()),
+        lambda: syntax.Until(NOWHERE, _window(random), kept, goals()),
+        lambda: syntax.Eventually(NOWHERE, _window(random), syntax.Always(NOWHERE, _window(random), state)),
+        lambda: syntax.Always(NOWHERE, _window(random), syntax.Always(NOWHERE, _window(random), goals())),
+        lambda: syntax.Once(NOWHERE, _from_zero(random), state),
+        lambda: syntax.Historically(NOWHERE, _from_zero(random), state),
+        lambda: syntax.Since(NOWHERE, _from_zero(random), kept, state),
+        lambda: syntax.Not(NOWHERE, syntax.Fall(NOWHERE, goal)),
     ]
-    answer = random.choices(makers, (3, 4, 3, 2, 2, 4))[0]()
-    trigger = edge(NOWHERE, syntax.Atom(NOWHERE, _name(random)))
-    return _globally(_implies(trigger, answer)) if random.random() < 0.9 else _globally(goal)
+    answer = random.choices(makers, (3, 4, 4, 2, 3, 2, 2, 2, 1))[0]()
+    return _globally(_implies(syntax.Rise(NOWHERE, trigger), answer))
+
+
+def _window(random: Random) -> syntax.Interval:
+    lower = random.choice((0, 0, 1, 2))
+    begin, end = (syntax.Duration(NOWHERE, Fraction(bound)) for bound in (lower, lower + random.randint(1, 2)))
+    return syntax.Interval(NOWHERE, begin, end, random.random() < 0.5, random.random() < 0.5)
 
 
 def _durations(formula: Formula) -> list[syntax.Duration]:

@@ -1,0 +1,181 @@
+"""Runs command lines of tachk, each in a child that is forked from a process which has imported everything."""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import gc
+import io
+import os
+import resource
+import signal
+import sys
+import tempfile
+import traceback
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import NoReturn
+
+from tachk.cli.main import COMMANDS, app
+
+CPU_SECONDS = 20
+"""Of processor time, not of the clock: a busy machine makes no finding."""
+MEMORY_BYTES = 4 * 2**30
+FILE_BYTES = 256 * 2**20
+STATUSES = frozenset({0, 1, 2, 3, 10, 20})
+"""The statuses that a command may end with here: nobody interrupts it, and 70 is a defect."""
+
+_HEAVY = ("numpy", "pyarrow.parquet", "z3", "networkx", "matplotlib.figure", "lark", "vcd.reader")
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A command line, and the files that it finds in its folder."""
+
+    arguments: tuple[str, ...]
+    files: Mapping[str, bytes]
+    standard_input: bytes = b""
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A command that did not end as it should. ``what`` is a line; ``said`` what it wrote to standard error."""
+
+    case: Case
+    what: str
+    said: str
+
+
+def prepare(warming: Iterable[Case] = ()) -> None:
+    """Imports what commands import late, and runs some sound cases, so that no child has to do what comes first.
+
+    The cases must start no thread, which no child would have.
+    """
+    for name in COMMANDS:
+        import_module(f"tachk.cli.commands.{name.replace('-', '_')}")
+    for name in (*_HEAVY, "tachk.api", "tachk.cli.monitor", "tachk.cli.monitor_online", "tachk.monitoring"):
+        try:
+            import_module(name)
+        except ImportError:
+            continue
+    for case in warming:
+        with tempfile.TemporaryDirectory() as name, contextlib.chdir(name), contextlib.suppress(SystemExit):
+            for file, content in case.files.items():
+                Path(file).write_bytes(content)
+            with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+                app.main(list(case.arguments), prog_name="tachk")
+    gc.collect()
+    gc.freeze()
+
+
+def run(case: Case) -> Finding | None:
+    """What is wrong with how a command ends, if anything is."""
+    with tempfile.TemporaryDirectory(prefix="fuzz-") as name:
+        folder = Path(name)
+        child = os.fork()
+        if child == 0:
+            _child([case], folder)
+        _, status = os.waitpid(child, 0)
+        return _judged(case, folder / "0", status)
+
+
+def run_all(cases: Sequence[Case]) -> list[Finding | None]:
+    """The same for several cases, one after the other in one child; what seems wrong is tried again alone."""
+    found: list[Finding | None] = []
+    while len(found) < len(cases):
+        rest = cases[len(found) :]
+        with tempfile.TemporaryDirectory(prefix="fuzz-") as name:
+            folder = Path(name)
+            child = os.fork()
+            if child == 0:
+                _child(rest, folder)
+            _, status = os.waitpid(child, 0)
+            for number, case in enumerate(rest):
+                ended = folder / str(number) / ".status"
+                is_over = ended.exists()
+                code = int(ended.read_text()) << 8 if is_over else status
+                found.append(run(case) if _judged(case, folder / str(number), code) is not None else None)
+                if not is_over:
+                    break
+    return found
+
+
+def _judged(case: Case, folder: Path, status: int) -> Finding | None:
+    said = (folder / ".stderr").read_bytes().decode(errors="replace") if (folder / ".stderr").exists() else ""
+    what = wrong(status, said)
+    return None if what is None else Finding(case, what, said)
+
+
+def wrong(status: int, said: str) -> str | None:
+    """What is wrong with a status as `os.wait` gives it, and what was written to standard error."""
+    if os.WIFSIGNALED(status):
+        number = os.WTERMSIG(status)
+        if number in (signal.SIGXCPU, signal.SIGKILL):
+            return f"no end after {CPU_SECONDS} s of processor time"
+        return f"died of {signal.Signals(number).name}"
+    code = os.WEXITSTATUS(status)
+    if code not in STATUSES:
+        return f"status {code}: {_cause(said)}"
+    return f"a traceback: {_cause(said)}" if "Traceback (most recent call last)" in said else None
+
+
+def _cause(said: str) -> str:
+    """The last place and the error of a traceback, or what was said last."""
+    lines = [line.strip() for line in said.splitlines() if line.strip()]
+    places = [n for n, line in enumerate(lines) if line.startswith("File ")]
+    if not places:
+        return lines[-1] if lines else "nothing was said"
+    error = next((line for line in lines[places[-1] + 1 :] if "Error" in line or "Exception" in line), lines[-1])
+    return f"{error[:200]} at {lines[places[-1]]}"
+
+
+def _child(cases: Sequence[Case], folder: Path) -> NoReturn:
+    """Runs commands in this process, one after the other, and ends the process with the status of the last."""
+    code = 99
+    try:
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (FILE_BYTES, FILE_BYTES))
+        for number, case in enumerate(cases):
+            used = resource.getrusage(resource.RUSAGE_SELF)
+            limit = int(used.ru_utime + used.ru_stime) + CPU_SECONDS
+            resource.setrlimit(resource.RLIMIT_CPU, (limit, resource.RLIM_INFINITY))
+            here = folder / str(number)
+            here.mkdir()
+            code = _in_folder(case, here)
+            (here / ".status").write_text(str(code))
+    finally:
+        os._exit(code & 255)
+
+
+def _in_folder(case: Case, folder: Path) -> int:
+    for name, content in case.files.items():
+        (folder / name).write_bytes(content)
+    (folder / ".stdin").write_bytes(case.standard_input)
+    os.chdir(folder)
+    for number, name, flags in (
+        (0, ".stdin", os.O_RDONLY),
+        (1, ".stdout", os.O_WRONLY | os.O_CREAT),
+        (2, ".stderr", os.O_WRONLY | os.O_CREAT),
+    ):
+        opened = os.open(name, flags, 0o600)
+        os.dup2(opened, number)
+        os.close(opened)
+    sys.stdin = os.fdopen(0, encoding="utf-8", closefd=False)
+    sys.stdout = os.fdopen(1, "w", encoding="utf-8", closefd=False)
+    sys.stderr = os.fdopen(2, "w", encoding="utf-8", closefd=False)
+    faulthandler.enable(sys.stderr)
+    faulthandler.register(signal.SIGXCPU, sys.stderr, chain=True)
+    try:
+        app.main(list(case.arguments), prog_name="tachk")
+        code = 0
+    except SystemExit as end:
+        code = end.code if isinstance(end.code, int) else int(end.code is not None)
+    except BaseException:
+        traceback.print_exc()
+        code = 99
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError):
+            stream.flush()
+    return code & 255
