@@ -18,6 +18,7 @@ class Explorer:
         subsumption: bool,
         narrow: bool,
         vector: bool,
+        reclaim: bool,
         chunk_words: int,
         state_limit: int,
         memory_limit: int,

@@ -14,6 +14,7 @@
 
 #include "check.hpp"
 #include "tachk/store.hpp"
+#include "tachk/zone_buffer.hpp"
 
 namespace {
 
@@ -126,18 +127,21 @@ void test_zones(int dimension, Width width, int range, std::uint32_t steps, bool
   program.state_slots = 1;
   program.slots = {Slot{0, 1, 0, false}};
   const ZoneOperations operations = select_operations(dimension, width, true);
-  PassedList passed(program, operations, 8);
+  PassedList passed(program, operations, 8, true);
   const std::int32_t slots[] = {0};
   passed.announce(slots, SlotSet::all());
   const std::uint32_t discrete = passed.locate();
-  std::vector<std::uint32_t> plain;
+  struct Member {
+    std::uint32_t number;
+    ZoneBuffer zone;  // a copy, for the moment when it has just been covered
+  };
+  std::vector<Member> plain;
   std::size_t longest = 0;
   int removals = 0;
   const auto includes = [&](const void* outer, const void* inner) {
     return subsumption ? operations.includes(outer, inner, dimension)
                        : std::memcmp(outer, inner, operations.bytes) == 0;
   };
-  const auto zone_of = [&](std::uint32_t number) { return passed.zone(passed.node(number)); };
   const Zone zone(operations);
   for (std::uint32_t step = 0; step < steps; ++step) {
     const int reach = 4 + static_cast<int>(static_cast<std::uint32_t>(range) * step / steps);
@@ -145,7 +149,7 @@ void test_zones(int dimension, Width width, int range, std::uint32_t steps, bool
     if (!plain.empty() && random.below(4) == 0) {
       // One that is likely to contain a stored zone, or to be contained.
       const int place = random.below(static_cast<int>(plain.size()));
-      std::memcpy(zone.data, zone_of(plain[static_cast<std::size_t>(place)]), operations.bytes);
+      std::memcpy(zone.data, plain[static_cast<std::size_t>(place)].zone.get(), operations.bytes);
       const auto clock = static_cast<std::uint16_t>(1 + random.below(dimension - 1));
       const Atom atom{0, clock, raw_bound(-random.below(reach), false)};
       if (random.below(2) == 0)
@@ -154,18 +158,21 @@ void test_zones(int dimension, Width width, int range, std::uint32_t steps, bool
         CHECK(operations.intersect(zone.data, dimension, &atom, 1));
     }
     const bool covered = std::any_of(plain.begin(), plain.end(),
-                                     [&](std::uint32_t number) { return includes(zone_of(number), zone.data); });
+                                     [&](const Member& member) { return includes(member.zone.get(), zone.data); });
     if (subsumption) CHECK(passed.covers(discrete, zone.data) == covered);
     const std::uint32_t fresh = passed.add(discrete, zone.data, no_node, subsumption);
     CHECK((fresh == no_node) == covered);
     if (covered) continue;
-    std::erase_if(plain, [&](std::uint32_t number) {
-      const bool smaller = includes(zone.data, zone_of(number));
-      CHECK(passed.covered(number) == smaller);
+    std::erase_if(plain, [&](const Member& member) {
+      const bool smaller = includes(zone.data, member.zone.get());
+      CHECK(passed.covered(member.number) == smaller);
+      if (!smaller)
+        CHECK(std::memcmp(passed.zone(passed.node(member.number)), member.zone.get(), operations.bytes) == 0);
       if (smaller) ++removals;
       return smaller;
     });
-    plain.push_back(fresh);
+    plain.push_back({fresh, ZoneBuffer(operations)});
+    plain.back().zone.assign(zone.data);
     longest = std::max(longest, plain.size());
     CHECK(passed.stored() == plain.size());
   }

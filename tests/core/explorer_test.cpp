@@ -173,6 +173,41 @@ void test_long_antichains() {
   }
 }
 
+// A process that resets x, but not y, at least once in a time unit: each round the zone of location 0 contains the one
+// before. The path to location 1 leads through states that are covered by then.
+void test_zones_of_covered_states_are_given_back() {
+  constexpr std::int32_t length = 20000;
+  Program program;
+  program.clocks = 2;
+  program.state_slots = 1;
+  program.slots = {Slot{0, 1, 0, false}};
+  program.maximum_constants = {0, length, length};
+  program.largest_constant = length;
+  const std::vector<ClockBound> all{{1, length}, {2, length}};
+  program.processes = {{0, {location(atoms({at_most(1, 1)}), all, all), location()}}};
+  program.edges = {edge(0, 0, 0, {}, Update{{}, {{1, 0}}, no_code}), edge(0, 0, 1, atoms({at_least(2, 300)}))};
+  Condition late = tests({{0, Comparison::equal, 0}});
+  late.atoms = {more_than(1, 1)};
+  program.goals = {goal(tests({{0, Comparison::equal, 1}})), goal(late)};
+  std::vector<Statistics> statistics;
+  std::vector<std::vector<std::vector<std::uint32_t>>> paths;
+  for (const bool reclaim : {true, false}) {
+    Options options;
+    options.reclaim = reclaim;
+    Explorer explorer(program, options);
+    CHECK(explorer.run(UINT64_MAX) == Status::finished);
+    statistics.push_back(explorer.statistics());
+    paths.push_back(explorer.path(*explorer.reached(0)));
+  }
+  CHECK(statistics[0].stored == 2);
+  CHECK(statistics[0].explored == statistics[1].explored);
+  CHECK(statistics[0].explored >= length);
+  CHECK(2 * statistics[0].bytes < statistics[1].bytes);
+  CHECK(paths[0] == paths[1]);
+  CHECK(paths[0].size() >= 300);
+  CHECK(paths[0].back() == std::vector<std::uint32_t>{1});
+}
+
 void test_slices_and_limits() {
   Explorer whole(fischer(4, 2), Options{});
   CHECK(whole.run(UINT64_MAX) == Status::finished);
@@ -357,6 +392,7 @@ int main() {
   test_options_do_not_change_answers();
   test_states_in_chunks_are_the_same_states();
   test_long_antichains();
+  test_zones_of_covered_states_are_given_back();
   test_slices_and_limits();
   test_deadlock();
   test_a_seeming_deadlock_has_no_run();

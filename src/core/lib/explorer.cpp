@@ -1,6 +1,7 @@
 #include "tachk/explorer.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <stdexcept>
 #include <utility>
 
@@ -26,13 +27,14 @@ Explorer::Explorer(Program program, const Options& options)
       operations_(choose_operations(program_, options)),
       dimension_(program_.dimension()),
       semantics_(program_, operations_),
-      passed_(program_, operations_, options.chunk_words),
+      passed_(program_, operations_, options.chunk_words, options.reclaim),
       random_(options.seed),
       reached_(program_.goals.size(), no_node),
       deadlocks_(operations_, dimension_),
       lower_(operations_),
       upper_(operations_),
       source_(program_.slots.size()),
+      source_zone_(operations_),
       target_(operations_),
       scratch_(operations_) {
   for (std::size_t goal = 0; goal < program_.goals.size(); ++goal) {
@@ -62,17 +64,25 @@ struct Explorer::Collector {
   void take(std::int32_t* slots, const void* zone) { explorer.add(discrete, slots, zone, parent); }
 };
 
-// Looks for the action that leads to a node.
+// Keeps the states that may be those of a node, each once, with the action that leads there.
 struct Explorer::Recogniser {
   Explorer& explorer;
-  const Node& child;
-  std::optional<std::vector<std::uint32_t>>& found;
+  const Node& node;
+  std::vector<State>& states;
+  std::vector<Step>& steps;
+  std::size_t previous = 0;
 
   void possible(const void*, const Effect&) const {}
   void expect(const Effect&) const {}
-  bool wants(std::int32_t*, const void*) const { return !found; }
+  bool wants(std::int32_t* slots, const void*) const { return explorer.passed_.equals(node, slots); }
   void take(std::int32_t* slots, const void* zone) const {
-    if (explorer.passed_.equals(child, slots, zone)) found = *explorer.current_edges_;
+    if (!explorer.passed_.may_equal(node, zone)) return;
+    for (const State& state : states)
+      if (std::memcmp(state.zone.get(), zone, explorer.operations_.bytes) == 0) return;
+    states.push_back({{slots, slots + explorer.program_.slots.size()}, ZoneBuffer(explorer.operations_)});
+    states.back().zone.assign(zone);
+    steps.push_back(
+        {explorer.current_edges_ == nullptr ? std::vector<std::uint32_t>() : *explorer.current_edges_, previous});
   }
 };
 
@@ -132,7 +142,8 @@ Status Explorer::explore(std::uint64_t expansions) {
       continue;
     }
     const Node node = passed_.node(number);
-    const void* zone = passed_.zone(node);
+    source_zone_.assign(passed_.zone(node));
+    const void* zone = source_zone_.get();
     passed_.unpack(node, source_.data());
     current_node_ = number;
     ++explored_;
@@ -295,23 +306,37 @@ void Explorer::split(std::size_t diagonal, Effect& effect, const ZoneBuffer& zon
   }
 }
 
+// Of a covered node only half a hash of the zone is known, so that two states may seem to be its own: all are followed.
+// Each is reached by the actions noted for it, so that whichever remains at the end has been reached.
 std::vector<std::vector<std::uint32_t>> Explorer::path(std::uint32_t node) {
-  std::vector<std::vector<std::uint32_t>> actions;
-  for (std::uint32_t number = node; passed_.node(number).parent != no_node; number = passed_.node(number).parent) {
-    const Node child = passed_.node(number);
-    const Node parent = passed_.node(child.parent);
-    passed_.unpack(parent, source_.data());
-    std::optional<std::vector<std::uint32_t>> found;
-    try {
-      expand(passed_.zone(parent), Recogniser{*this, child, found});
-    } catch (const ModelFault&) {
-      // The search stopped at this fault, in an action behind the one looked for.
+  std::vector<std::uint32_t> chain;
+  for (std::uint32_t number = node; number != no_node; number = passed_.node(number).parent) chain.push_back(number);
+  std::vector<std::vector<Step>> steps(chain.size());
+  std::vector<State> states;
+  std::vector<State> next;
+  for (std::size_t layer = 0; layer < chain.size(); ++layer) {
+    const Node child = passed_.node(chain[chain.size() - 1 - layer]);
+    next.clear();
+    if (layer == 0) start(Recogniser{*this, child, next, steps[layer]});
+    for (std::size_t number = 0; number < states.size(); ++number) {
+      source_ = states[number].slots;
+      try {
+        expand(states[number].zone.get(), Recogniser{*this, child, next, steps[layer], number});
+      } catch (const ModelFault&) {
+        // The search stopped at this fault, in an action behind the one looked for.
+      }
+      current_edges_ = nullptr;
     }
-    current_edges_ = nullptr;
-    if (!found) throw std::logic_error("a stored state is not a successor of its parent");
-    actions.push_back(*std::move(found));
+    states.swap(next);
+    if (states.empty()) throw std::logic_error("a stored state is not a successor of its parent");
   }
-  std::reverse(actions.begin(), actions.end());
+  std::vector<std::vector<std::uint32_t>> actions(chain.size() - 1);
+  std::size_t number = 0;
+  for (std::size_t layer = chain.size() - 1; layer > 0; --layer) {
+    Step& step = steps[layer][number];
+    actions[layer - 1] = std::move(step.edges);
+    number = step.previous;
+  }
   return actions;
 }
 

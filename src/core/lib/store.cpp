@@ -5,9 +5,10 @@
 #include <utility>
 
 namespace tachk {
-PassedList::PassedList(const Program& program, const ZoneOperations& zones, std::size_t chunk_words)
+PassedList::PassedList(const Program& program, const ZoneOperations& zones, std::size_t chunk_words, bool reclaim)
     : dimension_(program.dimension()),
       operations_(zones),
+      reclaim_(reclaim),
       scale_(choose_scale(zones, dimension_, 0)),
       discretes_(program, chunk_words),
       zones_(zones.bytes),
@@ -17,11 +18,28 @@ std::uint32_t PassedList::intern_zone(const void* zone) {
   const std::uint64_t hash = operations_.hash(zone, dimension_);
   const std::uint32_t found = zone_index_.find(
       hash, [&](std::uint32_t number) { return std::memcmp(zones_[number], zone, operations_.bytes) == 0; });
-  if (found != HashIndex::absent) return found;
-  const std::uint32_t fresh = zones_.append();
+  if (found != HashIndex::absent) {
+    ++zone_uses_[found].nodes;
+    return found;
+  }
+  std::uint32_t fresh;
+  if (free_zones_.empty()) {
+    fresh = zones_.append();
+    zone_uses_.emplace_back();
+  } else {
+    fresh = free_zones_.back();
+    free_zones_.pop_back();
+  }
+  zone_uses_[fresh] = {1, static_cast<std::uint32_t>(hash >> 32)};
   std::memcpy(zones_[fresh], zone, operations_.bytes);
   zone_index_.insert(hash, fresh);
   return fresh;
+}
+
+void PassedList::release_zone(std::uint32_t number) {
+  if (--zone_uses_[number].nodes != 0) return;
+  zone_index_.erase(zone_uses_[number].upper_hash, number);
+  free_zones_.push_back(number);
 }
 
 bool PassedList::covers(std::uint32_t discrete, const void* zone) const {
@@ -37,8 +55,13 @@ bool PassedList::covers(std::uint32_t discrete, const void* zone) const {
 }
 
 void PassedList::cover(std::uint32_t number) {
-  entry(number).next = covered_mark;
+  Node& node = entry(number);
+  node.next = covered_mark;
   --stored_;
+  if (!reclaim_) return;
+  const std::uint32_t upper_hash = zone_uses_[node.zone].upper_hash;
+  release_zone(node.zone);
+  node.zone = upper_hash;
 }
 
 void PassedList::thin_out(std::uint32_t& head, const void* zone) {
@@ -118,7 +141,10 @@ std::uint32_t PassedList::add(std::uint32_t discrete, const void* zone, std::uin
     thin_out(head(discrete), zone);
   }
   const std::uint32_t zone_number = intern_zone(zone);
-  if (!subsumption && holds(head(discrete), zone_number)) return no_node;
+  if (!subsumption && holds(head(discrete), zone_number)) {
+    release_zone(zone_number);
+    return no_node;
+  }
   const std::uint32_t fresh = nodes_.append();
   if (fresh >= chain_mark) throw std::length_error("more states than node numbers");
   entry(fresh) = {discrete, zone_number, parent, no_node};
@@ -127,12 +153,15 @@ std::uint32_t PassedList::add(std::uint32_t discrete, const void* zone, std::uin
   return fresh;
 }
 
-bool PassedList::equals(const Node& node, const std::int32_t* slots, const void* zone) {
-  return discretes_.equals(node.discrete, slots) && std::memcmp(zones_[node.zone], zone, operations_.bytes) == 0;
+bool PassedList::may_equal(const Node& node, const void* zone) const {
+  if (reclaim_ && node.next == covered_mark)
+    return static_cast<std::uint32_t>(operations_.hash(zone, dimension_) >> 32) == node.zone;
+  return std::memcmp(zones_[node.zone], zone, operations_.bytes) == 0;
 }
 
 std::size_t PassedList::bytes() const {
-  return discretes_.bytes() + zones_.bytes() + nodes_.bytes() + zone_index_.bytes() + chain_bytes_ +
+  return discretes_.bytes() + zones_.bytes() + zone_uses_.capacity() * sizeof(ZoneUse) +
+         free_zones_.capacity() * sizeof(std::uint32_t) + nodes_.bytes() + zone_index_.bytes() + chain_bytes_ +
          chains_.capacity() * sizeof(Antichain);
 }
 

@@ -45,6 +45,7 @@ class Options:
         subsumption: drop a state whose zone lies inside a stored zone, not only equal ones.
         narrow: use 16-bit bounds where every constant fits.
         vector: use the widest vector instructions of this machine; off: portable code.
+        reclaim: use the memory of zones again that no uncovered state has.
         chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
         spectators: explore processes too that cannot influence the answer; off: hold them still.
         bystanders: explore at once processes that can only hinder the others; off: first look whether the target is
@@ -58,6 +59,7 @@ class Options:
     subsumption: bool = True
     narrow: bool = True
     vector: bool = True
+    reclaim: bool = True
     chunk_words: int = 8
     spectators: bool = False
     bystanders: bool = False

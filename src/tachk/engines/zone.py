@@ -127,6 +127,7 @@ def _explorer(program: Program, goals: Sequence[Goal], options: Options, limits:
         subsumption=options.subsumption,
         narrow=options.narrow,
         vector=options.vector,
+        reclaim=options.reclaim,
         chunk_words=options.chunk_words,
         state_limit=_UNLIMITED if limits.states is None else limits.states,
         memory_limit=_UNLIMITED if limits.memory_bytes is None else limits.memory_bytes,

@@ -26,6 +26,8 @@ VARIANTS = (
     Options(vector=False),
     Options(narrow=False, vector=False),
     Options(chunk_words=1),
+    Options(reclaim=False),
+    Options(order=SearchOrder.DFS, reclaim=False),
 )
 """Each option switched away from its default: none may change a verdict."""
 

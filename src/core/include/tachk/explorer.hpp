@@ -27,6 +27,7 @@ struct Options {
   bool subsumption = true;
   bool narrow = true;
   bool vector = true;
+  bool reclaim = true;
   std::size_t chunk_words = 8;  // of the parts in which large discrete states are held; 0: in one
   std::uint64_t state_limit = UINT64_MAX;
   std::uint64_t memory_limit = UINT64_MAX;
@@ -74,7 +75,8 @@ class Explorer {
   // The node in which a goal was reached first.
   std::optional<std::uint32_t> reached(std::size_t goal) const;
   const std::optional<FaultReport>& fault() const { return fault_; }
-  // The actions, as edge numbers, that lead from the initial state to a node.
+  // The actions, as edge numbers, that lead from the initial state to a node. They are found by going the way again,
+  // from one node of the chain of parents to the next.
   std::vector<std::vector<std::uint32_t>> path(std::uint32_t node);
   // Whether these actions, taken one after the other from the initial state, can end in a goal. Asked of an explorer
   // without extrapolation that has not run; false also if clock values become too large on the way.
@@ -97,6 +99,12 @@ class Explorer {
   struct State {
     std::vector<std::int32_t> slots;
     ZoneBuffer zone;
+  };
+
+  // How a state that a path may lead through is reached.
+  struct Step {
+    std::vector<std::uint32_t> edges;
+    std::size_t previous;  // among the states one step before
   };
 
   struct Collector;
@@ -167,6 +175,7 @@ class Explorer {
   ZoneBuffer upper_;
 
   std::vector<std::int32_t> source_;
+  ZoneBuffer source_zone_;  // a copy: the state may be covered while it is being expanded
   Effect effect_;
   ZoneBuffer target_;
   ZoneBuffer scratch_;

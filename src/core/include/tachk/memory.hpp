@@ -1,4 +1,4 @@
-// Append-only arrays and hash tables that grow without moving what they hold, or moving little of it.
+// Arrays and hash tables that grow without moving what they hold, or moving little of it.
 #pragma once
 
 #include <cstddef>
@@ -86,6 +86,23 @@ class HashIndex {
     }
     put((hash >> 32 << 32) | number);
     ++used_;
+  }
+
+  // Removes a record that is in the index. `upper_hash` is the upper half of its hash.
+  void erase(std::uint32_t upper_hash, std::uint32_t number) {
+    const std::size_t mask = entries_.size() - 1;
+    const std::uint64_t gone = std::uint64_t{upper_hash} << 32 | number;
+    std::size_t place = gone >> (64 - bits_);
+    while (entries_[place] != gone) place = (place + 1) & mask;
+    // Those behind it move up as far as the places that are theirs allow, so that `find` meets no gap on its way.
+    for (std::size_t next = (place + 1) & mask; entries_[next] != empty; next = (next + 1) & mask) {
+      const std::size_t home = entries_[next] >> (64 - bits_);
+      if (((next - home) & mask) < ((next - place) & mask)) continue;
+      entries_[place] = entries_[next];
+      place = next;
+    }
+    entries_[place] = empty;
+    --used_;
   }
 
  private:

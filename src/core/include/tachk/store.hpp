@@ -1,5 +1,6 @@
 // The states that have been seen: discrete parts and zones interned, and for each discrete part an antichain of zones.
-// A node costs 16 bytes; a zone or a discrete part that many nodes share is held once.
+// A node costs 16 bytes; a zone or a discrete part that many nodes share is held once. A covered node stays, because
+// paths lead through it, but the memory of a zone that only covered nodes have is used again.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +19,7 @@ inline constexpr std::uint32_t no_node = UINT32_MAX;
 
 struct Node {
   std::uint32_t discrete;
-  std::uint32_t zone;
+  std::uint32_t zone;    // of a covered node whose zone may be gone: half of the hash of that zone
   std::uint32_t parent;  // no_node for the initial state
   std::uint32_t next;    // in a short antichain of the discrete part; covered_mark once a larger zone has come
 };
@@ -27,7 +28,8 @@ inline constexpr std::uint32_t covered_mark = UINT32_MAX - 1;
 
 class PassedList {
  public:
-  PassedList(const Program& program, const ZoneOperations& zones, std::size_t chunk_words);
+  // With `reclaim` the zones of covered nodes are given up.
+  PassedList(const Program& program, const ZoneOperations& zones, std::size_t chunk_words, bool reclaim);
 
   // Sets the discrete state that the next `locate` looks up. Call it early, so that its memory is fetched in the
   // meantime. All slots in which it differs from the state unpacked last are in `written`.
@@ -46,10 +48,13 @@ class PassedList {
   std::uint32_t stored() const { return stored_; }
   const Node& node(std::uint32_t number) const { return *reinterpret_cast<const Node*>(nodes_[number]); }
   bool covered(std::uint32_t number) const { return node(number).next == covered_mark; }
+  // The zone of a node that is not covered.
   const void* zone(const Node& node) const { return zones_[node.zone]; }
   void unpack(const Node& node, std::int32_t* slots) { discretes_.unpack(node.discrete, slots); }
-  // Whether a node has exactly this state.
-  bool equals(const Node& node, const std::int32_t* slots, const void* zone);
+  // Whether a node has this discrete state.
+  bool equals(const Node& node, const std::int32_t* slots) { return discretes_.equals(node.discrete, slots); }
+  // Whether a node has this zone; of a covered node, whether it has one with this hash.
+  bool may_equal(const Node& node, const void* zone) const;
   std::size_t bytes() const;
 
  private:
@@ -68,17 +73,28 @@ class PassedList {
   Extent extent_of(const void* zone) const { return operations_.extent(zone, dimension_, scale_); }
   // Chooses the scale for a larger entry than has been seen, and with it all extents anew.
   void rescale(Raw largest_entry);
+  // The number of the zone, for one more node that has it.
   std::uint32_t intern_zone(const void* zone);
+  // One node fewer has the zone.
+  void release_zone(std::uint32_t number);
   // The first node of the antichain of a discrete part, or the number of a long one with chain_mark.
   std::uint32_t& head(std::uint32_t discrete) { return discretes_.note(discrete); }
   std::uint32_t head(std::uint32_t discrete) const { return discretes_.note(discrete); }
   Node& entry(std::uint32_t number) { return *reinterpret_cast<Node*>(nodes_[number]); }
 
+  struct ZoneUse {
+    std::uint32_t nodes;  // that are not covered
+    std::uint32_t upper_hash;
+  };
+
   int dimension_;
   ZoneOperations operations_;
+  bool reclaim_;
   ExtentScale scale_;
   DiscreteStates discretes_;
   RecordPool zones_;
+  std::vector<ZoneUse> zone_uses_;
+  std::vector<std::uint32_t> free_zones_;
   RecordPool nodes_;
   HashIndex zone_index_;
   std::vector<Antichain> chains_;
