@@ -104,13 +104,13 @@ void test_options_do_not_change_answers() {
     for (const SearchOrder order :
          {SearchOrder::breadth_first, SearchOrder::depth_first, SearchOrder::random_depth_first})
       for (const Extrapolation extrapolation : {Extrapolation::lu, Extrapolation::max})
-        for (int bits = 0; bits < 16; ++bits) {
+        for (int bits = 0; bits < 32; ++bits) {
           Options options;
           options.order = order;
           options.extrapolation = extrapolation;
           options.local_bounds = (bits & 1) != 0;
           options.subsumption = (bits & 2) != 0;
-          options.narrow = (bits & 4) != 0;
+          options.least_width = (bits & 4) != 0 ? Width::narrow : (bits & 16) != 0 ? Width::wide : Width::widest;
           options.vector = (bits & 8) != 0;
           Explorer explorer(fischer(3, wait), options);
           CHECK(explorer.run(UINT64_MAX) == Status::finished);
@@ -206,6 +206,41 @@ void test_zones_of_covered_states_are_given_back() {
   CHECK(paths[0] == paths[1]);
   CHECK(paths[0].size() >= 300);
   CHECK(paths[0].back() == std::vector<std::uint32_t>{1});
+}
+
+// All constants of a network times 1000: the same search, in zones as narrow.
+void test_times_in_the_largest_unit() {
+  Program program = fischer(4, 1);
+  const Program plain = program;
+  program.computed_unit = 500;
+  const auto scale_condition = [](Condition& condition) {
+    for (Atom& atom : condition.atoms) atom.raw = raw_bound(1000 * raw_value(atom.raw), (atom.raw & 1) == 0);
+  };
+  for (Process& process : program.processes)
+    for (Location& here : process.locations) {
+      scale_condition(here.invariant);
+      for (ClockBound& bound : here.lower) bound.value *= 1000;
+      for (ClockBound& bound : here.upper) bound.value *= 1000;
+    }
+  for (Edge& each : program.edges) scale_condition(each.guard);
+  for (Raw& constant : program.maximum_constants) constant *= 1000;
+  program.largest_constant *= 1000;
+  const Program reduced = in_largest_unit(program);
+  CHECK(reduced.time_unit == 500);
+  CHECK(reduced.largest_constant == 4);
+  CHECK(reduced.edges[3].guard.atoms[0] == more_than(1, 2));
+  CHECK(reduced.processes[0].locations[1].invariant.atoms[0] == at_most(1, 4));
+  Explorer first(plain, Options{});
+  CHECK(first.run(UINT64_MAX) == Status::finished);
+  for (const bool scale : {true, false}) {
+    Options options;
+    options.scale = scale;
+    Explorer explorer(program, options);
+    CHECK(explorer.operations().largest_constant == BoundLimits<std::int16_t>::largest_constant || !scale);
+    CHECK(explorer.run(UINT64_MAX) == Status::finished);
+    CHECK(explorer.statistics().stored == first.statistics().stored);
+    CHECK(explorer.path(*explorer.reached(0)) == first.path(*first.reached(0)));
+  }
 }
 
 void test_slices_and_limits() {
@@ -372,9 +407,9 @@ void test_priority_blocks_only_where_the_higher_action_is_possible() {
 }
 
 void test_images_that_are_no_programs_are_refused() {
-  for (const std::vector<std::int32_t>& image :
-       {std::vector<std::int32_t>{}, std::vector<std::int32_t>{1, 2}, std::vector<std::int32_t>{0, 0, -1},
-        std::vector<std::int32_t>{0, 0, 0, 1000000000}}) {
+  for (const std::vector<std::int64_t>& image :
+       {std::vector<std::int64_t>{}, std::vector<std::int64_t>{1, 2}, std::vector<std::int64_t>{0, 0, -1},
+        std::vector<std::int64_t>{0, 0, 0, 1000000000}, std::vector<std::int64_t>{0, 0, std::int64_t{1} << 32}}) {
     bool refused = false;
     try {
       decode_program(image);
@@ -393,6 +428,7 @@ int main() {
   test_states_in_chunks_are_the_same_states();
   test_long_antichains();
   test_zones_of_covered_states_are_given_back();
+  test_times_in_the_largest_unit();
   test_slices_and_limits();
   test_deadlock();
   test_a_seeming_deadlock_has_no_run();

@@ -47,8 +47,8 @@ struct Matrix {
   void reset(const ClockReset& r) {
     for (int j = 0; j < n; ++j) {
       if (j == r.clock) continue;
-      at(r.clock, j) = add(2 * r.value + 1, at(0, j));
-      at(j, r.clock) = add(at(j, 0), -2 * r.value + 1);
+      at(r.clock, j) = add(tachk::raw_bound(r.value, false), at(0, j));
+      at(j, r.clock) = add(at(j, 0), tachk::raw_bound(-Raw{r.value}, false));
     }
     at(r.clock, r.clock) = 1;
   }
@@ -129,7 +129,7 @@ struct Zone {
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < n; ++j) {
         const Raw raw = ops.entry(data, n, i, j);
-        if ((raw == INT32_MAX ? infinity : std::int64_t{raw}) != m.at(i, j)) return false;
+        if ((raw == tachk::unbounded ? infinity : std::int64_t{raw}) != m.at(i, j)) return false;
       }
     return true;
   }
@@ -156,7 +156,7 @@ struct AlignedRow {
 
 void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps, Raw constant) {
   std::mt19937 random(seed);
-  const auto below = [&](int limit) { return static_cast<int>(random() % static_cast<std::uint32_t>(limit)); };
+  const auto below = [&](Raw limit) { return static_cast<int>(static_cast<Raw>(random()) % limit); };
   const ZoneOperations ops = tachk::select_operations(n, width, vector);
   const tachk::ExtentScale scale = tachk::choose_scale(ops, n, 2 * constant);
   Zone zone(ops, n);
@@ -172,7 +172,7 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
           const int i = below(n);
           const int j = below(n);
           if (i == j) continue;
-          const int c = below(2 * static_cast<int>(constant) + 1) - static_cast<int>(constant);
+          const int c = (below(2) == 0 ? 1 : -1) * below(constant + 1);
           atoms.push_back(
               {static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), tachk::raw_bound(c, below(2) == 0)});
         }
@@ -188,7 +188,7 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
         break;
       }
       case 1: {
-        const ClockReset r{static_cast<std::uint16_t>(clock()), below(static_cast<int>(constant) + 1)};
+        const ClockReset r{static_cast<std::uint16_t>(clock()), below(constant + 1)};
         ops.reset(zone.data, n, &r, 1);
         matrix.reset(r);
         break;
@@ -207,6 +207,11 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
           const Raw bound = std::min(constant, least + 1 + below(4));
           if (bound > least)
             invariant.push_back({static_cast<std::uint16_t>(c), 0, tachk::raw_bound(bound, below(2) == 0)});
+        }
+        if (n > 2 && below(4) == 0) {
+          const auto c = static_cast<std::uint16_t>(clock());
+          const auto d = static_cast<std::uint16_t>(clock());
+          if (c != d) invariant.push_back({c, d, tachk::raw_bound(below(3), below(2) == 0)});
         }
         Matrix before(matrix);
         if (!before.intersect(invariant)) invariant.clear();
@@ -231,8 +236,8 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
         std::vector<Raw> lower(static_cast<std::size_t>(n), -1);
         std::vector<Raw> upper(static_cast<std::size_t>(n), -1);
         for (std::size_t c = 1; c < static_cast<std::size_t>(n); ++c) {
-          lower[c] = below(static_cast<int>(constant) + 2) - 1;
-          upper[c] = below(static_cast<int>(constant) + 2) - 1;
+          lower[c] = below(constant + 2) - 1;
+          upper[c] = below(constant + 2) - 1;
         }
         const AlignedRow l(ops, n, lower);
         const AlignedRow u(ops, n, upper);
@@ -241,9 +246,8 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
         break;
       }
       case 6: {
-        std::vector<Raw> bound(static_cast<std::size_t>(n), static_cast<Raw>(below(static_cast<int>(constant) + 1)));
-        for (std::size_t c = 1; c < static_cast<std::size_t>(n); ++c)
-          bound[c] = below(static_cast<int>(constant) + 2) - 1;
+        std::vector<Raw> bound(static_cast<std::size_t>(n), static_cast<Raw>(below(constant + 1)));
+        for (std::size_t c = 1; c < static_cast<std::size_t>(n); ++c) bound[c] = below(constant + 2) - 1;
         const AlignedRow b(ops, n, bound);
         const Zone before(zone);
         ops.extrapolate_max(zone.data, n, b.data);
@@ -282,10 +286,17 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
 }  // namespace
 
 int main() {
-  for (const tachk::Width width : {tachk::Width::narrow, tachk::Width::wide})
+  // The largest constants each width takes.
+  for (const bool vector : {false, true})
+    for (const int n : {3, 8, 20}) {
+      walk(n, tachk::Width::narrow, vector, 7, 2000, 800);
+      walk(n, tachk::Width::wide, vector, 8, 2000, (1 << 26) - 1);
+      walk(n, tachk::Width::widest, vector, 9, 2000, INT32_MAX - 1);
+    }
+  for (const tachk::Width width : {tachk::Width::narrow, tachk::Width::wide, tachk::Width::widest})
     for (const bool vector : {false, true}) {
       std::uint32_t seed = 1;
-      for (const int n : {1, 2, 3, 4, 7, 8, 9, 15, 16, 17, 33, 65, 70})
+      for (const int n : {1, 2, 3, 4, 7, 8, 9, 15, 16, 17, 23, 33, 47, 64, 65, 70})
         for (const Raw constant : {2, 20, 400})
           walk(n, width, vector, seed++, n < 10 ? 2000 : n < 20 ? 300 : 30, constant);
     }

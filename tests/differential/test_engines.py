@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from random import Random
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 
+from tachk.engines import zone
+from tachk.engines.protocol import Limits, Options
+from tachk.semantics.lower import lower
 from tachk.testing import Case, Shape, cases, random_case
 from tachk.testing.agreement import VARIANTS, Effort, compare
 
@@ -22,12 +26,41 @@ SHAPES = {
     "stopwatches": Shape(stopwatches=True, clocks=2),
 }
 
+LONG_TIMES = {
+    "tens": Shape(unit=10),
+    "hundreds": Shape(unit=200, uneven=True, diagonals=True, clocks=2, constant=3),
+    "millions": Shape(unit=2**25, uneven=True),
+    "all 31 bits": Shape(unit=2**29 - 1, uneven=True, diagonals=True, clocks=2, constant=3),
+}
+
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("block", range(4))
 def test_engines_agree_on_seeded_networks(shape: str, block: int) -> None:
     for seed in range(10 * block, 10 * block + 10):
         assert compare(random_case(Random(seed), SHAPES[shape]), VARIANTS, EFFORT).problems == (), f"seed {seed}"
+
+
+@pytest.mark.parametrize("shape", LONG_TIMES)
+def test_engines_agree_on_long_times(shape: str) -> None:
+    for seed in range(12):
+        assert compare(random_case(Random(seed), LONG_TIMES[shape]), VARIANTS, EFFORT).problems == (), f"seed {seed}"
+
+
+@pytest.mark.parametrize("unit", [16383, 2**26, 2**29 - 1])
+@pytest.mark.parametrize("diagonals", [False, True])
+def test_times_a_thousand_times_as_long_mean_the_same(unit: int, diagonals: bool) -> None:
+    shape = Shape(diagonals=diagonals, clocks=2, constant=3)
+    for seed in range(15):
+        small = random_case(Random(seed), shape)
+        large = random_case(Random(seed), replace(shape, unit=unit))
+        program, goals = lower(small.network, small.predicates)
+        expected = zone.explore(program, goals, Options(), Limits(states=20_000))
+        program, goals = lower(large.network, large.predicates)
+        for options in (Options(), Options(scale=False), Options(vector=False, scale=False)):
+            found = zone.explore(program, goals, options, Limits(states=20_000))
+            assert [g.status for g in found.goals] == [g.status for g in expected.goals], f"seed {seed}"
+            assert found.statistics.states_stored == expected.statistics.states_stored, f"seed {seed}"
 
 
 @settings(max_examples=40, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])

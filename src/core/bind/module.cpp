@@ -24,9 +24,9 @@ namespace {
 
 using FaultTuple = std::tuple<int, int, std::vector<std::vector<std::uint32_t>>, std::vector<std::uint32_t>>;
 
-std::unique_ptr<tachk::Explorer> make_explorer(const std::vector<std::int32_t>& image, int order, std::uint32_t seed,
-                                               int extrapolation, bool local_bounds, bool subsumption, bool narrow,
-                                               bool vector, bool reclaim, std::uint32_t chunk_words,
+std::unique_ptr<tachk::Explorer> make_explorer(const std::vector<std::int64_t>& image, int order, std::uint32_t seed,
+                                               int extrapolation, bool local_bounds, bool subsumption, int least_width,
+                                               bool scale, bool vector, bool reclaim, std::uint32_t chunk_words,
                                                std::uint64_t state_limit, std::uint64_t memory_limit,
                                                std::uint32_t depth_limit) {
   tachk::Options options;
@@ -35,7 +35,8 @@ std::unique_ptr<tachk::Explorer> make_explorer(const std::vector<std::int32_t>& 
   options.extrapolation = static_cast<tachk::Extrapolation>(extrapolation);
   options.local_bounds = local_bounds;
   options.subsumption = subsumption;
-  options.narrow = narrow;
+  options.least_width = static_cast<tachk::Width>(least_width);
+  options.scale = scale;
   options.vector = vector;
   options.reclaim = reclaim;
   options.chunk_words = chunk_words;
@@ -60,8 +61,8 @@ NB_MODULE(_core, m) {
 
   nb::class_<tachk::Explorer>(m, "Explorer")
       .def(nb::new_(&make_explorer), nb::arg("image"), nb::kw_only(), nb::arg("order"), nb::arg("seed"),
-           nb::arg("extrapolation"), nb::arg("local_bounds"), nb::arg("subsumption"), nb::arg("narrow"),
-           nb::arg("vector"), nb::arg("reclaim"), nb::arg("chunk_words"), nb::arg("state_limit"),
+           nb::arg("extrapolation"), nb::arg("local_bounds"), nb::arg("subsumption"), nb::arg("least_width"),
+           nb::arg("scale"), nb::arg("vector"), nb::arg("reclaim"), nb::arg("chunk_words"), nb::arg("state_limit"),
            nb::arg("memory_limit"), nb::arg("depth_limit"))
       .def(
           "run", [](tachk::Explorer& self, std::uint64_t expansions) { return static_cast<int>(self.run(expansions)); },

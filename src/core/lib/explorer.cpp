@@ -10,19 +10,33 @@ namespace {
 
 struct ConstantOverflow {};
 
+Width choose_width(const Program& program, const Options& options) {
+  // Without extrapolation entries grow with the depth.
+  if (options.extrapolation == Extrapolation::none) return Width::widest;
+  const Raw largest = program.largest_constant;
+  if (options.least_width == Width::narrow && largest <= BoundLimits<std::int16_t>::largest_constant)
+    return Width::narrow;
+  if (options.least_width != Width::widest && largest <= BoundLimits<std::int32_t>::largest_constant)
+    return Width::wide;
+  return Width::widest;
+}
+
 ZoneOperations choose_operations(const Program& program, const Options& options) {
-  const bool fits = program.largest_constant <= BoundLimits<std::int16_t>::largest_constant;
-  const bool narrow =
-      options.narrow && fits && !program.has_computed_resets && options.extrapolation != Extrapolation::none;
-  if (program.largest_constant > BoundLimits<std::int32_t>::largest_constant)
+  if (program.largest_constant > BoundLimits<std::int64_t>::largest_constant)
     throw std::overflow_error("a clock constant is too large");
-  return select_operations(program.dimension(), narrow ? Width::narrow : Width::wide, options.vector);
+  return select_operations(program.dimension(), choose_width(program, options), options.vector);
+}
+
+Program prepared(Program program, const Options& options) {
+  if (options.local_bounds) program = without_idle_clocks(std::move(program));
+  if (options.scale) program = in_largest_unit(std::move(program));
+  return program;
 }
 
 }  // namespace
 
 Explorer::Explorer(Program program, const Options& options)
-    : program_(options.local_bounds ? without_idle_clocks(std::move(program)) : std::move(program)),
+    : program_(prepared(std::move(program), options)),
       options_(options),
       operations_(choose_operations(program_, options)),
       dimension_(program_.dimension()),
@@ -375,7 +389,7 @@ void Explorer::check_magnitude(const void* zone) const {
   for (int i = 0; i < dimension_; ++i)
     for (int j = 0; j < dimension_; ++j) {
       const Raw raw = operations_.entry(zone, dimension_, i, j);
-      if (raw != INT32_MAX && std::abs(raw) > BoundLimits<std::int32_t>::legal / 4) throw ConstantOverflow{};
+      if (raw != unbounded && std::abs(raw) > operations_.legal / 4) throw ConstantOverflow{};
     }
 }
 

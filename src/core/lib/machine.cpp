@@ -20,6 +20,12 @@ std::int32_t power(std::int32_t base, std::int32_t exponent) {
 
 }  // namespace
 
+std::int64_t Machine::in_units(std::int64_t time) const {
+  if (program_.time_unit == 1) return time;
+  if (time % program_.time_unit != 0) throw std::logic_error("a computed time is not a multiple of the time unit");
+  return time / program_.time_unit;
+}
+
 std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vector<ClockReset>* resets) {
   const std::int32_t entry = code_.entry(position);
   if (registers_.size() < code_.registers()) registers_.resize(code_.registers());
@@ -120,11 +126,14 @@ std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vect
         const std::int32_t time = right();
         const std::int32_t clock = left();
         if (time < 0) fault(FaultKind::negative_clock);
-        if (time > largest_reset_) fault(FaultKind::bound);
         if (resets == nullptr || clock < 1 || clock > program_.numbered_clocks())
           throw std::logic_error("reset outside an update");
         const auto number = static_cast<std::uint16_t>(program_.renumbered(clock));
-        if (number != 0) resets->push_back({number, time});
+        if (number != 0) {
+          const std::int64_t units = in_units(time);
+          if (units > largest_reset_) fault(FaultKind::bound);
+          resets->push_back({number, static_cast<std::int32_t>(units)});
+        }
         ++instruction;
         break;
       }

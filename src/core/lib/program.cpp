@@ -5,18 +5,21 @@
 #include <stdexcept>
 #include <string>
 
-#include "tachk/opcode.hpp"
-
 namespace tachk {
 namespace {
 
 class Reader {
  public:
-  explicit Reader(std::span<const std::int32_t> image) : image_(image) {}
+  explicit Reader(std::span<const std::int64_t> image) : image_(image) {}
 
-  std::int32_t number() {
+  std::int64_t wide() {
     if (position_ >= image_.size()) throw std::invalid_argument("program image is too short");
     return image_[position_++];
+  }
+  std::int32_t number() {
+    const std::int64_t value = wide();
+    if (value < INT32_MIN || value > INT32_MAX) throw std::invalid_argument("number beyond 32 bits in image");
+    return static_cast<std::int32_t>(value);
   }
   std::uint32_t count() {
     const std::int32_t value = number();
@@ -41,44 +44,13 @@ class Reader {
   }
 
  private:
-  std::span<const std::int32_t> image_;
+  std::span<const std::int64_t> image_;
   std::size_t position_ = 0;
 };
 
-// The number of operands that follow an opcode.
-int operands(Opcode opcode) {
-  switch (opcode) {
-    case Opcode::index:
-      return 3;
-    case Opcode::check_range:
-      return 2;
-    case Opcode::constant:
-    case Opcode::load:
-    case Opcode::store:
-    case Opcode::copy:
-    case Opcode::equal_cells:
-    case Opcode::jump:
-    case Opcode::jump_if_zero:
-    case Opcode::jump_if_nonzero:
-    case Opcode::call:
-      return 1;
-    default:
-      return 0;
-  }
-}
-
-bool resets_clocks(const std::vector<std::int32_t>& code) {
-  for (std::size_t position = 0; position < code.size();) {
-    const auto opcode = static_cast<Opcode>(code[position]);
-    if (opcode == Opcode::reset) return true;
-    position += 1 + static_cast<std::size_t>(operands(opcode));
-  }
-  return false;
-}
-
 class Decoder {
  public:
-  explicit Decoder(std::span<const std::int32_t> image) : in_(image) {}
+  explicit Decoder(std::span<const std::int64_t> image) : in_(image) {}
 
   Program decode() {
     program_.clocks = static_cast<int>(in_.below(60000, "number of clocks"));
@@ -86,7 +58,6 @@ class Decoder {
     program_.slots = in_.sequence([this] { return Slot{in_.number(), in_.number(), in_.number(), in_.flag()}; });
     if (program_.state_slots > program_.slots.size()) throw std::invalid_argument("more state slots than slots");
     program_.code = in_.sequence([this] { return in_.number(); });
-    program_.has_computed_resets = resets_clocks(program_.code);
     program_.channels = in_.sequence([this] { return Channel{in_.flag(), in_.flag(), in_.number()}; });
     program_.processes =
         in_.sequence([this] { return Process{in_.number(), in_.sequence([this] { return location(); })}; });
@@ -98,16 +69,19 @@ class Decoder {
       })};
     });
     program_.default_priority = in_.number();
-    program_.maximum_constants = in_.sequence([this] { return note(in_.number()); });
+    program_.maximum_constants = in_.sequence([this] { return note(in_.wide()); });
     program_.diagonals = in_.sequence([this] {
       const auto left = clock();
       const auto right = clock();
-      const Raw raw = in_.number();
+      const Raw raw = in_.wide();
       note(raw_value(raw));
       return Atom{left, right, raw};
     });
     program_.has_priorities = in_.flag();
     program_.has_stopwatches = in_.flag();
+    note(in_.number());
+    program_.computed_unit = in_.wide();
+    if (program_.computed_unit < 0) throw std::invalid_argument("negative unit in image");
     in_.finish();
     return std::move(program_);
   }
@@ -162,7 +136,9 @@ class Decoder {
     });
     result.resets = in_.sequence([this] {
       const std::uint16_t c = clock();
-      return ClockReset{c, note(in_.number())};
+      const std::int32_t value = in_.number();
+      note(value);
+      return ClockReset{c, value};
     });
     result.code = code();
     return result;
@@ -171,7 +147,7 @@ class Decoder {
   std::vector<ClockBound> clock_bounds() {
     return in_.sequence([this] {
       const std::uint16_t c = clock();
-      return ClockBound{c, note(in_.number())};
+      return ClockBound{c, note(in_.wide())};
     });
   }
 
@@ -213,7 +189,7 @@ class Decoder {
 
 }  // namespace
 
-Program decode_program(std::span<const std::int32_t> image) { return Decoder(image).decode(); }
+Program decode_program(std::span<const std::int64_t> image) { return Decoder(image).decode(); }
 
 Program without_idle_clocks(Program program) {
   // An idle clock has no bound anywhere, so no constraint mentions it.

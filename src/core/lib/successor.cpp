@@ -68,10 +68,10 @@ void Semantics::resolve(const Condition& condition, std::int32_t* slots, std::ve
     const std::int64_t left = c.left_code == no_code ? c.left : program_.renumbered(machine_.value(c.left_code, slots));
     const std::int64_t right =
         c.right_code == no_code ? c.right : program_.renumbered(machine_.value(c.right_code, slots));
-    const std::int64_t bound = c.bound_code == no_code ? c.bound : machine_.value(c.bound_code, slots);
+    const std::int64_t bound = c.bound_code == no_code ? c.bound : machine_.time(c.bound_code, slots);
     if (bound > operations_.largest_constant || bound < -operations_.largest_constant)
       throw ModelFault(FaultKind::bound, c.bound_code);
-    const Raw raw = raw_bound(static_cast<Raw>(bound), c.strict);
+    const Raw raw = raw_bound(bound, c.strict);
     if (left == right) {  // x - x < c, possible where the clocks are computed
       atoms.push_back({0, 0, raw});
       continue;
@@ -152,11 +152,11 @@ bool Semantics::weakest_precondition(const Effect& effect, std::vector<Atom>& at
   for (const ClockReset& reset : effect.resets) value[reset.clock] = reset.value;
   for (Atom atom : effect.invariant) {
     if (value[atom.left] != unset) {
-      atom.raw -= 2 * value[atom.left];
+      atom.raw -= 2 * Raw{value[atom.left]};
       atom.left = 0;
     }
     if (value[atom.right] != unset) {
-      atom.raw += 2 * value[atom.right];
+      atom.raw += 2 * Raw{value[atom.right]};
       atom.right = 0;
     }
     if (atom.left != atom.right)

@@ -13,19 +13,29 @@
 
 namespace tachk::TACHK_INSTRUCTION_SET {
 
+template <class T, int Bytes>
+struct Lanes;
 template <class T>
-struct Lanes {
-  static constexpr int count = 32 / static_cast<int>(sizeof(T));
-  typedef T Vector __attribute__((vector_size(32), may_alias));
+struct Lanes<T, 16> {
+  typedef T Vector __attribute__((vector_size(16), may_alias));
+  typedef std::uint64_t Words __attribute__((vector_size(16), may_alias));
 };
-typedef std::uint64_t Words __attribute__((vector_size(32), may_alias));
+template <class T>
+struct Lanes<T, 32> {
+  typedef T Vector __attribute__((vector_size(32), may_alias));
+  typedef std::uint64_t Words __attribute__((vector_size(32), may_alias));
+};
 
 // Stride 0 stands for a stride known only at run time.
 template <class T, int Stride>
 struct Kernel {
   using Limits = BoundLimits<T>;
-  using Vector = typename Lanes<T>::Vector;
-  static constexpr int lanes = Lanes<T>::count;
+  static constexpr int row_bytes = Stride * static_cast<int>(sizeof(T));
+  static constexpr int vector_bytes = row_bytes % 32 == 0 ? 32 : 16;
+  static_assert(row_bytes % vector_bytes == 0);
+  using Vector = typename Lanes<T, vector_bytes>::Vector;
+  using Words = typename Lanes<T, vector_bytes>::Words;
+  static constexpr int lanes = vector_bytes / static_cast<int>(sizeof(T));
   static constexpr T infinity = Limits::infinity;
   static constexpr T zero = 1;
 
@@ -47,7 +57,9 @@ struct Kernel {
   static Vector maximum(Vector a, Vector b) { return a > b ? a : b; }
   static bool any(Vector mask) {
     const Words words = reinterpret_cast<const Words&>(mask);
-    return (words[0] | words[1] | words[2] | words[3]) != 0;
+    std::uint64_t all_words = words[0] | words[1];
+    if constexpr (vector_bytes == 32) all_words |= words[2] | words[3];
+    return all_words != 0;
   }
   static Vector lane_numbers(int v) {
     Vector numbers{};
@@ -123,8 +135,8 @@ struct Kernel {
   static void reset(void* zone, int dimension, const ClockReset* resets, std::size_t count) {
     for (std::size_t n = 0; n < count; ++n) {
       const int clock = resets[n].clock;
-      const T up = static_cast<T>(2 * resets[n].value + 1);
-      const T down = static_cast<T>(-2 * resets[n].value + 1);
+      const T up = static_cast<T>(raw_bound(resets[n].value, false));
+      const T down = static_cast<T>(raw_bound(-Raw{resets[n].value}, false));
       const int number = vectors(dimension);
       for (int v = 0; v < number; ++v) {
         const Vector here = lane_numbers(v) == all(static_cast<T>(clock));
@@ -356,15 +368,18 @@ struct Kernel {
   static std::uint64_t hash(const void* zone, int dimension) {
     const int number = vectors(dimension) * dimension;
     const Words* words = static_cast<const Words*>(zone);
-    const Words multiplier = {0x9E3779B97F4A7C15u, 0xC2B2AE3D27D4EB4Fu, 0x165667B19E3779F9u, 0x27D4EB2F165667C5u};
-    Words sum = multiplier;
+    Words sum;
+    if constexpr (vector_bytes == 32)
+      sum = Words{0x9E3779B97F4A7C15u, 0xC2B2AE3D27D4EB4Fu, 0x165667B19E3779F9u, 0x27D4EB2F165667C5u};
+    else
+      sum = Words{0x9E3779B97F4A7C15u, 0xC2B2AE3D27D4EB4Fu};
     for (int n = 0; n < number; ++n) {
       sum ^= words[n];
       sum += (sum << 21) + (sum << 3);
       sum ^= sum >> 29;
     }
     std::uint64_t result = 0;
-    for (int lane = 0; lane < 4; ++lane) {
+    for (int lane = 0; lane < vector_bytes / 8; ++lane) {
       result = (result ^ sum[lane]) * 0x9E3779B97F4A7C15u;
       result ^= result >> 32;
     }
@@ -379,8 +394,10 @@ struct Table {
     ZoneOperations table{};
     table.name = name;
     table.stride = K::stride(dimension);
+    table.lanes = K::lanes;
     table.bytes = static_cast<std::size_t>(table.stride) * static_cast<std::size_t>(dimension) * sizeof(T);
     table.largest_constant = BoundLimits<T>::largest_constant;
+    table.legal = BoundLimits<T>::legal;
     table.make_zero = K::make_zero;
     table.intersect = K::intersect;
     table.meets_each = K::meets_each;
@@ -404,24 +421,41 @@ struct Table {
     table.extent = K::extent;
     table.entry = [](const void* zone, int dim, int i, int j) -> Raw {
       const T value = K::row(zone, dim, i)[j];
-      return value == K::infinity ? INT32_MAX : Raw{value};
+      return value == K::infinity ? unbounded : Raw{value};
     };
     table.set_bound = [](void* row, int clock, Raw value) { static_cast<T*>(row)[clock] = static_cast<T>(value); };
     return table;
   }
 };
 
+// Rows of these lengths have code of their own, others are handled by loops over a length known only at run time.
 inline ZoneOperations operations(int dimension, Width width) {
-  if (width == Width::narrow) {
-    if (dimension <= 16) return Table<std::int16_t, 16>::make(TACHK_INSTRUCTION_NAME " int16x16", dimension);
-    if (dimension <= 32) return Table<std::int16_t, 32>::make(TACHK_INSTRUCTION_NAME " int16x32", dimension);
-    if (dimension <= 64) return Table<std::int16_t, 64>::make(TACHK_INSTRUCTION_NAME " int16x64", dimension);
-    return Table<std::int16_t, 0>::make(TACHK_INSTRUCTION_NAME " int16", dimension);
+#define TACHK_ROWS(type, name, length) \
+  if (dimension <= length) return Table<type, length>::make(TACHK_INSTRUCTION_NAME " " name "x" #length, dimension);
+  switch (width) {
+    case Width::narrow:
+      TACHK_ROWS(std::int16_t, "int16", 8)
+      TACHK_ROWS(std::int16_t, "int16", 16)
+      TACHK_ROWS(std::int16_t, "int16", 24)
+      TACHK_ROWS(std::int16_t, "int16", 32)
+      TACHK_ROWS(std::int16_t, "int16", 48)
+      TACHK_ROWS(std::int16_t, "int16", 64)
+      return Table<std::int16_t, 0>::make(TACHK_INSTRUCTION_NAME " int16", dimension);
+    case Width::wide:
+      TACHK_ROWS(std::int32_t, "int32", 8)
+      TACHK_ROWS(std::int32_t, "int32", 16)
+      TACHK_ROWS(std::int32_t, "int32", 24)
+      TACHK_ROWS(std::int32_t, "int32", 32)
+      TACHK_ROWS(std::int32_t, "int32", 48)
+      TACHK_ROWS(std::int32_t, "int32", 64)
+      return Table<std::int32_t, 0>::make(TACHK_INSTRUCTION_NAME " int32", dimension);
+    case Width::widest:
+      break;
   }
-  if (dimension <= 8) return Table<std::int32_t, 8>::make(TACHK_INSTRUCTION_NAME " int32x8", dimension);
-  if (dimension <= 16) return Table<std::int32_t, 16>::make(TACHK_INSTRUCTION_NAME " int32x16", dimension);
-  if (dimension <= 32) return Table<std::int32_t, 32>::make(TACHK_INSTRUCTION_NAME " int32x32", dimension);
-  return Table<std::int32_t, 0>::make(TACHK_INSTRUCTION_NAME " int32", dimension);
+  TACHK_ROWS(std::int64_t, "int64", 8)
+  TACHK_ROWS(std::int64_t, "int64", 16)
+#undef TACHK_ROWS
+  return Table<std::int64_t, 0>::make(TACHK_INSTRUCTION_NAME " int64", dimension);
 }
 
 }  // namespace tachk::TACHK_INSTRUCTION_SET

@@ -26,10 +26,10 @@ LOWERING_CODES: dict[str, Explanation] = {
     ),
     "E0704": Explanation(
         "clock bound too large",
-        "The engine computes with clock values up to 67,108,863. The interval of the expression is derived from the "
-        "declared ranges of its variables; declare smaller ones, or choose a coarser time unit.",
-        "const int LIMIT = 100000000;  ...  guard x <= LIMIT;",
-        "const int LIMIT = 100000;     ...  guard x <= LIMIT;",
+        "Clocks are compared with, and set to, values up to 2,147,483,647. The interval of the expression is derived "
+        "from the declared ranges of its variables; declare smaller ones, or choose a coarser time unit.",
+        "int[0,100000] n;  ...  guard x <= n * n;",
+        "int[0,1000] n;    ...  guard x <= n * n;",
     ),
     "E0705": Explanation(
         "disjunction of clock comparisons",

@@ -43,7 +43,8 @@ class Options:
         extrapolation: the zone abstraction.
         bounds: where the clock bounds of the abstraction come from.
         subsumption: drop a state whose zone lies inside a stored zone, not only equal ones.
-        narrow: use 16-bit bounds where every constant fits.
+        width: the least number of bits of a clock bound in a zone: 16, 32 or 64; constants that do not fit need more.
+        scale: count time in the largest unit of which every time in the model is a multiple.
         vector: use the widest vector instructions of this machine; off: portable code.
         reclaim: use the memory of zones again that no uncovered state has.
         chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
@@ -57,7 +58,8 @@ class Options:
     extrapolation: Extrapolation = Extrapolation.LU
     bounds: BoundScope = BoundScope.LOCAL
     subsumption: bool = True
-    narrow: bool = True
+    width: int = 16
+    scale: bool = True
     vector: bool = True
     reclaim: bool = True
     chunk_words: int = 8

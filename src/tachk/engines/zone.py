@@ -42,6 +42,7 @@ from tachk.semantics.trace import Participant, Transition
 
 _ORDERS = {SearchOrder.BFS: 0, SearchOrder.DFS: 1, SearchOrder.RANDOM_DFS: 2}
 _EXTRAPOLATIONS = {Extrapolation.NONE: 0, Extrapolation.MAX: 1, Extrapolation.LU: 2}
+_WIDTHS = {16: 0, 32: 1, 64: 2}
 _UNLIMITED = 2**64 - 1
 _RUNNING, _FINISHED, _FAULT = 0, 1, 5
 _REASONS = {
@@ -49,7 +50,7 @@ _REASONS = {
     3: "memory limit",
     4: "depth limit",
     _FAULT: "run-time error",
-    6: "clock values beyond 2**26 without extrapolation",
+    6: "clock values beyond 2**58 without extrapolation",
 }
 _SLICE_SECONDS = 0.1
 
@@ -98,7 +99,7 @@ def _search(
     outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
     if options.extrapolation is not Extrapolation.LU:
         return outcome, []
-    exact = replace(options, extrapolation=Extrapolation.NONE, narrow=False)
+    exact = replace(options, extrapolation=Extrapolation.NONE)
     doubtful = []
     for number, goal in enumerate(goals):
         node = explorer.reached(number)
@@ -125,7 +126,8 @@ def _explorer(program: Program, goals: Sequence[Goal], options: Options, limits:
         extrapolation=_EXTRAPOLATIONS[options.extrapolation],
         local_bounds=options.bounds is BoundScope.LOCAL,
         subsumption=options.subsumption,
-        narrow=options.narrow,
+        least_width=_WIDTHS[options.width],
+        scale=options.scale,
         vector=options.vector,
         reclaim=options.reclaim,
         chunk_words=options.chunk_words,
@@ -250,7 +252,7 @@ def _encode(program: Program, goals: Sequence[Goal]) -> list[int]:
     image.append(program.default_priority)
     image += (len(program.maximum_constants), *program.maximum_constants)
     image += (len(program.diagonals), *(number for diagonal in program.diagonals for number in diagonal))
-    image += (int(program.has_priorities), int(program.has_stopwatches))
+    image += (int(program.has_priorities), int(program.has_stopwatches), program.largest_reset, program.computed_unit)
     return image
 
 

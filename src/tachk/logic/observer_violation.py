@@ -35,7 +35,7 @@ from tachk.syntax import ast, formula
 from tachk.syntax.formula import Formula
 from tachk.syntax.formula_printer import print_number
 
-LARGEST = 2**26 - 2
+LARGEST = 2**31 - 2
 """The largest duration, in time units; one less than the largest constant that clocks are compared with."""
 
 

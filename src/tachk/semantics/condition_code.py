@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import gcd
 
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
@@ -24,14 +25,15 @@ from tachk.model.expressions import (
 from tachk.semantics.bounds import ConstraintRange
 from tachk.semantics.codegen import CodeGenerator
 from tachk.semantics.conditions import ClockAtom, Conjunction, conjuncts
+from tachk.semantics.divisors import divisor
 from tachk.semantics.failures import can_fail
 from tachk.semantics.fold import COMPARISONS, Known, cannot_fail, fold, fold_place, is_integer
 from tachk.semantics.intervals import interval, possible_cells
 from tachk.semantics.layout import Layout, cell_range
 from tachk.semantics.program import NO_CODE, ClockConstraint, Comparison, Condition, Test
 
-MAXIMAL_CONSTANT = 2**26 - 1
-"""The largest absolute value of a clock bound that the engine takes (``largest_constant`` in the core)."""
+MAXIMAL_CONSTANT = 2**31 - 1
+"""The largest absolute value of a clock bound: that of any integer."""
 
 _COMPARISON = {
     BinaryOperator.EQUAL: Comparison.EQUAL,
@@ -45,11 +47,16 @@ _UNROLLED_VALUES = 64
 
 
 class ConditionCompiler:
-    """Turns conjunctions into `Condition` values and tells what they compare clocks with."""
+    """Turns conjunctions into `Condition` values and tells what they compare clocks with.
+
+    Attributes:
+        computed_unit: divides every value of the bounds that need code; 0 if they are all 0.
+    """
 
     def __init__(self, layout: Layout, generator: CodeGenerator) -> None:
         self.layout = layout
         self.generator = generator
+        self.computed_unit = 0
 
     def compile(self, conjunction: Conjunction, known: Known) -> tuple[Condition, tuple[ConstraintRange, ...]] | None:
         """The compiled condition; None if it is false in every state.
@@ -176,6 +183,8 @@ class ConditionCompiler:
         low, high = interval(bound, known)
         check_bound(low, high, atom.span)
         constant = isinstance(bound, Constant)
+        if not constant:
+            self.computed_unit = gcd(self.computed_unit, divisor(bound, known))
         constraint = ClockConstraint(
             left,
             right,
@@ -219,15 +228,16 @@ def cannot_fail_when_bound(quantifier: Quantifier, known: Known) -> bool:
 def check_bound(low: int, high: int, span: Span) -> None:
     """Raises UnsupportedError if a value compared with or assigned to a clock may be too large for the engine."""
     if low < -MAXIMAL_CONSTANT or high > MAXIMAL_CONSTANT:
-        raise UnsupportedError(
-            Diagnostic(
-                "E0704",
+        if low == high:
+            message = f"a clock is used with {low}, beyond the limit of {MAXIMAL_CONSTANT}"
+            help_ = "choose a coarser unit of time"
+        else:
+            message = (
                 f"a clock is used with a value that may lie anywhere in [{low}, {high}], "
-                f"beyond the limit of {MAXIMAL_CONSTANT}",
-                span,
-                "declare a smaller range for the variables of this expression, for instance int[0, 1000]",
+                f"beyond the limit of {MAXIMAL_CONSTANT}"
             )
-        )
+            help_ = "declare a smaller range for the variables of this expression, for instance int[0, 1000]"
+        raise UnsupportedError(Diagnostic("E0704", message, span, help_))
 
 
 def _always_true(constraint: ClockConstraint) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from math import gcd
 
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
@@ -22,6 +23,7 @@ from tachk.semantics.bounds import (
 from tachk.semantics.codegen import CodeGenerator
 from tachk.semantics.condition_code import ConditionCompiler, check_bound
 from tachk.semantics.conditions import Conjunction, split_conjunction
+from tachk.semantics.divisors import divisor
 from tachk.semantics.features import rate_of
 from tachk.semantics.fold import Known, fold, fold_place, is_integer, known_values, network_expressions
 from tachk.semantics.goal import Observed, compile_goal
@@ -76,6 +78,7 @@ class _Lowering:
         self.invariants: list[list[tuple[ConstraintRange, ...]]] = []
         self.edges: list[ProgramEdge] = []
         self.reset_values: dict[int, int] = {}
+        self.reset_unit = 0
         self.bound_edges: list[list[BoundEdge]] = []
 
     # ---- processes --------------------------------------------------------------------------------------------------
@@ -220,7 +223,8 @@ class _Lowering:
                     yield self.layout.slots[slot].initial
 
     def find_reset_values(self, known: Known) -> None:
-        """Notes the largest value each clock may be set to. Raises UnsupportedError for one that is too large."""
+        """Notes what clocks may be set to: the largest value of each, and what divides all of them. Raises
+        UnsupportedError for one that is too large."""
         expressions = list(network_expressions(self.network))
         expressions += [e for f in called_functions(expressions) for e in statement_expressions(f.body)]
         for expression in expressions:
@@ -228,6 +232,7 @@ class _Lowering:
                 if isinstance(node, Assign) and isinstance(node.target.type, ClockType):
                     low, high = interval(fold(node.value, known), known)
                     check_bound(max(low, 0), max(high, 0), node.span)
+                    self.reset_unit = gcd(self.reset_unit, divisor(fold(node.value, known), known))
                     for clock in self.compiler.possible_clocks(fold_place(node.target, known), known):
                         self.reset_values[clock] = max(self.reset_values.get(clock, 0), high)
 
@@ -266,6 +271,8 @@ class _Lowering:
             diagonals=diagonals,
             has_priorities=has_priorities,
             has_stopwatches=any(l.stopped for process in self.locations for l in process),
+            largest_reset=max(self.reset_values.values(), default=0),
+            computed_unit=gcd(self.reset_unit, self.compiler.computed_unit),
         )
 
     def _bounds(

@@ -155,6 +155,9 @@ class Program:
         raw = 2 * bound + (0 if strict else 1).
     has_priorities: some channel or process has a priority that differs from another.
     has_stopwatches: some location stops a clock.
+    largest_reset: the largest value a clock may be set to.
+    computed_unit: divides every time that code computes, the bounds of constraints and the values of clocks; 0 if they
+        are all 0.
     """
 
     process_priorities: tuple[int, ...]
@@ -171,6 +174,8 @@ class Program:
     diagonals: tuple[tuple[int, int, int], ...] = ()
     has_priorities: bool = False
     has_stopwatches: bool = False
+    largest_reset: int = 0
+    computed_unit: int = 0
 
     @property
     def clocks(self) -> int:

@@ -37,7 +37,9 @@ class Shape:
 
     Attributes:
         processes, locations, clocks: the largest number of each (locations for each process).
-        constant: the largest constant clocks are compared with or set to.
+        constant: the largest constant clocks are compared with or set to, in units.
+        unit: by which all times are multiplied.
+        uneven: times may be one more or less than a multiple of the unit.
         predicates: how many are drawn for each network.
         strict: constraints with ``<`` and ``>``.
         diagonals: guards that compare two clocks.
@@ -56,6 +58,8 @@ class Shape:
     locations: int = 4
     clocks: int = 3
     constant: int = 4
+    unit: int = 1
+    uneven: bool = False
     predicates: int = 3
     strict: bool = True
     diagonals: bool = False
@@ -138,6 +142,16 @@ def _declare(random: Random, shape: Shape, network: NetworkBuilder, prefix: str 
     return _Parts(clocks, integers, channels, scratch)
 
 
+def _time(random: Random, shape: Shape, units: int) -> int:
+    if shape.uneven and units:
+        return units * shape.unit + random.randint(-1, 1)
+    return units * shape.unit
+
+
+def _computed(shape: Shape, units: Term) -> Term:
+    return units if shape.unit == 1 else units * shape.unit
+
+
 def _spectator(random: Random, shape: Shape, parts: _Parts, process: ProcessBuilder) -> None:
     clock, number = process.clock("age"), process.integer("seen", 0, INTEGER_TOP)
     own = replace(parts, clocks=[*parts.clocks, clock], integers=[*parts.integers, number])
@@ -197,15 +211,15 @@ def _invariant(random: Random, shape: Shape, parts: _Parts, initial: bool) -> Te
     if random.random() < 0.6:
         return None
     clock = random.choice(parts.clocks)
-    bound = random.randint(1, shape.constant)
+    bound = _time(random, shape, random.randint(1, shape.constant))
     result = clock < bound if shape.strict and random.random() < 0.4 else clock <= bound
     kind = random.random()
     if kind < 0.15:
         return (random.choice(parts.integers) == 0) | result
     if kind < 0.25:
-        return clock <= random.choice(parts.integers) + 1
+        return clock <= _computed(shape, random.choice(parts.integers) + 1)
     if kind < 0.35 and shape.lower_invariants and not initial:
-        low = random.randint(0, 2)
+        low = _time(random, shape, random.randint(0, 2))
         return result & (random.choice(parts.clocks) >= low)
     return result
 
@@ -269,12 +283,14 @@ def _integer_condition(random: Random, integers: Sequence[Term]) -> Term:
 def _clock_condition(random: Random, shape: Shape, parts: _Parts) -> Term:
     """A comparison whose negation is no disjunction."""
     left: Term = random.choice(parts.clocks)
-    bound: Term | int = random.randint(0, shape.constant)
+    units = random.randint(0, shape.constant)
     if shape.diagonals and len(parts.clocks) > 1 and random.random() < 0.35:
         left = left - random.choice([c for c in parts.clocks if c is not left])
-        bound = random.randint(-2, 2)
+        bound: Term | int = _time(random, shape, random.randint(-2, 2))
     elif random.random() < 0.15:
-        bound = random.choice(parts.integers) + random.randint(0, 1)
+        bound = _computed(shape, random.choice(parts.integers) + random.randint(0, 1))
+    else:
+        bound = _time(random, shape, units)
     choices = [left <= bound, left >= bound]
     if shape.strict:
         choices += [left < bound, left > bound]
@@ -287,9 +303,9 @@ def _update(random: Random, shape: Shape, parts: _Parts, selects: Sequence[Term]
     if kind < 0.45:
         return clock.assign(0)
     if kind < 0.55:
-        return clock.assign(random.randint(1, 3))
+        return clock.assign(_time(random, shape, random.randint(1, 3)))
     if kind < 0.6:
-        return clock.assign(random.choice(parts.integers))
+        return clock.assign(_computed(shape, random.choice(parts.integers)))
     if kind < 0.7:
         return number.assign(random.randint(0, INTEGER_TOP))
     if kind < 0.8:

@@ -187,8 +187,8 @@ def test_conditions_that_may_fail_keep_their_order() -> None:
         ("E0705", lambda m: m.x != 1),
         ("E0705", lambda m: ~(m.x == 1)),
         ("E0706", lambda m: m.x + m.y <= 3),
-        ("E0704", lambda m: m.x <= 2**27),
-        ("E0704", lambda m: m.x <= m.table[0] * 2**25),
+        ("E0704", lambda m: m.x <= -(2**31)),
+        ("E0704", lambda m: m.x <= m.table[0] * 2**30),
     ],
 )
 def test_what_cannot_be_a_guard_is_refused(code: str, guard: object) -> None:

@@ -5,7 +5,7 @@
 
 namespace tachk {
 
-using Raw = std::int32_t;
+using Raw = std::int64_t;
 
 inline constexpr Raw raw_zero = 1;  // "<= 0"
 
@@ -32,6 +32,14 @@ struct BoundLimits<std::int32_t> {
   static constexpr std::int32_t beyond = (1 << 30) + (1 << 29);
   static constexpr std::int32_t legal = 1 << 29;
   static constexpr Raw largest_constant = (1 << 26) - 1;
+};
+
+template <>
+struct BoundLimits<std::int64_t> {
+  static constexpr std::int64_t infinity = std::int64_t{1} << 62;
+  static constexpr std::int64_t beyond = (std::int64_t{1} << 62) + (std::int64_t{1} << 61);
+  static constexpr std::int64_t legal = std::int64_t{1} << 61;
+  static constexpr Raw largest_constant = (std::int64_t{1} << 40) - 1;
 };
 
 // x_left - x_right < or <= c.

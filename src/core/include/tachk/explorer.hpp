@@ -25,7 +25,8 @@ struct Options {
   Extrapolation extrapolation = Extrapolation::lu;
   bool local_bounds = true;
   bool subsumption = true;
-  bool narrow = true;
+  Width least_width = Width::narrow;
+  bool scale = true;
   bool vector = true;
   bool reclaim = true;
   std::size_t chunk_words = 8;  // of the parts in which large discrete states are held; 0: in one

@@ -23,12 +23,15 @@ struct ModelFault : std::exception {
 
 class Machine {
  public:
-  // A clock set to more than `largest_reset` is a fault: the zones could not represent it.
+  // A clock set to more than `largest_reset` time units is a fault: the zones could not represent it.
   Machine(const Program& program, Raw largest_reset)
       : program_(program), largest_reset_(largest_reset), code_(program) {}
 
   // The value of a piece of code. `memory` holds all slots; frame slots may be written. Throws ModelFault.
   std::int64_t value(std::int32_t code, std::int32_t* memory) { return run(code, memory, nullptr); }
+
+  // The value of code that computes a time, in the program's time unit. Throws ModelFault.
+  std::int64_t time(std::int32_t code, std::int32_t* memory) { return in_units(run(code, memory, nullptr)); }
 
   // Runs an update: writes slots, of which it tells, and appends clock resets in order. Throws ModelFault.
   std::int64_t update(std::int32_t code, std::int32_t* memory, SlotSet& written, std::vector<ClockReset>& resets) {
@@ -39,6 +42,7 @@ class Machine {
   }
 
  private:
+  std::int64_t in_units(std::int64_t time) const;
   std::int64_t run(std::int32_t code, std::int32_t* memory, std::vector<ClockReset>* resets);
 
   struct Frame {

@@ -166,8 +166,9 @@ struct Program {
   std::vector<Goal> goals;
   bool has_priorities = false;
   bool has_stopwatches = false;
-  Raw largest_constant = 0;          // in any atom, reset or bound that is known before the search
-  bool has_computed_resets = false;  // some clock is set to a value that is not
+  Raw largest_constant = 0;        // in any atom, reset or bound
+  std::int64_t computed_unit = 0;  // divides every time that code computes; 0 if that is always 0
+  std::int64_t time_unit = 1;      // what 1 stands for wherever times are not computed by code
 
   // The clocks as the code numbers them, with their numbers here; empty if those are the same.
   std::vector<std::uint16_t> clock_numbers;
@@ -182,8 +183,11 @@ struct Program {
 // The program without the clocks that are never compared with anything.
 Program without_idle_clocks(Program program);
 
+// The program with all times in the largest unit of which each is a multiple.
+Program in_largest_unit(Program program);
+
 // Reads the flat form that tachk.engines.zone writes: the fields of the dataclasses in order, each sequence preceded by
 // its length. Throws std::invalid_argument if the numbers do not make a program.
-Program decode_program(std::span<const std::int32_t> image);
+Program decode_program(std::span<const std::int64_t> image);
 
 }  // namespace tachk

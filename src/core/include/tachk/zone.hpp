@@ -17,8 +17,10 @@ namespace tachk {
 struct ZoneOperations {
   const char* name;
   int stride;            // entries in a row
+  int lanes;             // entries in a vector
   std::size_t bytes;     // of a whole zone
   Raw largest_constant;  // that may occur in an atom, a reset or a bound
+  Raw legal;             // all finite entries lie below this and above its negation
 
   // All clocks are zero.
   void (*make_zero)(void* zone, int dimension);
@@ -49,7 +51,7 @@ struct ZoneOperations {
   // The largest absolute value of a finite entry.
   Raw (*largest_entry)(const void* zone, int dimension);
   Extent (*extent)(const void* zone, int dimension, const ExtentScale& scale);
-  // Reads entry (i, j); infinity is reported as INT32_MAX.
+  // Reads entry (i, j); infinity is reported as `unbounded`.
   Raw (*entry)(const void* zone, int dimension, int i, int j);
   // Writes one value into a row of bounds.
   void (*set_bound)(void* row, int clock, Raw value);
@@ -57,7 +59,10 @@ struct ZoneOperations {
 
 inline constexpr Raw no_bound = 4095;  // larger than any lower bound that can be asked of clock 0 or the padding
 
-enum class Width { narrow, wide };
+inline constexpr Raw unbounded = INT64_MAX;
+
+// Of the entries: 16, 32 or 64 bits.
+enum class Width { narrow, wide, widest };
 
 // For zones with finite entries up to this one, whose extents tell as much as they can; those of others tell less.
 ExtentScale choose_scale(const ZoneOperations& operations, int dimension, Raw largest_entry);
