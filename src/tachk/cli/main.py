@@ -27,9 +27,15 @@ COMMANDS = (
     "plot",
     "explain",
     "sentences",
+    "models",
+    "completion",
     "verifyta",
 )
 """In the order of the help. The command NAME is `tachk.cli.commands.NAME.command`."""
+
+
+COMPLETION_VARIABLE = "_TACHK_COMPLETE"
+"""With this in the environment click answers what a shell asks when it completes a line."""
 
 
 class _Commands(click.Group):
@@ -73,4 +79,4 @@ def app() -> None:
 
 def run() -> NoReturn:
     """The console script."""
-    end_program(lambda: app.main(prog_name="tachk", standalone_mode=False))
+    end_program(lambda: app.main(prog_name="tachk", complete_var=COMPLETION_VARIABLE, standalone_mode=False))

@@ -6,8 +6,9 @@ import json
 from pathlib import Path
 from typing import TextIO
 
+from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.monitor_request import MonitorRequest, destination, exit_status
+from tachk.cli.monitor_request import MonitorRequest, exit_status
 from tachk.cli.terminal import console
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.monitoring.formulas import NamedFormula, check_order, read_formulas

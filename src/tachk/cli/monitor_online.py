@@ -10,8 +10,9 @@ from io import BufferedReader
 from pathlib import Path
 from typing import cast
 
+from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.monitor_request import MonitorRequest, destination, exit_status
+from tachk.cli.monitor_request import MonitorRequest, exit_status
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.monitoring.formulas import NamedFormula
 from tachk.monitoring.online import Monitor

@@ -1,13 +1,9 @@
-"""What both ways of monitoring share: the options, the destination of the report, the exit status."""
+"""What both ways of monitoring share: the options and the exit status."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TextIO
 
 from tachk.cli.exit_status import ExitStatus
 from tachk.runtime.node_signal import Truth
@@ -39,13 +35,3 @@ def exit_status(truths: set[Truth]) -> ExitStatus:
     if Truth.FALSE in truths:
         return ExitStatus.NOT_AS_EXPECTED
     return ExitStatus.UNKNOWN if Truth.UNDETERMINED in truths else ExitStatus.AS_EXPECTED
-
-
-@contextmanager
-def destination(output: Path | None, quiet: bool) -> Iterator[TextIO | None]:
-    """Where the report goes; None for nowhere."""
-    if output is not None:
-        with output.open("w", encoding="utf-8") as file:
-            yield file
-    else:
-        yield None if quiet else sys.stdout

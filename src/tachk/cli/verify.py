@@ -12,6 +12,7 @@ from typing import TextIO
 
 from tachk import api
 from tachk.cli.arguments import parse_definitions, parse_size, split_models_and_queries
+from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import guarded, print_diagnostics
 from tachk.cli.progress import ProgressLine
@@ -52,7 +53,7 @@ def run_verify(request: VerifyRequest) -> ExitStatus:
     Reports for programs are written in any case, and list what could not be read.
     """
     records: list[RunRecord | NotRead] = []
-    with _destination(request) as out:
+    with destination(request.output, request.quiet) as out:
 
         def check_all() -> ExitStatus:
             models, queries = split_models_and_queries(request.arguments)
@@ -112,16 +113,6 @@ def _listed(path: str, records: list[RunRecord | NotRead]) -> Iterator[None]:
     except Exception as error:
         records.append(NotRead(path, f"{type(error).__name__}: {error}"))
         raise
-
-
-@contextmanager
-def _destination(request: VerifyRequest) -> Iterator[TextIO | None]:
-    """Where the report goes; None for nowhere."""
-    if request.output is not None:
-        with request.output.open("w", encoding="utf-8") as file:
-            yield file
-    else:
-        yield None if request.quiet else sys.stdout
 
 
 def _print_text(record: RunRecord, out: TextIO, request: VerifyRequest, first: bool) -> None:

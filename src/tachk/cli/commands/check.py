@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
 from tachk.cli import options
@@ -16,8 +18,18 @@ from tachk.cli import options
     type=click.Choice(["uppaal-4.1", "uppaal-5.0"]),
     help="Report what this version of UPPAAL would refuse or do otherwise.",
 )
-def command(models: tuple[str, ...], definitions: tuple[str, ...], version: str | None) -> None:
+@click.option(
+    "--format",
+    type=click.Choice(["text", "json", "sarif", "github"]),
+    default="text",
+    show_default=True,
+    help="Form of the report: for people, programs, code scanning, or annotations of GitHub Actions.",
+)
+@click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
+def command(
+    models: tuple[str, ...], definitions: tuple[str, ...], version: str | None, format: str, output: Path | None
+) -> None:
     """Read models and report every mistake and warning, without checking a property."""
     from tachk.cli.check import run_check
 
-    options.finish(lambda: run_check(models, definitions, version))
+    options.finish(lambda: run_check(models, definitions, version, format, output))

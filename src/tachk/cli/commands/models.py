@@ -1,0 +1,41 @@
+"""The options of `tachk models`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from tachk.cli import options
+
+
+@click.group(name="models", invoke_without_command=True)
+@click.pass_context
+def command(ctx: click.Context) -> None:
+    """List the models that come with tachk, or copy one.
+
+    Without a subcommand: list them.
+    """
+    if ctx.invoked_subcommand is None:
+        from tachk.cli.models import run_list
+
+        options.finish(run_list)
+
+
+@command.command(name="list")
+def list_command() -> None:
+    """List the models, with what each is about."""
+    from tachk.cli.models import run_list
+
+    options.finish(run_list)
+
+
+@command.command(name="copy")
+@click.argument("name", metavar="NAME", help="As listed; the last part is enough where it is the only one.")
+@click.argument("folder", metavar="DIR", type=options.type_of_file, default=Path(), help="Where to; here without.")
+@click.option("--force", is_flag=True, help="Write over files that are different.")
+def copy_command(name: str, folder: Path, force: bool) -> None:
+    """Copy a model with every file that it imports."""
+    from tachk.cli.models import run_copy
+
+    options.finish(lambda: run_copy(name, folder, force))

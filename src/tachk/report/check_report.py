@@ -1,0 +1,190 @@
+"""What `tachk check` found, in the forms that editors, code hosts and build servers read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import PurePath
+from typing import Any
+from urllib.parse import quote
+
+import tachk
+from tachk.diagnostics.codes import CODES
+from tachk.diagnostics.diagnostic import Diagnostic, Severity
+from tachk.diagnostics.render_json import diagnostic_to_json
+from tachk.diagnostics.span import Span
+
+
+@dataclass(frozen=True, slots=True)
+class Size:
+    """How much there is in a model."""
+
+    processes: int
+    locations: int
+    edges: int
+    properties: int
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """What is known about one model.
+
+    Attributes:
+        model: the path as the user gave it.
+        size: None where the model is wrong or refused.
+        findings: every mistake and warning, in the order in which they are told.
+        portability: what a version of UPPAAL would refuse or treat otherwise, where that was asked for.
+        complaint: what is wrong that has no place in a text, such as a file that is not there.
+        help: how to mend the complaint.
+    """
+
+    model: str
+    size: Size | None = None
+    findings: tuple[Diagnostic, ...] = ()
+    portability: tuple[Diagnostic, ...] | None = None
+    complaint: str | None = None
+    help: str | None = None
+
+    @property
+    def everything(self) -> tuple[Diagnostic, ...]:
+        return (*self.findings, *(self.portability or ()))
+
+
+def checks_to_json(checks: Iterable[Checked]) -> dict[str, Any]:
+    """The form that docs/schema/check.schema.json describes."""
+    return {"models": [_check_to_json(check) for check in checks]}
+
+
+def _check_to_json(check: Checked) -> dict[str, Any]:
+    size = check.size
+    plain: dict[str, Any] = {
+        "code": None,
+        "severity": "error",
+        "message": check.complaint,
+        "help": check.help,
+        "place": None,
+        "labels": [],
+    }
+    return {
+        "model": check.model,
+        "size": None
+        if size is None
+        else {
+            "processes": size.processes,
+            "locations": size.locations,
+            "edges": size.edges,
+            "properties": size.properties,
+        },
+        "findings": [*([plain] if check.complaint else []), *map(diagnostic_to_json, check.findings)],
+        "portability": None if check.portability is None else [*map(diagnostic_to_json, check.portability)],
+    }
+
+
+def checks_to_sarif(checks: Sequence[Checked]) -> dict[str, Any]:
+    """SARIF 2.1.0, the form of code scanning."""
+    found = [diagnostic for check in checks for diagnostic in check.everything]
+    codes = sorted({diagnostic.code for diagnostic in found})
+    complaints = [check for check in checks if check.complaint is not None]
+    return {
+        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+        "version": "2.1.0",
+        "runs": [
+            {
+                "tool": {
+                    "driver": {
+                        "name": "tachk",
+                        "version": tachk.__version__,
+                        "rules": [_sarif_rule(code) for code in codes],
+                    }
+                },
+                "columnKind": "unicodeCodePoints",
+                "invocations": [
+                    {
+                        "executionSuccessful": not complaints,
+                        "toolExecutionNotifications": [
+                            {"level": "error", "message": {"text": _sentence(check.complaint or "", check.help)}}
+                            for check in complaints
+                        ],
+                    }
+                ],
+                "results": [_sarif_result(diagnostic, codes.index(diagnostic.code)) for diagnostic in found],
+            }
+        ],
+    }
+
+
+def _sarif_rule(code: str) -> dict[str, Any]:
+    explanation = CODES.get(code)
+    if explanation is None:
+        return {"id": code}
+    return {
+        "id": code,
+        "shortDescription": {"text": explanation.title},
+        "fullDescription": {"text": explanation.why},
+        "help": {"text": f"tachk explain {code}"},
+    }
+
+
+def _sarif_result(diagnostic: Diagnostic, rule: int) -> dict[str, Any]:
+    related = [{**_sarif_location(label.span), "message": {"text": label.text}} for label in diagnostic.labels]
+    return {
+        "ruleId": diagnostic.code,
+        "ruleIndex": rule,
+        "level": diagnostic.severity.value,
+        "message": {"text": _sentence(diagnostic.message, diagnostic.help)},
+        "locations": [_sarif_location(diagnostic.span)],
+        **({"relatedLocations": related} if related else {}),
+    }
+
+
+def _sarif_location(span: Span) -> dict[str, Any]:
+    place = _Place(span)
+    return {
+        "physicalLocation": {
+            "artifactLocation": {"uri": quote(PurePath(place.file).as_posix())},
+            "region": {
+                "startLine": place.line,
+                "startColumn": place.column,
+                "endLine": place.end_line,
+                "endColumn": place.end_column,
+            },
+        }
+    }
+
+
+def checks_to_github(checks: Iterable[Checked]) -> Iterator[str]:
+    """Workflow commands: GitHub Actions shows each as an annotation at its line."""
+    for check in checks:
+        if check.complaint is not None:
+            yield f"::error title=tachk::{_escaped(_sentence(f'{check.model}: {check.complaint}', check.help))}"
+        for diagnostic in check.everything:
+            place = _Place(diagnostic.span)
+            fields = {"file": place.file, "line": place.line, "endLine": place.end_line}
+            if place.line == place.end_line:
+                fields |= {"col": place.column, "endColumn": place.end_column}
+            fields["title"] = diagnostic.code
+            written = ",".join(f"{name}={_escaped_field(str(value))}" for name, value in fields.items())
+            level = "error" if diagnostic.severity is Severity.ERROR else "warning"
+            yield f"::{level} {written}::{_escaped(_sentence(diagnostic.message, diagnostic.help))}"
+
+
+class _Place:
+    """Where a range lies in the file that people see; lines and columns count from 1."""
+
+    def __init__(self, span: Span) -> None:
+        place = span.in_file
+        self.file = place.source.name
+        self.line, self.column = place.source.line_column(place.start)
+        self.end_line, self.end_column = place.source.line_column(place.end)
+
+
+def _sentence(message: str, help: str | None) -> str:
+    return f"{message} ({help})" if help else message
+
+
+def _escaped(text: str) -> str:
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _escaped_field(text: str) -> str:
+    return _escaped(text).replace(":", "%3A").replace(",", "%2C")
