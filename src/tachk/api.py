@@ -15,6 +15,7 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from io import StringIO
+from time import monotonic
 from typing import TYPE_CHECKING, overload
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
@@ -29,6 +30,7 @@ from tachk.properties.verify import VerifyProgress, refused
 from tachk.properties.verify import verify as verify_queries
 from tachk.report.record import NotChecked, RunRecord
 from tachk.syntax.source_files import read_source
+from tachk.time_limit import time_limit
 
 if TYPE_CHECKING:
     from tachk.report.json_report import Json
@@ -127,22 +129,26 @@ class Model:
             InputError: one of ``queries`` is wrong. A wrong query of a file is listed as not checked.
             UsageError: there is no property of that name.
             UnsupportedError: the model uses a feature that the query cannot be decided with.
+            OutOfTimeError: the limit on seconds was over before the queries were read.
         """
+        started = monotonic()
+        options, limits = options or Options(), limits or Limits()
         names = (property,) if isinstance(property, str) else tuple(property)
         sources = [Source("<query>", text) for text in queries]
         files = [read_source(path) for path in query_files]
         if not names and not sources and not files:
             formulas = self.loaded.formulas
         else:
-            given = self._given(files, sources)
+            with time_limit(limits.seconds):
+                given = self._given(files, sources)
             formulas = (*(self._property(name) for name in names), *given)
         checked = tuple(formula for formula in formulas if isinstance(formula, Query))
-        options, limits = options or Options(), limits or Limits()
         if self.refusals:
             network, verdicts = self.loaded.heading, refused(checked, self.refusals[0])
         else:
             network = self.network
-            verdicts = verify_queries(network, checked, options, limits, progress, trace)
+            left = limits.after(monotonic() - started)
+            verdicts = verify_queries(network, checked, options, left, progress, trace)
         not_checked = tuple(
             NotChecked(f.name, f.text, _why_not(f), f.diagnostics, f.title, f.span, number)
             for number, f in enumerate(formulas, 1)

@@ -9,8 +9,11 @@ from collections.abc import Callable, Iterable
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.terminal import wants_colour
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
+from tachk.time_limit import OutOfTimeError
 
 _DIAGNOSTICS_SHOWN = 20
+
+OUT_OF_TIME = "the time limit was over before the model and the queries were read"
 
 
 def guarded(action: Callable[[], ExitStatus], subject: str = "") -> ExitStatus:
@@ -37,6 +40,9 @@ def guarded(action: Callable[[], ExitStatus], subject: str = "") -> ExitStatus:
     except OSError as error:
         complain(f"{error.filename}: {error.strerror}" if error.filename else str(error))
         return ExitStatus.BAD_INPUT
+    except OutOfTimeError:
+        complain(f"{subject}: {OUT_OF_TIME}" if subject else OUT_OF_TIME)
+        return ExitStatus.UNKNOWN
     except KeyboardInterrupt:
         complain("interrupted before there was an answer")
         return ExitStatus.INTERRUPTED

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,13 +15,14 @@ from tachk import api
 from tachk.cli.arguments import parse_definitions, parse_size, split_models_and_queries
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
-from tachk.cli.guard import guarded, print_diagnostics
+from tachk.cli.guard import OUT_OF_TIME, guarded, print_diagnostics
 from tachk.cli.progress import ProgressLine
 from tachk.cli.terminal import can_rewrite_lines, console
 from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
 from tachk.engines.protocol import INTERRUPTED, Extrapolation, Limits, Options, SearchOrder
 from tachk.properties.verdict import Answer
 from tachk.report.record import NotRead, RunRecord
+from tachk.time_limit import OutOfTimeError, time_limit
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +40,7 @@ class VerifyRequest:
     output: Path | None = None
     max_states: int | None = None
     max_seconds: float | None = None
+    max_seconds_each: float | None = None
     max_memory: str | None = None
     max_depth: int | None = None
     extrapolation: str = "lu"
@@ -110,6 +113,9 @@ def _listed(path: str, records: list[RunRecord | NotRead]) -> Iterator[None]:
     except UsageError as error:
         records.append(NotRead(path, error.message, error.help))
         raise
+    except OutOfTimeError:
+        records.append(NotRead(path, OUT_OF_TIME))
+        raise
     except Exception as error:
         records.append(NotRead(path, f"{type(error).__name__}: {error}"))
         raise
@@ -141,6 +147,7 @@ def _limits(request: VerifyRequest) -> Limits:
         request.max_seconds,
         None if request.max_memory is None else parse_size(request.max_memory),
         request.max_depth,
+        request.max_seconds_each,
     )
 
 
@@ -162,7 +169,9 @@ def _check_model(
     limits: Limits,
     request: VerifyRequest,
 ) -> RunRecord:
-    model = api.load(path, **constants)
+    started = time.monotonic()
+    with time_limit(limits.seconds):
+        model = api.load(path, **constants)
     print_diagnostics((*model.refusals, *model.warnings))
     progress = ProgressLine() if can_rewrite_lines(sys.stderr) and not request.quiet else None
     try:
@@ -171,7 +180,7 @@ def _check_model(
             property=request.properties,
             query_files=request.query_files,
             options=options,
-            limits=limits,
+            limits=limits.after(time.monotonic() - started),
             trace=request.trace != "none",
             progress=progress,
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from enum import StrEnum
 
 from tachk.diagnostics.span import Span
@@ -73,7 +74,8 @@ class Limits:
 
     Attributes:
         states: stored states.
-        seconds: wall-clock seconds.
+        seconds: wall-clock seconds for everything together.
+        seconds_each: wall-clock seconds for each search; queries that look at the same clocks share one.
         memory_bytes: bytes the engine's data structures may take.
         depth: transitions from the initial state.
     """
@@ -82,6 +84,11 @@ class Limits:
     seconds: float | None = None
     memory_bytes: int | None = None
     depth: int | None = None
+    seconds_each: float | None = None
+
+    def after(self, elapsed: float) -> Limits:
+        """The limits of what is left to do when so many seconds have passed."""
+        return self if self.seconds is None else replace(self, seconds=max(self.seconds - elapsed, 0.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,6 +160,9 @@ class Outcome:
 
 INTERRUPTED = "interrupted"
 """The reason of a search that Ctrl-C ended."""
+
+TIME_LIMIT = "time limit"
+"""The reason where the time was over, in a search or before it began."""
 
 Progress = Callable[[Statistics], None]
 """Called now and then during long searches."""

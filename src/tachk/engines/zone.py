@@ -16,6 +16,7 @@ from tachk.diagnostics.diagnostic import InternalError
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.engines.protocol import (
     INTERRUPTED,
+    TIME_LIMIT,
     BoundScope,
     Extrapolation,
     GoalOutcome,
@@ -79,8 +80,7 @@ def explore(
     if outcome.reason == INTERRUPTED:
         goals_left = dict.fromkeys(doubtful, GoalOutcome(Status.UNDECIDED))
         return replace(outcome, goals=_with_goals(outcome, goals_left))
-    if limits.seconds is not None:
-        limits = replace(limits, seconds=max(limits.seconds - outcome.statistics.seconds, 0.0))
+    limits = limits.after(outcome.statistics.seconds)
     finer = replace(options, extrapolation=Extrapolation.MAX)
     second, _ = _search(program, [goals[number] for number in doubtful], finer, limits, progress)
     return _joined(outcome, second, doubtful)
@@ -174,7 +174,7 @@ def _run(explorer: _core.Explorer, start: float, limits: Limits, progress: Progr
             return status, _REASONS.get(status, "")
         now = time.perf_counter()
         if limits.seconds is not None and now - start >= limits.seconds:
-            return _RUNNING, "time limit"
+            return _RUNNING, TIME_LIMIT
         try:
             if progress is not None:
                 progress(_statistics(explorer, start))

@@ -70,6 +70,7 @@ from tachk.model.types import (
     bounds,
 )
 from tachk.syntax import ast
+from tachk.time_limit import check_time
 
 _CONNECTIVES = {
     QuantifierKind.FORALL: BinaryOperator.AND,
@@ -125,6 +126,7 @@ def integral(node: ast.Expression, scope: Scope, context: Context) -> Expression
 
 def expression(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
     """The typed expression; comparisons of clocks are in normal form, constants are folded."""
+    check_time()
     match node:
         case ast.NameExpression():
             return named(node, scope, context)

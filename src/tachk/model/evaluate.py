@@ -63,9 +63,13 @@ from tachk.model.types import (
     wrapped,
 )
 from tachk.records import dataclass
+from tachk.time_limit import check_time
 
 STEP_LIMIT = 2**24
 """Expressions and statements evaluated in one piece of code before the fault LOOP."""
+
+_STEPS_UNWATCHED = 256
+"""So many of them pass between two looks at the time."""
 
 
 @dataclass(slots=True)
@@ -181,6 +185,8 @@ def channel_number(expression: Expression, environment: Environment) -> int:
 
 def _count_step(span: Span, environment: Environment) -> None:
     environment.steps += 1
+    if not environment.steps % _STEPS_UNWATCHED:
+        check_time()
     if environment.steps > STEP_LIMIT:
         raise EvaluationFault(RuntimeErrorKind.LOOP, span)
 

@@ -36,6 +36,7 @@ from tachk.model.expressions import (
     While,
 )
 from tachk.model.network import Process
+from tachk.time_limit import check_time
 
 _CHILDREN: dict[type, Callable[[Any], tuple[Expression, ...]]] = {
     **dict.fromkeys((Constant, Reference, LocationTest, Deadlock), lambda _: ()),
@@ -59,6 +60,7 @@ def children(expression: Expression) -> tuple[Expression, ...]:
 
 def walk(expression: Expression) -> Iterator[Expression]:
     """The expression and everything inside it; the bodies of called functions are not entered."""
+    check_time()
     pending = [expression]
     while pending:
         current = pending.pop()

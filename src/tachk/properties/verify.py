@@ -12,7 +12,17 @@ from functools import partial
 from tachk.certify.replay import ReplayError, replay
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, InternalError, UnsupportedError
 from tachk.engines.concretise import concretise
-from tachk.engines.protocol import INTERRUPTED, GoalOutcome, Limits, Options, Outcome, Progress, Statistics, Status
+from tachk.engines.protocol import (
+    INTERRUPTED,
+    TIME_LIMIT,
+    GoalOutcome,
+    Limits,
+    Options,
+    Outcome,
+    Progress,
+    Statistics,
+    Status,
+)
 from tachk.engines.zone import explore
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
@@ -35,6 +45,7 @@ from tachk.semantics.spectators import every_action_counts, with_spectators, wit
 from tachk.semantics.step import StepError, satisfies_invariant
 from tachk.semantics.trace import TimedState, TimedTrace
 from tachk.semantics.unexamined import unexamined
+from tachk.time_limit import OutOfTimeError, time_limit
 
 VerifyProgress = Callable[[Statistics, tuple[str, ...]], None]
 """What is told during a long search: the statistics so far, and the names of the queries that it is about to answer."""
@@ -52,39 +63,48 @@ def verify(
 
     A query that cannot be checked gets the answer UNKNOWN with the diagnostic that says why; the others are not
     affected. Every trace has been replayed by `tachk.certify` before it is returned; without ``trace`` none is made
-    except where it is needed to decide. Several searches may be needed: they share the limit on seconds, while the
-    other limits hold for each.
+    except where it is needed to decide. Several searches may be needed. Each query has the same share of the seconds
+    that are left when its search begins, so what one does not need is there for the others; preparing the model and
+    compiling it count. The other limits hold for each search. The run behind an answer is made in any case.
 
     Raises:
         InputError: the initial state violates an invariant.
         UnsupportedError: the network itself uses a feature that cannot be checked.
     """
-    check_selections(network)
-    _check_initial_state(network)
-    verdicts: dict[int, Verdict] = {}
-    supported = []
-    for query in queries:
-        try:
-            check_observable(network, query)
-            check_supported(network, query)
-        except UnsupportedError as error:
-            verdicts[id(query)] = _unsupported(query, error.diagnostic)
-        else:
-            supported.append(query)
     started = time.monotonic()
+    verdicts: dict[int, Verdict] = {}
+    try:
+        with time_limit(limits.seconds):
+            check_selections(network)
+            _check_initial_state(network)
+            supported = []
+            for query in queries:
+                try:
+                    check_observable(network, query)
+                    check_supported(network, query)
+                except UnsupportedError as error:
+                    verdicts[id(query)] = _unsupported(query, error.diagnostic)
+                else:
+                    supported.append(query)
+            searches = plan(supported)
+    except OutOfTimeError:
+        return tuple(verdicts.get(id(query)) or _not_begun(query, TIME_LIMIT) for query in queries)
     interrupted = False
-    for search in plan(supported):
+    left = len(supported)
+    for search in searches:
         if interrupted:
-            found = [_not_begun(task) for task in search.tasks]
+            found = [_not_begun(task.query, INTERRUPTED) for task in search.tasks]
         else:
+            own = _share(_remaining(limits, started), Fraction(len(search.tasks), left))
             names = tuple(task.query.name for task in search.tasks)
             told = None if progress is None else partial(_tell, progress, names)
             try:
-                found = _run(network, search, options, _remaining(limits, started), told, trace)
+                found = _run(network, search, options, own, told, trace)
             except KeyboardInterrupt:
                 # What was decided before is kept, wherever the interruption comes.
-                found = [_not_begun(task) for task in search.tasks]
+                found = [_not_begun(task.query, INTERRUPTED) for task in search.tasks]
             interrupted = any(verdict.reason == INTERRUPTED for verdict in found)
+        left -= len(search.tasks)
         verdicts |= {id(verdict.query): verdict for verdict in found}
     return _examined(network, [verdicts[id(query)] for query in queries])
 
@@ -106,14 +126,19 @@ def _tell(progress: VerifyProgress, names: tuple[str, ...], statistics: Statisti
     progress(statistics, names)
 
 
+def _share(limits: Limits, part: Fraction) -> Limits:
+    """The limits of one search, which may use a part of the seconds that are left."""
+    of_all = None if limits.seconds is None else limits.seconds * part.numerator / part.denominator
+    allowed = [seconds for seconds in (of_all, limits.seconds_each) if seconds is not None]
+    return replace(limits, seconds=min(allowed, default=None))
+
+
 def _remaining(limits: Limits, started: float) -> Limits:
-    if limits.seconds is None:
-        return limits
-    return replace(limits, seconds=max(limits.seconds - (time.monotonic() - started), 0.0))
+    return limits.after(time.monotonic() - started)
 
 
-def _not_begun(task: Task) -> Verdict:
-    return Verdict(task.query, Answer.UNKNOWN, True, INTERRUPTED, Statistics())
+def _not_begun(query: Query, reason: str) -> Verdict:
+    return Verdict(query, Answer.UNKNOWN, True, reason, Statistics())
 
 
 def _check_initial_state(network: Network) -> None:
@@ -149,8 +174,12 @@ def _unsupported(query: Query, diagnostic: Diagnostic) -> Verdict:
 def _run(
     network: Network, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
 ) -> list[Verdict]:
-    network = observed(network, search.observer)
     started = time.monotonic()
+    try:
+        with time_limit(limits.seconds):
+            network = observed(network, search.observer)
+    except OutOfTimeError:
+        return [_not_begun(task.query, TIME_LIMIT) for task in search.tasks]
     settled = [] if options.bystanders else _settle_without_bystanders(network, search, options, limits, progress)
     if any(verdict.reason == INTERRUPTED for verdict in settled):
         return settled
@@ -168,18 +197,24 @@ def _settle_without_bystanders(
     network: Network, search: Search, options: Options, limits: Limits, progress: Progress | None
 ) -> list[Verdict]:
     """The verdicts about targets that are unreachable even if nothing hinders the processes they depend on."""
+    started = time.monotonic()
     targets = [task.target for task in search.tasks]
-    relaxed = without_bystanders(network, targets)
-    if relaxed == network:
-        return []
     first_try = replace(
         limits,
         states=_FIRST_TRY if limits.states is None else min(limits.states, _FIRST_TRY),
         seconds=None if limits.seconds is None else limits.seconds / 2,
     )
-    outcome = explore(*lower(relaxed, targets), options, first_try, progress)
+    try:
+        with time_limit(first_try.seconds):
+            relaxed = without_bystanders(network, targets)
+            if relaxed == network:
+                return []
+            program, goals = lower(relaxed, targets)
+    except OutOfTimeError:
+        return []
+    outcome = explore(program, goals, options, _remaining(first_try, started), progress)
     if outcome.reason == INTERRUPTED:
-        return [_not_begun(task) for task in search.tasks]
+        return [_not_begun(task.query, INTERRUPTED) for task in search.tasks]
     pairs = zip(search.tasks, outcome.goals, strict=True)
     left_out = unexamined(network, relaxed)
     return [
@@ -198,10 +233,15 @@ def _explore(
     progress: Progress | None,
     trace: bool,
 ) -> list[Verdict]:
+    started = time.monotonic()
     targets = [task.target for task in tasks]
-    reduced = network if options.spectators else without_spectators(network, targets)
-    program, goals = lower(reduced, targets)
-    outcome = explore(program, goals, options, limits, progress)
+    try:
+        with time_limit(limits.seconds):
+            reduced = network if options.spectators else without_spectators(network, targets)
+            program, goals = lower(reduced, targets)
+    except OutOfTimeError:
+        return [_not_begun(task.query, TIME_LIMIT) for task in tasks]
+    outcome = explore(program, goals, options, _remaining(limits, started), progress)
     if outcome.fault is not None:
         fault = explain(reduced, outcome.fault)
         if fault.run is not None:

@@ -48,6 +48,7 @@ from tachk.model.types import (
     leaves,
     wrapped,
 )
+from tachk.time_limit import check_time
 
 COMPARISONS: Mapping[BinaryOperator, Callable[[int, int], bool]] = {
     BinaryOperator.EQUAL: lambda a, b: a == b,
@@ -237,6 +238,7 @@ def known_cell(place: Expression) -> tuple[Variable, int] | None:
 
 def fold(expression: Expression, known: Known) -> Expression:
     """An equal expression in which everything that is known is a constant."""
+    check_time()
     match expression:
         case Constant() | LocationTest() | Deadlock():
             return expression

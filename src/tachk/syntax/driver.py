@@ -17,6 +17,7 @@ from tachk.syntax.messages import Situation, explain
 from tachk.syntax.misplaced import Misplaced
 from tachk.syntax.tables import lexer, tables
 from tachk.syntax.tokens import END, Token
+from tachk.time_limit import check_time
 
 MOST_ERRORS = 20
 _MOST_RECOVERIES = 60
@@ -55,6 +56,7 @@ class _Run:
         feed = self.stack.feed
         index = 0
         while True:
+            check_time()
             token = inserted[-1] if inserted else tokens[index]
             try:
                 result = feed(token)

@@ -13,6 +13,7 @@ from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Source, Span
 from tachk.syntax.ast import Comment
 from tachk.syntax.grammar import Terminal
+from tachk.time_limit import check_time
 
 Match = Callable[[str, int, int], re.Match[str] | None]
 
@@ -84,6 +85,7 @@ class Lexer:
         keywords, symbols = self.keywords, self.symbols
         position = start
         while position < stop:
+            check_time()
             found = match(text, position, stop)
             if found is None:
                 position = _unknown_characters(source, position, stop, match, lexed)

@@ -38,7 +38,18 @@ from tachk.cli import options
 @click.option(
     "--max-states", metavar="N", type=click.IntRange(min=1), help="Give up a search beyond so many stored states."
 )
-@click.option("--max-seconds", metavar="SECONDS", type=click.FloatRange(min=0), help="Give up after this time.")
+@click.option(
+    "--max-seconds",
+    metavar="SECONDS",
+    type=click.FloatRange(min=0),
+    help="Give up a model after this time, which its properties share fairly.",
+)
+@click.option(
+    "--max-seconds-each",
+    metavar="SECONDS",
+    type=click.FloatRange(min=0),
+    help="Give up each search after this time; properties that look at the same clocks share a search.",
+)
 @click.option("--max-memory", metavar="SIZE", help="Give up a search beyond this size, such as 2G.")
 @click.option("--max-depth", metavar="N", type=click.IntRange(min=0), help="Explore only so many transitions deep.")
 @click.option(

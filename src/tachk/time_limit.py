@@ -1,0 +1,46 @@
+"""A limit on time for everything that is done before a search: reading, instantiating, computing constants, compiling.
+
+The limit is set by whoever has one and looked at by the loops that may take long, wherever they are:
+
+    with time_limit(seconds):
+        ...                     # OutOfTimeError comes out of here soon after the time is over
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from time import monotonic
+
+_deadline: ContextVar[float | None] = ContextVar("deadline", default=None)
+
+
+class OutOfTimeError(Exception):
+    """A time limit is over."""
+
+
+@contextmanager
+def time_limit(seconds: float | None) -> Iterator[None]:
+    """Ends what is done within by an OutOfTimeError once so many seconds of wall-clock time have passed.
+
+    Args:
+        seconds: None for no limit but that of an enclosing `time_limit`, which always counts.
+    """
+    outer = _deadline.get()
+    ends = [] if outer is None else [outer]
+    if seconds is not None:
+        ends.append(monotonic() + seconds)
+    token = _deadline.set(min(ends, default=None))
+    try:
+        check_time()
+        yield
+    finally:
+        _deadline.reset(token)
+
+
+def check_time() -> None:
+    """Raises OutOfTimeError if the time is over. Cheap: meant for inner loops."""
+    deadline = _deadline.get()
+    if deadline is not None and monotonic() >= deadline:
+        raise OutOfTimeError
