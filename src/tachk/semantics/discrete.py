@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from itertools import product
 
 from tachk.model.evaluate import Environment, channel_number, clock_number, evaluate, execute
@@ -20,26 +21,34 @@ from tachk.model.network import Direction, Edge, Location, Network
 from tachk.model.traversal import walk
 from tachk.model.types import ChannelType, bounds, cell_count, leaves
 from tachk.semantics.trace import DiscreteState, Participant, Transition
+from tachk.time_limit import check_time
 
 Priority = tuple[int, int]
 """Channel priority, then process priority."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Model:
     """A network prepared for interpretation; made by `prepare`.
 
     Attributes:
-        instances: for each process and location, the outgoing edges, once for each combination of select values.
         channels: for each channel its type and priority.
-        fixed: the channels of those synchronisations that name the same one in every state.
     """
 
     network: Network
     layout: CellLayout
-    instances: tuple[tuple[tuple[Participant, ...], ...], ...]
     channels: tuple[tuple[ChannelType, int], ...]
-    fixed: dict[Participant, int] = field(repr=False)
+
+    @cached_property
+    def instances(self) -> tuple[tuple[tuple[Participant, ...], ...], ...]:
+        """For each process and location, the outgoing edges, once for each combination of select values. There may be
+        millions, which most of what needs a model never looks at."""
+        return tuple(_instances(self.network, p) for p in range(len(self.network.processes)))
+
+    @cached_property
+    def fixed(self) -> dict[Participant, int]:
+        """The channels of those synchronisations that name the same one in every state."""
+        return _fixed_channels(self.network, self.layout, self.instances)
 
     @property
     def dimension(self) -> int:
@@ -63,8 +72,7 @@ def prepare(network: Network) -> Model:
             if isinstance(type_, ChannelType):
                 given = variable.priorities
                 channels.append((type_, given[cell] if given else network.default_priority))
-    instances = tuple(_instances(network, p) for p in range(len(network.processes)))
-    return Model(network, layout, instances, tuple(channels), _fixed_channels(network, layout, instances))
+    return Model(network, layout, tuple(channels))
 
 
 def _fixed_channels(
@@ -98,6 +106,7 @@ def _instances(network: Network, process: int) -> tuple[tuple[Participant, ...],
     for number, edge in enumerate(network.processes[process].edges):
         ranges = [bounds(v.type) for v in edge.selects]  # type: ignore[arg-type]
         for values in product(*(range(low, high + 1) for low, high in ranges)):
+            check_time()
             by_location[edge.source].append(Participant(process, number, values))
     return tuple(tuple(i) for i in by_location)
 
