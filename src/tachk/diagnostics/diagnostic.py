@@ -53,6 +53,20 @@ class Diagnostic:
         return self.code in UNSUPPORTED
 
 
+def by_place(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """The findings in the order of the lines of each file, the files in the order in which they are met."""
+    found = list(diagnostics)
+    files: dict[int, int] = {}
+    for diagnostic in found:
+        files.setdefault(id(diagnostic.span.in_file.source), len(files))
+
+    def place(diagnostic: Diagnostic) -> tuple[int, int, int, str]:
+        span = diagnostic.span.in_file
+        return files[id(span.source)], span.start, span.end, diagnostic.code
+
+    return tuple(sorted(found, key=place))
+
+
 class TachkError(Exception):
     """Base of every error tachk raises on purpose."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
-from tachk.diagnostics.diagnostic import Diagnostic, Label, Severity
+from tachk.diagnostics.diagnostic import Diagnostic, Label, Severity, by_place
 from tachk.diagnostics.span import Span
 
 
@@ -50,12 +50,7 @@ class Findings:
 
     def sorted(self) -> tuple[Diagnostic, ...]:
         """All findings in the order of their places."""
-        order: dict[int, int] = {}
-        for diagnostic in self._found.values():
-            order.setdefault(id(diagnostic.span.source), len(order))
-        return tuple(
-            sorted(self._found.values(), key=lambda d: (order[id(d.span.source)], d.span.start, d.span.end, d.code))
-        )
+        return by_place(self._found.values())
 
 
 def count(number: int, noun: str) -> str:

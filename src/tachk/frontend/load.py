@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError, by_place
 from tachk.diagnostics.span import Source
 from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Budget, Context
@@ -138,7 +138,7 @@ def load_model(
     result: Elaborated = elaborate(items, document.span, overrides, context)
     if unreadable:
         further = [diagnostic for diagnostic in findings.sorted() if diagnostic not in unreadable]
-        raise InputError((*unreadable, *beyond_damage(unreadable, further, items)))
+        raise InputError(by_place((*unreadable, *beyond_damage(unreadable, further, items))))
     if findings.has_mistakes:
         raise InputError(findings.sorted())
     refusals, warnings = _told_apart(findings)

@@ -133,7 +133,7 @@ class TypeReader:
                     return BUILTIN_TYPES[node.name]
                 types = [n for n in self.scope.names() if isinstance(self.scope.lookup(n), TypeSymbol)]
                 help_ = self.scope.declared_below(node.name) or did_you_mean(
-                    node.name, [*types, "int", "bool", "clock", "chan"]
+                    node.name, [*types, "int", "bool", "clock", "chan", "system"]
                 )
                 self.context.error("E0204", node.span, f"unknown type `{node.name}`", help_)
             case _:

@@ -177,3 +177,24 @@ def test_a_contextual_keyword_may_name_a_type_of_an_imported_file(tmp_path: Path
     assert network.signals == ()
     assert [variable.name for variable in network.variables] == ["x", "there"]
     assert [location.name for location in network.processes[0].locations] == ["s"]
+
+
+def test_findings_are_told_in_the_order_of_the_lines() -> None:
+    text = "Clock x;\nProcess P() {\n    init location a;\n}\nSystem P;\n"
+    with pytest.raises(InputError) as caught:
+        load_model(Source("m.ta", text))
+    assert [str(found.span) for found in caught.value.diagnostics] == ["m.ta:1:1", "m.ta:2:1", "m.ta:5:1"]
+
+
+def test_findings_of_xml_are_told_in_the_order_of_the_file() -> None:
+    text = """<nta><declaration>int a = b;</declaration>
+<template><name>P</name><declaration>int c = d;</declaration>
+<location id="id0"><name>A</name><label kind="invariant">e &lt; 3</label></location><init ref="id0"/>
+<transition><source ref="id0"/><target ref="id0"/><label kind="guard">f &gt; 3</label></transition></template>
+<system>Q = R();
+system P, Q;</system></nta>"""
+    with pytest.raises(InputError) as caught:
+        load_model(Source("m.xml", text))
+    places = [found.span.in_file.start for found in caught.value.diagnostics]
+    assert len(places) >= 4
+    assert places == sorted(places)
