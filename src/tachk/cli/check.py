@@ -13,6 +13,7 @@ from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import complain, print_diagnostics
 from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
 from tachk.export.portability import Version, portability
+from tachk.frontend.load import load_model
 from tachk.report.check_report import Checked, Size, checks_to_github, checks_to_json, checks_to_sarif
 
 
@@ -22,6 +23,7 @@ def run_check(
     version: str | None = None,
     format: str = "text",
     output: Path | None = None,
+    strict_xta: bool = False,
 ) -> ExitStatus:
     """Reads every model and tells what is wrong or odd about each.
 
@@ -30,6 +32,7 @@ def run_check(
         format: ``text`` for people, one line about each model that has no error, the rest on standard error; or
             ``json``, ``sarif`` or ``github``, with everything in one report.
         output: the file of the report, standard output without.
+        strict_xta: refuse what tachk adds to the language of UPPAAL.
     """
     constants = parse_definitions(definitions)
     wanted = None if version is None else Version(version)
@@ -37,7 +40,7 @@ def run_check(
     with destination(output) as out:
         assert out is not None
         for path in models:
-            checks.append(_check(path, constants, wanted))
+            checks.append(_check(path, constants, wanted, strict_xta))
             if format == "text":
                 _tell(checks[-1], wanted, len(models) > 1, out)
         match format:
@@ -50,9 +53,9 @@ def run_check(
     return worst(_status(check) for check in checks)
 
 
-def _check(path: str, constants: dict[str, str], version: Version | None) -> Checked:
+def _check(path: str, constants: dict[str, str], version: Version | None, strict_xta: bool) -> Checked:
     try:
-        model = api.load(path, **constants)
+        model = api.Model(path, load_model(path, constants, strict_xta), tuple(constants))
     except InputError as error:
         return Checked(path, findings=error.diagnostics)
     except UnsupportedError as error:

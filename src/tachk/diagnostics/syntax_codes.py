@@ -108,7 +108,8 @@ SYNTAX_CODES: dict[str, Explanation] = {
     ),
     "E0112": Explanation(
         "not plain XTA",
-        "With --strict-xta only the language of UPPAAL itself is accepted.",
+        "`tachk check --strict-xta` accepts only the language of UPPAAL itself, without what tachk adds to it. "
+        "`tachk convert` writes a model with additions in UPPAAL's formats.",
         "process P() { init location A; }",
         "process P() { state A; init A; }",
     ),

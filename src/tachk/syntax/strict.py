@@ -12,7 +12,9 @@ from tachk.syntax import ast
 def additions(document: ast.Document) -> tuple[Diagnostic, ...]:
     """One error for each use of a construct that tachk adds to XTA."""
     return tuple(
-        Diagnostic("E0112", f"{what} is not part of XTA", span, "leave out --strict-xta to use tachk's additions")
+        Diagnostic(
+            "E0112", f"{what} is not part of XTA", span, "only tachk knows it; without --strict-xta it is accepted"
+        )
         for item in document.items
         for what, span in _in_item(item)
     )

@@ -152,6 +152,12 @@ def test_strict_xta_refuses_the_additions() -> None:
     assert {d.code for d in caught.value.diagnostics} == {"E0112"}
 
 
+def test_strict_xta_leaves_the_queries_of_xml_alone() -> None:
+    text = """<nta><template><name>P</name><location id="id0"><name>A</name></location><init ref="id0"/></template>
+<system>system P;</system><queries><query><formula>A[] P.A</formula><comment/></query></queries></nta>"""
+    assert len(load_model(Source("m.xml", text), strict_xta=True).queries) == 1
+
+
 def test_words_of_the_additions_stay_names(load: Any) -> None:
     text = (
         "int location, property, signal, to, guarded; process to_() { int invariant, expect; state init_; init init_; }"

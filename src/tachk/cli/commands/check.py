@@ -26,10 +26,16 @@ from tachk.cli import options
     help="Form of the report: for people, programs, code scanning, or annotations of GitHub Actions.",
 )
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
+@click.option("strict_xta", "--strict-xta", is_flag=True, help="Refuse what tachk adds to the language of UPPAAL.")
 def command(
-    models: tuple[str, ...], definitions: tuple[str, ...], version: str | None, format: str, output: Path | None
+    models: tuple[str, ...],
+    definitions: tuple[str, ...],
+    version: str | None,
+    format: str,
+    output: Path | None,
+    strict_xta: bool,
 ) -> None:
     """Read models and report every mistake and warning, without checking a property."""
     from tachk.cli.check import run_check
 
-    options.finish(lambda: run_check(models, definitions, version, format, output))
+    options.finish(lambda: run_check(models, definitions, version, format, output, strict_xta))
