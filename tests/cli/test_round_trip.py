@@ -166,3 +166,23 @@ def test_comments_outside_sections_find_a_place() -> None:
     convert("a.xml", "b.ta")
     again = convert("b.ta", "b.xml")
     assert again == back
+
+
+def test_convert_overwrites_no_edited_file(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("a.xml").write_text(SAVED)
+    text = convert("a.xml", "a.ta")
+    assert convert("a.xml", "a.ta") == text, "once more is no harm"
+    layout = Path("a.layout.json").read_text()
+    for edited in ("a.ta", "a.layout.json"):
+        Path("a.ta").write_text(text)
+        Path("a.layout.json").write_text(layout)
+        Path(edited).write_text("// mine\n")
+        with pytest.raises(SystemExit) as end:
+            app(["convert", "a.xml", "a.ta"], prog_name="tachk")
+        assert end.value.code == 2
+        assert f"error: {edited} exists and says something else" in capsys.readouterr().err
+        assert Path(edited).read_text() == "// mine\n"
+    with pytest.raises(SystemExit) as end:
+        app(["convert", "a.xml", "a.ta", "--force"], prog_name="tachk")
+    assert end.value.code == 0
+    assert (Path("a.ta").read_text(), Path("a.layout.json").read_text()) == (text, layout)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from tachk import api
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.export import write_exported
+from tachk.cli.export import files_of, write_files
 from tachk.cli.guard import print_diagnostics
 from tachk.diagnostics.diagnostic import InputError, TachkError, UsageError
 from tachk.diagnostics.span import Span
@@ -27,18 +28,19 @@ from tachk.syntax.source_files import read_source
 from tachk.syntax.uppaal_xml_queries import without_properties, wrong_query
 
 
-def run_convert(source: str, output: Path, query_files: tuple[Path, ...], fix: bool) -> ExitStatus:
+def run_convert(source: str, output: Path, query_files: tuple[Path, ...], fix: bool, force: bool = False) -> ExitStatus:
     """Writes a file in another form.
 
     To tachk's own language nothing but the text is read, so an incomplete model can be converted too; ``-`` as output
-    prints canonical text, for `git diff` and the like.
+    prints canonical text, for `git diff` and the like. Files that say something else already are overwritten only by
+    ``force``: they may have been edited.
     """
     target = output.suffix.lower()
     to_text = str(output) == "-" or target == ".ta"
     if source.endswith(".q"):
-        _convert_queries(Path(source), output)
+        files = _convert_queries(Path(source), output)
     elif to_text:
-        _convert_to_text(Path(source), None if str(output) == "-" else output, query_files, fix)
+        files = _convert_to_text(Path(source), output, query_files, fix)
     else:
         if query_files:
             raise UsageError("-q goes with a .ta file as output", "convert to .ta first, then to the other format")
@@ -46,11 +48,25 @@ def run_convert(source: str, output: Path, query_files: tuple[Path, ...], fix: b
         print_diagnostics(model.warnings)
         exported = export_model(model.loaded, format_of(output), (), fix)
         _tell([step for step in exported.steps if step.kind == "name"])
-        write_exported(exported, output)
+        files = files_of(exported, output)
+    if str(output) == "-":
+        sys.stdout.write(files[output])
+    else:
+        _keep_edited(files, force)
+        write_files(files)
     return ExitStatus.AS_EXPECTED
 
 
-def _convert_to_text(source: Path, output: Path | None, query_files: tuple[Path, ...], fix: bool) -> None:
+def _keep_edited(files: Mapping[Path, str], force: bool) -> None:
+    """Raises UsageError if a file exists that does not hold what is to be written."""
+    for path, text in files.items():
+        if not force and path.is_file() and path.read_text(encoding="utf-8", errors="replace") != text:
+            raise UsageError(
+                f"{path} exists and says something else; it may have been edited", "--force overwrites it all the same"
+            )
+
+
+def _convert_to_text(source: Path, output: Path, query_files: tuple[Path, ...], fix: bool) -> dict[Path, str]:
     read = read_model(read_source(source))
     print_diagnostics(read.warnings)
     document, layout = read.document, read.layout
@@ -68,16 +84,7 @@ def _convert_to_text(source: Path, output: Path | None, query_files: tuple[Path,
         document, steps = document_repairs(document)
         _tell(steps)
     text = print_document(document) + "".join(f"\n{wrong_query(query)}\n" for query in aside)
-    if output is None:
-        sys.stdout.write(text)
-        return
-    output.write_text(text, encoding="utf-8")
-    written = [str(output)]
-    if layout is not None:
-        beside = layout_path(output)
-        beside.write_text(layout_to_json(layout), encoding="utf-8")
-        written.append(str(beside))
-    print(f"written: {', '.join(written)}")
+    return {output: text} | ({} if layout is None else {layout_path(output): layout_to_json(layout)})
 
 
 def _wrong_queries(source: Path) -> tuple[UncheckedQuery, ...]:
@@ -113,7 +120,7 @@ def _properties(path: Path, at: Span) -> list[ast.PropertyDeclaration]:
     ]
 
 
-def _convert_queries(source: Path, output: Path) -> None:
+def _convert_queries(source: Path, output: Path) -> dict[Path, str]:
     if output.suffix.lower() != ".q" and str(output) != "-":
         raise UsageError(
             f"{source} is a file of queries", "give it with -q beside a model, or convert it to another .q"
@@ -121,9 +128,4 @@ def _convert_queries(source: Path, output: Path) -> None:
     entries, diagnostics = parse_queries(read_source(source))
     if has_errors(diagnostics):
         raise InputError(diagnostics)
-    text = print_queries([PlainQuery("", e.formula, e.comment, e.expectation) for e in entries])
-    if str(output) == "-":
-        sys.stdout.write(text)
-    else:
-        output.write_text(text, encoding="utf-8")
-        print(f"written: {output}")
+    return {output: print_queries([PlainQuery("", e.formula, e.comment, e.expectation) for e in entries])}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 
 from tachk import api
@@ -44,14 +45,20 @@ def write_exported(exported: Exported, output: Path | None) -> None:
     """Writes the file and what belongs beside it; without a name only the text, to standard output."""
     if output is None:
         sys.stdout.write(exported.text)
-        return
-    output.write_text(exported.text, encoding="utf-8")
-    written = [str(output)]
-    if exported.queries:
-        beside = output.with_suffix(".q")
-        beside.write_text(exported.queries, encoding="utf-8")
-        written.append(str(beside))
-    print(f"written: {', '.join(written)}")
+    else:
+        write_files(files_of(exported, output))
+
+
+def files_of(exported: Exported, output: Path) -> dict[Path, str]:
+    """The file and what belongs beside it, each with its content."""
+    return {output: exported.text} | ({output.with_suffix(".q"): exported.queries} if exported.queries else {})
+
+
+def write_files(files: Mapping[Path, str]) -> None:
+    """Writes files and tells which."""
+    for path, text in files.items():
+        path.write_text(text, encoding="utf-8")
+    print(f"written: {', '.join(map(str, files))}")
 
 
 def _explain(exported: Exported) -> None:

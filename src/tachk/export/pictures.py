@@ -3,27 +3,34 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
+from typing import Any
 
 from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.export.svg import Picture, draw_template, together
 from tachk.export.uppaal_picture import complete
 from tachk.frontend.findings import Findings
 from tachk.frontend.imports import Importer
+from tachk.frontend.load import constant_overrides
 from tachk.syntax import ast
 from tachk.syntax.layout import Layout
 from tachk.syntax.layout_json import read_layout_beside
 from tachk.syntax.model_files import read_model
+from tachk.syntax.rewrite import rewrite
 from tachk.syntax.source_files import read_source
 
 
-def draw_file(path: str | os.PathLike[str]) -> tuple[Picture, ...]:
+def draw_file(path: str | os.PathLike[str], constants: Mapping[str, str] | None = None) -> tuple[Picture, ...]:
     """A picture of each template of a model file and of what it imports, in order.
 
     The file need not be a complete model: only its text is read.
 
+    Args:
+        constants: other values for global constants, shown in place of their names.
+
     Raises:
         InputError: the text is wrong; carries every finding.
-        UsageError: the file cannot be read, or has no template.
+        UsageError: the file cannot be read, has no template, or no such constant.
     """
     source = read_source(path)
     read = read_model(source)
@@ -34,13 +41,39 @@ def draw_file(path: str | os.PathLike[str]) -> tuple[Picture, ...]:
         if findings.has_errors:
             raise InputError(findings.sorted())
         items = tuple(imported)
-    templates = [item for item in items if isinstance(item, ast.Template)]
+    findings = Findings()
+    values = constant_overrides(constants or {}, items, findings)
+    if findings.has_errors:
+        raise InputError(findings.sorted())
+    templates = [_with_values(item, values) for item in items if isinstance(item, ast.Template)]
     if not templates:
         raise UsageError(f"{source.name} has no template to draw")
     layout = read.layout or read_layout_beside(path) or Layout()
     return tuple(
         draw_template(template, complete(template, layout.templates.get(template.name.name))) for template in templates
     )
+
+
+def _with_values(template: ast.Template, values: Mapping[str, ast.Expression]) -> ast.Template:
+    """The template with the values of constants in place of their names; a name that it also declares is kept."""
+    own: set[str] = set()
+
+    def note(node: Any) -> Any:
+        match node:
+            case ast.Parameter(name=name) | ast.Declarator(name=name) | ast.SelectBinding(name=name):
+                own.add(name.name)
+            case ast.QuantifierExpression(variable=name):
+                own.add(name.name)
+        return node
+
+    rewrite(template, note)
+
+    def change(node: Any) -> Any:
+        if isinstance(node, ast.NameExpression) and node.name not in own:
+            return values.get(node.name, node)
+        return node
+
+    return rewrite(template, change) if values else template
 
 
 def draw(path: str | os.PathLike[str], template: str | None = None) -> Picture:

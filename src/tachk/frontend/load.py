@@ -133,7 +133,7 @@ def load_model(
     unreadable = findings.sorted() if findings.has_errors else ()
     items = with_expectations(merged, findings)
     _refuse_dynamic_templates(items, findings)
-    overrides = _overrides(constants or {}, items, findings)
+    overrides = constant_overrides(constants or {}, items, findings)
     context = Context(findings, budget=Budget(INSTANCES))
     result: Elaborated = elaborate(items, document.span, overrides, context)
     if unreadable:
@@ -174,7 +174,7 @@ def _load_xml(read: XmlModel, constants: Mapping[str, int | bool | str], strict_
     items = read.document.items
     _refuse_dynamic_templates(items, findings)
     properties = [item for item in items if isinstance(item, ast.PropertyDeclaration)]
-    overrides = _overrides(constants, items, findings)
+    overrides = constant_overrides(constants, items, findings)
     context = Context(findings, budget=Budget(INSTANCES))
     others = [item for item in items if not isinstance(item, ast.PropertyDeclaration)]
     result = elaborate(others, read.document.span, overrides, context)
@@ -259,9 +259,10 @@ _BOOLEAN_WORDS = {"yes": "true", "on": "true", "no": "false", "off": "false", "t
 """What people write for a Boolean constant, in any case."""
 
 
-def _overrides(
+def constant_overrides(
     constants: Mapping[str, int | bool | str], items: Iterable[ast.Item], findings: Findings
 ) -> dict[str, ast.Expression]:
+    """The new values of global constants. Raises UsageError for a name that is none."""
     known, variables = _declared_names(items)
     overrides: dict[str, ast.Expression] = {}
     for name, value in constants.items():

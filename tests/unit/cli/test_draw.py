@@ -9,7 +9,7 @@ import pytest
 from tachk.cli.draw import run_draw
 from tachk.cli.exit_status import ExitStatus
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.export.pictures import draw
+from tachk.export.pictures import draw, draw_file
 from tachk.export.placement import place
 from tachk.syntax.layout_json import layout_path, layout_to_json
 from tachk.syntax.parser import parse_document
@@ -51,3 +51,33 @@ def test_the_side_file_says_where_things_stand(model: Path, tmp_path: Path) -> N
     layout_path(lamp).write_text(text.replace("[0, 0]", "[0, 333]"))
     assert 'cy="333"' not in before
     assert 'cy="333"' in draw(lamp).svg
+
+
+def test_png_is_a_picture_with_its_letters(model: Path, tmp_path: Path) -> None:
+    run_draw(str(model), tmp_path / "a.png", "Lamp")
+    run_draw(str(model), tmp_path / "a.svg", "Lamp")
+    content = (tmp_path / "a.png").read_bytes()
+    assert content.startswith(b"\x89PNG\r\n\x1a\n")
+    nameless = (tmp_path / "lamp.ta").read_text().replace("On", "O_").replace("Off", "O__")
+    (tmp_path / "lamp.ta").write_text(nameless)
+    run_draw(str(model), tmp_path / "b.png", "Lamp")
+    assert (tmp_path / "b.png").read_bytes() != content, "names are drawn"
+
+
+def test_other_endings_are_refused(model: Path, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"as \.svg or \.png"):
+        run_draw(str(model), tmp_path / "a.jpg", None)
+    assert not (tmp_path / "a.jpg").exists()
+
+
+def test_constants_are_shown_as_their_values(tmp_path: Path) -> None:
+    path = tmp_path / "m.ta"
+    path.write_text(
+        "const int N = 2, K = 3; clock x; process P() { init location A { to B { guard x >= N * K; } } location B; }"
+        "process Q(int[0, 1] N) { init location A { invariant x <= N; } }"
+    )
+    pictures = {picture.name: picture.svg for picture in draw_file(path, {"N": "1 + 1"})}
+    assert "x &gt;= (1 + 1) * K" in pictures["P"]
+    assert "x &lt;= N" in pictures["Q"], "its own N"
+    with pytest.raises(UsageError, match="no constant `M`"):
+        draw_file(path, {"M": "1"})

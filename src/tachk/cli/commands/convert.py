@@ -16,11 +16,13 @@ from tachk.cli import options
 )
 @options.query_files("Take these queries into a .ta file.")
 @click.option("--fix", is_flag=True, help="Replace names that some version of UPPAAL refuses.")
-def command(source: str, output: Path, query_files: tuple[Path, ...], fix: bool) -> None:
+@click.option("--force", is_flag=True, help="Overwrite files that say something else, edited ones too.")
+def command(source: str, output: Path, query_files: tuple[Path, ...], fix: bool, force: bool) -> None:
     """Write a model in another form: .ta, .xta, .xml, .q, .tck, .dot or .json.
 
     Formats but .ta are written in full: imports are followed, and what tachk adds to UPPAAL's language is expanded.
+    A file that exists and says something else is not overwritten without --force.
     """
     from tachk.cli.convert import run_convert
 
-    options.finish(lambda: run_convert(source, output, query_files, fix))
+    options.finish(lambda: run_convert(source, output, query_files, fix, force))

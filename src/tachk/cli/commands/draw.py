@@ -15,15 +15,19 @@ from tachk.cli import options
     "output",
     "-o",
     "--output",
-    metavar="DIR|FILE.svg",
+    metavar="DIR|FILE",
     type=options.type_of_file,
     default=Path(),
     show_default=True,
-    help="A folder, or one file for all templates.",
+    help="A folder, or one .svg or .png file for all templates.",
 )
 @click.option("--template", metavar="NAME", help="Draw this template only.")
-def command(model: str, output: Path, template: str | None) -> None:
-    """Draw the templates of a model as SVG, with the picture that a UPPAAL file has or an automatic one."""
+@options.definitions
+def command(model: str, output: Path, template: str | None, definitions: tuple[str, ...]) -> None:
+    """Draw the templates of a model as SVG or PNG, with the picture that a UPPAAL file has or an automatic one.
+
+    With -D a constant is shown as its value.
+    """
     from tachk.cli.draw import run_draw
 
-    options.finish(lambda: run_draw(model, output, template))
+    options.finish(lambda: run_draw(model, output, template, definitions))
