@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 _TICKS_PER_UNIT = {"s": ("s", 1), "ms": ("ms", 1), "us": ("us", 1), "ns": ("ns", 1), "ps": ("ns", 10**3)}
 _FEMTOSECONDS = ("ns", 10**6)
 _LARGEST_EXACT = 2**53
+_LAST_TICK = 2**62
 
 
 _BEYOND_ASCII = bytes(byte if byte < 128 else ord("?") for byte in range(256))
@@ -113,6 +114,8 @@ class VcdRecording:
                 time = token.time_change
                 if now is not None and time < now:
                     raise _error(self.name, f"the time {time} lies before {now}", token.span.start)
+                if time * self.magnitude > _LAST_TICK:
+                    raise _error(self.name, f"the time {time} is too large", token.span.start)
                 if now is not None and time > now and changed:
                     settle()
                     changed = False

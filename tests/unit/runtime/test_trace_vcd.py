@@ -97,6 +97,8 @@ def test_timescales(tmp_path: Path, scale: str, unit: str, ticks: int) -> None:
         (HEAD + BODY.replace("b0100", "bx"), "top.cnt", "26:"),  # it was known, and is no longer
         (HEAD + BODY.replace('b0011 "\n', "").replace('bx "\n', "").replace('b0100 "\n', ""), "top.cnt", "24:"),
         (HEAD + BODY.replace("#20", "#7"), "top.clk", "27:"),
+        (HEAD + BODY.replace("#20", "#9223372036854775808"), "top.clk", "27:"),
+        (HEAD + BODY.replace("#20", f"#{2**60}"), "top.clk", "27:"),  # 10 ns each
         (HEAD + BODY.replace("1!", "1"), "top.clk", "21:"),  # an identifier is missing
         (HEAD.replace("$enddefinitions $end\n", ""), "top.clk", "1:"),
     ],
