@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from importlib.util import cache_from_source
 from pathlib import Path
 
-CPU_SECONDS = 120
+CPU_SECONDS = 60
 MEMORY_BYTES = 6 * 2**30
 WALL_SECONDS = 1800
 
