@@ -82,6 +82,25 @@ EXPORT_CODES: dict[str, Explanation] = {
         "typedef int[0,3] slot; process P() { state slot; init slot; }",
         "typedef int[0,3] slot_t; process P() { state slot; init slot; }",
     ),
+    "E0817": Explanation(
+        "parameter where UPPAAL wants a known value",
+        "UPPAAL takes a parameter for a value that is known when it reads the model only if it is `const` and passed "
+        "by value. Initial values, ranges, sizes of arrays and arguments of an instantiation need such values.",
+        "process P(int[0,3] i) { int k = i; state s; init s; }",
+        "process P(const int[0,3] i) { int k = i; state s; init s; }",
+    ),
+    "E0818": Explanation(
+        "clock that equals something in an invariant",
+        "UPPAAL wants invariants to bound clocks from above. An equality does more: it forbids to enter the location "
+        "early. tachk takes it for what it says.",
+        "process P() { clock x; state s { x == 0 }; init s; }",
+        "process P() { clock x; state s { x <= 0 }; init s; }",
+    ),
+    "E0819": Explanation(
+        "name of a location that UPPAAL refuses",
+        "In an XML file two locations of a template have the same name, or a name is no identifier. tachk reads it "
+        "under another name and says so (W0121); UPPAAL refuses the file.",
+    ),
     "W0501": Explanation(
         "UPPAAL treats this otherwise",
         "The model loads, but UPPAAL warns about it, gives it another meaning, or answers less precisely.",

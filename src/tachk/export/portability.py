@@ -11,6 +11,7 @@ from enum import StrEnum
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Span
 from tachk.export.names import DECLARED_5, QUERY_WORDS, WORDS_4_1, WORDS_5, declared_names
+from tachk.export.portability_constants import open_constants
 from tachk.export.portability_queries import query_findings
 from tachk.frontend.builtin_names import BUILTIN_CONSTANTS, BUILTIN_TYPES
 from tachk.frontend.load import LoadedModel
@@ -38,6 +39,9 @@ def portability(model: LoadedModel, version: Version) -> tuple[Diagnostic, ...]:
         *_names(model, version),
         *_newer(model.items, version),
         *_types(model.items, version),
+        *_invariants(model, version),
+        *open_constants(model.items, version.full_name),
+        *_written_names(model, version),
         *query_findings(model, version.full_name),
         *_other_treatment(model, version),
     ]
@@ -137,6 +141,36 @@ def _type_names(items: Iterable[object]) -> frozenset[str]:
         if isinstance(item, ast.TypedefDeclaration)
         for declarator in item.declarators
     )
+
+
+def _written_names(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
+    """The names in a XML file that were put right when it was read."""
+    pictures = model.layout.templates if model.layout is not None else {}
+    for template in (item for item in model.items if isinstance(item, ast.Template)):
+        nodes = pictures[template.name.name].nodes if template.name.name in pictures else {}
+        for location in template.locations:
+            written = nodes[location.name.name].written_name if location.name.name in nodes else None
+            if written:
+                yield Diagnostic(
+                    "E0819",
+                    f"{version.full_name} refuses a second location `{written}`, or a name that is no identifier",
+                    location.name.span,
+                    f"it is called `{location.name.name}` here; `tachk convert` writes it so",
+                )
+
+
+def _invariants(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
+    clocks = {v.name.rpartition(".")[2] for v in model.network.all_variables() if _is_clock(v.type)}
+    for template in (item for item in model.items if isinstance(item, ast.Template)):
+        for location in template.locations:
+            for node in nodes_of_kind(location.invariant, ast.BinaryExpression):
+                if node.operator == "==" and _is_named(node.left, clocks) != _is_named(node.right, clocks):
+                    yield Diagnostic(
+                        "E0818",
+                        f"{version.full_name} does not take a clock that equals something as an invariant",
+                        node.span,
+                        "write `<=`; a lower bound belongs into the guards of the edges that lead here",
+                    )
 
 
 def _other_treatment(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:

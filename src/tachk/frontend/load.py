@@ -155,6 +155,31 @@ def load_model(
     )
 
 
+def _without_charts(items: tuple[ast.Item, ...], charts: frozenset[str], findings: Findings) -> tuple[ast.Item, ...]:
+    """The items without the instances of message sequence charts, which are refused."""
+    names = set(charts)
+    kept: list[ast.Item] = []
+    for item in items:
+        match item:
+            case ast.Instantiation(name=name, template=template) if template.name in names:
+                names.add(name.name)
+                _refuse_chart(template, findings)
+            case ast.SystemLine(groups=groups):
+                for identifier in (i for group in groups for i in group if i.name in names):
+                    _refuse_chart(identifier, findings)
+                running = (tuple(i for i in group if i.name not in names) for group in groups)
+                kept.append(replace(item, groups=tuple(group for group in running if group)))
+            case _:
+                kept.append(item)
+    return tuple(kept) if names else items
+
+
+def _refuse_chart(name: ast.Identifier, findings: Findings) -> None:
+    findings.add(
+        "E0750", name.span, f"`{name.name}` is a message sequence chart, which is not supported", "leave it out here"
+    )
+
+
 def _told_apart(findings: Findings) -> tuple[tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
     """The refusals and the warnings among findings that have no other errors."""
     found = findings.sorted()
@@ -171,7 +196,7 @@ def _load_xml(read: XmlModel, constants: Mapping[str, int | bool | str], strict_
         findings.extend(additions(replace(read.document, items=plain)))
     if findings.has_errors:
         raise InputError(findings.sorted())
-    items = read.document.items
+    items = _without_charts(read.document.items, read.charts, findings)
     _refuse_dynamic_templates(items, findings)
     properties = [item for item in items if isinstance(item, ast.PropertyDeclaration)]
     overrides = constant_overrides(constants, items, findings)

@@ -31,12 +31,14 @@ class XmlModel:
     """Attributes:
     broken: queries that cannot be read; they are no part of the document, and harm nothing else.
     diagnostics: about everything else.
+    charts: the names of the message sequence charts.
     """
 
     document: ast.Document
     layout: Layout
     broken: tuple[BrokenQuery, ...]
     diagnostics: tuple[Diagnostic, ...]
+    charts: frozenset[str] = frozenset()
 
 
 def parse_uppaal_xml(source: Source) -> XmlModel:
@@ -108,7 +110,9 @@ class _Reader:
         )
         whole = Span(texts.source, 0, len(texts.source.text))
         document = ast.Document(whole, tuple(items), self._comments(texts, items))
-        return XmlModel(document, layout, tuple(self.queries.broken), _one_legacy_warning(self.diagnostics))
+        names = (element.first("name") for element in self.root.all("lsc"))
+        charts = frozenset(name.text.strip() for name in names if name is not None)
+        return XmlModel(document, layout, tuple(self.queries.broken), _one_legacy_warning(self.diagnostics), charts)
 
     def _parsed(self, parse: Callable[[Span], tuple[Any, tuple[Diagnostic, ...]]], span: Span) -> Any:
         items, diagnostics = parse(span)

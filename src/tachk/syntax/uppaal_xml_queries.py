@@ -27,6 +27,8 @@ _AUTOMATIC = re.compile(r"q[0-9]+")
 _OUTCOMES = {"success": "holds", "failure": "fails"}
 _EXPECT_LINE = re.compile(r"(?:\A|\n)(?:EXPECT:[ \t]*\S+|(?P<conditional>expect (?:holds|fails) if [^\n]+))\Z")
 _SET_ASIDE = re.compile(r"\s*/\* UPPAAL does not check: (?P<formula>.*\S)\s*\*/\s*", re.DOTALL)
+_HEADING = re.compile(r"\s*([=#*_~])\1")
+"""How people set off headings in a list of queries; no formula begins like that."""
 _WRONG = "// a query that is wrong: "
 MEASURES = ("sup", "inf", "bounds")
 
@@ -78,7 +80,7 @@ class QueriesReader:
             results = tuple(child.span.text for child in element.children if child.name in ("expect", "result"))
             kept = QueryLayout("", options=_options(element.children), results=results)
             comment = _child_text(element, "comment")
-            if formula is None or place is None or _is_empty(place):
+            if formula is None or place is None or _is_empty(place) or _HEADING.match(place.text):
                 text = formula.text if formula is not None and formula.text.strip() else None
                 self.layouts.append(_with(kept, "", comment, text))
                 continue

@@ -133,3 +133,37 @@ def test_examples_of_the_explanations(code: str) -> None:
             expected and code != "E0811"
         )
         assert code != "E0811" or (code in [found_code for found_code, _ in found(source)]) == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "places"),
+    [
+        ("P(int[1, 2] i) := T(i); process T(int[1, 2] i) { state a; init a; } system P;", ["i"]),
+        ("P(const int[1, 2] i) := T(i); process T(const int[1, 2] i) { state a; init a; } system P;", []),
+        ("const int x = 2; S = R(x); process R(const int &i) { int k = i; state a; init a; } system S;", ["i"]),
+        ("process R(int[0, 1] i) { int[0, 3] a[2] = {i, 1}; state s; init s; } system R;", ["i"]),
+        ("process R(const int[0, 1] i) { int k = i; state s; init s; } system R;", []),
+        ("process R(int[0, 1] i, int[0, 1] &n) { state s; init s; trans s -> s { assign n = i; }; } system R;", None),
+    ],
+)
+def test_values_that_uppaal_wants_to_know(text: str, places: list[str] | None) -> None:
+    """The first and the third are err-01, err-02 and tmpl-binding-03 of the tests of uppaal-to-tchecker."""
+    if places is None:
+        text = text.replace("system R;", "int[0, 1] m; S = R(0, m); system S;")
+    for version in Version:
+        assert found(text, version) == [("E0817", place) for place in places or []]
+
+
+def test_equalities_in_invariants() -> None:
+    text = process("clock x[2]; int n; state a { x[0] == 0 && n == 0 }, b { x[1] <= 0 }; init a;")
+    for version in Version:
+        assert found(text, version) == [("E0818", "x[0] == 0")]
+
+
+def test_names_that_were_put_right() -> None:
+    names = "".join(
+        f'<location id="l{i}"><name>{name}</name></location>' for i, name in enumerate(("A", "A", "B-1", "C"))
+    )
+    text = f'<nta><template><name>P</name>{names}<init ref="l0"/></template><system>system P;</system></nta>'
+    findings = portability(load_model(Source("m.xml", text)), Version.UPPAAL_5_0)
+    assert [(d.code, d.message.split("`")[1]) for d in findings] == [("E0819", "A"), ("E0819", "B-1")]

@@ -334,3 +334,15 @@ def test_functions_of_a_foreign_library_are_refused_where_they_are_called(
 
 def test_a_foreign_library_declares_nothing_else(find: Any) -> None:
     assert find(f"{LIBRARY} int m = h();")[1:] == [("E0201", "h")]
+
+
+@pytest.mark.parametrize("system", ["system P, L;", "system L;", "K = L();\nsystem P, K;"])
+def test_message_sequence_charts_in_the_system_line_are_refused(system: str) -> None:
+    template = '<template><name>P</name><location id="a"><name>A</name></location><init ref="a"/></template>'
+    queries = "<queries><query><formula>E&lt;&gt; P.A</formula><comment/></query></queries>"
+    text = f"<nta>{template}<lsc><name>L</name></lsc><system>{system}</system>{queries}</nta>"
+    loaded = load_model(Source("m.xml", text))
+    assert [(d.code, d.message) for d in loaded.refusals] == [
+        ("E0750", f"`{'L' if 'K' not in system else name}` is a message sequence chart, which is not supported")
+        for name in (("L", "K") if "K" in system else ("L",))
+    ]

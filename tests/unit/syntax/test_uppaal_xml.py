@@ -340,3 +340,11 @@ def test_a_location_that_is_urgent_and_committed_is_committed() -> None:
         '<init ref="a"/></template><system>system P;</system></nta>'
     )
     assert template(read(text)).locations[0].committed
+
+
+def test_headings_in_the_list_of_queries_are_no_queries() -> None:
+    headings = ("== G1 with G0: safety ==", "### Safety", "****", "  -- no")
+    queries = "".join(f"<query><formula>{text}</formula><comment/></query>" for text in headings)
+    model = read(f"<nta><system>system P;</system><queries>{queries}</queries></nta>")
+    assert [query.text for query in model.broken] == ["-- no"]
+    assert [query.formula for query in model.layout.queries][:3] == list(headings[:3])
