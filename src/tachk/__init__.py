@@ -22,7 +22,11 @@ if TYPE_CHECKING:
         UnsupportedError,
         UsageError,
         Verdict,
+        diff,
+        draw,
         load,
+        loads,
+        random_network,
     )
     from tachk.monitoring.offline import MonitorReport, monitor
     from tachk.monitoring.online import Monitor
@@ -47,8 +51,12 @@ __all__ = [
     "UsageError",
     "Verdict",
     "__version__",
+    "diff",
+    "draw",
     "load",
+    "loads",
     "monitor",
+    "random_network",
 ]
 
 

@@ -6,6 +6,8 @@
     report = model.verify()
     report["mutual_exclusion"].answer          # Answer.HOLDS
 
+`load` takes a file, `loads` a text, and `Model` a network that `tachk.model.builder` made.
+
 Wrong input raises `InputError` with every finding; a limit that is hit is an answer (`Answer.UNKNOWN`), not an error.
 """
 
@@ -33,6 +35,7 @@ from tachk.syntax.source_files import read_source
 from tachk.time_limit import time_limit
 
 if TYPE_CHECKING:
+    from tachk.export.svg import Picture
     from tachk.report.json_report import Json
 
 __all__ = [
@@ -48,7 +51,12 @@ __all__ = [
     "UnsupportedError",
     "UsageError",
     "Verdict",
+    "diff",
+    "draw",
+    "export",
     "load",
+    "loads",
+    "random_network",
 ]
 
 
@@ -65,22 +73,106 @@ def load(path: str | os.PathLike[str], **constants: int | bool | str) -> Model:
         InputError: the model is wrong; carries every finding.
         UsageError: the file cannot be read, or there is no such constant.
     """
-    return Model(os.fspath(path), load_model(path, constants), tuple(constants))
+    return Model(load_model(path, constants), os.fspath(path), tuple(constants))
 
 
-@dataclass(frozen=True, slots=True)
+def loads(text: str, /, **constants: int | bool | str) -> Model:
+    """Reads and instantiates a model from its text, in tachk's language or UPPAAL's XML.
+
+    Imports are relative to the current folder. Otherwise as `load`.
+    """
+    return Model(load_model(Source("<text>", text), constants), "<text>", tuple(constants))
+
+
+def diff(before: Model, after: Model) -> str:
+    """What is different in the behaviour of two models, as `tachk diff` tells it; empty if nothing is."""
+    from tachk.export.difference import least_difference, print_difference
+    from tachk.export.expansion import expand
+
+    first, second = (expand(model._written, repair_names=False) for model in (before, after))
+    return print_difference(least_difference(first, second))
+
+
+def draw(model: Model | str | os.PathLike[str], template: str | None = None) -> Picture:
+    """The picture of one template of a model, or of all of them together; see `tachk.export.pictures`.
+
+    Raises:
+        InputError: the text is wrong; carries every finding.
+        UsageError: the file cannot be read, or has no such template.
+    """
+    from tachk.export.pictures import draw as draw_path
+    from tachk.export.pictures import draw_document
+    from tachk.syntax.layout_json import read_layout_beside
+
+    if isinstance(model, Model):
+        loaded = model._written
+        return draw_document(loaded.items, loaded.layout or read_layout_beside(model.path), model.path, template)
+    return draw_path(model, template)
+
+
+def export(model: Model, format: str, observers: bool = True) -> str:
+    """A model as text for another program.
+
+    Args:
+        format: ``xta``, ``xml``, ``q``, ``tchecker``, ``dot`` or ``json``.
+        observers: give temporal properties observer automata where the format has no formulas.
+
+    Raises:
+        UsageError: there is no such format.
+        UnsupportedError: something in the model cannot be said in it.
+    """
+    from tachk.export.formats import ExportFormat, export_model
+
+    try:
+        wanted = ExportFormat(format)
+    except ValueError:
+        raise UsageError(f"there is no format {format!r}", f"one of {', '.join(ExportFormat)}") from None
+    return export_model(model._written, wanted, model.definitions, observers=observers).text
+
+
+def random_network(seed: int = 0) -> Model:
+    """A small random network, the same for the same seed: something to try a program on."""
+    from random import Random
+
+    from tachk.testing.networks import random_case
+
+    return Model(random_case(Random(seed)).network, f"<random network {seed}>")
+
+
+@dataclass(frozen=True, slots=True, init=False)
 class Model:
     """An instantiated model with the properties it states.
 
     Attributes:
-        path: where it was read from, as given.
+        path: where it was read from, as given; or what reports call it.
         loaded: the network with everything else that was found in the text.
         definitions: the names of the constants that were given another value.
     """
 
     path: str
     loaded: LoadedModel = field(repr=False)
-    definitions: tuple[str, ...] = ()
+    definitions: tuple[str, ...]
+
+    def __init__(
+        self, network: Network | LoadedModel, path: str = "<network>", definitions: tuple[str, ...] = ()
+    ) -> None:
+        """A model of a network that was made in Python, or of what was read from a text."""
+        loaded = _made(network, path) if isinstance(network, Network) else network
+        for name, value in (("path", path), ("loaded", loaded), ("definitions", definitions)):
+            object.__setattr__(self, name, value)
+
+    @property
+    def _written(self) -> LoadedModel:
+        """The model as far as it is or can be written down.
+
+        Raises:
+            UsageError: it was made in Python, and the language cannot say it.
+        """
+        if not self.loaded.items:
+            raise UsageError(
+                f"{self.path} cannot be written as a model, only be checked", _why_not_written(self.network)
+            )
+        return self.loaded
 
     @property
     def network(self) -> Network:
@@ -187,6 +279,28 @@ class Model:
             f"{self.path} has no property {name!r}",
             f"did you mean {close}?" if close else f"it has: {', '.join(names) or 'none'}",
         )
+
+
+def _made(network: Network, name: str) -> LoadedModel:
+    """A network with the names that queries may use and, where the language can say it, the text that it would have."""
+    from tachk.export.network_document import NotWritable, empty_document, network_document
+    from tachk.frontend.made_network import made_model
+
+    try:
+        document = network_document(network, name)
+    except NotWritable:
+        document = empty_document(name)
+    return made_model(network, document)
+
+
+def _why_not_written(network: Network) -> str:
+    from tachk.export.network_document import NotWritable, network_document
+
+    try:
+        network_document(network, "")
+    except NotWritable as reason:
+        return f"it has {reason}"
+    return "it has no process"
 
 
 def _why_not(query: UncheckedQuery) -> str:

@@ -55,7 +55,7 @@ def run_check(
 
 def _check(path: str, constants: dict[str, str], version: Version | None, strict_xta: bool) -> Checked:
     try:
-        model = api.Model(path, load_model(path, constants, strict_xta), tuple(constants))
+        model = api.Model(load_model(path, constants, strict_xta), path, tuple(constants))
     except InputError as error:
         return Checked(path, findings=error.diagnostics)
     except UnsupportedError as error:

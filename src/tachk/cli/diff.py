@@ -8,8 +8,8 @@ import sys
 from tachk import api
 from tachk.cli.exit_status import ExitStatus
 from tachk.diagnostics.diagnostic import InputError
-from tachk.export.difference import difference, print_difference
-from tachk.export.expansion import expand, expand_document, with_repaired_names
+from tachk.export.difference import least_difference, print_difference
+from tachk.export.expansion import expand, expand_document
 from tachk.export.plain import PlainModel
 from tachk.syntax.model_files import read_model
 from tachk.syntax.source_files import read_source
@@ -17,12 +17,7 @@ from tachk.syntax.source_files import read_source
 
 def run_diff(before: str, after: str) -> ExitStatus:
     """Prints what is different in the behaviour of two models; nothing if nothing is."""
-    first, second = _models(before, after)
-    changes = difference(first, second)
-    # A name that was replaced for some version of UPPAAL is the same name.
-    repaired = difference(with_repaired_names(first), with_repaired_names(second))
-    if len(repaired) < len(changes):
-        changes = repaired
+    changes = least_difference(*_models(before, after))
     sys.stdout.write(print_difference(changes))
     return ExitStatus.DIFFERENT if changes else ExitStatus.AS_EXPECTED
 

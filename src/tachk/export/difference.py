@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from tachk.export.expansion import with_repaired_names
 from tachk.export.plain import PlainModel
 from tachk.syntax import ast
 from tachk.syntax.comment_placement import Placement
@@ -60,6 +61,13 @@ def difference(before: PlainModel, after: PlainModel) -> tuple[Change, ...]:
     _compare("system", _system(before), _system(after), changes)
     _compare_many("properties", _queries(before), _queries(after), changes)
     return tuple(changes)
+
+
+def least_difference(before: PlainModel, after: PlainModel) -> tuple[Change, ...]:
+    """`difference`, where a name that was replaced for some version of UPPAAL may be the same name."""
+    changes = difference(before, after)
+    repaired = difference(with_repaired_names(before), with_repaired_names(after))
+    return repaired if len(repaired) < len(changes) else changes
 
 
 def print_difference(changes: Sequence[Change]) -> str:

@@ -33,15 +33,21 @@ def expression_text(expression: Expression, network: Network, owner: str = "") -
     Args:
         owner: the name of a process; its variables are written without it.
     """
-    return print_expression(_node(expression, network, f"{owner}." if owner else ""))
+    return print_expression(expression_node(expression, network, owner))
+
+
+def expression_node(expression: Expression, network: Network, owner: str = "") -> ast.Expression:
+    """The syntax tree of an expression; arguments as for `expression_text`."""
+    return _node(expression, network, f"{owner}." if owner else "")
 
 
 def type_text(type_: Type) -> str:
     """The text of the type of a bound variable."""
-    return print_type(_type(type_))
+    return print_type(type_node(type_))
 
 
-def _type(type_: Type) -> ast.TypeExpression:
+def type_node(type_: Type) -> ast.TypeExpression:
+    """The syntax tree of the type of a bound variable."""
     base: ast.BuiltinType | ast.RangeType | ast.ScalarSetType | ast.NamedType
     match type_:
         case IntType(low, high):
@@ -85,7 +91,7 @@ def _node(expression: Expression, network: Network, prefix: str) -> ast.Expressi
             return ast.ConditionalExpression(at, inner(condition), inner(then), inner(otherwise))
         case Quantifier(kind, variable, body):
             bound = ast.Identifier(at, variable.name)
-            return ast.QuantifierExpression(at, kind.value, bound, _type(variable.type), inner(body))
+            return ast.QuantifierExpression(at, kind.value, bound, type_node(variable.type), inner(body))
         case Assign(target, value, _, operator):
             sign = "=" if operator is None else f"{operator.value}="
             return ast.AssignmentExpression(at, sign, inner(target), inner(value))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from tachk.diagnostics.diagnostic import InputError, UsageError
@@ -45,13 +45,24 @@ def draw_file(path: str | os.PathLike[str], constants: Mapping[str, str] | None 
     values = constant_overrides(constants or {}, items, findings)
     if findings.has_errors:
         raise InputError(findings.sorted())
-    templates = [_with_values(item, values) for item in items if isinstance(item, ast.Template)]
+    drawn = [_with_values(item, values) if isinstance(item, ast.Template) else item for item in items]
+    return draw_items(drawn, read.layout or read_layout_beside(path), source.name)
+
+
+def draw_items(items: Iterable[ast.Item], layout: Layout | None, name: str) -> tuple[Picture, ...]:
+    """A picture of each template among declarations.
+
+    Args:
+        name: what a message calls them.
+
+    Raises:
+        UsageError: there is no template.
+    """
+    templates = [item for item in items if isinstance(item, ast.Template)]
     if not templates:
-        raise UsageError(f"{source.name} has no template to draw")
-    layout = read.layout or read_layout_beside(path) or Layout()
-    return tuple(
-        draw_template(template, complete(template, layout.templates.get(template.name.name))) for template in templates
-    )
+        raise UsageError(f"{name} has no template to draw")
+    known = {} if layout is None else layout.templates
+    return tuple(draw_template(template, complete(template, known.get(template.name.name))) for template in templates)
 
 
 def _with_values(template: ast.Template, values: Mapping[str, ast.Expression]) -> ast.Template:
@@ -83,9 +94,17 @@ def draw(path: str | os.PathLike[str], template: str | None = None) -> Picture:
         InputError: the text is wrong; carries every finding.
         UsageError: the file cannot be read, or has no such template.
     """
-    pictures = draw_file(path)
+    return _one(draw_file(path), os.path.basename(path), template)
+
+
+def draw_document(items: Iterable[ast.Item], layout: Layout | None, name: str, template: str | None = None) -> Picture:
+    """The same of a model that has been read, or was never written. Raises UsageError as `draw`."""
+    return _one(draw_items(items, layout, name), os.path.basename(name), template)
+
+
+def _one(pictures: tuple[Picture, ...], name: str, template: str | None) -> Picture:
     if template is None:
-        return pictures[0] if len(pictures) == 1 else together(os.path.basename(path), pictures)
+        return pictures[0] if len(pictures) == 1 else together(name, pictures)
     return named(pictures, template)
 
 

@@ -17,10 +17,9 @@ from tachk.engines.zone import explore
 from tachk.frontend.context import Context
 from tachk.frontend.findings import Findings
 from tachk.frontend.load import LoadedModel, load_model
+from tachk.frontend.made_network import scope_of
 from tachk.frontend.observers import elaborate_temporal
-from tachk.frontend.scope import LocationSymbol, ProcessSymbol, Scope, Symbol, ValueSymbol
 from tachk.logic.durations import scaled
-from tachk.model.expressions import Reference
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.types import IntType
@@ -121,15 +120,6 @@ def random_watched(random: Random, network: Network) -> Query | None:
     watched = rewrite(formula, lambda node: substitute(node, atoms) if isinstance(node, ast.NameExpression) else node)
     node = ast.TemporalFormula(NOWHERE, watched)
     return elaborate_temporal(node, "property", scope_of(network), Context(Findings()), "", None)
-
-
-def scope_of(network: Network) -> Scope:
-    """The names of a network that was not made from text: ``P.location``, and global variables."""
-    scope = Scope(None, "the network", {v.name: ValueSymbol(Reference(v), True, "variable") for v in network.variables})
-    for number, process in enumerate(network.processes):
-        locations: dict[str, Symbol] = {l.name: LocationSymbol(index) for index, l in enumerate(process.locations)}
-        scope.symbols[process.name] = ProcessSymbol(number, Scope(scope, process.name, locations))
-    return scope
 
 
 def _random_atom(random: Random, network: Network) -> ast.Expression:
