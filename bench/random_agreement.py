@@ -11,8 +11,10 @@ import ast
 import sys
 import time
 from collections import Counter
+from dataclasses import replace
 from random import Random
 
+from tachk.model.expressions import BOOL, Constant
 from tachk.testing import Shape, random_case
 from tachk.testing.agreement import compare
 
@@ -24,6 +26,14 @@ SHAPES = (
     Shape(priorities=True, diagonals=True, clocks=2, constant=3),
     Shape(strict=False, deadlocks=False),
     Shape(stopwatches=True),
+    Shape(language=True, faults=0.08, clocks=2),
+    Shape(language=True, faults=0.08, exact=0.4, processes=2, clocks=2, constant=3),
+    Shape(language=True, faults=0.08, clocks_on_broadcast=True, locations=3, clocks=2),
+    Shape(language=True, faults=1.0, processes=3, locations=3, clocks=1),
+    Shape(language=True, faults=0.3, priorities=True, clocks=2),
+    Shape(language=True, faults=0.08, diagonals=True, clocks=2, constant=3, processes=2),
+    Shape(language=True, faults=0.08, stopwatches=True, clocks=2),
+    Shape(language=True, faults=0.3, spectators=1, bystanders=1, processes=2, clocks=1, locations=3),
 )
 
 
@@ -32,10 +42,13 @@ def main(arguments: list[str]) -> int:
     features = dict(argument.split("=", 1) for argument in arguments[2:])
     given = Shape(**{name: ast.literal_eval(value) for name, value in features.items()}) if features else None
     conclusions: Counter[tuple[str, str]] = Counter()
-    wrong, started = 0, time.monotonic()
+    wrong, faults, started = 0, 0, time.monotonic()
     for number in range(seed, seed + count):
         shape = given or SHAPES[number % len(SHAPES)]
-        agreement = compare(random_case(Random(number), shape))
+        case = random_case(Random(number), shape)
+        nothing = Constant(0, BOOL)  # to be sure that everything is explored, and every run-time error met
+        agreement = compare(replace(case, predicates=(*case.predicates, nothing)))
+        faults += any(outcome.fault is not None for outcome in agreement.outcomes.values())
         for name, outcome in agreement.outcomes.items():
             conclusions.update((name, goal.status.value) for goal in outcome.goals)
         for problem in agreement.problems:
@@ -43,7 +56,7 @@ def main(arguments: list[str]) -> int:
             print(f"seed {number}, {shape}: {problem}", flush=True)
     for (name, status), times in sorted(conclusions.items()):
         print(f"{times:8} {status:12} {name}")
-    print(f"{count} networks, {wrong} disagreements, {time.monotonic() - started:.0f} s")
+    print(f"{count} networks, {faults} with run-time errors, {wrong} disagreements, {time.monotonic() - started:.0f} s")
     return 1 if wrong else 0
 
 

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from tachk.engines import zone
-from tachk.engines.protocol import Limits, Options
+from tachk.engines.protocol import Extrapolation, Limits, Options, SearchOrder
+from tachk.model.expressions import BOOL, Constant
 from tachk.semantics.lower import lower
 from tachk.testing import Case, Shape, cases, random_case
 from tachk.testing.agreement import VARIANTS, Effort, compare
@@ -61,6 +62,28 @@ def test_times_a_thousand_times_as_long_mean_the_same(unit: int, diagonals: bool
             found = zone.explore(program, goals, options, Limits(states=20_000))
             assert [g.status for g in found.goals] == [g.status for g in expected.goals], f"seed {seed}"
             assert found.statistics.states_stored == expected.statistics.states_stored, f"seed {seed}"
+
+
+FAULTS = {
+    "language": Shape(language=True, faults=0.08, exact=0.3, processes=2, locations=3, clocks=2, constant=3),
+    "faults": Shape(language=True, faults=1.0, processes=2, locations=3, clocks=2, constant=3),
+    "priorities": Shape(language=True, faults=1.0, priorities=True, processes=2, locations=3, clocks=1),
+    "left out": Shape(language=True, faults=0.5, spectators=1, bystanders=1, processes=2, locations=3, clocks=1),
+    "stopwatches": Shape(language=True, faults=0.3, stopwatches=True, processes=2, locations=3, clocks=2),
+}
+FEW_VARIANTS = (Options(order=SearchOrder.DFS), Options(extrapolation=Extrapolation.MAX), Options(chunk_words=1))
+
+
+@pytest.mark.parametrize("shape", FAULTS)
+def test_engines_agree_on_run_time_errors(shape: str) -> None:
+    met = 0
+    for seed in range(100, 120):
+        case = random_case(Random(seed), FAULTS[shape])
+        everything = replace(case, predicates=(*case.predicates, Constant(0, BOOL)))
+        agreement = compare(everything, FEW_VARIANTS, EFFORT)
+        assert agreement.problems == (), f"seed {seed}"
+        met += any(outcome.fault is not None for outcome in agreement.outcomes.values())
+    assert met > 0
 
 
 @settings(max_examples=40, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])

@@ -85,6 +85,10 @@ def explore(network: Network, goals: Sequence[Expression], limits: Limits = Limi
                 if symbolic.intersections([node.zone], asked.domain):
                     raise asked.fault
             for move in node.situation.moves:
+                # Updates are evaluated where the guards hold, whatever has priority.
+                if move.fault is not None and symbolic.intersections([node.zone], move.domain):
+                    raise move.fault
+            for move in node.situation.moves:
                 _follow(search, node, move)
             move = None
             if limits.states is not None and search.stored > limits.states:
@@ -116,8 +120,6 @@ def _follow(search: _Search, node: _Node, move: Move) -> None:
     fired = symbolic.fire(node.situation, [node.zone], move)
     if not fired:
         return
-    if move.fault is not None:
-        raise move.fault
     assert move.target is not None
     there = search.situations.get(move.target)
     if there is None:

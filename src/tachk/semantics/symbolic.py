@@ -316,7 +316,8 @@ def _strictly_later(zone: Zone) -> Zone:
 
 def where(model: Model, here: Situation, predicate: Expression) -> Federation:
     """The clock valuations, among those that satisfy the invariants, where a state predicate holds, whatever the parts
-    of it are that cannot be evaluated. ``deadlock`` may occur anywhere in it.
+    of it are that cannot be evaluated. ``deadlock`` may occur anywhere in it; what it is cannot be said where an action
+    is a run-time error now or later.
     """
     if here.invariant is None:
         return []
@@ -333,5 +334,10 @@ def where(model: Model, here: Situation, predicate: Expression) -> Federation:
     if_dead, if_alive = zones(assuming(True)), zones(assuming(False))
     if if_dead == if_alive:
         return if_dead
-    unknown = [dbm.down(zone) for fault in here.faults for zone in fault.domain]
-    return dbm.subtract_all(if_dead, [*here.alive, *unknown]) + intersections(if_alive, here.perhaps_alive)
+    doubtful = [*(f.domain for f in here.faults), *(m.domain for m in here.moves if m.fault is not None)]
+    unknown = [zone for domain in doubtful for zone in domain]
+    if here.delays and not here.stopped:
+        unknown = [dbm.down(zone) for zone in unknown]
+    dead = dbm.subtract_all(if_dead, [*here.alive, *unknown])
+    alive = dbm.subtract_all(intersections(if_alive, here.perhaps_alive), unknown)
+    return dead + alive + (intersections(if_dead, if_alive) if unknown else [])

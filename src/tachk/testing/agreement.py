@@ -7,10 +7,13 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 
 from tachk.certify.replay import ReplayError, replay
-from tachk.diagnostics.diagnostic import UnsupportedError
+from tachk.diagnostics.diagnostic import InternalError, UnsupportedError
 from tachk.engines import digitised, reference, zone
 from tachk.engines.concretise import concretise
 from tachk.engines.protocol import BoundScope, Extrapolation, Limits, Options, Outcome, SearchOrder, Status
+from tachk.model.query import Query, QueryKind
+from tachk.properties.verdict import Answer
+from tachk.properties.verify import verify
 from tachk.semantics.lower import lower
 from tachk.testing.networks import Case
 
@@ -70,7 +73,8 @@ def compare(case: Case, variants: Sequence[Options] = VARIANTS, effort: Effort =
         outcomes["regions"] = digitised.explore_regions(case.network, case.predicates, sampled)
     outcomes |= _zone_outcomes(case, variants)
     problems = _over_approximation(outcomes) if stopwatches else _contradictions(outcomes)
-    return Agreement(outcomes, (*problems, *_runs(case, outcomes, stopwatches)))
+    answers = _answers(case, outcomes) if "zone" in outcomes else ()
+    return Agreement(outcomes, (*problems, *_runs(case, outcomes, stopwatches), *answers))
 
 
 def _zone_outcomes(case: Case, variants: Sequence[Options]) -> dict[str, Outcome]:
@@ -79,10 +83,34 @@ def _zone_outcomes(case: Case, variants: Sequence[Options]) -> dict[str, Outcome
     except UnsupportedError:
         return {}
     outcomes = {"zone": zone.explore(program, goals, Options(), ZONE_LIMITS)}
+    stored = outcomes["zone"].statistics.states_stored
+    for name, limits in (
+        ("states", Limits(states=stored // 2)),
+        ("depth", Limits(depth=2)),
+        ("seconds", Limits(seconds=0.0)),
+    ):
+        outcomes[f"zone limited in {name}"] = zone.explore(program, goals, Options(), limits)
     for options in variants:
         limits = UNWIDENED_LIMITS if options.extrapolation is Extrapolation.NONE else ZONE_LIMITS
         outcomes[_name(options)] = zone.explore(program, goals, options, limits)
     return outcomes
+
+
+def _answers(case: Case, outcomes: dict[str, Outcome]) -> Iterator[str]:
+    """What is wrong with the verdicts: processes are left out, paths get their runs, errors their explanation."""
+    queries = [Query(f"q{number}", QueryKind.POSSIBLY, goal) for number, goal in enumerate(case.predicates)]
+    for limits in (ZONE_LIMITS, Limits(states=outcomes["zone"].statistics.states_stored // 2)):
+        try:
+            verdicts = verify(case.network, queries, limits=limits)
+        except InternalError as error:
+            yield f"verify: {error}"
+            return
+        for number, verdict in enumerate(verdicts):
+            statuses = {outcome.goals[number].status for name, outcome in outcomes.items() if name != "grid"}
+            if verdict.answer is Answer.HOLDS and Status.UNREACHABLE in statuses:
+                yield f"goal {number}: unreachable, verify finds it"
+            if verdict.answer is Answer.FAILS and Status.REACHED in statuses and verdict.exact:
+                yield f"goal {number}: reachable, verify does not find it"
 
 
 def _name(options: Options) -> str:
@@ -97,6 +125,20 @@ def _contradictions(outcomes: dict[str, Outcome]) -> Iterator[str]:
         unreachable = [name for name, status in statuses.items() if status is Status.UNREACHABLE]
         if reached and unreachable:
             yield f"goal {goal}: reached by {reached}, unreachable for {unreachable}"
+    yield from _missed_faults(outcomes, [name for name, outcome in outcomes.items() if outcome.fault is not None])
+
+
+def _missed_faults(outcomes: dict[str, Outcome], met: Sequence[str]) -> Iterator[str]:
+    """Whoever explored everything has met the run-time errors that others have met."""
+    missed = [
+        name
+        for name, outcome in outcomes.items()
+        if outcome.fault is None and any(goal.status is Status.UNREACHABLE for goal in outcome.goals) and name != "grid"
+    ]
+    if met and missed:
+        fault = outcomes[met[0]].fault
+        assert fault is not None
+        yield f"run-time error ({fault.kind.name}) met by {met}, not by {missed}"
 
 
 def _over_approximation(outcomes: dict[str, Outcome]) -> Iterator[str]:
@@ -104,6 +146,8 @@ def _over_approximation(outcomes: dict[str, Outcome]) -> Iterator[str]:
         missed = [name for name, status in statuses.items() if status is Status.UNREACHABLE and name != "grid"]
         if statuses["grid"] is Status.REACHED and missed:
             yield f"goal {goal}: truly reachable, missed by {missed}"
+    if outcomes["grid"].fault is not None:
+        yield from _missed_faults(outcomes, ["grid"])
 
 
 def _by_goal(outcomes: dict[str, Outcome]) -> Iterator[tuple[int, dict[str, Status]]]:

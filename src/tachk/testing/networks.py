@@ -23,11 +23,12 @@ from tachk.model.builder import (
 from tachk.model.expressions import Expression
 from tachk.model.network import Network
 from tachk.model.types import IntType
+from tachk.testing.language import TOP, Language, random_language
 
 if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
 
-INTEGER_TOP = 2
+INTEGER_TOP = TOP
 """The integers of random networks range over ``[0, INTEGER_TOP]``."""
 
 
@@ -52,6 +53,9 @@ class Shape:
         deadlocks: predicates that ask for deadlock.
         spectators: the largest number of further processes that listen and, as a rule, change nothing of the others.
         bystanders: how many further processes do the same but may also hinder the others, and talk to each other.
+        exact: how often a guard asks for one exact value of a clock, so that events fall on the bounds of others.
+        language: arrays, records, functions with loops and early returns, computed channels, conditional updates.
+        faults: in which share of the networks something can be a run-time error; needs ``language``.
     """
 
     processes: int = 3
@@ -74,6 +78,9 @@ class Shape:
     deadlocks: bool = True
     spectators: int = 0
     bystanders: int = 0
+    exact: float = 0.0
+    language: bool = False
+    faults: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,12 +99,19 @@ class _Parts:
     """channel, whether it is an array, broadcast, urgent"""
     scratch: Term
     """a meta variable"""
+    language: Language | None = None
 
 
 def random_case(random: Random, shape: Shape = Shape()) -> Case:
-    """A network that satisfies its invariants initially and has no run-time errors, with predicates on it."""
+    """A network that satisfies its invariants initially, with predicates on it that cannot fail.
+
+    Nothing else can fail either, but in the share of networks that the shape says.
+    """
     network = NetworkBuilder()
     parts = _declare(random, shape, network)
+    if shape.language:
+        may_fail = random.random() < shape.faults
+        parts.language = random_language(random, network, parts.integers, parts.clocks, may_fail)
     handles: list[list[LocationHandle]] = []
     for number in range(random.randint(2, max(2, shape.processes))):
         priority = random.randint(0, 1) if shape.priorities else 0
@@ -217,7 +231,9 @@ def _invariant(random: Random, shape: Shape, parts: _Parts, initial: bool) -> Te
     if kind < 0.15:
         return (random.choice(parts.integers) == 0) | result
     if kind < 0.25:
-        return clock <= _computed(shape, random.choice(parts.integers) + 1)
+        number = random.choice(parts.integers)
+        value = number if initial or parts.language is None else parts.language.value()
+        return clock <= _computed(shape, value + 1)
     if kind < 0.35 and shape.lower_invariants and not initial:
         low = _time(random, shape, random.randint(0, 2))
         return result & (random.choice(parts.clocks) >= low)
@@ -237,7 +253,9 @@ def _edge(
     if random.random() < 0.5:
         channel, array, broadcast, urgent = random.choice(parts.channels)
         if array:
-            index = selects[0] if selects and random.random() < 0.6 else random.randint(0, 1)
+            index: Term | int = selects[0] if selects and random.random() < 0.6 else random.randint(0, 1)
+            if parts.language is not None and random.random() < 0.5:
+                index = parts.language.channel_index()
             channel = channel[index]
         if random.random() < 0.5:
             send = channel
@@ -255,9 +273,13 @@ def _guard(random: Random, shape: Shape, parts: _Parts, selects: Sequence[Term],
     conditions: list[Term] = []
     if random.random() < 0.25:
         conditions.append(_integer_condition(random, [*parts.integers, *selects]))
+    if parts.language is not None and random.random() < 0.35:
+        conditions.append(parts.language.condition())
+    if with_clocks and shape.exact and random.random() < shape.exact:
+        conditions.append(random.choice(parts.clocks) == random.randint(0, shape.constant))
     if with_clocks:
         for _ in range(random.choice((0, 0, 1, 1, 1, 2))):
-            condition = _clock_condition(random, shape, parts)
+            condition = _clock_condition(random, shape, parts, parts.language)
             kind = random.random()
             if kind < 0.08:
                 condition = _integer_condition(random, parts.integers) | condition
@@ -266,6 +288,8 @@ def _guard(random: Random, shape: Shape, parts: _Parts, selects: Sequence[Term],
             elif kind < 0.2 and shape.strict:
                 condition = ~condition
             conditions.append(condition)
+    if parts.language is not None:
+        random.shuffle(conditions)
     if not conditions:
         return None
     result = conditions[0]
@@ -280,7 +304,7 @@ def _integer_condition(random: Random, integers: Sequence[Term]) -> Term:
     return random.choice([number == value, number != value, number < value + 1, number >= value])
 
 
-def _clock_condition(random: Random, shape: Shape, parts: _Parts) -> Term:
+def _clock_condition(random: Random, shape: Shape, parts: _Parts, language: Language | None = None) -> Term:
     """A comparison whose negation is no disjunction."""
     left: Term = random.choice(parts.clocks)
     units = random.randint(0, shape.constant)
@@ -288,7 +312,8 @@ def _clock_condition(random: Random, shape: Shape, parts: _Parts) -> Term:
         left = left - random.choice([c for c in parts.clocks if c is not left])
         bound: Term | int = _time(random, shape, random.randint(-2, 2))
     elif random.random() < 0.15:
-        bound = _computed(shape, random.choice(parts.integers) + random.randint(0, 1))
+        number = random.choice(parts.integers)
+        bound = _computed(shape, (number if language is None else language.value()) + random.randint(0, 1))
     else:
         bound = _time(random, shape, units)
     choices = [left <= bound, left >= bound]
@@ -298,6 +323,8 @@ def _clock_condition(random: Random, shape: Shape, parts: _Parts) -> Term:
 
 
 def _update(random: Random, shape: Shape, parts: _Parts, selects: Sequence[Term]) -> Term:
+    if parts.language is not None and random.random() < 0.4:
+        return parts.language.update()
     kind = random.random()
     clock, number = random.choice(parts.clocks), random.choice(parts.integers)
     if kind < 0.45:
