@@ -276,7 +276,7 @@ def _guard(random: Random, shape: Shape, parts: _Parts, selects: Sequence[Term],
     if parts.language is not None and random.random() < 0.35:
         conditions.append(parts.language.condition())
     if with_clocks and shape.exact and random.random() < shape.exact:
-        conditions.append(random.choice(parts.clocks) == random.randint(0, shape.constant))
+        conditions.append(random.choice(parts.clocks) == _time(random, shape, random.randint(0, shape.constant)))
     if with_clocks:
         for _ in range(random.choice((0, 0, 1, 1, 1, 2))):
             condition = _clock_condition(random, shape, parts, parts.language)
