@@ -230,7 +230,7 @@ nb::tuple count_times(const Times& times, int usual) {
   std::int64_t* const data = found.ticks.release();
   nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<std::int64_t*>(p); });
   const nb::ndarray<nb::numpy, std::int64_t, nb::ndim<1>> ticks(data, {data == nullptr ? 0 : times.shape(0)}, owner);
-  return nb::make_tuple(ticks, found.decimals, static_cast<int>(found.fault), found.row);
+  return nb::make_tuple(ticks, found.first, found.decimals, static_cast<int>(found.fault), found.row);
 }
 
 }  // namespace
@@ -284,7 +284,15 @@ void bind_group(nb::module_& m) {
         for (std::size_t n = 0; n < self.group.size(); ++n) total += self.group.monitor(n).bytes();
         return total;
       });
-  m.def("count_times", &count_times, nb::arg("times"), nb::arg("usual"), "(ticks, decimals, fault, row of the fault)");
+  m.def("count_times", &count_times, nb::arg("times"), nb::arg("usual"),
+        "(ticks from the first on, the first, decimals, fault, row of the fault)");
+  m.def(
+      "first_backwards",
+      [](const TickArray& times) -> std::optional<std::size_t> {
+        const std::size_t row = tachk::first_backwards(times.data(), times.shape(0));
+        return row == times.shape(0) ? std::nullopt : std::optional(row);
+      },
+      nb::arg("times"), "The first row with an earlier time than the row before.");
   m.def(
       "all_finite", [](const Times& values) { return tachk::all_finite(values.data(), values.shape(0)); },
       nb::arg("values"));

@@ -31,34 +31,46 @@ constexpr std::array<std::int64_t, 19> whole_powers = [] {
 
 std::int64_t power_of_ten(int exponent) { return whole_powers[static_cast<std::size_t>(exponent)]; }
 
-// Counts a block in units of 1 / power; false if that is not exact for all of it. Without jumps inside, so that the
-// compiler may use vectors.
-bool count_block(const double* times, std::size_t count, double power, std::int64_t* ticks) {
-  const auto offset = std::bit_cast<std::int64_t>(rounder);
-  bool exact = true;
+struct Counting {
+  bool exact;
+  bool rising;
+};
+
+// Counts a block in units of 1 / power from the tick `first` on, and looks whether that is exact for all of it and no
+// time lies before the one above, of which the first is `before`. Without jumps inside and with masks as wide as the
+// numbers, so that the compiler uses vectors.
+Counting count_block(const double* times, std::size_t count, double before, double power, std::int64_t first,
+                     std::int64_t* ticks) {
+  const std::int64_t offset = std::bit_cast<std::int64_t>(rounder) + first;
+  constexpr std::uint64_t all = ~std::uint64_t{0};
+  std::uint64_t inexact = 0;
+  std::uint64_t falling = before <= times[0] ? 0 : all;
   for (std::size_t n = 0; n < count; ++n) {
     const double shifted = times[n] * power + rounder;
-    exact &= (shifted - rounder) / power == times[n];
+    inexact |= (shifted - rounder) / power == times[n] ? 0 : all;
     ticks[n] = std::bit_cast<std::int64_t>(shifted) - offset;
   }
-  return exact;
+  for (std::size_t n = 1; n < count; ++n) falling |= times[n - 1] <= times[n] ? 0 : all;  // not a number falls
+  return {inexact == 0, falling == 0};
 }
 
-double largest_of(const double* times, std::size_t count) {
-  double largest = 0;
-  for (std::size_t n = 0; n < count; ++n) largest = std::max(largest, std::fabs(times[n]));
-  return largest;
+CountedTimes faulty(CountedTimes::Fault fault, std::size_t row) { return {nullptr, 0, 0, fault, row}; }
+
+// Why times are not counted that are not all finite and rising.
+CountedTimes disordered(std::span<const double> times) {
+  for (std::size_t n = 0; n < times.size(); ++n)
+    if (!std::isfinite(times[n])) return faulty(CountedTimes::Fault::not_finite, n);
+  for (std::size_t n = 1;; ++n)
+    if (times[n] < times[n - 1]) return faulty(CountedTimes::Fault::backwards, n);
 }
 
-CountedTimes faulty(CountedTimes::Fault fault, std::size_t row) { return {nullptr, 0, fault, row}; }
-
-CountedTimes rounded(std::span<const double> times, double largest, int usual) {
+CountedTimes rounded(std::span<const double> times, int usual) {
+  for (std::size_t n = 0; n < times.size(); ++n)
+    if (!std::isfinite(times[n]) || (n > 0 && times[n] < times[n - 1])) return disordered(times);
+  const double largest = std::max(std::fabs(times.front()), std::fabs(times.back()));
+  if (largest >= furthest) return faulty(CountedTimes::Fault::too_large, largest > times.back() ? 0 : times.size() - 1);
   CountedTimes result;
   result.ticks = std::make_unique_for_overwrite<std::int64_t[]>(times.size());
-  if (largest >= furthest) {
-    for (std::size_t n = 0;; ++n)
-      if (std::fabs(times[n]) >= furthest) return faulty(CountedTimes::Fault::too_large, n);
-  }
   const auto fits = [&](int decimals, double limit) {
     return decimals <= most_decimals && largest * powers[static_cast<std::size_t>(decimals)] < limit;
   };
@@ -67,8 +79,9 @@ CountedTimes rounded(std::span<const double> times, double largest, int usual) {
   std::size_t merged = 0;
   const auto count = [&] {
     const double power = powers[static_cast<std::size_t>(decimals)];
-    for (std::size_t n = 0; n < times.size(); ++n)
-      result.ticks[n] = static_cast<std::int64_t>(std::nearbyint(times[n] * power));
+    const auto tick = [&](double time) { return static_cast<std::int64_t>(std::nearbyint(time * power)); };
+    result.first = tick(times[0]);
+    for (std::size_t n = 0; n < times.size(); ++n) result.ticks[n] = tick(times[n]) - result.first;
     for (merged = 1; merged < times.size(); ++merged)
       if (result.ticks[merged] == result.ticks[merged - 1] && times[merged] != times[merged - 1]) return false;
     return true;
@@ -79,12 +92,9 @@ CountedTimes rounded(std::span<const double> times, double largest, int usual) {
       ++decimals;
     } while (!count());
     // Three more digits, so that gaps are right to a thousandth at least, as far as products are exact.
-    int finer = decimals;
-    while (finer < decimals + 3 && fits(finer + 1, most_digits)) ++finer;
-    if (finer > decimals) {
-      decimals = finer;
-      count();
-    }
+    const int enough = decimals;
+    while (decimals < enough + 3 && fits(decimals + 1, most_digits)) ++decimals;
+    if (decimals > enough) count();
   }
   result.decimals = decimals;
   return result;
@@ -104,6 +114,23 @@ bool all_finite(const double* values, std::size_t count) {
     if (infinite >> 63) return false;
   }
   return true;
+}
+
+std::size_t first_backwards(const std::int64_t* times, std::size_t count) {
+  constexpr std::size_t block = 1024;
+  for (std::size_t first = 1; first < count; first += block) {
+    const std::size_t end = std::min(first + block, count);
+    std::uint64_t falls = 0;  // its highest bit: whether a time is less than the one before, also where that overflows
+    for (std::size_t n = first; n < end; ++n) {
+      const auto x = static_cast<std::uint64_t>(times[n]);
+      const auto y = static_cast<std::uint64_t>(times[n - 1]);
+      falls |= (x & ~y) | (~(x ^ y) & (x - y));
+    }
+    if ((falls >> 63) == 0) continue;
+    for (std::size_t n = first; n < end; ++n)
+      if (times[n] < times[n - 1]) return n;
+  }
+  return count;
 }
 
 TickScale::TickScale(int decimals, std::int64_t parts) : decimals_(decimals), parts_(parts) {
@@ -135,27 +162,25 @@ std::optional<int128> TickScale::tick(double time) {
 CountedTimes counted(std::span<const double> times, int usual) {
   constexpr std::size_t block = 1024;
   CountedTimes result;
+  if (times.empty()) return result;
+  if (!std::isfinite(times.front()) || !std::isfinite(times.back())) return disordered(times);
   result.ticks = std::make_unique_for_overwrite<std::int64_t[]>(times.size());
-  double largest = 0;
+  // Of times that rise.
+  const double largest = std::max(std::fabs(times.front()), std::fabs(times.back()));
   int decimals = 0;
-  bool exact = true;
   for (std::size_t first = 0; first < times.size(); first += block) {
     const std::size_t count = std::min(block, times.size() - first);
     const double* const part = times.data() + first;
-    if (!all_finite(part, count)) {
-      std::size_t row = first;
-      while (std::isfinite(times[row])) ++row;
-      return faulty(CountedTimes::Fault::not_finite, row);
-    }
-    largest = std::max(largest, largest_of(part, count));
-    if (!exact) continue;
-    std::int64_t* const ticks = result.ticks.get() + first;
-    for (int before = decimals;; ++decimals) {
-      if (decimals > most_exact_decimals || largest * powers[static_cast<std::size_t>(decimals)] >= exact_below) {
-        exact = false;
-        break;
-      }
-      if (!count_block(part, count, powers[static_cast<std::size_t>(decimals)], ticks)) continue;
+    for (const int before = decimals;; ++decimals) {
+      if (decimals > most_exact_decimals) return rounded(times, usual);
+      const double power = powers[static_cast<std::size_t>(decimals)];
+      if (largest * power >= exact_below) return rounded(times, usual);
+      const auto start = static_cast<std::int64_t>(nearest(times[0] * power));
+      const Counting done =
+          count_block(part, count, times[first - (first > 0)], power, start, result.ticks.get() + first);
+      if (!done.rising) return disordered(times);
+      if (!done.exact) continue;
+      result.first = start;
       if (decimals > before) {  // what was counted before is exact in these units too
         const std::int64_t factor = power_of_ten(decimals - before);
         for (std::size_t n = 0; n < first; ++n) result.ticks[n] *= factor;
@@ -163,7 +188,6 @@ CountedTimes counted(std::span<const double> times, int usual) {
       break;
     }
   }
-  if (!exact) return rounded(times, largest, usual);
   result.decimals = decimals;
   return result;
 }

@@ -15,7 +15,7 @@ from rich.console import Console
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.suggestion import unknown_key
 from tachk.monitoring.formulas import NamedFormula, check_order, in_trace_units, read_formulas
-from tachk.monitoring.reading import Reading, follows_from_truth, infinite_robustness, reading_of
+from tachk.monitoring.reading import Reading, reading_of
 from tachk.properties.lines import line_findings
 from tachk.properties.monitoring import compile as compile_formula
 from tachk.properties.monitoring import ticks_needed
@@ -207,16 +207,16 @@ def verdict_on(
     reading: Reading,
 ) -> MonitorVerdict:
     """The verdict of one program on a whole trace, with its explanation."""
-    measured = reading.truth(program, trace)
+    robustness = None
+    if measures.robustness:
+        measured, robustness = reading.measured(program, trace)
+    else:
+        measured = reading.truth(program, trace)
     explainer = reading.explainer(program, trace)
     presumably = None
     if measured is Truth.UNDETERMINED:
         later = reading.lasting_truth(program, trace)
         presumably = None if later is Truth.UNDETERMINED else later
-    robustness = None
-    if measures.robustness:
-        plain = follows_from_truth(program)
-        robustness = infinite_robustness(measured) if plain else reading.robustness(program, trace)
     triggers = never_triggered(program) if measured is Truth.TRUE else ()
     return MonitorVerdict(
         named.name,

@@ -41,7 +41,9 @@ class Reading(Protocol):
         """The truth if all values stay for ever as they are at the end."""
         ...
 
-    def robustness(self, program: MonitorProgram, trace: Trace) -> RobustnessResult: ...
+    def measured(self, program: MonitorProgram, trace: Trace) -> tuple[Truth, RobustnessResult]:
+        """The truth and the robustness."""
+        ...
 
     def explainer(self, program: MonitorProgram, trace: Trace) -> Explainer:
         """In the ticks of what is shown."""
@@ -61,8 +63,17 @@ class HeldValues:
     def lasting_truth(self, program: MonitorProgram, trace: Trace) -> Truth:
         return monitor_lasting_truth(program, trace)
 
-    def robustness(self, program: MonitorProgram, trace: Trace) -> RobustnessResult:
-        return monitor_robustness(program, trace)
+    def measured(self, program: MonitorProgram, trace: Trace) -> tuple[Truth, RobustnessResult]:
+        """A robustness that is not 0 has the sign of the truth under the same rules, so it is asked for first."""
+        if follows_from_truth(program):
+            truth = self.truth(program, trace)
+            return truth, infinite_robustness(truth)
+        robustness = monitor_robustness(program, trace)
+        if robustness.low > 0:
+            return Truth.TRUE, robustness
+        if robustness.high < 0:
+            return Truth.FALSE, robustness
+        return self.truth(program, trace), robustness
 
     def explainer(self, program: MonitorProgram, trace: Trace) -> Explainer:
         def compute(node: int) -> NodeSignal:
@@ -105,8 +116,11 @@ class Lines:
     def lasting_truth(self, program: MonitorProgram, trace: Trace) -> Truth:
         return monitor_linear_lasting_truth(program, trace, self.parts)
 
-    def robustness(self, program: MonitorProgram, trace: Trace) -> RobustnessResult:
-        return monitor_linear_robustness(program, trace)
+    def measured(self, program: MonitorProgram, trace: Trace) -> tuple[Truth, RobustnessResult]:
+        truth = self.truth(program, trace)
+        if follows_from_truth(program):
+            return truth, infinite_robustness(truth)
+        return truth, monitor_linear_robustness(program, trace)
 
     def explainer(self, program: MonitorProgram, trace: Trace) -> Explainer:
         def compute(node: int) -> NodeSignal:

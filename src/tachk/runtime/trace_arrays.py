@@ -5,21 +5,44 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from enum import IntEnum
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tachk import _core
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.trace import LARGEST_TICK, Ticks, Trace, Values
 from tachk.runtime.trace_header import Header, agreed_unit, known_unit, read_header
 
-FINEST_DECIMALS = 9
-"""Times in floating point that are no short decimal numbers are rounded to that many decimals."""
+USUAL_DECIMALS = 9
+"""Times in floating point that are no short decimal numbers are rounded to at least so many decimals."""
 
-_EXACT = 2.0**53
 _BLOCK = 1 << 15
+
+
+class _TimeFault(IntEnum):
+    """What is wrong with floating-point times; the numbers are those of `CountedTimes::Fault` in ticks.hpp."""
+
+    NONE = 0
+    NOT_FINITE = 1
+    TOO_LARGE = 2
+    MERGED = 3
+    BACKWARDS = 4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CountedTimes:
+    """Attributes:
+    ticks: not decreasing, the first is 0.
+    first: what the clock showed then, in ticks.
+    """
+
+    ticks: Ticks
+    first: int
+    ticks_per_unit: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,12 +65,13 @@ class TableRecording:
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
         places = self.header.numbers(columns, self.name)
-        times, ticks_per_unit = exact_ticks(self._times(), self.name)
+        times = exact_ticks(self._times(), self.name)
         held = {name: held_values(self.cells[place], name, self.name) for name, place in places.items()}
         for name, values in held.items():
-            if len(values) != len(times):
-                raise UsageError(f"{self.name}: column {name!r} has {len(values)} values for {len(times)} times")
-        return trace_of(self.name, times, ticks_per_unit, self.unit, held)
+            if len(values) != len(times.ticks):
+                count = len(times.ticks)
+                raise UsageError(f"{self.name}: column {name!r} has {len(values)} values for {count} times")
+        return trace_of(self.name, times, self.unit, held)
 
     def _times(self) -> NDArray[Any]:
         """The times as an array; instants with a time zone as those of universal time."""
@@ -82,36 +106,23 @@ def open_table(data: Any, time: str | None = None, unit: str | None = None, name
     return TableRecording(name, header, cells)
 
 
-def trace_of(name: str, times: Ticks, ticks_per_unit: int, unit: str, columns: Mapping[str, Values]) -> Trace:
-    """The trace that begins with the first row. Raises UsageError for no rows and for times that go backwards."""
-    if len(times) == 0:
+def trace_of(name: str, times: CountedTimes, unit: str, columns: Mapping[str, Values]) -> Trace:
+    """The trace that begins with the first row. Raises UsageError for no rows."""
+    if len(times.ticks) == 0:
         raise UsageError(f"{name} has no rows", "the verdict needs at least the state at the beginning")
-    backwards = np.flatnonzero(times[1:] < times[:-1])
-    if len(backwards):
-        row = int(backwards[0]) + 1
-        raise UsageError(
-            f"{name}: the time of row {row} lies before that of the row above (rows are counted from 0)",
-            "sort the rows by time; rows of the same time are fine, the last one counts",
-        )
-    first, last = int(times[0]), int(times[-1])
-    if last - first > LARGEST_TICK:
-        raise UsageError(f"{name} is too long to be counted in {ticks_per_unit} ticks per unit of time")
-    return Trace(
-        name,
-        times - first if first else times,
-        columns,
-        last - first,
-        ticks_per_unit,
-        unit,
-        Fraction(first, ticks_per_unit),
-    )
+    end = int(times.ticks[-1])
+    if end > LARGEST_TICK:
+        raise UsageError(f"{name} is too long to be counted in {times.ticks_per_unit} ticks per unit of time")
+    origin = Fraction(times.first, times.ticks_per_unit)
+    return Trace(name, times.ticks, columns, end, times.ticks_per_unit, unit, origin)
 
 
-def exact_ticks(times: NDArray[Any], name: str) -> tuple[Ticks, int]:
-    """Times as ticks, and the ticks of a unit.
+def exact_ticks(times: NDArray[Any], name: str) -> CountedTimes:
+    """Times as ticks.
 
-    Floating-point times are taken for the decimal numbers that they print as; where that needs too many decimals, they
-    are rounded to `FINEST_DECIMALS`. Instants and durations of NumPy are counted in seconds. Raises UsageError.
+    Floating-point times are taken for the decimal numbers that they print as. Where that needs too many decimals, they
+    are rounded to `USUAL_DECIMALS`, or to as many more as keep different times of neighbours different. Instants and
+    durations of NumPy are counted in seconds. Raises UsageError, also for times that go backwards.
     """
     if times.ndim != 1:
         raise UsageError(f"{name}: the times are no one-dimensional array")
@@ -122,51 +133,59 @@ def exact_ticks(times: NDArray[Any], name: str) -> tuple[Ticks, int]:
         per_second = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}.get(step)
         if per_second is None or count != 1:
             return exact_ticks(times.astype(f"{times.dtype.kind}8[ns]"), name)
-        return times.astype(np.int64), per_second
+        return whole_times(times.astype(np.int64), per_second, name)
     if times.dtype.kind in "iu":
-        if len(times) and int(times.max()) > 2**62:
+        if times.dtype == np.uint64 and len(times) and int(times.max()) > 2**62:
             raise UsageError(f"{name}: the times are too large")
-        return np.ascontiguousarray(times, dtype=np.int64), 1
+        return whole_times(np.ascontiguousarray(times, dtype=np.int64), 1, name)
     if times.dtype.kind == "O" and all(isinstance(time, (int, Fraction)) for time in times):
         return _rational_ticks([Fraction(time) for time in times], name)
     try:
-        numbers = times.astype(np.float64)
+        numbers = np.ascontiguousarray(times, dtype=np.float64)
     except (TypeError, ValueError):
         raise UsageError(f"{name}: the times are no numbers") from None
-    if not np.isfinite(numbers).all():
-        raise UsageError(f"{name}: a time is missing or infinite")
-    largest = max(float(numbers.max(initial=0.0)), -float(numbers.min(initial=0.0)))
-    for decimals in range(16):
-        if largest * 10.0**decimals >= _EXACT:
-            break
-        ticks = _decimal_ticks(numbers, 10.0**decimals)
-        if ticks is not None:
-            return ticks, 10**decimals
-    decimals = FINEST_DECIMALS
-    while decimals and largest * 10.0**decimals >= 2.0**62:
-        decimals -= 1
-    if largest >= 2.0**62:
+    ticks, first, decimals, kind, row = _core.count_times(numbers, USUAL_DECIMALS)
+    match _TimeFault(kind):
+        case _TimeFault.NOT_FINITE:
+            raise UsageError(f"{name}: the time of row {row} is missing or infinite (rows are counted from 0)")
+        case _TimeFault.TOO_LARGE:
+            raise UsageError(f"{name}: the time {numbers[row]} of row {row} is too large (rows are counted from 0)")
+        case _TimeFault.MERGED:
+            raise UsageError(
+                f"{name}: the times of rows {row - 1} and {row} differ by {abs(numbers[row] - numbers[row - 1]):.3g}, "
+                "too little to be counted beside the largest time (rows are counted from 0)",
+                "round the times, for example numpy.round(times, 9), or begin them at 0",
+            )
+        case _TimeFault.BACKWARDS:
+            raise _backwards(name, row)
+    return CountedTimes(ticks, first, 10**decimals)
+
+
+def whole_times(times: Ticks, ticks_per_unit: int, name: str) -> CountedTimes:
+    """Times that are ticks already. Raises UsageError for times that go backwards, or are too far from 0."""
+    if len(times) == 0:
+        return CountedTimes(times, 0, ticks_per_unit)
+    first, last = int(times[0]), int(times[-1])
+    if max(abs(first), abs(last)) > 2**62:
         raise UsageError(f"{name}: the times are too large")
-    return np.rint(numbers * 10.0**decimals).astype(np.int64), 10**decimals
+    row = _core.first_backwards(times)
+    if row is not None:
+        raise _backwards(name, row)
+    return CountedTimes(times - first if first else times, first, ticks_per_unit)
 
 
-def _decimal_ticks(numbers: NDArray[np.float64], scale: float) -> Ticks | None:
-    """The times in units of ``1 / scale``, if all of them are whole; in blocks that fit into the cache."""
-    ticks = np.empty(len(numbers), dtype=np.int64)
-    for begin in range(0, len(numbers), _BLOCK):
-        block = numbers[begin : begin + _BLOCK]
-        rounded = np.rint(block * scale)
-        if not bool((rounded / scale == block).all()):
-            return None
-        ticks[begin : begin + _BLOCK] = rounded
-    return ticks
+def _backwards(name: str, row: int) -> UsageError:
+    return UsageError(
+        f"{name}: the time of row {row} lies before that of the row above (rows are counted from 0)",
+        "sort the rows by time; rows of the same time are fine, the last one counts",
+    )
 
 
-def _rational_ticks(times: Sequence[Fraction], name: str) -> tuple[Ticks, int]:
+def _rational_ticks(times: Sequence[Fraction], name: str) -> CountedTimes:
     scale = math.lcm(*(time.denominator for time in times))
     if any(abs(time * scale) > LARGEST_TICK for time in times):
         raise UsageError(f"{name}: the times need more than 64 bits to be counted exactly")
-    return np.array([int(time * scale) for time in times], dtype=np.int64), scale
+    return whole_times(np.array([int(time * scale) for time in times], dtype=np.int64), scale, name)
 
 
 def held_values(values: Any, column: str, name: str, before: float | None = None) -> Values:
@@ -199,18 +218,13 @@ def held_values(values: Any, column: str, name: str, before: float | None = None
         numbers = np.ascontiguousarray(array, dtype=np.float64)
     except (TypeError, ValueError):
         raise _no_numbers(column, name) from None
-    if known is not None or not _is_finite(numbers):
+    if known is not None or not _core.all_finite(numbers):
         known = ~np.isnan(numbers) if known is None else known & ~np.isnan(numbers)
         infinite = np.isinf(numbers)
         if infinite.any():
             raise UsageError(f"{name}: column {column!r} has an infinite value in row {int(infinite.argmax())}")
         numbers = np.asarray(_hold(numbers, known, column, name, before), dtype=np.float64)
     return numbers.astype(np.uint8) if _is_truth(numbers) else numbers
-
-
-def _is_finite(numbers: NDArray[np.float64]) -> bool:
-    """Whether every number is finite, without an array of the answers."""
-    return not len(numbers) or bool(np.isfinite(numbers.min()) and np.isfinite(numbers.max()))
 
 
 def _is_truth(numbers: NDArray[np.float64]) -> bool:

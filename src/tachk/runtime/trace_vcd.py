@@ -15,7 +15,7 @@ from vcd.reader import Location, RealChange, ScalarChange, Token, TokenKind, VCD
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.span import Source, Span
 from tachk.runtime.trace import Trace, Values
-from tachk.runtime.trace_arrays import trace_of
+from tachk.runtime.trace_arrays import trace_of, whole_times
 from tachk.runtime.trace_header import known_unit, no_such_column
 
 if TYPE_CHECKING:
@@ -81,8 +81,8 @@ class VcdRecording:
         except VCDParseError as error:
             raise _error(self.name, str(error).split(": ", 1)[-1], error.loc) from None
         held = {variable.name: _values(variable, [row[i] for row in rows]) for i, variable in enumerate(wanted)}
-        ticks = np.array(times, dtype=np.int64) * self.magnitude
-        return trace_of(self.name, ticks, self.ticks_per_unit, self.unit, held)
+        ticks = whole_times(np.array(times, dtype=np.int64) * self.magnitude, self.ticks_per_unit, self.name)
+        return trace_of(self.name, ticks, self.unit, held)
 
     def _changes(self, wanted: list[VcdVariable], tokens: Iterator[Token]) -> tuple[list[int], list[tuple[float, ...]]]:
         """The instants at which something wanted changed, and all wanted values from then on."""

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import tachk
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.trace_arrays import exact_ticks, open_table
 from tachk.runtime.trace_files import open_trace
@@ -35,8 +36,42 @@ def test_lists_arrays_and_missing_values() -> None:
 
 @given(st.lists(st.decimals(0, 10**5, places=4), min_size=1, max_size=30))
 def test_floating_point_times_are_the_decimals_they_print_as(times: list[Decimal]) -> None:
-    ticks, scale = exact_ticks(np.array([float(time) for time in times]), "t")
-    assert [Fraction(int(tick), scale) for tick in ticks] == [Fraction(time) for time in times]
+    counted = exact_ticks(np.array(sorted(float(time) for time in times)), "t")
+    exact = [Fraction(int(tick) + counted.first, counted.ticks_per_unit) for tick in counted.ticks]
+    assert exact == sorted(Fraction(time) for time in times)
+
+
+@pytest.mark.parametrize("rows", [3, 1500, 5000])
+def test_more_decimals_may_be_needed_late(rows: int) -> None:
+    times = np.arange(rows, dtype=np.float64)
+    times[-1] += 0.125
+    counted = exact_ticks(times, "t")
+    assert counted.ticks_per_unit == 1000
+    assert counted.ticks.tolist() == [*range(0, 1000 * (rows - 1), 1000), 1000 * (rows - 1) + 125]
+    times[rows // 2] = times[rows // 2 + 1] + 0.5
+    with pytest.raises(UsageError, match=f"the time of row {rows // 2 + 1} lies before"):
+        exact_ticks(times, "t")
+
+
+def test_different_times_stay_different() -> None:
+    steps = np.arange(1000) * 1.0000000001e-11
+    values = np.where((steps > 3e-9) & (steps < 3.3e-9), 9.0, 1.0)
+    trace = open_trace({"time [s]": steps, "x": values}).read()
+    assert len(set(trace.times.tolist())) == 1000
+    assert float(trace.clock(int(trace.times[1]))) == pytest.approx(1e-11, rel=1e-3)
+    (verdict,) = tachk.monitor("G (x < 5)", {"time [s]": steps, "x": values})
+    assert (verdict.truth, verdict.robustness) == (tachk.Truth.FALSE, (-4, -4))
+    noisy = exact_ticks(np.array([0.0, 0.1 + 0.2, 0.7]), "t")
+    assert (noisy.ticks.tolist(), noisy.ticks_per_unit) == ([0, 3 * 10**8, 7 * 10**8], 10**9)
+    with pytest.raises(UsageError, match=r"rows 1 and 2 differ by 1\.11e-16") as refusal:
+        exact_ticks(np.array([-1000.0, 0.5, 0.5 + 2**-53 * 1, 1000.0]), "t")
+    assert "numpy.round" in str(refusal.value.help)
+
+
+@pytest.mark.parametrize("times", [[0, 2**62, -(2**63), 1], [5, 2**63 - 1, 6], [2**63 - 1, 2**63 - 1]])
+def test_whole_times_that_are_too_large_or_fall_are_refused(times: list[int]) -> None:
+    with pytest.raises(UsageError, match=r"lies before|too large"):
+        exact_ticks(np.array(times, dtype=np.int64), "t")
 
 
 def test_data_frames_with_a_time_column_or_an_index_of_instants() -> None:
@@ -70,7 +105,7 @@ def test_fractions_are_exact() -> None:
         ({"t": [], "p": []}, "no rows"),
         ({"t": [1, 0], "p": [1, 1]}, "the time of row 1 lies before"),
         ({"t": [0, 1], "p": [1]}, "1 values for 2 times"),
-        ({"t": [0, float("nan")], "p": [1, 1]}, "a time is missing"),
+        ({"t": [0, float("nan")], "p": [1, 1]}, "the time of row 1 is missing"),
         ({"t": ["a"], "p": [1]}, "the times are no numbers"),
         ({"t": [0], "p": ["x"]}, "neither numbers nor truth values"),
         ({"t": [0], "p": [None]}, "no value in the first row"),

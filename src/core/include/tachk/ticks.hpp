@@ -32,10 +32,11 @@ class TickScale {
   int last_ = 0;  // the decimals of the time before, tried first
 };
 
-// The times of a whole trace, in units of 10^-decimals.
+// The times of a whole trace, in units of 10^-decimals, from the first one on.
 struct CountedTimes {
-  enum class Fault { none, not_finite, too_large, merged };
+  enum class Fault { none, not_finite, too_large, merged, backwards };
   std::unique_ptr<std::int64_t[]> ticks;  // as many as times
+  std::int64_t first = 0;
   int decimals = 0;
   Fault fault = Fault::none;
   std::size_t row = 0;  // of the fault
@@ -44,6 +45,9 @@ struct CountedTimes {
 // In the fewest decimals in which all times are whole. Where there are none, as many as keep different neighbours
 // different, at least `usual`; then rounded to the nearest.
 CountedTimes counted(std::span<const double> times, int usual);
+
+// The first row with an earlier time than the row before; `count` if there is none.
+std::size_t first_backwards(const std::int64_t* times, std::size_t count);
 
 bool all_finite(const double* values, std::size_t count);
 
