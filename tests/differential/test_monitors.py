@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tachk.runtime.core_monitor import monitor_lasting_truth, monitor_truth
+from tachk.runtime.core_monitor import monitor_truth
 from tachk.runtime.explanation import horizon
 from tachk.runtime.node_signal import Truth
 from tachk.syntax.formula_printer import print_formula
@@ -57,12 +57,13 @@ def test_values_that_stay_for_ever_decide_what_looks_ahead_of_the_end() -> None:
     for seed in range(150):
         case = random_monitoring_case(Random(seed), FormulaShape(depth=2, unbounded=False, rows=4, gap=2))
         given_ = monitor_input(case)
-        if monitor_truth(given_.program, given_.trace).verdict is Truth.UNDETERMINED:
+        found = monitor_truth(given_.program, given_.trace)
+        if found.verdict is Truth.UNDETERMINED:
             seen += 1
             longer = replace(case.trace, end=case.trace.end + horizon(given_.program) + 1)
             expected = truth_of(satisfaction(case.formula, longer).value(Fraction(0)))
             assert expected is not Truth.UNDETERMINED
-            assert monitor_lasting_truth(given_.program, given_.trace) is expected, seed
+            assert found.lasting is expected, seed
     assert seen > 20
 
 

@@ -62,16 +62,17 @@ void bind_linear(nb::module_& m) {
           nb::arg("node"), nb::arg("high"), "(starts in ticks, values there, limits behind them, limits at the ends)")
       .def(
           "truth",
-          [](const Monitor& self, bool lasting) {
+          [](const Monitor& self) {
             std::optional<Monitor::Judgement> found;
             {
               nb::gil_scoped_release released;
-              found = self.truth(lasting ? tachk::Afterwards::the_same : tachk::Afterwards::anything);
+              found = self.truth();
             }
-            return nb::make_tuple(found->verdict.low, found->verdict.high, violation_tuple(found->violation));
+            return nb::make_tuple(found->verdict.low, found->verdict.high, violation_tuple(found->violation),
+                                  found->lasting);
           },
-          nb::kw_only(), nb::arg("lasting") = false,
-          "The bounds of the truth, and (node, first cell, last cell) of the first violation or None.")
+          "The bounds of the truth, (node, first cell, last cell) of the first violation or None, and the truth if all "
+          "values stay.")
       .def(
           "truth_signal",
           [](const Monitor& self, std::size_t node) {

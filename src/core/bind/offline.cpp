@@ -8,7 +8,6 @@
 #include <nanobind/stl/vector.h>
 
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -47,13 +46,9 @@ void bind_values_of(nb::module_& m, const char* name, const char* description) {
            nb::arg("signals"))
       .def("push", &push_samples<Monitor>, nb::arg("times"), nb::arg("columns"),
            "Takes samples: ticks that do not decrease, and the columns.")
-      .def(
-          "finish",
-          [](Monitor& self, std::int64_t end, bool lasting) {
-            self.finish(end, lasting ? tachk::Afterwards::the_same : tachk::Afterwards::anything);
-          },
-          nb::arg("end"), nb::kw_only(), nb::arg("lasting") = false, nb::call_guard<nb::gil_scoped_release>(),
-          "The trace ends at this tick; `lasting`: then all values stay for ever.")
+      .def("finish", &Monitor::finish, nb::arg("end"), nb::call_guard<nb::gil_scoped_release>(),
+           "The trace ends at this tick.")
+      .def("lasting", &Monitor::lasting, "The value at the beginning if all values stay for ever.")
       .def("settled", &Monitor::settled, "Whether further samples cannot change the results.")
       .def("bytes", &Monitor::bytes, "Memory held.")
       .def(

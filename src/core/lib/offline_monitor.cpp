@@ -230,7 +230,7 @@ auto OfflineMonitor<Value>::copy(const Side& side) const -> Side {
 }
 
 template <class Value>
-void OfflineMonitor<Value>::finish(std::int64_t end, Afterwards afterwards) {
+void OfflineMonitor<Value>::finish(std::int64_t end) {
   if (!position_.begun) throw std::invalid_argument("a trace has at least one sample");
   if (end < position_.last || end > position_.origin + largest_tick)
     throw std::invalid_argument("the end of a trace is not before its last sample");
@@ -239,32 +239,31 @@ void OfflineMonitor<Value>::finish(std::int64_t end, Afterwards afterwards) {
     if (graph_.streams()[leaf].kind == StreamKind::change) side_.changes[leaf].settle(side_.streams[leaf]);
     side_.streams[leaf].frontier = side_.end.reached + 1;
   }
-  close(afterwards);
+  close();
 }
 
 template <class Value>
-void OfflineMonitor<Value>::judge(Cell last, const std::function<void(const StreamNode&, Stream<Value>&)>& fill,
-                                  Afterwards afterwards) {
+void OfflineMonitor<Value>::judge(Cell last, const std::function<void(const StreamNode&, Stream<Value>&)>& fill) {
   side_.end.reached = last;
   for (const std::size_t leaf : leaves_) {
     fill(graph_.streams()[leaf], side_.streams[leaf]);
     side_.streams[leaf].frontier = last + 1;
   }
-  close(afterwards);
+  close();
 }
 
 template <class Value>
-void OfflineMonitor<Value>::close(Afterwards afterwards) {
+void OfflineMonitor<Value>::close() {
   side_.end.finished = true;
   drain(side_);
-  if (afterwards == Afterwards::the_same) {
-    conclude(side_, TraceEnd::Beyond::held);
-    low_ = copy(side_);
-    return;
-  }
   low_ = copy(side_);
+  std::optional<Side> held;
+  if (requests_.verdict && side_.recordings.empty() && !settled()) held = copy(side_);
   conclude(low_, TraceEnd::Beyond::least);
   conclude(side_, TraceEnd::Beyond::greatest);
+  if (!held) return;
+  conclude(*held, TraceEnd::Beyond::held);
+  lasting_ = value_of(verdict_, held->folds);
 }
 
 template <class Value>

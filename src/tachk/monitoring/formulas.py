@@ -7,6 +7,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -79,7 +80,13 @@ def read_formulas(given: str | os.PathLike[str]) -> tuple[NamedFormula, ...]:
         if path.suffix.lower() in _NEVER_FORMULAS:
             raise _exchanged(path)
         return _model_formulas(path) if path.suffix.lower() in MODEL_SUFFIXES else _file_formulas(path)
-    source = Source("<formula>", with_full_stop(given))
+    return _text_formulas(given)
+
+
+@lru_cache(maxsize=256)
+def _text_formulas(text: str) -> tuple[NamedFormula, ...]:
+    """Kept, because one formula often judges many traces."""
+    source = Source("<formula>", with_full_stop(text))
     return _checked([_read("p1", "", Span(source, 0, len(source.text)))], "the formula")
 
 

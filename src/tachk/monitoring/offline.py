@@ -209,14 +209,12 @@ def verdict_on(
     """The verdict of one program on a whole trace, with its explanation."""
     robustness = None
     if measures.robustness:
-        measured, robustness = reading.measured(program, trace)
+        truth, robustness = reading.measured(program, trace)
     else:
-        measured = reading.truth(program, trace)
+        truth = reading.truth(program, trace)
+    measured = truth.measured
     explainer = reading.explainer(program, trace)
-    presumably = None
-    if measured is Truth.UNDETERMINED:
-        later = reading.lasting_truth(program, trace)
-        presumably = None if later is Truth.UNDETERMINED else later
+    presumably = truth.lasting if measured is Truth.UNDETERMINED else None
     triggers = never_triggered(program) if measured is Truth.TRUE else ()
     return MonitorVerdict(
         named.name,
@@ -228,7 +226,7 @@ def verdict_on(
         presumably,
         None if robustness is None else (robustness.low, robustness.high),
         explainer.finding(measured),
-        bool(triggers) and all(reading.truth(never, trace) is Truth.TRUE for never in triggers),
+        bool(triggers) and all(reading.truth(never, trace).measured is Truth.TRUE for never in triggers),
         explainer.program,
         explainer,
         _time_robustness(program, trace) if measures.time_robustness else None,

@@ -10,8 +10,6 @@ from typing import Protocol
 from tachk.runtime.core_monitor import (
     RobustnessResult,
     linear_truth_signal,
-    monitor_lasting_truth,
-    monitor_linear_lasting_truth,
     monitor_linear_robustness,
     monitor_linear_truth,
     monitor_robustness,
@@ -28,6 +26,17 @@ from tachk.semantics.monitor_program import UNBOUNDED, MonitorProgram, Relation
 _ROWS_AT_ONCE = 4096
 
 
+@dataclass(frozen=True, slots=True)
+class JudgedTruth:
+    """Attributes:
+    measured: what the trace says.
+    lasting: what it would say if all values stayed for ever as they are at the end.
+    """
+
+    measured: Truth
+    lasting: Truth
+
+
 class Reading(Protocol):
     """What there is between the rows of a trace. Programs and traces count the same ticks."""
 
@@ -35,13 +44,9 @@ class Reading(Protocol):
         """The trace as reports count it, so that every instant which they tell is a whole number of half ticks."""
         ...
 
-    def truth(self, program: MonitorProgram, trace: Trace) -> Truth: ...
+    def truth(self, program: MonitorProgram, trace: Trace) -> JudgedTruth: ...
 
-    def lasting_truth(self, program: MonitorProgram, trace: Trace) -> Truth:
-        """The truth if all values stay for ever as they are at the end."""
-        ...
-
-    def measured(self, program: MonitorProgram, trace: Trace) -> tuple[Truth, RobustnessResult]:
+    def measured(self, program: MonitorProgram, trace: Trace) -> tuple[JudgedTruth, RobustnessResult]:
         """The truth and the robustness."""
         ...
 
@@ -57,22 +62,20 @@ class HeldValues:
     def shown(self, trace: Trace) -> Trace:
         return trace
 
-    def truth(self, program: MonitorProgram, trace: Trace) -> Truth:
-        return monitor_truth(program, trace).verdict
+    def truth(self, program: MonitorProgram, trace: Trace) -> JudgedTruth:
+        found = monitor_truth(program, trace)
+        return JudgedTruth(found.verdict, found.lasting)
 
-    def lasting_truth(self, program: MonitorProgram, trace: Trace) -> Truth:
-        return monitor_lasting_truth(program, trace)
-
-    def measured(self, program: MonitorProgram, trace: Trace) -> tuple[Truth, RobustnessResult]:
+    def measured(self, program: MonitorProgram, trace: Trace) -> tuple[JudgedTruth, RobustnessResult]:
         """A robustness that is not 0 has the sign of the truth under the same rules, so it is asked for first."""
         if follows_from_truth(program):
             truth = self.truth(program, trace)
-            return truth, infinite_robustness(truth)
+            return truth, infinite_robustness(truth.measured)
         robustness = monitor_robustness(program, trace)
         if robustness.low > 0:
-            return Truth.TRUE, robustness
+            return JudgedTruth(Truth.TRUE, Truth.TRUE), robustness
         if robustness.high < 0:
-            return Truth.FALSE, robustness
+            return JudgedTruth(Truth.FALSE, Truth.FALSE), robustness
         return self.truth(program, trace), robustness
 
     def explainer(self, program: MonitorProgram, trace: Trace) -> Explainer:
@@ -110,16 +113,14 @@ class Lines:
         )
         return replace(program, nodes=nodes, ticks_per_unit=program.ticks_per_unit * self.parts)
 
-    def truth(self, program: MonitorProgram, trace: Trace) -> Truth:
-        return monitor_linear_truth(program, trace, self.parts).verdict
+    def truth(self, program: MonitorProgram, trace: Trace) -> JudgedTruth:
+        found = monitor_linear_truth(program, trace, self.parts)
+        return JudgedTruth(found.verdict, found.lasting)
 
-    def lasting_truth(self, program: MonitorProgram, trace: Trace) -> Truth:
-        return monitor_linear_lasting_truth(program, trace, self.parts)
-
-    def measured(self, program: MonitorProgram, trace: Trace) -> tuple[Truth, RobustnessResult]:
+    def measured(self, program: MonitorProgram, trace: Trace) -> tuple[JudgedTruth, RobustnessResult]:
         truth = self.truth(program, trace)
         if follows_from_truth(program):
-            return truth, infinite_robustness(truth)
+            return truth, infinite_robustness(truth.measured)
         return truth, monitor_linear_robustness(program, trace)
 
     def explainer(self, program: MonitorProgram, trace: Trace) -> Explainer:

@@ -22,6 +22,8 @@ from tachk.semantics.monitor_program import MonitorProgram
 _SLICE = 1 << 18
 """Rows between two looks at whether Ctrl-C was pressed."""
 
+_FIRST_SLICE = 1 << 10
+
 MOST_PARTS = 1_000_000
 """Of a tick, in which the instants are told at which lines cross."""
 
@@ -50,7 +52,13 @@ class Violation:
 
 @dataclass(frozen=True, slots=True)
 class TruthResult:
+    """Attributes:
+    lasting: the verdict if all values stay for ever as they are at the end of the trace. Operators without upper bound
+        still speak, at instants of the trace, about the trace only.
+    """
+
     verdict: Truth
+    lasting: Truth
     violation: Violation | None
 
 
@@ -117,15 +125,6 @@ def monitor_truth(program: MonitorProgram, trace: Trace) -> TruthResult:
     return _truth_result(core)
 
 
-def monitor_lasting_truth(program: MonitorProgram, trace: Trace) -> Truth:
-    """Whether the formula is true if all values stay for ever as they are at the end of the trace. Operators without
-    upper bound still speak, at instants of the trace, about the trace only."""
-    core = _core.OfflineTruth(program, verdict=True, probes=[], signals=[])
-    _push(core, trace.times, _columns(program, trace))
-    core.finish(trace.end, lasting=True)
-    return _truth(*core.verdict())
-
-
 def monitor_robustness(program: MonitorProgram, trace: Trace) -> RobustnessResult:
     """How far the formula is from changing its truth on a trace."""
     core = _core.OfflineRobustness(program, verdict=True, probes=[], signals=[])
@@ -174,7 +173,10 @@ class LinearViolation:
 
 @dataclass(frozen=True, slots=True)
 class LinearTruthResult:
+    """As `TruthResult`."""
+
     verdict: Truth
+    lasting: Truth
     violation: LinearViolation | None
 
 
@@ -226,16 +228,10 @@ def monitor_linear_truth(program: MonitorProgram, trace: Trace, parts: int = MOS
     ``%``, products and quotients of columns (`tachk.properties.lines` finds it before).
     """
     core = _linear(program, trace, _SPACE, parts)
-    low, high, found = core.truth()
+    low, high, found, lasting = core.truth()
     parts = 2 * core.refinement()
     violation = None if found is None else LinearViolation(found[0], found[1] / parts, found[2] / parts)
-    return LinearTruthResult(_truth(low, high), violation)
-
-
-def monitor_linear_lasting_truth(program: MonitorProgram, trace: Trace, parts: int = MOST_PARTS) -> Truth:
-    """The same as `monitor_lasting_truth` where numbers move linearly between rows."""
-    low, high, _ = _linear(program, trace, _SPACE, parts).truth(lasting=True)
-    return _truth(low, high)
+    return LinearTruthResult(_truth(low, high), Truth(lasting), violation)
 
 
 def monitor_linear_robustness(program: MonitorProgram, trace: Trace) -> RobustnessResult:
@@ -320,17 +316,18 @@ def _columns(program: MonitorProgram, trace: Trace) -> list[Values]:
 
 
 def _push(core: _core.OfflineTruth | _core.OfflineRobustness, times: Ticks, columns: Sequence[Values]) -> None:
-    """In slices: between two of them the interpreter sees Ctrl-C."""
-    for begin in range(0, len(times), _SLICE):
-        if core.settled():
-            return
-        end = begin + _SLICE
+    """In slices: between two of them the interpreter sees Ctrl-C. The first ones are short: some formulas are settled
+    soon."""
+    begin, size = 0, _FIRST_SLICE
+    while begin < len(times) and not core.settled():
+        end = begin + size
         core.push(times[begin:end], [column[begin:end] for column in columns])
+        begin, size = end, min(4 * size, _SLICE)
 
 
 def _truth_result(core: _core.OfflineTruth) -> TruthResult:
     found = core.violation()
-    return TruthResult(_truth(*core.verdict()), None if found is None else Violation(*found))
+    return TruthResult(_truth(*core.verdict()), Truth(core.lasting()), None if found is None else Violation(*found))
 
 
 def _robustness_result(low: float, high: float) -> RobustnessResult:

@@ -41,6 +41,31 @@ def test_floating_point_times_are_the_decimals_they_print_as(times: list[Decimal
     assert exact == sorted(Fraction(time) for time in times)
 
 
+@given(st.lists(st.tuples(st.integers(0, 10**13), st.integers(0, 15), st.integers(-1, 1)), min_size=1, max_size=3))
+def test_neighbours_of_decimals_are_no_decimals(numbers: list[tuple[int, int, int]]) -> None:
+    """A time is whole in some decimals if the quotient prints as it; a neighbour in floating point is not."""
+    times = []
+    for digits, decimals, steps in numbers:
+        time = digits / 10.0**decimals
+        times.append(float(np.nextafter(time, steps * np.inf)) if steps else time)
+    times = sorted(abs(time) for time in times)
+    fewest = next(
+        (
+            decimals
+            for decimals in range(16)
+            if times[-1] * 10.0**decimals < 2**51
+            and all(round(t * 10.0**decimals) / 10.0**decimals == t for t in times)
+        ),
+        None,
+    )
+    try:
+        scale = exact_ticks(np.array(times), "t").ticks_per_unit
+    except UsageError:
+        assert fewest is None
+        return
+    assert scale == 10**fewest if fewest is not None else scale >= 1
+
+
 @pytest.mark.parametrize("rows", [3, 1500, 5000])
 def test_more_decimals_may_be_needed_late(rows: int) -> None:
     times = np.arange(rows, dtype=np.float64)

@@ -40,9 +40,10 @@ class LinearMonitor {
   // stay on their side of the ticks; cells count in such parts.
   struct Judgement {
     Range<Truth> verdict;
+    Truth lasting;  // see OfflineMonitor
     std::optional<FirstViolation> violation;
   };
-  Judgement truth(Afterwards afterwards = Afterwards::anything) const;
+  Judgement truth() const;
   Signal<Truth> truth_signal(std::size_t node) const;
   // Parts of a tick in which `truth` counts.
   std::int64_t refinement() const { return refinement_; }

@@ -42,9 +42,6 @@ struct Requests {
   std::vector<std::size_t> signals = {};  // nodes whose whole signal is wanted
 };
 
-// What comes after the end of a trace, for operators that look so far: nobody knows, or all values stay as they are.
-enum class Afterwards { anything, the_same };
-
 // Pieces of a signal, from cell 0 to the end of the trace; adjacent pieces differ.
 template <class Value>
 struct Signal {
@@ -65,11 +62,10 @@ class OfflineMonitor {
   // Throws std::invalid_argument if times decrease or are too far from the first one.
   void push(const Samples& samples);
   // The trace ends at this tick, which is not before the last sample. There must be a sample.
-  void finish(std::int64_t end, Afterwards afterwards = Afterwards::anything);
-  // Instead of samples and an end: whole signals of the leaves. Where anything may follow, only the cells up to `last`
-  // count.
-  void judge(Cell last, const std::function<void(const StreamNode&, Stream<Value>&)>& fill,
-             Afterwards afterwards = Afterwards::anything);
+  void finish(std::int64_t end);
+  // Instead of samples and an end: whole signals of the leaves, of which only the cells up to `last` count, but for
+  // `lasting`.
+  void judge(Cell last, const std::function<void(const StreamNode&, Stream<Value>&)>& fill);
   // Whether further samples cannot change any result.
   bool settled() const;
   std::size_t columns() const { return program_.columns; }
@@ -77,6 +73,9 @@ class OfflineMonitor {
   std::size_t bytes() const;
 
   Range<Value> verdict() const;
+  // The verdict if all values stay as they are at the end for ever. Where signals are wanted it is not known: the lower
+  // bound of the verdict.
+  Value lasting() const { return lasting_ ? *lasting_ : verdict().low; }
   // Before the end: bounds of the verdict of every continuation. They rest on what is decided at every cell of an
   // outermost G or F, and need not be the narrowest.
   Range<Value> so_far() const { return bounds_of(verdict_); }
@@ -129,7 +128,7 @@ class OfflineMonitor {
   void trim(Side& side);
   void collect(Fold& fold, const Side& side);
   void record(Recording& recording, const Side& side);
-  void close(Afterwards afterwards);
+  void close();
   void conclude(Side& side, TraceEnd::Beyond beyond);
   Side copy(const Side& side) const;
   Range<Value> bounds_of(const Term& term) const;
@@ -145,6 +144,7 @@ class OfflineMonitor {
   Term verdict_{};
   std::vector<std::size_t> probes_;  // their folds
   Side side_;
+  std::optional<Value> lasting_;
   Side low_;  // of a finished trace; side_ is the high one
   TracePosition position_;
   std::vector<std::size_t> needed_;  // scratch of trim
