@@ -18,7 +18,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from io import StringIO
 from time import monotonic
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
@@ -263,6 +263,28 @@ class Model:
         if diagnostics:
             raise InputError(diagnostics)
         return tuple(formulas)
+
+    def zone_graph(self, limit: int = 10_000) -> Any:
+        """The symbolic states that are reachable and what leads from one to the other, as a `networkx.DiGraph`.
+
+        Its nodes are `tachk.report.zone_view.ZoneState`; see `tachk.report.zone_view.as_networkx` for what edges and
+        the graph itself have. It is made in Python, for graphs that one can look at.
+
+        Args:
+            limit: of the number of nodes. If there are more, ``graph.graph["reason"]`` is ``"state limit"``.
+
+        Raises:
+            InputError: the initial state violates an invariant.
+            UnsupportedError: the model uses a feature that cannot be checked.
+        """
+        from tachk.engines.zone_graph import zone_graph
+        from tachk.properties.verify import check_initial_state
+        from tachk.report.zone_view import as_networkx
+        from tachk.semantics.features import check_selections
+
+        check_selections(self.network)
+        check_initial_state(self.network)
+        return as_networkx(self.network, zone_graph(self.network, limit))
 
     def _property(self, name: str) -> Query:
         for query in self.properties:

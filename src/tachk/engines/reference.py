@@ -134,7 +134,7 @@ def _add(
 ) -> None:
     search.exact = search.exact and not there.stopped
     depth = 0 if parent is None else parent.depth + 1
-    for zone in (widened for exact in zones for widened in _widened(search, exact)):
+    for zone in (widened for exact in zones for widened in widen(search.constants, exact)):
         known = search.passed.setdefault(there.discrete, [])
         if any(dbm.includes(other.zone, zone) for other in known):
             continue
@@ -156,16 +156,17 @@ def _look(search: _Search, node: _Node) -> None:
                 search.found[number] = node.path()
 
 
-def _widened(search: _Search, zone: Zone) -> Federation:
+def widen(constants: ClockConstants, zone: Zone) -> Federation:
+    """The zone without what no constraint of the network can tell; there are finitely many such zones."""
     pieces = [zone]
-    for diagonal in search.constants.diagonals:
+    for diagonal in constants.diagonals:
         sides = (diagonal, dbm.complement(diagonal))
         pieces = [part for piece in pieces for side in sides if (part := dbm.constrain(piece, side)) is not None]
-    return [_kept_to_its_side(search, dbm.extrapolate_max(piece, search.constants.maximum), piece) for piece in pieces]
+    return [_kept_to_its_side(constants, dbm.extrapolate_max(piece, constants.maximum), piece) for piece in pieces]
 
 
-def _kept_to_its_side(search: _Search, widened: Zone, piece: Zone) -> Zone:
-    sides = (side for diagonal in search.constants.diagonals for side in (diagonal, dbm.complement(diagonal)))
+def _kept_to_its_side(constants: ClockConstants, widened: Zone, piece: Zone) -> Zone:
+    sides = (side for diagonal in constants.diagonals for side in (diagonal, dbm.complement(diagonal)))
     kept = dbm.constrain_all(widened, (side for side in sides if side[2] >= piece[side[0], side[1]]))
     assert kept is not None
     return kept

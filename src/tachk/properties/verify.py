@@ -76,7 +76,7 @@ def verify(
     try:
         with time_limit(limits.seconds):
             check_selections(network)
-            _check_initial_state(network)
+            check_initial_state(network)
             supported = []
             for query in queries:
                 try:
@@ -141,7 +141,8 @@ def _not_begun(query: Query, reason: str) -> Verdict:
     return Verdict(query, Answer.UNKNOWN, True, reason, Statistics())
 
 
-def _check_initial_state(network: Network) -> None:
+def check_initial_state(network: Network) -> None:
+    """Raises InputError (E0409) where the initial state violates an invariant."""
     model = prepare(network)
     start = TimedState(initial_discrete(model), (Fraction(0),) * (model.dimension - 1), Fraction(0))
     violated = []

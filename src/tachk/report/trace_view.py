@@ -117,7 +117,7 @@ def _shown_event(event: Event) -> Event:
 
 def view_trace(network: Network, trace: TimedTrace) -> TraceView:
     """The view of a timed trace of the network."""
-    names = _Names(network)
+    names = Names(network)
     steps = []
     before = trace.initial.discrete
     for step in trace.steps:
@@ -129,7 +129,7 @@ def view_trace(network: Network, trace: TimedTrace) -> TraceView:
 
 def view_path(network: Network, path: Sequence[Transition]) -> TraceView:
     """The view of a path that is known without times: locations and variables follow from the updates."""
-    names = _Names(network)
+    names = Names(network)
     state = names.start
     initial = names.snapshot(state)
     steps = []
@@ -142,14 +142,14 @@ def view_path(network: Network, path: Sequence[Transition]) -> TraceView:
 
 def view_event(network: Network, path: Sequence[Transition], transition: Transition) -> Event:
     """The view of a transition that is tried after a path."""
-    names = _Names(network)
+    names = Names(network)
     state = names.start
     for fired in path:
         state = names.fire(state, fired)
     return names.event(state, transition)
 
 
-class _Names:
+class Names:
     """What the numbers of one network stand for."""
 
     def __init__(self, network: Network) -> None:
