@@ -24,9 +24,11 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, TachkError, Uns
 from tachk.diagnostics.span import Source
 from tachk.diagnostics.suggestion import closest, unknown_key
 from tachk.engines.protocol import Extrapolation, Limits, Options, SearchOrder
-from tachk.frontend.load import LoadedModel, UncheckedQuery, elaborate_query_file, load_model
+from tachk.frontend.load import LoadedModel, UncheckedQuery, elaborate_query_file, load_model, other_readings_of
+from tachk.frontend.priority_readings import FIRST
 from tachk.model.network import Network
 from tachk.model.query import Query
+from tachk.properties.readings import agreed
 from tachk.properties.verdict import Answer, Verdict
 from tachk.properties.verify import VerifyProgress, refused
 from tachk.properties.verify import verify as verify_queries
@@ -228,19 +230,25 @@ class Model:
         names = (property,) if isinstance(property, str) else tuple(property)
         sources = [Source("<query>", text) for text in queries]
         files = [read_source(path) for path in query_files]
-        if not names and not sources and not files:
-            formulas = self.loaded.formulas
-        else:
-            with time_limit(limits.seconds):
-                given = self._given(files, sources)
-            formulas = (*(self._property(name) for name in names), *given)
-        checked = tuple(formula for formula in formulas if isinstance(formula, Query))
+        with time_limit(limits.seconds):
+            formulas = self._formulas(names, files, sources)
+        checked = _checked(formulas)
         if self.refusals:
             network, verdicts = self.loaded.heading, refused(checked, self.refusals[0])
         else:
             network = self.network
             left = limits.after(monotonic() - started)
             verdicts = verify_queries(network, checked, options, left, progress, trace)
+        others = []
+        open_ = any(verdict.answer is not Answer.UNKNOWN for verdict in verdicts)
+        for place, reading in other_readings_of(self.loaded) if open_ else ():
+            asked = _checked(Model(reading, self.path, self.definitions)._formulas(names, files, sources))
+            left = limits.after(monotonic() - started)
+            others.append((place, verify_queries(reading.network, asked, options, left, progress, trace=False)))
+        verdicts = tuple(
+            agreed(verdict, FIRST, [(place, found[number]) for place, found in others])
+            for number, verdict in enumerate(verdicts)
+        )
         not_checked = tuple(
             NotChecked(f.name, f.text, _why_not(f), f.diagnostics, f.title, f.span, number)
             for number, f in enumerate(formulas, 1)
@@ -250,6 +258,15 @@ class Model:
             self.path, network, verdicts, not_checked, options, limits, self.definitions, self.refusals, trace
         )
         return Report(record)
+
+    def _formulas(
+        self, names: Sequence[str], files: Sequence[Source], sources: Sequence[Source]
+    ) -> tuple[Query | UncheckedQuery, ...]:
+        """What is asked for, in order: the named properties and the queries of the texts, else all of the model."""
+        if not names and not sources and not files:
+            return self.loaded.formulas
+        given = self._given(files, sources)
+        return (*(self._property(name) for name in names), *given)
 
     def _given(self, files: Iterable[Source], sources: Iterable[Source]) -> tuple[Query | UncheckedQuery, ...]:
         """The queries of several texts, numbered through in their order whether they are checked or not."""
@@ -323,6 +340,10 @@ def _why_not_written(network: Network) -> str:
     except NotWritable as reason:
         return f"it has {reason}"
     return "it has no process"
+
+
+def _checked(formulas: Iterable[Query | UncheckedQuery]) -> tuple[Query, ...]:
+    return tuple(formula for formula in formulas if isinstance(formula, Query))
 
 
 def _why_not(query: UncheckedQuery) -> str:

@@ -23,10 +23,12 @@ from tachk.engines.protocol import INTERRUPTED, Options
 from tachk.export.trace_xml import run_to_trace_xml
 from tachk.export.uppaal_intermediate import network_to_intermediate
 from tachk.export.xtr import run_to_xtr
-from tachk.frontend.load import UncheckedQuery, elaborate_query_file
+from tachk.frontend.load import LoadedModel, UncheckedQuery, elaborate_query_file, other_readings_of
+from tachk.frontend.priority_readings import FIRST
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
+from tachk.properties.readings import agreed
 from tachk.properties.verdict import Answer, Verdict
 from tachk.properties.verify import refused, verify
 from tachk.report.verifyta_report import (
@@ -74,7 +76,8 @@ def _check(options: VerifytaOptions) -> ExitStatus:
     if os.environ.get("UPPAAL_COMPILE_ONLY"):
         sys.stdout.write(network_to_intermediate(model.network))
         return ExitStatus.AS_EXPECTED
-    formulas = _formulas(model, options)
+    source = _source(options)
+    formulas = _formulas(model.loaded, source)
     wanted = [(n, f) for n, f in enumerate(formulas, 1) if options.only in (None, n)]
     if not wanted:
         missing = f"there is no query {options.only - 1}, they count from 0" if options.only else "there are no queries"
@@ -95,7 +98,17 @@ def _check(options: VerifytaOptions) -> ExitStatus:
         checked = [(number, formula) for number, formula in asked if isinstance(formula, Query)]
         queries = tuple(query for _, query in checked)
         found = refused(queries, model.refusals[0]) if model.refusals else _verdicts(network, queries, options)
-        return {number: verdict for (number, _), verdict in zip(checked, found, strict=True)}
+        others = []
+        for place, reading in readings:
+            meant = _formulas(reading, source)
+            also = [formula for formula in (meant[number - 1] for number, _ in checked) if isinstance(formula, Query)]
+            others.append((place, _verdicts(reading.network, also, options)))
+        return {
+            number: agreed(verdict, FIRST, [(place, verdicts[at]) for place, verdicts in others])
+            for at, ((number, _), verdict) in enumerate(zip(checked, found, strict=True))
+        }
+
+    readings = tuple(other_readings_of(model.loaded))
 
     known = verdicts_on(wanted) if options.reuse else {}
     statuses = []
@@ -109,12 +122,18 @@ def _check(options: VerifytaOptions) -> ExitStatus:
     return worst(statuses)
 
 
-def _formulas(model: api.Model, options: VerifytaOptions) -> tuple[Formula, ...]:
-    """What is to be checked, in the order in which UPPAAL counts."""
+def _source(options: VerifytaOptions) -> Source | None:
+    """The file of queries, if one is given."""
     if not options.queries:
-        return model.loaded.formulas
-    source = Source("<stdin>", sys.stdin.read()) if options.queries == "-" else read_source(options.queries)
-    queries, unchecked = elaborate_query_file(model.loaded, source)
+        return None
+    return Source("<stdin>", sys.stdin.read()) if options.queries == "-" else read_source(options.queries)
+
+
+def _formulas(loaded: LoadedModel, source: Source | None) -> tuple[Formula, ...]:
+    """What is to be checked, in the order in which UPPAAL counts."""
+    if source is None:
+        return loaded.formulas
+    queries, unchecked = elaborate_query_file(loaded, source)
     return tuple(sorted((*queries, *unchecked), key=lambda formula: formula.span.start))
 
 

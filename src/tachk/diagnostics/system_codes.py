@@ -205,4 +205,12 @@ SYSTEM_CODES: dict[str, Explanation] = {
         "meta int m;\nprocess P() { state s; init s; trans s -> s { guard m < 3; assign m = m + 1; }; }\nsystem P;",
         "int m;\nprocess P() { state s; init s; trans s -> s { guard m < 3; assign m = m + 1; }; }\nsystem P;",
     ),
+    "W0409": Explanation(
+        "channel priorities without `default`",
+        "Internal edges and channels that are not listed have the priority `default`. UPPAAL's manual does not say "
+        "where that is if the declaration does not. Queries are checked with every place: an answer on which all agree "
+        "is the answer; otherwise it is that for `default` below all others, with a remark.",
+        "chan a, b;\nchan priority a < b;\nprocess P() { state s; init s; }\nsystem P;",
+        "chan a, b;\nchan priority default < a < b;\nprocess P() { state s; init s; }\nsystem P;",
+    ),
 }

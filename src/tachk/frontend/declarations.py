@@ -11,6 +11,7 @@ from tachk.frontend.expressions import expression, type_reader
 from tachk.frontend.functions import declare_function, declare_types
 from tachk.frontend.initialisers import initialiser
 from tachk.frontend.places import converted
+from tachk.frontend.priority_readings import FIRST, says_default
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.frontend.typing import WIDE, describe, is_data, is_integral
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable, VariableKind
@@ -245,9 +246,9 @@ def set_channel_priorities(
     for extra in nodes[1:]:
         context.error("E0405", extra.span, "channel priorities are declared twice", "join the two declarations")
     node = nodes[0]
-    default: int | None = None
+    default = 0
     cells: dict[Variable, dict[int, int]] = {}
-    for level, group in enumerate(node.groups):
+    for level, group in enumerate(node.groups, start=0 if says_default(node) else 1):
         for channel in group:
             if isinstance(channel, ast.NameExpression) and channel.name == "default":
                 default = level
@@ -264,14 +265,13 @@ def set_channel_priorities(
                 if position in cells.setdefault(variable, {}):
                     context.error("E0405", channel.span, f"`{channel.span.text}` already has a priority")
                 cells[variable][position] = level
-    if default is None:
-        context.error(
-            "E0750",
+    if not says_default(node):
+        context.findings.add(
+            "W0409",
             node.span,
-            "channel priorities without `default` are not supported, as internal edges have no place then",
-            "put `default` where they belong, as in `chan priority a < default`",
+            "where is `default`? UPPAAL's manual does not say where internal edges and other channels belong then",
+            f"every place is tried; where answers differ, it is taken to be {FIRST}; write it to say what is meant",
         )
-        default = 0
     for position, variable in enumerate(declared.variables):
         if variable in cells:
             count = len(variable.initial)

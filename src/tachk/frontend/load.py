@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -16,6 +16,7 @@ from tachk.frontend.elaborate import Elaborated, elaborate
 from tachk.frontend.expectations import with_expectations
 from tachk.frontend.findings import Findings
 from tachk.frontend.imports import Importer
+from tachk.frontend.priority_readings import other_readings
 from tachk.frontend.queries import UncheckedQuery, elaborate_each, elaborate_entries, wrong_query
 from tachk.frontend.scope import Scope
 from tachk.model.expressions import Variable
@@ -38,6 +39,7 @@ __all__ = [
     "elaborate_queries",
     "elaborate_query_file",
     "load_model",
+    "other_readings_of",
     "temporal_formula_of",
 ]
 
@@ -67,6 +69,7 @@ class LoadedModel:
     _constants: Context = field(repr=False)
     layout: Layout | None = field(default=None, repr=False)
     refusals: tuple[Diagnostic, ...] = ()
+    _overrides: Mapping[str, ast.Expression] = field(default_factory=dict, repr=False)
 
     @property
     def network(self) -> Network:
@@ -152,6 +155,7 @@ def load_model(
         result.scope,
         context,
         refusals=refusals,
+        _overrides=overrides,
     )
 
 
@@ -196,7 +200,8 @@ def _load_xml(read: XmlModel, constants: Mapping[str, int | bool | str], strict_
         findings.extend(additions(replace(read.document, items=plain)))
     if findings.has_errors:
         raise InputError(findings.sorted())
-    items = _without_charts(read.document.items, read.charts, findings)
+    stated = read.document.items
+    items = _without_charts(stated, read.charts, findings)
     _refuse_dynamic_templates(items, findings)
     properties = [item for item in items if isinstance(item, ast.PropertyDeclaration)]
     overrides = constant_overrides(constants, items, findings)
@@ -218,12 +223,39 @@ def _load_xml(read: XmlModel, constants: Mapping[str, int | bool | str], strict_
         tuple(sorted((*_explained(unchecked, refusals), *broken), key=lambda query: query.span.start)),
         warnings,
         read.document,
-        items,
+        stated,
         result.scope,
         context,
         read.layout,
         refusals,
+        overrides,
     )
+
+
+def other_readings_of(loaded: LoadedModel) -> Iterator[tuple[str, LoadedModel]]:
+    """What else a model may mean, each with the place of `default` that it was read with; see `priority_readings`.
+
+    The queries are those of the model, with the names of the reading.
+    """
+    if loaded.refusals:
+        return
+    for reading in other_readings(loaded.items):
+        context = Context(Findings(), budget=Budget(INSTANCES))
+        properties = [item for item in reading.items if isinstance(item, ast.PropertyDeclaration)]
+        others = [item for item in reading.items if not isinstance(item, ast.PropertyDeclaration)]
+        result = elaborate(others, loaded.document.span, loaded._overrides, context)
+        queries, unchecked = elaborate_each(properties, result.scope, context)
+        yield (
+            reading.place,
+            replace(
+                loaded,
+                _elaborated=result.network,
+                queries=queries,
+                unchecked=unchecked,
+                _scope=result.scope,
+                _constants=context,
+            ),
+        )
 
 
 def _explained(unchecked: Iterable[UncheckedQuery], refusals: Sequence[Diagnostic]) -> tuple[UncheckedQuery, ...]:

@@ -31,6 +31,7 @@ class Verdict:
     unsupported: why this query cannot be checked at all.
     unexamined: the processes that were held still or left out, and the variables whose updates were, because the
         answer does not depend on them, where they can meet run-time errors: these were not looked for.
+    assumption: how the model was read where it does not say what it means and the answer depends on it; else empty.
     moves: what the observer of a temporal property did along the trace, which is that of the model alone.
     """
 
@@ -44,6 +45,7 @@ class Verdict:
     unsupported: Diagnostic | None = None
     moves: tuple[ObserverMove, ...] = ()
     unexamined: tuple[str, ...] = ()
+    assumption: str = ""
 
     def __repr__(self) -> str:
         return f"<Verdict {self.query.name}: {self.answer.value}, {self.query.text}>"

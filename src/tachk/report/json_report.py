@@ -87,6 +87,7 @@ def verdict_to_json(network: Network, verdict: Verdict, every_step: bool = False
         "exact": verdict.exact,
         "reason": verdict.reason,
         "unexamined": list(verdict.unexamined),
+        "assumption": verdict.assumption,
         "stats": {
             "states_explored": statistics.states_explored,
             "states_stored": statistics.states_stored,

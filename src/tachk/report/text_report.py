@@ -52,6 +52,9 @@ def print_run(
             console.print(Text(f"  {query.name} is not checked: {text} ({query.reason})", style="dim"))
     _print_unknown(record, console, every_step)
     _print_unexamined(record.verdicts, console)
+    for verdict in record.verdicts:
+        if verdict.assumption:
+            console.print(Text(f"\n{verdict.query.name}: {verdict.assumption}", style="yellow"))
     for verdict in record.verdicts if record.runs else ():
         if verdict.trace is None:
             continue

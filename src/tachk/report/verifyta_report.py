@@ -82,6 +82,8 @@ def verdict_lines(verdict: Verdict) -> Iterator[str]:
             yield " -- Out of memory."
         case _:
             yield note(f"no answer: {verdict.reason}")
+    if verdict.assumption:
+        yield note(verdict.assumption)
 
 
 def evidence(verdict: Verdict) -> str:

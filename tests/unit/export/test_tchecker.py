@@ -18,7 +18,7 @@ def export(text: str) -> TCheckerModel:
 
 
 def states(text: str, name: str) -> tuple[int, int]:
-    model = api.Model(name, load_model(Source(name, text)))
+    model = api.Model(load_model(Source(name, text)), name)
     report = model.verify("E<> false", limits=Limits(states=50_000), options=Options(spectators=True))
     statistics = report[0].statistics
     return statistics.states_stored, statistics.transitions

@@ -147,7 +147,7 @@ def read_model(network: Network) -> Tracer:
 
 
 def witness(text: str = MODEL) -> tuple[Network, TimedTrace]:
-    model = api.Model("m.ta", load_model(Source("m.ta", text)))
+    model = api.Model(load_model(Source("m.ta", text)), "m.ta")
     run = model.verify()[0].trace
     assert run is not None
     return model.network, run

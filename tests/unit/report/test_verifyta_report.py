@@ -27,7 +27,7 @@ property stay : A[] P.A;
 
 
 def record(text: str = MODEL, limits: Limits | None = None, trace: bool = False) -> RunRecord:
-    return api.Model("m.ta", load_model(Source("m.ta", text))).verify(limits=limits, trace=trace).record
+    return api.Model(load_model(Source("m.ta", text)), "m.ta").verify(limits=limits, trace=trace).record
 
 
 def test_every_formula_counts_and_only_those_checked_have_a_verdict() -> None:

@@ -92,7 +92,7 @@ signal far = S.b || L.y;
 
 
 def test_queries_on_labels() -> None:
-    model = api.Model("m.tck", load_model(Source("m.tck", FILE)))
+    model = api.Model(load_model(Source("m.tck", FILE)), "m.tck")
     report = model.verify("E<> done && L.y", "E<> L.y && !done", "E<> end_of == 1", trace=False)
     assert [verdict.answer.value for verdict in report] == ["holds", "holds", "holds"]
 

@@ -1,0 +1,63 @@
+"""Channel priorities without `default`.
+
+UPPAAL's manual gives internal edges and all channels that are not listed the priority `default`, and does not say where
+that is if the declaration does not. It may be below all groups, as high as one of them, between two of them, or above
+all: each place is a reading of the model, and what all readings agree in holds whichever is meant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from tachk.diagnostics.span import Span
+from tachk.records import dataclass
+from tachk.syntax import ast
+from tachk.syntax.expression_printer import print_expressions
+
+FIRST = "below all others"
+"""The reading that is taken where only one can be: what is not listed comes last."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """Attributes:
+    place: where it has `default`, in words.
+    items: of the model, with `default` in that place.
+    """
+
+    place: str
+    items: tuple[ast.Item, ...]
+
+
+def other_readings(items: Sequence[ast.Item]) -> Iterator[Reading]:
+    """All readings but `FIRST`, from the lowest place to the highest; none where the declaration says its own."""
+    nodes = [item for item in items if isinstance(item, ast.ChannelPriorityDeclaration)]
+    if len(nodes) != 1 or says_default(nodes[0]):
+        return
+    node = nodes[0]
+    for place, groups in _places(node.groups, ast.NameExpression(Span(node.span.source, *_end(node)), "default")):
+        placed = replace(node, groups=groups)
+        yield Reading(place, tuple(placed if item is node else item for item in items))
+
+
+def says_default(node: ast.ChannelPriorityDeclaration) -> bool:
+    """Whether the declaration has `default` among its channels."""
+    return any(isinstance(c, ast.NameExpression) and c.name == "default" for group in node.groups for c in group)
+
+
+def _end(node: ast.ChannelPriorityDeclaration) -> tuple[int, int]:
+    return node.span.end, node.span.end
+
+
+_Groups = tuple[tuple[ast.Expression, ...], ...]
+
+
+def _places(groups: _Groups, default: ast.Expression) -> Iterator[tuple[str, _Groups]]:
+    for at, group in enumerate(groups):
+        name = print_expressions(group)
+        yield f"as high as {name}", (*groups[:at], (*group, default), *groups[at + 1 :])
+        above = (
+            f"between {name} and {print_expressions(groups[at + 1])}" if at + 1 < len(groups) else "above all others"
+        )
+        yield above, (*groups[: at + 1], (default,), *groups[at + 1 :])
