@@ -191,12 +191,13 @@ class Instances:
             if target is None:
                 return None
             if len(target.parameters) != len(node.arguments):
+                missing = [f"`{parameter.span.text}`" for parameter in target.parameters[len(node.arguments) :]]
                 self.context.findings.add(
                     "E0412",
                     node.span,
                     f"`{target.name.name}` takes {count(len(target.parameters), 'argument')}, "
                     f"not {len(node.arguments)}",
-                    None,
+                    f"add a value for {', '.join(missing)}" if missing else "remove what is too much",
                     (Label(target.name.span, "declared here"),),
                 )
                 return None

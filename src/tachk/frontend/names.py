@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import islice
+
 from tachk.frontend.builtin_names import BUILTIN_CONSTANTS
 from tachk.frontend.context import Context
 from tachk.frontend.dropped import refuse_use
@@ -20,6 +22,9 @@ from tachk.frontend.scope import (
 from tachk.frontend.typing import WIDE
 from tachk.model.expressions import Constant, Expression
 from tachk.syntax import ast
+
+_PROCESSES_NAMED = 3
+"""A help line names at most so many processes."""
 
 
 def named(node: ast.NameExpression, scope: Scope, context: Context) -> Expression | None:
@@ -41,13 +46,33 @@ def named(node: ast.NameExpression, scope: Scope, context: Context) -> Expressio
             if node.name == "deadlock":
                 context.error("E0501", node.span, "`deadlock` can only be used in queries")
                 return None
-            help_ = scope.suggestion(node.name) or "declare it above, globally or in the template"
+            help_ = (
+                _inside_a_process(node.name, scope)
+                or scope.suggestion(node.name)
+                or "declare it above, globally or in the template"
+            )
             context.error("E0201", node.span, f"unknown name `{node.name}`", help_)
         case _:
             context.error(
                 "E0203", node.span, f"`{node.name}` is a {symbol.description}, not a value", misuse_help(symbol)
             )
     return None
+
+
+def _inside_a_process(name: str, scope: Scope) -> str | None:
+    """The full names that a query may have meant by the bare name of a location, clock or variable of a process."""
+    found = []
+    for visible in dict.fromkeys(scope.names()):
+        match scope.lookup(visible):
+            case ProcessSymbol(members=members) if name in members.symbols:
+                found.append(f"`{visible}.{name}`")
+            case FamilySymbol(instances=instances):
+                holders = (values for values, process in instances.items() if name in process.members.symbols)
+                found += [f"`{visible}({', '.join(map(str, values))}).{name}`" for values in islice(holders, 1)]
+    if not found:
+        return None
+    more = " or the like" if len(found) > _PROCESSES_NAMED else ""
+    return f"say of which process: {' or '.join(found[:_PROCESSES_NAMED])}{more}"
 
 
 def misuse_help(symbol: Symbol) -> str | None:

@@ -59,6 +59,9 @@ CONTEXTUAL_KEYWORDS = frozenset(SPELLING.values())
 _WITHOUT_MEANING = {"break": ";", "continue": ";", "switch": "(", "enum": "{"}
 """Words of C that UPPAAL reserves and gives no meaning, with what follows them in C. Old models use them as names."""
 
+PATHS = {"AG": "A[]", "AF": "A<>", "EG": "E[]", "EF": "E<>"}
+"""Path quantifiers as other tools write them."""
+
 _FLAGS = {"init": "INIT_FLAG", "urgent": "URGENT_FLAG", "committed": "COMMITTED_FLAG"}
 _OUTCOMES = ("holds", "fails")
 _ARROWS = ("->", "-u->")
@@ -384,6 +387,9 @@ class _Resolver:
             if operator in ("[]", "<>"):
                 self.output.append(Token("QUANTIFIER", formula[0].text + operator, formula[0].span.to(formula[2].span)))
                 index = 3
+        elif _is_path(formula):
+            self.output.append(Token("QUANTIFIER", PATHS[formula[0].text], formula[0].span))
+            index = 1
         for place in range(index, len(formula)):
             token = formula[place]
             if token.type == "NAME":
@@ -403,7 +409,16 @@ def _is_query(formula: list[Token]) -> bool:
         return True
     if first in ("sup", "inf", "bounds") and second in ("{", ":"):
         return True
+    if _is_path(formula):
+        return True
     return any(token.text == "-->" for token in formula)
+
+
+def _is_path(formula: list[Token]) -> bool:
+    """Whether this begins with ``AG`` or the like, which could else be the name of a signal or of a function."""
+    if len(formula) < 2 or formula[0].text not in PATHS or any(token.text in ("-->", "->") for token in formula):
+        return False
+    return formula[1].type in _BEGINS_OPERAND or formula[1].text in ("(", "!", "-", "deadlock")
 
 
 _BEGINS_OPERAND = {"NAME", "INTEGER", "FLOAT", "TRUE", "FALSE", "NOT", "FORALL", "EXISTS"}

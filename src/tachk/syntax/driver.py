@@ -13,8 +13,9 @@ from typing import Any
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Span
 from tachk.syntax.lalr import Stack, UnexpectedToken
-from tachk.syntax.messages import Situation, explain
+from tachk.syntax.messages import explain
 from tachk.syntax.misplaced import Misplaced
+from tachk.syntax.situation import Situation
 from tachk.syntax.tables import lexer, tables
 from tachk.syntax.tokens import END, Token
 from tachk.time_limit import check_time
@@ -23,6 +24,7 @@ MOST_ERRORS = 20
 _MOST_RECOVERIES = 60
 
 _SUPPLIED = (";", ")", "]")
+_BEGINS_CLAUSE = {"TO", "UNCONTROLLABLE", "INVARIANT", "SELECT", "GUARD", "SYNC", "ASSIGN", "PROBABILITY"}
 _OPENING = {"{", "(", "["}
 _CLOSING = {"}", ")", "]"}
 
@@ -119,7 +121,9 @@ class _Run:
         symbols = lexer().symbols
         token, before = self.tokens[index], self.tokens[index - 1]
         for text in _SUPPLIED:
-            if text == ";" and not (token.text in ("}", "") or _on_next_line(before, token)):
+            if text == ";" and not (
+                token.text in ("}", "") or token.type in _BEGINS_CLAUSE or _on_next_line(before, token)
+            ):
                 continue
             if text != ";" and token.text not in (";", "{", ")", "]"):
                 continue
@@ -161,7 +165,7 @@ class _Run:
                     return index if token.text == "}" else index + 1
                 depth -= 1
                 if depth == 0 and token.text == "}":
-                    return index + 1
+                    return index + 1 + (tokens[index + 1].text == ";")
             elif token.text == ";" and depth == 0:
                 return index + 1
             index += 1

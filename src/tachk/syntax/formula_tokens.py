@@ -16,6 +16,9 @@ INFIX = frozenset("UWS")
 EDGES = frozenset({"rise", "fall", "change"})
 INFINITE = frozenset({"inf", "infinity", "oo"})
 
+BOXES = {"[]": "G", "<>": "F"}
+"""How tools for LTL write two of them; before an operand the signs have no other meaning."""
+
 WORDS = {
     **dict.fromkeys(("always", "globally", "alw", "g_"), "G"),
     **dict.fromkeys(("eventually", "finally", "future", "ev", "f_"), "F"),
@@ -98,6 +101,12 @@ class _Marker:
         """Mark the token at a place; the place to go on at."""
         token = self.tokens[place]
         following = self.text(place + 1)
+        letter = None if self.ended else BOXES.get(token.text + following)
+        if letter is not None and token.span.end == self.tokens[place + 1].span.start:
+            self.tokens[place : place + 2] = [
+                Token("FORMULA_PREFIX", letter, token.span.to(self.tokens[place + 1].span))
+            ]
+            return self.interval(place + 1)
         if token.text == "->":
             token.type = "IMPLIES"
         elif token.type in ("FORALL", "EXISTS") and following == "(":

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from difflib import get_close_matches
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import Span
-from tachk.syntax.contextual import SPELLING
+from tachk.syntax.contextual import PATHS, SPELLING
+from tachk.syntax.foreign_words import foreign_word
 from tachk.syntax.formula_tokens import PREFIX, WORDS, lacks_full_stop
+from tachk.syntax.situation import CLOSES, Situation, item_start, query_start, until_end
 from tachk.syntax.tables import lexer, terminal_spelling
 from tachk.syntax.tokens import END, Token
-
-_CLOSES = {")": "(", "]": "[", "}": "{"}
 
 _EXPRESSION = {"NAME", "INTEGER", "LPAR", "FORALL", "TRUE"}
 _TYPE = {"NAME", "INT", "CLOCK", "STRUCT"}
@@ -40,36 +39,13 @@ _ITEM_WORDS = ("process", "system", "typedef", "property", "signal", "import", "
 _BODY_WORDS = ("location", "state", "init", "trans", "commit", "committed", "urgent", "branchpoint", "clock", "const")
 
 
-@dataclass(frozen=True, slots=True)
-class Situation:
-    """Attributes:
-    tokens: the whole text.
-    index: the token that does not fit.
-    accepted: the terminals that would fit.
-    supplied: the token that was put in because only it is missing.
-    construct: the offset where the enclosing item, statement or clause begins, if it has begun.
-    start: the start symbol of the grammar, such as ``document`` or ``query``.
-    """
-
-    tokens: Sequence[Token]
-    index: int
-    accepted: frozenset[str]
-    supplied: Token | None
-    construct: int | None
-    start: str
-
-    @property
-    def token(self) -> Token:
-        return self.tokens[self.index]
-
-
 def explain(situation: Situation) -> Diagnostic:
     """The diagnostic for a token that does not fit, by the most specific reason that applies."""
     return (
         _foreign_format(situation)
         or _interface(situation)
         or _temporal_word(situation)
-        or _foreign_symbol(situation)
+        or foreign_word(situation)
         or _missing(situation)
         or _brackets(situation)
         or _no_query(situation)
@@ -93,7 +69,7 @@ def _foreign_format(situation: Situation) -> Diagnostic | None:
 
 
 def _interface(situation: Situation) -> Diagnostic | None:
-    item = situation.tokens[_item_start(situation)]
+    item = situation.tokens[item_start(situation)]
     if item.text != "IO" or situation.token.text != "{" or situation.tokens[situation.index - 1].type != "NAME":
         return None
     return Diagnostic(
@@ -117,7 +93,7 @@ def _missing(situation: Situation) -> Diagnostic | None:
 
 def _opening_of(situation: Situation, closing: str) -> Token | None:
     stack = _open_brackets(situation.tokens[: situation.index])
-    return stack[-1] if stack and closing in _CLOSES and stack[-1].text == _CLOSES[closing] else None
+    return stack[-1] if stack and closing in CLOSES and stack[-1].text == CLOSES[closing] else None
 
 
 def _brackets(situation: Situation) -> Diagnostic | None:
@@ -134,11 +110,11 @@ def _brackets(situation: Situation) -> Diagnostic | None:
         )
     if token.text == "{" and "OPAQUE_BLOCK" in situation.accepted:
         return Diagnostic("E0113", "this '{' is never closed", token.span, "add '}'")
-    if token.text not in _CLOSES:
+    if token.text not in CLOSES:
         return None
     if not stack or (token.text != "}" and stack[-1].text == "{" and _is_closed_later(situation)):
         return Diagnostic("E0113", f"this '{token.text}' closes nothing", token.span, "remove it")
-    if stack[-1].text != _CLOSES[token.text]:
+    if stack[-1].text != CLOSES[token.text]:
         return Diagnostic(
             "E0113",
             f"this '{stack[-1].text}' is not closed before '{token.text}'",
@@ -163,12 +139,12 @@ def _is_closed_later(situation: Situation) -> bool:
 
 def _temporal_word(situation: Situation) -> Diagnostic | None:
     """Operators of temporal formulas that are spelt as other tools spell them."""
-    begin = 0 if situation.start == "formula_fragment" else _query_start(situation)
+    begin = 0 if situation.start == "formula_fragment" else query_start(situation)
     if begin is None:
         return None
     tokens = situation.tokens
-    if situation.start != "formula_fragment" and lacks_full_stop(_until_end(tokens, begin)):
-        last = _until_end(tokens, begin)[-1]
+    if situation.start != "formula_fragment" and lacks_full_stop(until_end(tokens, begin)):
+        last = until_end(tokens, begin)[-1]
         end = Span(last.span.source, last.span.end, last.span.end)
         return Diagnostic("E0133", "a sentence ends with a full stop", end, "add '.'")
     for place in range(begin, min(situation.index + 1, len(tokens))):
@@ -194,58 +170,14 @@ def _temporal_word(situation: Situation) -> Diagnostic | None:
     return None
 
 
-def _foreign_symbol(situation: Situation) -> Diagnostic | None:
-    """Operators of formulas that are spelt with other symbols elsewhere, and queries where a formula is wanted."""
-    if situation.start != "formula_fragment":
-        return None
-    tokens, index = situation.tokens, situation.index
-    for place in (index, index - 1):
-        if place < 0:
-            continue
-        letter = {"[]": "G", "<>": "F"}.get("".join(token.text for token in tokens[place : place + 2]))
-        letter = letter or {"<>": "F"}.get(tokens[place].text)
-        last = tokens[place] if tokens[place].text == "<>" else tokens[min(place + 1, len(tokens) - 1)]
-        if letter and place and tokens[place - 1].text in ("A", "E"):
-            path = tokens[place - 1].span.to(last.span)
-            return Diagnostic(
-                "E0101",
-                f"'{path.text}' begins a query about all runs of a model; a formula is wanted",
-                path,
-                f"a formula speaks about one run: write {letter} in place of {path.text}",
-            )
-        if letter:
-            span = tokens[place].span.to(last.span)
-            return Diagnostic(
-                "E0101", f"'{span.text}' is no operator of formulas", span, f"the operator is written {letter}"
-            )
-    if index and situation.token.text == ">" and tokens[index - 1].text == "=":
-        span = tokens[index - 1].span.to(situation.token.span)
-        return Diagnostic("E0101", "'=>' is no operator", span, "write -> for 'implies', >= for 'at least'")
-    if situation.token.text == ";":
-        return Diagnostic(
-            "E0101", "';' does not fit here", situation.token.span, "join formulas with &&, or give a file"
-        )
-    return None
-
-
-def _until_end(tokens: Sequence[Token], begin: int) -> list[Token]:
-    """The tokens of a query."""
-    found = []
-    for token in tokens[begin:]:
-        if token.type in (END, "EXPECT") or token.text == ";":
-            break
-        found.append(token)
-    return found
-
-
 def _no_query(situation: Situation) -> Diagnostic | None:
-    begin = _query_start(situation)
+    begin = query_start(situation)
     if begin is None or begin > situation.index:
         return None
     token, tokens, index = situation.token, situation.tokens, situation.index
     if begin == index and token.text in ("", ";"):
         return Diagnostic("E0115", "there is no query", token.span, "write, for example, A[] not deadlock")
-    if tokens[begin].type == "NAME" and token.text in ("", ";") and lexer().symbols["-->"] in situation.accepted:
+    if begin < index and token.text in ("", ";") and lexer().symbols["-->"] in situation.accepted:
         return Diagnostic(
             "E0115",
             "this is a condition, not a query",
@@ -253,37 +185,16 @@ def _no_query(situation: Situation) -> Diagnostic | None:
             "put A[] (always), E<> (possibly), A<> or E[] in front; G and F make it a temporal formula",
         )
     for place in (index - 1, index - 2):
-        if place >= begin and tokens[place].text in ("A", "E"):
-            pair = tokens[place + 1].text + tokens[place + 2].text if place + 2 < len(tokens) else ""
-            if pair in ("[]", "<>"):
-                return Diagnostic(
-                    "E0115",
-                    "path quantifiers cannot be nested",
-                    tokens[place].span.to(tokens[place + 2].span),
-                    "one A[], A<>, E[] or E<> stands at the beginning of a query; p --> q is the only form with two",
-                )
+        words = [t.text for t in tokens[place : place + 3]] if place >= begin else [""]
+        symbols = words[0] in ("A", "E") and "".join(words[1:]) in ("[]", "<>")
+        if symbols or words[0] in PATHS:
+            return Diagnostic(
+                "E0115",
+                "path quantifiers cannot be nested",
+                tokens[place].span.to(tokens[place + 2 if symbols else place].span),
+                "one A[], A<>, E[] or E<> stands at the beginning of a query; p --> q is the only form with two",
+            )
     return None
-
-
-def _query_start(situation: Situation) -> int | None:
-    """The index where the query begins in which the token stands."""
-    if situation.start == "query":
-        return 0
-    item = _item_start(situation)
-    if situation.tokens[item].type != "PROPERTY":
-        return None
-    return next((i + 1 for i in range(item, situation.index) if situation.tokens[i].text == ":"), None)
-
-
-def _item_start(situation: Situation) -> int:
-    """The index of the first token of the item of the document in which the token stands."""
-    depth = start = 0
-    for index, token in enumerate(situation.tokens[: situation.index]):
-        depth += (token.text in _CLOSES.values()) - (token.text in _CLOSES)
-        if depth <= 0 and token.text in (";", "}"):
-            start = index + 1
-            depth = 0
-    return start
 
 
 def _reserved(situation: Situation) -> Diagnostic | None:
@@ -299,7 +210,7 @@ def _misspelt(situation: Situation) -> Diagnostic | None:
         found = _close(token.text, _words(situation.accepted))
         if found:
             return _did_you_mean(token, found)
-    beginnings: list[tuple[Token, tuple[str, ...]]] = [(situation.tokens[_item_start(situation)], _ITEM_WORDS)]
+    beginnings: list[tuple[Token, tuple[str, ...]]] = [(situation.tokens[item_start(situation)], _ITEM_WORDS)]
     if situation.construct is not None:
         construct = situation.construct
         first = next((t for t in situation.tokens if t.span.start >= construct), token)
@@ -421,13 +332,13 @@ def _open_brackets(tokens: Sequence[Token]) -> list[Token]:
     for token in tokens:
         if token.text in ("(", "[", "{"):
             stack.append(token)
-        elif token.text in _CLOSES and stack:
+        elif token.text in CLOSES and stack:
             stack.pop()
     return stack
 
 
 def _closing(opening: str) -> str:
-    return next(closing for closing, other in _CLOSES.items() if other == opening)
+    return next(closing for closing, other in CLOSES.items() if other == opening)
 
 
 def _short(text: str) -> str:

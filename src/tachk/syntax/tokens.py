@@ -31,6 +31,41 @@ _OUTER = r"""
 """
 
 
+_SPELLING = {
+    "≥": ">=",
+    "≤": "<=",
+    "≠": "!=",
+    "⩾": ">=",
+    "⩽": "<=",
+    "∧": "&&",
+    "∨": "||",
+    "¬": "!",
+    "⊕": "xor",
+    "→": "->",
+    "⇒": "imply",
+    "⟶": "-->",
+    "⟹": "imply",
+    "⇝": "-->",
+    "□": "[]",
+    "◻": "[]",
+    "◇": "<>",
+    "◊": "<>",
+    "“": '"',
+    "”": '"',
+    "„": '"',
+    "−": "-",
+    "–": "-",
+    "—": "-",
+    "×": "*",
+    "·": "*",
+    "÷": "/",
+    "∞": "inf",
+    "⊤": "true",
+    "⊥": "false",
+}
+_BINDERS = {"A": "forall", "E": "exists"}
+
+
 @dataclass(slots=True)
 class Token:
     """One word of the text. ``type`` is the grammar's terminal; ``doc`` holds the ``///`` lines directly before it."""
@@ -162,5 +197,20 @@ def _unknown_characters(source: Source, start: int, stop: int, match: Match, lex
     shown = run if len(run) <= 10 else run[:10] + "..."
     what = f"the character {shown!r}" if len(run) == 1 else f"the characters {shown!r}"
     if len(lexed.errors) < 100:
-        lexed.errors.append(Diagnostic("E0002", f"{what} cannot be used here", Span(source, start, end)))
+        lexed.errors.append(Diagnostic("E0002", f"{what} cannot be used here", Span(source, start, end), _spelt(run)))
     return end
+
+
+def _spelt(run: str) -> str | None:
+    """How characters of formulas and of word processors are written here."""
+    if run.startswith("#"):
+        return "a comment begins with //"
+    if run[0] in "∀∃" and all(character in _SPELLING for character in run[1:]):
+        path = "A" if run[0] == "∀" else "E"
+        in_queries = path + "".join(_SPELLING[character] for character in run[1:])
+        return (
+            f"write {in_queries}" if run[1:] else f"write {path} in a path quantifier, {_BINDERS[path]} before a name"
+        )
+    if all(character in _SPELLING for character in run):
+        return f"write {''.join(_SPELLING[character] for character in run)}"
+    return None

@@ -289,8 +289,6 @@ def test_reading_what_was_printed_gives_the_same_formula(formula: f.Formula) -> 
     [
         ("A[] p", "'A[]' begins a query about all runs of a model", "write G in place of A[]"),
         ("E<> p", "'E<>' begins a query about all runs of a model", "write F in place of E<>"),
-        ("[] p", "'[]' is no operator", "written G"),
-        ("G (p -> <> q)", "'<>' is no operator", "written F"),
         ("G (p => q)", "'=>' is no operator", "write -> for 'implies'"),
         ("G p; G q", "';' does not fit here", "&&"),
         ("G (state == 1)", "'state' is a keyword", "write `state`"),
@@ -302,3 +300,20 @@ def test_what_is_spelt_as_elsewhere_gets_advice(text: str, message: str, advice:
     assert formula is None
     assert message in diagnostic.message
     assert advice in (diagnostic.help or "")
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        ("[] p", "G p"),
+        ("<>[0, 5] p", "F[0, 5] p"),
+        ("[](p -> <>[0,5] q)", "G (p -> F[0, 5] q)"),
+        ("p -> []<>q", "p -> G F q"),
+        ("a[1] -> [](b[0] < 3)", "a[1] -> G b[0] < 3"),
+    ],
+)
+def test_boxes_and_diamonds_are_letters(text: str, meant: str) -> None:
+    formula, found = parse_formula(Source("<formula>", text))
+    assert found == ()
+    assert formula is not None
+    assert print_formula(formula) == print_formula(parse_formula(Source("<formula>", meant))[0])
