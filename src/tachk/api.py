@@ -16,6 +16,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from html import escape
 from io import StringIO
 from time import monotonic
 from typing import TYPE_CHECKING, Any, overload
@@ -39,6 +40,7 @@ from tachk.time_limit import time_limit
 if TYPE_CHECKING:
     from tachk.export.svg import Picture
     from tachk.report.json_report import Json
+    from tachk.report.told_run import Run
 
 __all__ = [
     "Answer",
@@ -303,6 +305,19 @@ class Model:
         check_initial_state(self.network)
         return as_networkx(self.network, zone_graph(self.network, limit))
 
+    def __repr__(self) -> str:
+        set_ = "".join(f", {name}={self.constants[name]}" for name in self.definitions if name in self.constants)
+        return f"<Model {self.path}{set_}>"
+
+    def _repr_html_(self) -> str:
+        constants = ", ".join(f"{name} = {value}" for name, value in self.constants.items())
+        title = f"<p><b>{escape(self.path)}</b>{escape(f' — {constants}' if constants else '')}</p>"
+        try:
+            picture = draw(self).svg
+        except TachkError:
+            return title
+        return f"{title}\n{picture}"
+
     def _property(self, name: str) -> Query:
         for query in self.properties:
             if query.name == name:
@@ -380,6 +395,13 @@ class Report(Sequence[Verdict]):
     def met(self) -> bool | None:
         """Whether every answer is as expected: False if one is not, else None if one is unknown, else True."""
         return self.record.met
+
+    def run(self, index: int | str) -> Run | None:
+        """The run that shows why an answer is as it is, None where there is none: it can be printed and looked at."""
+        from tachk.report.told_run import Run
+
+        verdict = self[index]
+        return None if verdict.trace is None else Run(self.record.network, verdict)
 
     def to_dict(self) -> dict[str, Json]:
         """The run as docs/schema/verify.schema.json describes it."""

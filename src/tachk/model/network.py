@@ -115,6 +115,11 @@ class Network:
     time_unit: str = ""
     hidden: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        names = [process.name for process in self.processes]
+        shown = ", ".join(names if len(names) <= 8 else [*names[:7], f"and {len(names) - 7} more"])
+        return f"<Network of {shown or 'no process'}>"
+
     def hides(self, process: Process) -> bool:
         """Whether told runs leave the process out."""
         return process.name in self.hidden or process.template in self.hidden

@@ -6,13 +6,23 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 from tachk.report.quantity import count, seconds
 from tachk.report.record import RunRecord
+from tachk.report.text_report import evidence_text
 from tachk.resources import template_text
 
 _COLOURS = {"holds": "green", "fails": "firebrick", "unknown": "darkorange"}
 
 
 def run_to_html(record: RunRecord) -> str:
-    """A table with one row for each answer; everything that comes from the model is escaped."""
+    """A table with one row for each answer, and the runs, those behind unexpected answers unfolded.
+
+    Everything that comes from the model is escaped.
+    """
     environment = Environment(loader=FunctionLoader(template_text), autoescape=True, undefined=StrictUndefined)
     template = environment.get_template("report/verdicts.html.j2")
-    return template.render(record=record, colours=_COLOURS, count=count, seconds=seconds)
+    runs = [
+        (verdict, title, text)
+        for verdict in record.verdicts
+        for title, _, text in (evidence_text(record.network, verdict).partition("\n"),)
+        if title
+    ]
+    return template.render(record=record, runs=runs, colours=_COLOURS, count=count, seconds=seconds)

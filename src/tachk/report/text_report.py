@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from io import StringIO
 
 from rich.console import Console
 from rich.table import Table
@@ -77,6 +78,16 @@ def _print_evidence(network: Network, verdict: Verdict, trace: TimedTrace, conso
     if news:
         console.print(Text(f"  {news}", style="italic"), soft_wrap=True)
     print_trace(view, console, network.time_unit, telling)
+
+
+def evidence_text(network: Network, verdict: Verdict, clocks: bool = False, every_step: bool = False) -> str:
+    """The run behind an answer as text; empty where there is none. Arguments as for `print_run`."""
+    if verdict.trace is None:
+        return ""
+    out = StringIO()
+    console = Console(file=out, width=1000, highlight=False, color_system=None)
+    _print_evidence(network, verdict, verdict.trace, console, Telling(clocks, every_step))
+    return out.getvalue()
 
 
 def _print_unknown(record: RunRecord, console: Console, every_step: bool) -> None:

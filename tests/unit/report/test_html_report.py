@@ -8,7 +8,7 @@ from tachk.report.record import RunRecord
 
 def test_one_row_for_each_answer(record: RunRecord) -> None:
     html = run_to_html(record)
-    assert html.count("<tr>") == 1 + len(record.verdicts)
+    assert html.count("<tr>") == 1 + len(record.verdicts) + len(record.not_checked)
     assert "unknown (state limit)" in html
     assert "holds ✗" in html
 

@@ -1,0 +1,67 @@
+"""What a notebook shows of models, reports and runs."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import pytest
+
+import tachk
+from tachk.model.builder import NetworkBuilder
+
+FISCHER = Path(__file__).parents[3] / "models/classics/fischer.ta"
+
+
+@pytest.fixture(scope="module")
+def report() -> tachk.Report:
+    return tachk.load(FISCHER, N=2, WAIT=9).verify()
+
+
+def test_a_model_is_a_picture_with_its_constants() -> None:
+    model = tachk.load(FISCHER, N=3)
+    assert repr(model) == f"<Model {FISCHER}, N=3>"
+    html = model._repr_html_()
+    assert "N = 3, " in html
+    assert "<svg" in html
+    assert repr(model.network) == "<Network of P(1), P(2), P(3)>"
+
+
+def test_a_model_that_cannot_be_drawn_has_its_name() -> None:
+    network = NetworkBuilder()
+    a = network.process("P").location("a")
+    network.process("Q").location("b", invariant=a.reached)
+    assert tachk.Model(network.build(), "<mine>")._repr_html_() == "<p><b>&lt;mine&gt;</b></p>"
+
+
+def test_a_report_has_its_runs_below_the_table() -> None:
+    html = tachk.load(FISCHER, N=2).verify("A[] not P(1).critical", "E<> P(1).critical")._repr_html_()
+    assert html.startswith("<table>")
+    unexpected, expected = html.split("<details")[1:]
+    assert unexpected.startswith(" open>")
+    assert "q1 is violated by this run of 3 steps" in unexpected
+    assert "idle → request" in unexpected
+    assert not expected.startswith(" open")
+
+
+def test_a_query_that_is_not_checked_is_in_the_table() -> None:
+    model = tachk.loads("process P() { init location a; } system P; property s : Pr[<=10](<> P.a);")
+    assert "not checked: " in model.verify()._repr_html_()
+
+
+def test_a_run_is_told_by_names(report: tachk.Report) -> None:
+    run = report.run("mutual_exclusion")
+    assert run is not None
+    assert repr(run) == "<Run of 6 steps about mutual_exclusion>"
+    assert "P(1): idle → request" in str(run)
+    assert run.states[0].locations == (("P(1)", "idle"), ("P(2)", "idle"))
+    assert dict(run.states[-1].locations) == {"P(1)": "critical", "P(2)": "critical"}
+    assert dict(run.states[-1].variables)["id"] == 2
+    assert [len(step.event.moves) for step in run.steps if step.event] == [1] * 6
+    assert "P(1): idle → request" in run._repr_html_()
+    assert repr(pickle.loads(pickle.dumps(run))) == repr(run)
+
+
+def test_where_there_is_no_run_there_is_none(report: tachk.Report) -> None:
+    assert report["deadlock_free"].answer is tachk.Answer.HOLDS
+    assert report.run("deadlock_free") is None
