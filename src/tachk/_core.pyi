@@ -20,6 +20,7 @@ class Explorer:
         scale: bool,
         vector: bool,
         reclaim: bool,
+        shortest: bool,
         chunk_words: int,
         state_limit: int,
         memory_limit: int,

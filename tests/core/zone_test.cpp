@@ -129,7 +129,7 @@ struct Zone {
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < n; ++j) {
         const Raw raw = ops.entry(data, n, i, j);
-        if ((raw == tachk::unbounded ? infinity : std::int64_t{raw}) != m.at(i, j)) return false;
+        if ((raw == tachk::unbounded_entry ? infinity : std::int64_t{raw}) != m.at(i, j)) return false;
       }
     return true;
   }

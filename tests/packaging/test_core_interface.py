@@ -10,33 +10,86 @@ from pathlib import Path
 import pytest
 
 from tachk import _core
+from tachk.engines import zone
+from tachk.engines.protocol import Extrapolation, SearchOrder
+from tachk.engines.zone import CoreStatus
 from tachk.model.fault import RuntimeErrorKind
+from tachk.runtime.trace_csv import FaultKind as CsvFaultKind
 from tachk.semantics.bytecode import Opcode
+from tachk.semantics.monitor_program import NodeKind, Relation, ValueOperator
+from tachk.semantics.program import Comparison, DeadlockLiteral
 
 ROOT = Path(__file__).resolve().parents[2]
 
 WORDS = {
-    "constant": "const",
-    "logical_not": "not",
-    "call_return": "return",
-    "assertion": "assert",
+    "Opcode": {"constant": "const", "logical_not": "not", "call_return": "return", "assertion": "assert"},
+    "FaultKind": {"assertion": "assert"},
+    "NodeKind": {
+        "always_false": "false",
+        "always_true": "true",
+        "logical_not": "not",
+        "logical_and": "and",
+        "logical_or": "or",
+    },
 }
 """Names that C++ reserves or uses otherwise, with the names Python has for them."""
 
 
-def numbers_of(enumeration: str) -> dict[str, int]:
-    header = (ROOT / "src/core/include/tachk/opcode.hpp").read_text(encoding="utf-8")
-    body = re.search(rf"enum class {enumeration} : std::int32_t {{(.*?)}};", header, re.DOTALL)
-    assert body is not None
-    pairs = re.findall(r"(\w+) = (\d+),", body.group(1))
-    return {WORDS.get(name, name): int(number) for name, number in pairs}
-
-
-@pytest.mark.parametrize(("enumeration", "mirror"), [("Opcode", Opcode), ("FaultKind", RuntimeErrorKind)])
-def test_the_header_and_python_number_alike(enumeration: str, mirror: type[IntEnum]) -> None:
+def numbers_of(header: str, enumeration: str) -> dict[str, int]:
     if not (ROOT / "src/core").is_dir():
         pytest.skip("needs a checkout")
-    assert numbers_of(enumeration) == {member.name.lower(): member.value for member in mirror}
+    text = (ROOT / "src/core/include/tachk" / header).read_text(encoding="utf-8")
+    body = re.search(rf"enum class {enumeration}(?: : [\w:]+)? {{(.*?)}};", text, re.DOTALL)
+    assert body is not None
+    numbers: dict[str, int] = {}
+    for item in re.sub(r"//.*", "", body.group(1)).split(","):
+        name, _, number = (part.strip() for part in item.partition("="))
+        if name:
+            numbers[WORDS.get(enumeration, {}).get(name, name)] = (
+                int(number) if number else max(numbers.values(), default=-1) + 1
+            )
+    return numbers
+
+
+@pytest.mark.parametrize(
+    ("header", "enumeration", "mirror"),
+    [
+        ("opcode.hpp", "Opcode", Opcode),
+        ("opcode.hpp", "FaultKind", RuntimeErrorKind),
+        ("explorer.hpp", "Status", CoreStatus),
+        ("program.hpp", "Comparison", Comparison),
+        ("program.hpp", "DeadlockLiteral", DeadlockLiteral),
+        ("csv_reader.hpp", "CsvFaultKind", CsvFaultKind),
+        ("monitor_program.hpp", "ValueOperator", ValueOperator),
+        ("monitor_program.hpp", "Relation", Relation),
+        ("monitor_program.hpp", "NodeKind", NodeKind),
+    ],
+)
+def test_the_header_and_python_number_alike(header: str, enumeration: str, mirror: type[IntEnum]) -> None:
+    assert numbers_of(header, enumeration) == {member.name.lower(): member.value for member in mirror}
+
+
+@pytest.mark.parametrize(
+    ("header", "enumeration", "numbers"),
+    [
+        ("explorer.hpp", "SearchOrder", zone._ORDERS),
+        ("explorer.hpp", "Extrapolation", zone._EXTRAPOLATIONS),
+        ("zone.hpp", "Width", zone._WIDTHS),
+    ],
+)
+def test_options_have_the_numbers_of_the_header(header: str, enumeration: str, numbers: dict[object, int]) -> None:
+    names = {
+        SearchOrder.BFS: "breadth_first",
+        SearchOrder.DFS: "depth_first",
+        SearchOrder.RANDOM_DFS: "random_depth_first",
+        Extrapolation.NONE: "none",
+        Extrapolation.MAX: "max",
+        Extrapolation.LU: "lu",
+        16: "narrow",
+        32: "wide",
+        64: "widest",
+    }
+    assert numbers_of(header, enumeration) == {names[option]: number for option, number in numbers.items()}
 
 
 def test_the_stub_lists_what_the_extension_has() -> None:

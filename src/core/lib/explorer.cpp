@@ -53,9 +53,14 @@ Explorer::Explorer(Program program, const Options& options)
       scratch_(operations_) {
   for (std::size_t goal = 0; goal < program_.goals.size(); ++goal) {
     open_goals_.push_back(goal);
-    for (const Disjunct& disjunct : program_.goals[goal].disjuncts)
-      deadlock_open_ |= disjunct.deadlock != DeadlockLiteral::absent;
+    const std::vector<Disjunct>& disjuncts = program_.goals[goal].disjuncts;
+    asks_deadlock_.push_back(std::any_of(disjuncts.begin(), disjuncts.end(), [](const Disjunct& disjunct) {
+      return disjunct.deadlock != DeadlockLiteral::absent;
+    }));
+    deadlock_open_ |= asks_deadlock_.back();
   }
+  if (options_.shortest && options_.order != SearchOrder::breadth_first)
+    throw std::invalid_argument("shortest paths need a breadth-first search");
   prepare_bounds();
   watch_goals();
 }
@@ -150,6 +155,11 @@ Status Explorer::explore(std::uint64_t expansions) {
     if (expansions-- == 0) return Status::running;
     const std::uint32_t number = next_waiting();
     if (number == no_node) return too_deep_ ? Status::depth_limit : Status::finished;
+    if (options_.shortest) {
+      if (number >= layer_end_) begin_layer();
+      if (all_reached()) break;
+      passed_.protect(cursor_, layer_end_);
+    }
     if (passed_.covered(number)) continue;
     if (!depth_.empty() && depth_[number] >= options_.depth_limit) {
       too_deep_ = true;
@@ -199,6 +209,12 @@ void Explorer::add(std::uint32_t discrete, std::int32_t* slots, const void* zone
   if (options_.depth_limit != UINT32_MAX) depth_.push_back(parent == no_node ? 0 : depth_[parent] + 1);
   fresh_.push_back(number);
   check_goals(number, slots, zone);
+}
+
+// What is reached by now is no further away than what this layer leads to.
+void Explorer::begin_layer() {
+  layer_end_ = passed_.size();
+  std::erase_if(open_goals_, [this](std::size_t goal) { return reached_[goal] != no_node; });
 }
 
 bool Explorer::all_reached() const { return open_goals_.empty() && !program_.goals.empty(); }
@@ -389,7 +405,7 @@ void Explorer::check_magnitude(const void* zone) const {
   for (int i = 0; i < dimension_; ++i)
     for (int j = 0; j < dimension_; ++j) {
       const Raw raw = operations_.entry(zone, dimension_, i, j);
-      if (raw != unbounded && std::abs(raw) > operations_.legal / 4) throw ConstantOverflow{};
+      if (raw != unbounded_entry && std::abs(raw) > operations_.legal / 4) throw ConstantOverflow{};
     }
 }
 

@@ -48,8 +48,12 @@ void Explorer::check_goals(std::uint32_t node, std::int32_t* slots, const void* 
 
 void Explorer::check(const Watch& watch, std::uint32_t node, std::int32_t* slots, const void* zone) {
   if (reached_[watch.goal] != no_node || !meets(*watch.condition, slots, zone, goal_atoms_)) return;
-  reached_[watch.goal] = node;
-  std::erase(open_goals_, watch.goal);
+  settle(watch.goal, node);
+}
+
+void Explorer::settle(std::size_t goal, std::uint32_t node) {
+  reached_[goal] = node;
+  if (!options_.shortest || !asks_deadlock_[goal]) std::erase(open_goals_, goal);
 }
 
 void Explorer::begin_deadlock(const void* zone) {
@@ -81,14 +85,13 @@ void Explorer::pass_to_deadlock(const void* guarded, const Effect& effect) {
 
 void Explorer::end_deadlock(std::uint32_t node) {
   for (const auto& [goal, disjunct] : candidates_) {
-    if (reached_[goal] != no_node) continue;
+    if (reached_[goal] <= node) continue;  // a successor may have been found to reach it, but that is further away
     const Federation& pieces = disjunct->deadlock == DeadlockLiteral::required ? deadlocks_.dead() : deadlocks_.live();
     bool met = false;
     for (std::size_t piece = 0; piece < pieces.size() && !met; ++piece)
       met = meets(disjunct->condition, source_.data(), pieces[piece], goal_atoms_);
     if (!met) continue;
-    reached_[goal] = node;
-    std::erase(open_goals_, goal);
+    settle(goal, node);
   }
   candidates_.clear();
 }

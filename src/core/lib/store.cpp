@@ -69,7 +69,7 @@ void PassedList::thin_out(std::uint32_t& head, const void* zone) {
     for (std::uint32_t* link = &head; *link != no_node;) {
       const std::uint32_t number = *link;
       Node& old = entry(number);
-      if (operations_.includes(zone, zones_[old.zone], dimension_)) {
+      if (operations_.includes(zone, zones_[old.zone], dimension_) && !is_protected(number)) {
         *link = old.next;
         cover(number);
       } else {
@@ -81,7 +81,7 @@ void PassedList::thin_out(std::uint32_t& head, const void* zone) {
   Antichain& members = chain(head);
   chain_bytes_ -= members.bytes();
   members.remove_below(extent_of(zone), [&](std::uint32_t number) {
-    if (!operations_.includes(zone, zones_[node(number).zone], dimension_)) return false;
+    if (!operations_.includes(zone, zones_[node(number).zone], dimension_) || is_protected(number)) return false;
     cover(number);
     return true;
   });

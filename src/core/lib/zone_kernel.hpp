@@ -421,7 +421,7 @@ struct Table {
     table.extent = K::extent;
     table.entry = [](const void* zone, int dim, int i, int j) -> Raw {
       const T value = K::row(zone, dim, i)[j];
-      return value == K::infinity ? unbounded : Raw{value};
+      return value == K::infinity ? unbounded_entry : Raw{value};
     };
     table.set_bound = [](void* row, int clock, Raw value) { static_cast<T*>(row)[clock] = static_cast<T>(value); };
     return table;

@@ -158,7 +158,8 @@ def _options(request: VerifyRequest) -> Options:
             f"--trace shortest needs --search bfs, not {order.value}",
             "breadth-first search is what makes the first run that is found a shortest one",
         )
-    return Options(order, request.seed, Extrapolation(request.extrapolation))
+    shortest = request.trace == "shortest"
+    return Options(order, request.seed, Extrapolation(request.extrapolation), shortest=shortest)
 
 
 def _check_model(

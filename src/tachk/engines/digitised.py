@@ -113,15 +113,21 @@ def _explore(
     reason, fault = "", None
     path: tuple[Transition, ...] = ()
 
+    def too_many() -> bool:
+        return limits.states is not None and len(passed) > limits.states
+
     def add(state: TimedState, state_path: tuple[Transition, ...]) -> None:
-        state = replace(state, clocks=normalised(state.clocks), time=Fraction(0))
-        if state in passed:
-            return
-        passed.add(state)
-        waiting.append((state, state_path))
-        for number, goal in enumerate(goals):
-            if number not in found and satisfies(model, state, goal):
-                found[number] = state_path
+        following: TimedState | None = state
+        while following is not None and not too_many():
+            state = replace(following, clocks=normalised(following.clocks), time=Fraction(0))
+            if state in passed:
+                return
+            passed.add(state)
+            waiting.append((state, state_path))
+            for number, goal in enumerate(goals):
+                if number not in found and satisfies(model, state, goal):
+                    found[number] = state_path
+            following = _delayed(model, state, next_delay(state.clocks))
 
     try:
         try:
@@ -134,10 +140,7 @@ def _explore(
             for transition, after in successors(model, state):
                 transitions += 1
                 add(after, (*path, transition))
-            later = _delayed(model, state, next_delay(state.clocks))
-            if later is not None:
-                add(later, path)
-            if limits.states is not None and len(passed) > limits.states:
+            if too_many():
                 reason = "state limit"
                 break
             if limits.seconds is not None and time.monotonic() - started > limits.seconds:

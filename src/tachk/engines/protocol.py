@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from enum import StrEnum
 
+from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.span import Span
 from tachk.model.fault import RuntimeErrorKind
 from tachk.records import dataclass
@@ -34,13 +35,16 @@ class BoundScope(StrEnum):
     """One bound for each clock in the whole model."""
 
 
+LARGEST_SEED = 2**32 - 1
+
+
 @dataclass(frozen=True, slots=True)
 class Options:
     """How to search. No option may change a verdict.
 
     Attributes:
-        order: which state is explored next; BFS gives shortest traces.
-        seed: for RANDOM_DFS.
+        order: which state is explored next; BFS gives short paths.
+        seed: for RANDOM_DFS, from 0 to 2**32 - 1.
         extrapolation: the zone abstraction.
         bounds: where the clock bounds of the abstraction come from.
         subsumption: drop a state whose zone lies inside a stored zone, not only equal ones.
@@ -52,6 +56,10 @@ class Options:
         spectators: explore processes too that cannot influence the answer; off: hold them still.
         bystanders: explore at once processes that can only hinder the others; off: first look whether the target is
             unreachable without them.
+        shortest: find paths of as few transitions as possible; with BFS only. It may take more states: a state is
+            dropped for a larger one only if that is not further from the initial state.
+
+    Raises UsageError for a number out of its range and for `shortest` with another order than BFS.
     """
 
     order: SearchOrder = SearchOrder.BFS
@@ -66,6 +74,18 @@ class Options:
     chunk_words: int = 8
     spectators: bool = False
     bystanders: bool = False
+    shortest: bool = False
+
+    def __post_init__(self) -> None:
+        _check_range("seed", self.seed, 0, LARGEST_SEED)
+        _check_range("chunk_words", self.chunk_words, 0, 2**16)
+        if self.width not in (16, 32, 64):
+            raise UsageError(f"`width` is 16, 32 or 64, not {self.width}")
+        if self.shortest and self.order is not SearchOrder.BFS:
+            raise UsageError(
+                f"a shortest path needs the search order bfs, not {self.order.value}",
+                "breadth-first search is what makes the first path that is found a shortest one",
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +98,8 @@ class Limits:
         seconds_each: wall-clock seconds for each search; queries that look at the same clocks share one.
         memory_bytes: bytes the engine's data structures may take.
         depth: transitions from the initial state.
+
+    Raises UsageError for a negative limit.
     """
 
     states: int | None = None
@@ -89,6 +111,17 @@ class Limits:
     def after(self, elapsed: float) -> Limits:
         """The limits of what is left to do when so many seconds have passed."""
         return self if self.seconds is None else replace(self, seconds=max(self.seconds - elapsed, 0.0))
+
+    def __post_init__(self) -> None:
+        for name in ("states", "seconds", "memory_bytes", "depth"):
+            value = getattr(self, name)
+            if value is not None and not value >= 0:  # nan included
+                raise UsageError(f"the limit `{name}` is {value}, but it must be at least 0")
+
+
+def _check_range(name: str, value: int, low: int, high: int) -> None:
+    if not low <= value <= high:
+        raise UsageError(f"`{name}` is {value}, but it must lie in [{low}, {high}]")
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,4 @@
-"""The symbolic engine: a program goes to the C++ explorer, its findings come back as an `Outcome`.
-
-This is the only module that knows `tachk._core`.
-"""
+"""The symbolic engine: a program goes to the C++ explorer, its findings come back as an `Outcome`."""
 
 from __future__ import annotations
 
@@ -10,6 +7,7 @@ import time
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from enum import IntEnum
 
 from tachk import _core
 from tachk.diagnostics.diagnostic import InternalError
@@ -41,17 +39,29 @@ from tachk.semantics.program import (
 )
 from tachk.semantics.trace import Participant, Transition
 
+
+class CoreStatus(IntEnum):
+    """What a slice of a search ends with; the numbers are those of `Status` in explorer.hpp."""
+
+    RUNNING = 0
+    FINISHED = 1
+    STATE_LIMIT = 2
+    MEMORY_LIMIT = 3
+    DEPTH_LIMIT = 4
+    FAULT = 5
+    CONSTANT_LIMIT = 6
+
+
 _ORDERS = {SearchOrder.BFS: 0, SearchOrder.DFS: 1, SearchOrder.RANDOM_DFS: 2}
 _EXTRAPOLATIONS = {Extrapolation.NONE: 0, Extrapolation.MAX: 1, Extrapolation.LU: 2}
 _WIDTHS = {16: 0, 32: 1, 64: 2}
 _UNLIMITED = 2**64 - 1
-_RUNNING, _FINISHED, _FAULT = 0, 1, 5
 _REASONS = {
-    2: "state limit",
-    3: "memory limit",
-    4: "depth limit",
-    _FAULT: "run-time error",
-    6: "clock values beyond 2**58 without extrapolation",
+    CoreStatus.STATE_LIMIT: "state limit",
+    CoreStatus.MEMORY_LIMIT: "memory limit",
+    CoreStatus.DEPTH_LIMIT: "depth limit",
+    CoreStatus.FAULT: "run-time error",
+    CoreStatus.CONSTANT_LIMIT: "clock values beyond 2**58 without extrapolation",
 }
 _SLICE_SECONDS = 0.1
 
@@ -93,7 +103,7 @@ def _search(
     explorer = _explorer(program, goals, options, limits)
     start, user = time.perf_counter(), _user_seconds()
     status, reason = _run(explorer, start, limits, progress)
-    fault = _fault(program, explorer) if status == _FAULT else None
+    fault = _fault(program, explorer) if status == CoreStatus.FAULT else None
     outcomes = tuple(_goal_outcome(program, explorer, number, status) for number in range(len(goals)))
     statistics = replace(_statistics(explorer, start), user_seconds=_user_seconds() - user)
     outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
@@ -130,9 +140,10 @@ def _explorer(program: Program, goals: Sequence[Goal], options: Options, limits:
         scale=options.scale,
         vector=options.vector,
         reclaim=options.reclaim,
+        shortest=options.shortest,
         chunk_words=options.chunk_words,
-        state_limit=_UNLIMITED if limits.states is None else limits.states,
-        memory_limit=_UNLIMITED if limits.memory_bytes is None else limits.memory_bytes,
+        state_limit=_UNLIMITED if limits.states is None else min(limits.states, _UNLIMITED),
+        memory_limit=_UNLIMITED if limits.memory_bytes is None else min(limits.memory_bytes, _UNLIMITED),
         depth_limit=2**32 - 1 if limits.depth is None else min(limits.depth, 2**32 - 2),
     )
 
@@ -160,26 +171,26 @@ def _with_goals(outcome: Outcome, others: Mapping[int, GoalOutcome]) -> tuple[Go
     return tuple(others.get(number, goal) for number, goal in enumerate(outcome.goals))
 
 
-def _run(explorer: _core.Explorer, start: float, limits: Limits, progress: Progress | None) -> tuple[int, str]:
+def _run(explorer: _core.Explorer, start: float, limits: Limits, progress: Progress | None) -> tuple[CoreStatus, str]:
     slice_size = 256
     while True:
         begun = time.perf_counter()
         try:
-            status = explorer.run(slice_size)
+            status = CoreStatus(explorer.run(slice_size))
         except KeyboardInterrupt:
-            return _RUNNING, INTERRUPTED
+            return CoreStatus.RUNNING, INTERRUPTED
         except MemoryError:
-            return _RUNNING, "the machine is out of memory"
-        if status != _RUNNING:
+            return CoreStatus.RUNNING, "the machine is out of memory"
+        if status != CoreStatus.RUNNING:
             return status, _REASONS.get(status, "")
         now = time.perf_counter()
         if limits.seconds is not None and now - start >= limits.seconds:
-            return _RUNNING, TIME_LIMIT
+            return CoreStatus.RUNNING, TIME_LIMIT
         try:
             if progress is not None:
                 progress(_statistics(explorer, start))
         except KeyboardInterrupt:
-            return _RUNNING, INTERRUPTED
+            return CoreStatus.RUNNING, INTERRUPTED
         if now - begun < _SLICE_SECONDS / 2:
             slice_size *= 2
         elif now - begun > 2 * _SLICE_SECONDS:
@@ -191,11 +202,11 @@ def _statistics(explorer: _core.Explorer, start: float) -> Statistics:
     return Statistics(explored, stored, transitions, time.perf_counter() - start, peak)
 
 
-def _goal_outcome(program: Program, explorer: _core.Explorer, goal: int, status: int) -> GoalOutcome:
+def _goal_outcome(program: Program, explorer: _core.Explorer, goal: int, status: CoreStatus) -> GoalOutcome:
     node = explorer.reached(goal)
     if node is not None:
         return GoalOutcome(Status.REACHED, _path(program, explorer.path(node)))
-    return GoalOutcome(Status.UNREACHABLE if status == _FINISHED else Status.UNDECIDED)
+    return GoalOutcome(Status.UNREACHABLE if status == CoreStatus.FINISHED else Status.UNDECIDED)
 
 
 def _fault(program: Program, explorer: _core.Explorer) -> RunTimeFault:

@@ -32,6 +32,8 @@ VARIANTS = (
     Options(width=32, vector=False),
     Options(width=64, vector=False),
     Options(chunk_words=1),
+    Options(shortest=True),
+    Options(shortest=True, extrapolation=Extrapolation.MAX, bounds=BoundScope.GLOBAL),
     Options(reclaim=False),
     Options(order=SearchOrder.DFS, reclaim=False),
 )
@@ -74,7 +76,7 @@ def compare(case: Case, variants: Sequence[Options] = VARIANTS, effort: Effort =
     outcomes |= _zone_outcomes(case, variants)
     problems = _over_approximation(outcomes) if stopwatches else _contradictions(outcomes)
     answers = _answers(case, outcomes) if "zone" in outcomes else ()
-    return Agreement(outcomes, (*problems, *_runs(case, outcomes, stopwatches), *answers))
+    return Agreement(outcomes, (*problems, *_lengths(outcomes), *_runs(case, outcomes, stopwatches), *answers))
 
 
 def _zone_outcomes(case: Case, variants: Sequence[Options]) -> dict[str, Outcome]:
@@ -139,6 +141,19 @@ def _missed_faults(outcomes: dict[str, Outcome], met: Sequence[str]) -> Iterator
         fault = outcomes[met[0]].fault
         assert fault is not None
         yield f"run-time error ({fault.kind.name}) met by {met}, not by {missed}"
+
+
+def _lengths(outcomes: dict[str, Outcome]) -> Iterator[str]:
+    """The oracle that samples regions goes from layer to layer: its paths are shortest."""
+    oracle = outcomes.get("regions")
+    if oracle is None:
+        return
+    for name, outcome in outcomes.items():
+        if "shortest=True" not in name:
+            continue
+        for number, (least, found) in enumerate(zip(oracle.goals, outcome.goals, strict=True)):
+            if least.path is not None and found.path is not None and len(least.path) != len(found.path):
+                yield f"goal {number}: {name} finds a path of {len(found.path)} steps, the oracle of {len(least.path)}"
 
 
 def _over_approximation(outcomes: dict[str, Outcome]) -> Iterator[str]:

@@ -29,6 +29,7 @@ struct Options {
   bool scale = true;
   bool vector = true;
   bool reclaim = true;
+  bool shortest = false;        // breadth first only: no path to a goal is shorter than the one that is found
   std::size_t chunk_words = 8;  // of the parts in which large discrete states are held; 0: in one
   std::uint64_t state_limit = UINT64_MAX;
   std::uint64_t memory_limit = UINT64_MAX;
@@ -119,6 +120,9 @@ class Explorer {
   std::uint32_t next_waiting();
   void add(std::uint32_t discrete, std::int32_t* slots, const void* zone, std::uint32_t parent);
   void watch_goals();
+  // A goal is reached in a node. It may stay open until the end of the layer, for a deadlock one step nearer.
+  void settle(std::size_t goal, std::uint32_t node);
+  void begin_layer();
   void check(const Watch& watch, std::uint32_t node, std::int32_t* slots, const void* zone);
   void check_goals(std::uint32_t node, std::int32_t* slots, const void* zone);
   bool meets(const Condition& condition, std::int32_t* slots, const void* zone, std::vector<Atom>& atoms);
@@ -158,6 +162,7 @@ class Explorer {
 
   std::vector<std::uint32_t> stack_;  // waiting states of the depth-first orders
   std::uint32_t cursor_ = 0;          // next node of the breadth-first order
+  std::uint32_t layer_end_ = 0;       // the first node that is one step further from the initial state
   std::vector<std::uint32_t> fresh_;  // nodes added by the current expansion
   std::vector<std::uint32_t> depth_;  // of each node; kept only if there is a limit
   bool too_deep_ = false;
@@ -165,6 +170,7 @@ class Explorer {
 
   std::vector<std::uint32_t> reached_;
   std::vector<std::size_t> open_goals_;
+  std::vector<bool> asks_deadlock_;                                  // of each goal
   bool deadlock_open_ = false;                                       // some open goal asks for deadlock
   std::vector<std::pair<std::size_t, const Disjunct*>> candidates_;  // for a deadlock in the state being expanded
   DeadlockFinder deadlocks_;

@@ -44,6 +44,12 @@ class PassedList {
   // With `subsumption` a state is covered by a state with a zone that contains its own, without by an equal one only.
   std::uint32_t add(std::uint32_t discrete, const void* zone, std::uint32_t parent, bool subsumption);
 
+  // From now on the nodes with numbers from `first` to `last`, without it, are not covered by others.
+  void protect(std::uint32_t first, std::uint32_t last) {
+    protected_first_ = first;
+    protected_count_ = last - first;
+  }
+
   std::uint32_t size() const { return nodes_.size(); }
   std::uint32_t stored() const { return stored_; }
   const Node& node(std::uint32_t number) const { return *reinterpret_cast<const Node*>(nodes_[number]); }
@@ -67,6 +73,7 @@ class PassedList {
   // Removes the members of an antichain that the zone covers.
   void thin_out(std::uint32_t& head, const void* zone);
   void cover(std::uint32_t number);
+  bool is_protected(std::uint32_t number) const { return number - protected_first_ < protected_count_; }
   bool holds(std::uint32_t head, std::uint32_t zone_number) const;
   void append(std::uint32_t& head, std::uint32_t number);
   void add_to(Antichain& members, std::uint32_t number);
@@ -100,6 +107,8 @@ class PassedList {
   std::vector<Antichain> chains_;
   std::size_t chain_bytes_ = 0;
   std::uint32_t stored_ = 0;
+  std::uint32_t protected_first_ = 0;
+  std::uint32_t protected_count_ = 0;
 };
 
 }  // namespace tachk

@@ -51,7 +51,7 @@ struct ZoneOperations {
   // The largest absolute value of a finite entry.
   Raw (*largest_entry)(const void* zone, int dimension);
   Extent (*extent)(const void* zone, int dimension, const ExtentScale& scale);
-  // Reads entry (i, j); infinity is reported as `unbounded`.
+  // Reads entry (i, j); infinity is reported as `unbounded_entry`.
   Raw (*entry)(const void* zone, int dimension, int i, int j);
   // Writes one value into a row of bounds.
   void (*set_bound)(void* row, int clock, Raw value);
@@ -59,7 +59,7 @@ struct ZoneOperations {
 
 inline constexpr Raw no_bound = 4095;  // larger than any lower bound that can be asked of clock 0 or the padding
 
-inline constexpr Raw unbounded = INT64_MAX;
+inline constexpr Raw unbounded_entry = INT64_MAX;
 
 // Of the entries: 16, 32 or 64 bits.
 enum class Width { narrow, wide, widest };

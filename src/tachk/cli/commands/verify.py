@@ -28,11 +28,19 @@ from tachk.cli import options
     show_default=True,
     help="Which state is explored next.",
 )
-@click.option("--seed", metavar="N", type=int, default=1, show_default=True, help="For --search rdfs.")
+@click.option(
+    "--seed",
+    metavar="N",
+    type=click.IntRange(0, 2**32 - 1),
+    default=1,
+    show_default=True,
+    help="For --search rdfs.",
+)
 @click.option(
     "--trace",
     type=click.Choice(["some", "shortest", "none"]),
-    help="Which run to give as evidence; without this option only unexpected answers get one.",
+    help="Which run to give as evidence; without this option only unexpected answers get one. shortest: one with the "
+    "fewest transitions, which may take longer to find.",
 )
 @options.report("text", "json", "junit", "verifyta")
 @click.option(
