@@ -9,7 +9,7 @@ from random import Random
 import click
 
 from tachk.cli.main import COMMANDS
-from tests.fuzz.inputs import CSV, FORMULAS, LIMITS, MODEL, NUMBERS, QUERIES, VCD, WORDS, sound
+from tests.fuzz.inputs import CSV, FORMULAS, LIMITS, MODEL, NUMBERS, QUERIES, SMALL, SMALL_QUERIES, VCD, WORDS, sound
 from tests.fuzz.worker import Case
 
 _NUMBERS = (*NUMBERS, "nan", "inf", "-inf", "٣", "1,5", "--")
@@ -56,9 +56,25 @@ _FORMULAS = (
 )
 
 
+_OF_VERIFYTA = """
+-t0 -t1 -t2 -t9 -t -y -Y -u -q -s -o0 -o1 -o2 -o5 -o7 -r1 -rx -n0 -n1 -n2 -n4 -n7 -T -S0 -S2 -A -C -H10 -Z -Ocsv -v -h
+-qyt0 -uqs --version --help --summary --sum --no --query-index --query-index=0 --query-index=7 --diagnostic=1 --seed=2
+--nonsense --delta-l 0 1 -fout -Xout -f -X -
+""".split()  # noqa: SIM905
+
+
 def random_command(random: Random) -> Case:
     """A command with some of its options; now and then with one of another command, or with words at random."""
     name = random.choice(COMMANDS)
+    if name == "verifyta":
+        asked = random.choices(_OF_VERIFYTA, k=random.choice((0, 1, 1, 2, 3, 5)))
+        words = [
+            *asked,
+            *random.choice((["small.xml"], ["small.xml"], ["small.xml", "small.q"], ["small.q"], ["gone.xml"])),
+        ]
+        if random.random() < 0.3:
+            random.shuffle(words)
+        return Case((name, *words), _files(), SMALL_QUERIES.encode())
     command = import_module(f"tachk.cli.commands.{name.replace('-', '_')}").command
     words: list[str] = []
     parameters = [parameter for parameter in command.params if isinstance(parameter, click.Option)]
@@ -85,6 +101,8 @@ def random_command(random: Random) -> Case:
 def _files() -> Mapping[str, bytes]:
     return {
         "m.ta": MODEL.encode(),
+        "small.xml": SMALL.encode(),
+        "small.q": SMALL_QUERIES.encode(),
         "m.xml": sound()["xml"][0],
         "m.q": QUERIES.encode(),
         "m.csv": CSV.encode(),
@@ -121,6 +139,8 @@ def _argument(random: Random, command: str, place: int) -> str:
         return random.choice(("m.ta", "m.ta", "m.ta", "m.xml", *_QUERIES)) if place else "m.ta"
     if command in ("monitor", "plot"):
         return random.choice((*_FORMULAS, "m.stl", "m.ta") if place == 0 else ("m.csv", "m.csv", "m.vcd", "-"))
+    if command in ("models", "completion"):
+        return random.choice(("fischer", "classics", "bash", "zsh", "fish", "out", *_TEXTS))
     if command == "sentences":
         return random.choice(("within", "always", "never", *_TEXTS))
     return random.choice((*_FORMULAS, "m.stl", "m.ta") if command == "explain" else ("m.ta", "m.ta", "m.xml", *_PATHS))

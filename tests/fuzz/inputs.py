@@ -54,6 +54,26 @@ property soon : G (rise(P(0).B) -> F[0, 20 ms] P(0).A);
 property said : whenever P(0).B becomes true, within 20 ms, P(0).A must be true.;
 """
 
+SMALL = """\
+<?xml version="1.0" encoding="utf-8"?>
+<nta><declaration>clock x; int[0,3] n; chan c;</declaration>
+<template><name>P</name><declaration>clock y;</declaration>
+<location id="id0"><name>A</name><label kind="invariant">x &lt;= 5</label></location>
+<location id="id1"><name>B</name><urgent/></location><init ref="id0"/>
+<transition><source ref="id0"/><target ref="id1"/><label kind="guard">x &gt;= 2 &amp;&amp; n &lt; 3</label>
+<label kind="synchronisation">c!</label><label kind="assignment">n = n + 1, y = 0</label></transition>
+<transition><source ref="id1"/><target ref="id0"/><label kind="assignment">x = 0</label></transition></template>
+<template><name>Q</name><location id="id0"/><init ref="id0"/>
+<transition><source ref="id0"/><target ref="id0"/><label kind="synchronisation">c?</label></transition></template>
+<system>system P, Q;</system>
+<queries><query><formula>E&lt;&gt; n == 3 and P.B</formula><comment>all</comment></query>
+<query><formula>A[] n &lt;= 2</formula></query><query><formula>A[] not deadlock</formula></query></queries></nta>
+"""
+
+SMALL_QUERIES = (
+    "E<> n == 3 and P.y > 1\n\nA[] not deadlock // always\n/* not */\nA[] n <= 2\nsup: n\nn == 1 --> n == 2\n"
+)
+
 QUERIES = """\
 A[] forall (i : int[0,1]) not P(i).B imply P(i).y - x <= 3 \\
  and not deadlock
@@ -117,7 +137,7 @@ def sound() -> dict[str, tuple[bytes, ...]]:
     models = [MODEL, *(path.read_text(encoding="utf-8") for path in sorted((folder / "classics").glob("*.ta")))]
     texts = {
         "ta": [model.encode() for model in models],
-        "q": [QUERIES.encode()],
+        "q": [QUERIES.encode(), SMALL_QUERIES.encode()],
         "stl": [FORMULAS.encode()],
         "csv": [CSV.encode()],
         "vcd": [VCD.encode()],
@@ -132,9 +152,13 @@ def sound_cases() -> Iterator[Case]:
     """Every use of every sound form, once; but for Parquet, whose reader starts threads."""
     for ending, contents in sound().items():
         if ending != "parquet":
-            files = {"sound.ta": MODEL.encode(), "sound.stl": FORMULAS.encode(), "sound.csv": CSV.encode()}
             name = f"m.{ending}"
-            yield from (Case(use(name), {**files, name: contents[0]}) for use in _uses(ending))
+            yield from (Case(use(name), {**_beside(), name: contents[0]}) for use in _uses(ending))
+
+
+def _beside() -> dict[str, bytes]:
+    texts = {"sound.ta": MODEL, "sound.stl": FORMULAS, "sound.csv": CSV, "small.xml": SMALL}
+    return {name: text.encode() for name, text in texts.items()}
 
 
 def random_input(random: Random) -> Case:
@@ -142,7 +166,7 @@ def random_input(random: Random) -> Case:
     ending = random.choice(list(sound()))
     name = f"m.{ending}"
     damaged = _damaged(random, ending)
-    files = {"sound.ta": MODEL.encode(), "sound.stl": FORMULAS.encode(), "sound.csv": CSV.encode(), name: damaged}
+    files = {**_beside(), name: damaged}
     arguments = random.choice(_uses(ending))(name)
     if ending == "csv" and random.random() < 0.2:
         return Case(("monitor", "G (p -> F[0,5] q)", "-"), files, damaged)
@@ -174,6 +198,8 @@ def _uses(ending: str) -> list[_Use]:
     if ending == "q":
         return [
             lambda name: ("verify", *LIMITS, "-q", name, "sound.ta"),
+            lambda name: ("verifyta", "small.xml", name),
+            lambda name: ("verifyta", "-t0", "-y", "-u", "small.xml", name),
             lambda name: ("convert", name, "out.q"),
             lambda name: ("convert", "-q", name, "sound.ta", "out.ta"),
             lambda name: ("fmt", "--stdout", name),

@@ -18,7 +18,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
-from tachk.cli.main import COMMANDS, app
+from tachk.cli import main
 
 CPU_SECONDS = 20
 """Of processor time, not of the clock: a busy machine makes no finding."""
@@ -53,7 +53,7 @@ def prepare(warming: Iterable[Case] = ()) -> None:
 
     The cases must start no thread, which no child would have.
     """
-    for name in COMMANDS:
+    for name in main.COMMANDS:
         import_module(f"tachk.cli.commands.{name.replace('-', '_')}")
     for name in (*_HEAVY, "tachk.api", "tachk.cli.monitor", "tachk.cli.monitor_online", "tachk.monitoring"):
         try:
@@ -65,7 +65,8 @@ def prepare(warming: Iterable[Case] = ()) -> None:
             for file, content in case.files.items():
                 Path(file).write_bytes(content)
             with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-                app.main(list(case.arguments), prog_name="tachk")
+                sys.argv = ["tachk", *case.arguments]
+                main.run()
     gc.collect()
     gc.freeze()
 
@@ -167,9 +168,10 @@ def _in_folder(case: Case, folder: Path) -> int:
     sys.stderr = os.fdopen(2, "w", encoding="utf-8", closefd=False)
     faulthandler.enable(sys.stderr)
     faulthandler.register(signal.SIGXCPU, sys.stderr, chain=True)
+    sys.argv = ["tachk", *case.arguments]
+    code = 0
     try:
-        app.main(list(case.arguments), prog_name="tachk")
-        code = 0
+        main.run()
     except SystemExit as end:
         code = end.code if isinstance(end.code, int) else int(end.code is not None)
     except BaseException:

@@ -11,7 +11,7 @@ import argparse
 import hashlib
 import sys
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from tests.mutation.mutants import ROOT, Mutant, MutantError, load_mutants
@@ -61,13 +61,12 @@ def _run(chosen: Sequence[Mutant], folder: Path, log: Path, *, fresh: bool) -> d
             waiting.append((mutant, digest))
     if not waiting:
         return found
-    workspace = Workspace(ROOT, folder / "tree")
-    print(f"{len(found)} results are still valid, {len(waiting)} mutants to run; first the tests without a mutant")
-    failing = _failing_anyway(workspace, [mutant for mutant, _ in waiting])
+    print(f"{len(found)} results are still valid, {len(waiting)} mutants to run", flush=True)
+    trial = _Trial(Workspace(ROOT, folder / "tree"))
     # One C++ file after the other, then Python, so that little is compiled twice.
     for mutant, digest in sorted(waiting, key=lambda entry: (entry[0].file.endswith(".py"), entry[0].file)):
         begin = time.monotonic()
-        fate, by = _try(workspace, mutant, failing)
+        fate, by = trial.fate(mutant)
         result = Result(mutant.id, digest, fate, by, round(time.monotonic() - begin, 1))
         found[mutant.id] = result
         write_result(log, result)
@@ -75,36 +74,44 @@ def _run(chosen: Sequence[Mutant], folder: Path, log: Path, *, fresh: bool) -> d
     return found
 
 
-def _failing_anyway(workspace: Workspace, mutants: Iterable[Mutant]) -> list[str]:
-    """The tests that fail without a mutant: they say nothing about one."""
-    mutants = list(mutants)
-    failing = []
-    programs = sorted({name for mutant in mutants for name in mutant.programs})
-    failing += [name for name in programs if workspace.programs([name]).failed is not None]
-    paths = sorted({name for mutant in mutants for name in mutant.paths})
-    failing += [run.failed for run in workspace.pytest(paths, all_of_them=True) if run.failed] if paths else []
-    for name in failing:
-        print(f"fails without a mutant, does not count: {name}")
-    return failing
+class _Trial:
+    """Tries mutants. A test that fails counts only if it passes without the mutant."""
 
+    def __init__(self, workspace: Workspace) -> None:
+        self.workspace = workspace
+        self.sound: set[str] = set()
+        self.failing: set[str] = set()
 
-def _try(workspace: Workspace, mutant: Mutant, failing: Sequence[str]) -> tuple[str, str]:
-    try:
-        text = mutant.apply((ROOT / mutant.file).read_text(encoding="utf-8"))
-        with workspace.changed(mutant.file, text):
-            run = Run()
-            programs = [name for name in mutant.programs if name not in failing]
-            if programs:
-                run = workspace.programs(programs)
-            if run.failed is None and mutant.paths:
-                run = next(iter(workspace.pytest(mutant.paths, failing)), run)
-    except MutantError as error:
-        return "does not apply", str(error)
-    except WorkspaceError as error:
-        return "cannot run", str(error).replace("\n", " ")[-300:]
-    if run.failed is None:
-        return SURVIVED, mutant.equivalent
-    return (TIMEOUT if run.timeout else KILLED), run.failed
+    def fate(self, mutant: Mutant) -> tuple[str, str]:
+        """What becomes of a mutant, and the test that failed or the reason."""
+        try:
+            text = mutant.apply((self.workspace.folder / mutant.file).read_text(encoding="utf-8"))
+            while True:
+                with self.workspace.changed(mutant.file, text):
+                    run = self._run(mutant)
+                if run.failed is None:
+                    return SURVIVED, mutant.equivalent
+                if run.timeout:
+                    return TIMEOUT, run.failed
+                if self._passes_otherwise(run.test):
+                    return KILLED, run.failed
+        except MutantError as error:
+            return "does not apply", str(error)
+        except WorkspaceError as error:
+            return "cannot run", str(error).replace("\n", " ")[-300:]
+
+    def _run(self, mutant: Mutant) -> Run:
+        programs = [name for name in mutant.programs if name not in self.failing]
+        run = self.workspace.programs(programs) if programs else Run()
+        return self.workspace.pytest(mutant.paths, self.failing) if run.failed is None and mutant.paths else run
+
+    def _passes_otherwise(self, test: str) -> bool:
+        if test not in self.sound | self.failing:
+            run = self.workspace.pytest([test]) if "/" in test else self.workspace.programs([test])
+            (self.sound if run.failed is None else self.failing).add(test)
+            if run.failed is not None:
+                print(f"fails without a mutant, does not count: {test}", flush=True)
+        return test in self.sound
 
 
 def _digest(mutant: Mutant) -> str:
