@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "tachk/value_ranges.hpp"
+
 namespace tachk {
 namespace {
 
@@ -269,8 +271,15 @@ LinearSignal LinearMonitor::changes(std::size_t number, double yes, double no) c
     const auto left =
         sampled<double>([&](AtomEvaluator& atoms, const Samples& samples, std::size_t first, std::size_t count,
                             double* out) { atoms.left_value(number, samples, first, count, out); });
+    // Where columns may be shifted apart, a change of any of them may be one of the value.
+    const std::vector<std::size_t> columns = columns_of(what);
+    const auto moves = [&](std::size_t n) {
+      if (columns.size() < 2) return left[n] != left[n - 1];
+      return std::any_of(columns.begin(), columns.end(),
+                         [&](std::size_t column) { return columns_[column][n] != columns_[column][n - 1]; });
+    };
     for (std::size_t n = 1; n < left.size(); ++n)
-      if (left[n] != left[n - 1]) change(static_cast<double>(ticks_[n] - ticks_[0]));
+      if (moves(n)) change(static_cast<double>(ticks_[n] - ticks_[0]));
   }
   return result;
 }
@@ -288,28 +297,65 @@ std::vector<Value> LinearMonitor::sampled(Evaluate evaluate) const {
   return result;
 }
 
-// How long the truth of an atom lasts. Behind the end of the trace it may last or not.
-LinearSignal LinearMonitor::lasting(std::size_t number, bool high) const {
+// The stretches in which it is told alike how long the truth of an atom lasts, or has lasted.
+auto LinearMonitor::runs(std::size_t number) const -> std::vector<Run> {
   const auto length = static_cast<double>(this->length());
   const auto holding =
       sampled<Truth>([&](AtomEvaluator& atoms, const Samples& samples, std::size_t first, std::size_t count,
                          Truth* out) { atoms.truth(number, samples, first, count, out); });
-  std::vector<std::pair<double, bool>> runs;
-  for (std::size_t n = 0; n < holding.size(); ++n)
-    if (n == 0 || holding[n] != holding[n - 1])
-      runs.emplace_back(static_cast<double>(ticks_[n] - ticks_[0]), holding[n] != 0);
+  const auto start_of = [&](std::size_t row) { return static_cast<double>(ticks_[row] - ticks_[0]); };
+  std::vector<Run> result;
+  if (columns_of(program_.atoms[number]).size() < 2) {
+    for (std::size_t row = 0; row < holding.size(); ++row) {
+      if (row > 0 && holding[row] == holding[row - 1]) continue;
+      if (row > 0) result.back().until = start_of(row);
+      result.push_back({start_of(row), holding[row] != 0, start_of(row), std::nullopt});
+    }
+    return result;
+  }
+  // Columns may be shifted apart: then it lasts as long as it is certain for all values that each column has meanwhile.
+  const std::size_t count = holding.size();
+  const bool behind = measure_ == Measure::behind;
+  std::vector<std::vector<double>> columns = columns_;
+  std::vector<Truth> truths = holding;
+  if (behind) {
+    for (std::vector<double>& column : columns) std::reverse(column.begin(), column.end());
+    std::reverse(truths.begin(), truths.end());
+  }
+  const std::vector<std::size_t> uncertain = first_uncertain(program_.atoms[number], columns, truths);
+  for (std::size_t row = 0; row < count; ++row) {
+    Run run{start_of(row), holding[row] != 0, 0, std::nullopt};
+    const std::size_t other = uncertain[behind ? count - 1 - row : row];
+    if (behind) {
+      run.since = other == count ? 0 : start_of(count - other);
+    } else if (other < count) {
+      run.until = start_of(other);
+    }
+    const bool goes_on = !result.empty() && result.back().truth == run.truth && result.back().since == run.since &&
+                         result.back().until == run.until;
+    if (!goes_on) result.push_back(run);
+  }
+  return result;
+}
+
+// How long the truth of an atom lasts. Behind the end of the trace it may last or not.
+LinearSignal LinearMonitor::lasting(std::size_t number, bool high) const {
+  const auto length = static_cast<double>(this->length());
+  const std::vector<Run> runs = this->runs(number);
   LinearSignal result;
   for (std::size_t n = 0; n < runs.size(); ++n) {
-    const auto [start, truth] = runs[n];
-    const bool last = n + 1 == runs.size();
-    const double end = last ? length : runs[n + 1].first;
-    const double sign = truth ? 1 : -1;
+    const Run& run = runs[n];
+    const double end = n + 1 == runs.size() ? length : runs[n + 1].start;
+    const double sign = run.truth ? 1 : -1;
     if (measure_ == Measure::behind) {
-      result.push_back({start, 0, 0, sign * (end - start)});
-    } else if (last && high == truth) {
-      result.push_back({start, sign * infinity, sign * infinity, sign * infinity});
+      const double at = sign * (run.start - run.since);
+      result.push_back({run.start, at, at, sign * (end - run.since)});
+    } else if (!run.until && high == run.truth) {
+      result.push_back({run.start, sign * infinity, sign * infinity, sign * infinity});
     } else {
-      result.push_back({start, sign * (end - start), sign * (end - start), 0});
+      const double until = run.until.value_or(length);
+      const double at = sign * (until - run.start);
+      result.push_back({run.start, at, at, sign * (until - end)});
     }
   }
   if (result.back().before != result.back().after) {

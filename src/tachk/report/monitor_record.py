@@ -26,12 +26,12 @@ class Ending(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class TimeRobustness:
-    """By how much time signals may be shifted before the verdict changes, in units of the trace; negative if it is
-    false. Each as an interval over all continuations (docs/logic.md).
+    """By how much time columns may be shifted, each on its own, without a change of the verdict, in units of the trace;
+    negative if it is false. Each as an interval over all continuations (docs/logic.md).
 
     Attributes:
-        ahead: everything may happen so much earlier.
-        behind: everything may happen so much later.
+        ahead: changes may come earlier by less than that.
+        behind: changes may come later by less than that.
     """
 
     ahead: tuple[float, float]

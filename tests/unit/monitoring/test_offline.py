@@ -151,6 +151,30 @@ def test_a_window_that_has_not_begun_is_told_so() -> None:
     assert "`!q` has not been true in time yet" in report.to_text()
 
 
+BOTH = {"time": [0, 10, 50], "x": [0, 5, 5], "y": [0, 5, 5]}
+
+
+@pytest.mark.parametrize(
+    ("formula", "columns", "ahead", "behind"),
+    [
+        ("G[1,20] (x >= y)", BOTH, (0, 0), (0, 0)),  # y may come before x
+        ("G[1,20] (x >= y)", BOTH | {"time": [0, 30, 50]}, (10, 10), (1, 1)),
+        ("G[1,20] (x + 6 > y)", BOTH, (30, math.inf), (1, 1)),  # whatever comes first
+        ("G[12,20] (x != y)", BOTH | {"y": [7, 6, 6]}, (30, math.inf), (12, 12)),
+        ("G[12,20] (x < y)", BOTH | {"y": [1, 6, 6]}, (30, math.inf), (2, 2)),  # 5 and 1 would not do
+        ("F[12,20] change(x - y)", BOTH, (-math.inf, -30), (-2, -2)),
+        ("F[5,15] change(x - y)", BOTH, (0, 0), (0, 0)),
+        ("G[12,20] !(abs(x - y) > 2)", BOTH, (30, math.inf), (2, 2)),
+    ],
+)
+def test_in_time_the_columns_of_one_comparison_may_be_shifted_apart(
+    formula: str, columns: dict[str, list[int]], ahead: tuple[float, float], behind: tuple[float, float]
+) -> None:
+    (verdict,) = tachk.monitor(formula, columns, time_robustness=True)
+    assert verdict.time_robustness is not None
+    assert (verdict.time_robustness.ahead, verdict.time_robustness.behind) == (ahead, behind)
+
+
 def test_the_end_can_be_given_a_meaning() -> None:
     formulas = ("G (p -> F[0,9] q)", "G x < 9", "G x < 3")
     assert [v.truth.word for v in judged(*formulas, end="weak")] == ["true", "true", "false"]

@@ -18,7 +18,8 @@ namespace tachk {
 // space: the distance of the two sides, where columns of numbers are linear between samples (of samples with the same
 //   tick the last one counts) and keep the last value up to the end of the trace. Columns of flags do not move.
 // ahead, behind: for how long, from now on or until now, an atom has had the truth that it has, negative if it is
-//   false, where columns keep their values between samples (Donze, Maler 2010). In ticks.
+//   false, where columns keep their values between samples (Donze, Maler 2010). In ticks. An atom over several columns
+//   counts for as long as it would keep its truth if they were shifted apart.
 enum class Measure { space, ahead, behind };
 
 // A trace as a whole: pushed samples are copied.
@@ -56,6 +57,14 @@ class LinearMonitor {
   double magnitude(const std::vector<ValueInstruction>& code, std::size_t row) const;
   LinearSignal atom(const MonitorAtom& atom) const;
   LinearSignal changes(std::size_t atom, double yes, double no) const;
+  // An atom has a truth from `start` on; it is certain from `since` on up to `until`, or the end of the trace.
+  struct Run {
+    double start;
+    bool truth;
+    double since;
+    std::optional<double> until;
+  };
+  std::vector<Run> runs(std::size_t atom) const;
   LinearSignal lasting(std::size_t atom, bool high) const;
   LinearSignal far_from_changes(std::size_t atom, bool high) const;
   template <class Value, class Evaluate>

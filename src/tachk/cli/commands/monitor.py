@@ -26,7 +26,11 @@ from tachk.cli import options
     show_default=True,
     help="Compute how far verdicts are from changing.",
 )
-@click.option("--time-robustness", is_flag=True, help="Compute by how much time signals may be shifted, too.")
+@click.option(
+    "--time-robustness",
+    is_flag=True,
+    help="Compute by how much time each column may surely be shifted, too.",
+)
 @click.option("--online", is_flag=True, help="Judge row by row, with bounded memory.")
 @click.option("--follow", is_flag=True, help="Wait for further rows at the end of the file.")
 @click.option(
