@@ -5,8 +5,8 @@ folder. A ``console`` block holds commands (``$ tachk ...``), each followed by i
 as one text and, unless the status is 0, by a line ``[exit N]``. ``...`` stands for any text in a line, or, alone on a
 line, for any number of lines.
 
-The README and some pages of docs are such documents too. They show what really happens, so there measured times and
-sizes may differ.
+The README and the pages of docs are such documents too. They show what really happens in the checkout, so there
+measured times and sizes may differ.
 """
 
 from __future__ import annotations
@@ -97,11 +97,16 @@ def test_document(path: Path, tmp_path: Path) -> None:
             check(path, command, *run(command.arguments))
 
 
-@pytest.mark.parametrize("name", ["README.md", "docs/monitoring.md", "docs/uppaal.md"])
+PAGES = ("README.md", "CONTRIBUTING.md", *(f"docs/{page.name}" for page in sorted((CHECKOUT / "docs").glob("*.md"))))
+SHOWING = [name for name in PAGES if "\n$ tachk" in (CHECKOUT / name).read_text(encoding="utf-8")]
+
+
+@pytest.mark.parametrize("name", SHOWING)
 def test_pages_that_show_commands_in_the_checkout(name: str) -> None:
     readme = CHECKOUT / name
     _, commands = read_document(readme)
-    assert commands
+    shown = re.findall(r"^\$ tachk", readme.read_text(encoding="utf-8"), re.MULTILINE)
+    assert len(commands) == len(shown), "every command stands in a fence of the language console"
     with chdir(CHECKOUT):
         for command in commands:
             output, status = run(command.arguments)
