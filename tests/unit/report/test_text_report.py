@@ -43,6 +43,16 @@ def test_clocks_are_printed_on_demand(record: RunRecord) -> None:
     assert "User.x = 5/2" in printed(record, clocks=True)
 
 
+def test_what_was_not_looked_at_is_told_once(record: RunRecord) -> None:
+    assert "not looked for" not in printed(record)
+    first, second, *others = record.verdicts
+    named = [replace(first, unexamined=("Link", "n")), replace(second, unexamined=("Link", "n")), *others]
+    text = " ".join(printed(replace(record, verdicts=tuple(named))).split())
+    names = f"{first.query.name}, {second.query.name}"
+    assert f"run-time errors of Link, n were not looked for, as {names} do not depend on them" in text
+    assert text.count("not looked for") == 1
+
+
 def test_a_run_time_error_shows_the_source_line(record: RunRecord) -> None:
     text = printed(record)
     assert "error[E0761]: run-time error: a value is outside its declared range\n" in text

@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -460,9 +461,8 @@ def leaf_places(place: Expression) -> list[Expression]:
     return [place]
 
 
-@settings(RANDOM, max_examples=80)
-@given(update_lists())
-def test_updates_agree_with_the_engine(updates: list[Expression]) -> None:
+def compare_with_engine(updates: list[Expression]) -> None:
+    """Lets the engine take an edge with the updates and asserts the state behind it, or the error and its place."""
     plain = network(updates)
     urgent = tuple(replace(location, urgent=True) for location in plain.processes[0].locations)
     net = replace(plain, processes=(replace(plain.processes[0], locations=urgent),))
@@ -485,3 +485,19 @@ def test_updates_agree_with_the_engine(updates: list[Expression]) -> None:
     else:
         assert outcome.fault is not None
         assert (outcome.fault.kind, outcome.fault.span) == fault
+
+
+@settings(RANDOM, max_examples=80)
+@given(update_lists())
+def test_updates_agree_with_the_engine(updates: list[Expression]) -> None:
+    compare_with_engine(updates)
+
+
+@pytest.mark.parametrize("value", [-(2**31), -1])
+@pytest.mark.parametrize("chosen", [False, True])
+def test_a_clock_set_to_a_negative_constant_is_an_error_in_the_engine(value: int, chosen: bool) -> None:
+    clock = Index(Reference(CLOCKS), Constant(1), ClockType())
+    number: Expression = Constant(value)
+    if chosen:
+        number = Conditional(Reference(FLAG), number, Constant(3), INT)
+    compare_with_engine([Assign(clock, number, ClockType(), span=span())])
