@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import io
 import re
+import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import chdir, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
+from random import Random
 
 import pytest
 
@@ -355,3 +357,63 @@ def test_format_verifyta_of_verify(folder: Path, capsys: pytest.CaptureFixture[s
         ("4", "NOT satisfied."),
     ]
     assert said.err.count("Transitions:") == 2
+
+
+def test_a_search_order_is_no_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        app(["verify", "m.xml", "-o0"], prog_name="tachk")
+    assert end.value.code == 2
+    assert "-o 0 is a search order of UPPAAL" in capsys.readouterr().err
+    assert not (folder / "0").exists()
+
+
+def test_the_version_needs_no_model_checker() -> None:
+    """A wrapper asks for it before every run."""
+    code = (
+        "import sys\nfrom tachk.cli.commands.verifyta import run\nsys.argv = ['tachk-verifyta', '-v']\n"
+        "try:\n    run()\nexcept SystemExit:\n    pass\nassert 'tachk.api' not in sys.modules"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=False).returncode == 0
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_no_command_line_is_a_defect(folder: Path, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdin", io.StringIO(""))
+    random = Random(seed)
+    words = [
+        "m.xml",
+        "mixed.xml",
+        "q.q",
+        "false.q",
+        "absent",
+        "",
+        "-",
+        "-t",
+        "0",
+        "1",
+        "9",
+        "-y",
+        "-u",
+        "-q",
+        "-f",
+        "x",
+    ]
+    words += [
+        "-X",
+        "-o2",
+        "-r",
+        "-7",
+        "-T",
+        "-A",
+        "-S3",
+        "--seed",
+        "--query-index=2",
+        "--key",
+        "--",
+        "-uqy",
+        "--s",
+        "é",
+    ]
+    result = verifyta(*random.choices(words, k=random.randint(0, 7)))
+    assert result.status in (0, 2, 3)
+    assert "Traceback" not in result.err

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import time
 from collections.abc import Iterable, Iterator
@@ -56,6 +57,11 @@ def run_verify(request: VerifyRequest) -> ExitStatus:
     Reports for programs are written in any case, and list what could not be read.
     """
     records: list[RunRecord | NotRead] = []
+    if request.output is not None and re.fullmatch("[0-6]", str(request.output)):
+        raise UsageError(
+            f"-o {request.output} is a search order of UPPAAL, here --search; -o names the file for the report",
+            f"`tachk verifyta` takes UPPAAL's options; a file of that name is ./{request.output}",
+        )
     with destination(request.output, request.quiet) as out:
 
         def check_all() -> ExitStatus:

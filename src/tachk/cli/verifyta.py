@@ -13,10 +13,9 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TextIO
 
-import tachk
 from tachk import api
 from tachk.cli.exit_status import ExitStatus, worst
-from tachk.cli.verifyta_options import Trace, VerifytaOptions, help_text, parse_arguments
+from tachk.cli.verifyta_options import Trace, VerifytaOptions
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
 from tachk.engines.protocol import INTERRUPTED, Options
@@ -43,23 +42,11 @@ from tachk.report.verifyta_report import (
 from tachk.report.verifyta_trace import concrete_trace, symbolic_trace
 from tachk.syntax.source_files import read_source
 
-_SPOKEN_VERSION = "4.1.26"
-"""The release whose output is followed; wrappers ask for it and tell by it how trace files are called."""
-
 Formula = Query | UncheckedQuery
 
 
-def run_verifyta(arguments: Sequence[str], program: str) -> ExitStatus:
-    """Runs the command line. Raises UsageError, OSError."""
-    options = parse_arguments(arguments)
-    if options.wants_help:
-        sys.stdout.write(help_text(program))
-        return ExitStatus.AS_EXPECTED
-    if options.wants_version:
-        print(f"tachk {tachk.__version__}, with the command line of UPPAAL {_SPOKEN_VERSION} (verifyta)")
-        return ExitStatus.AS_EXPECTED
-    if not options.model:
-        raise UsageError("no model is given", f"{program} [OPTION]... MODEL [QUERIES]; the options are listed by -h")
+def run_verifyta(options: VerifytaOptions) -> ExitStatus:
+    """Checks what a command line asks for. Raises UsageError, OSError."""
     try:
         return _check(options)
     except InputError as error:

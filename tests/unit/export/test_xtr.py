@@ -6,20 +6,29 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from random import Random
 from xml.etree import ElementTree
 
 import pytest
 
 from tachk import api
+from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
+from tachk.engines.protocol import Limits
 from tachk.export.trace_xml import run_to_trace_xml
 from tachk.export.uppaal_intermediate import network_to_intermediate
 from tachk.export.xtr import run_to_xtr
 from tachk.frontend.load import load_model
 from tachk.model.network import Network
+from tachk.model.query import Query, QueryKind
+from tachk.properties.verify import verify
+from tachk.semantics.dbm import contains
 from tachk.semantics.trace import TimedTrace
+from tachk.semantics.zones_of_run import zones_of_run
+from tachk.testing.networks import Shape, random_case
 
 MODEL = """\
 const int N = 2;
@@ -207,3 +216,25 @@ def test_the_xml_form_names_everything_it_refers_to() -> None:
         for several in ("edges", "locations"):
             assert set((element.get(several) or "").split()) <= identifiers
     assert len(root.findall("node")) == len(root.findall("transition")) + 1
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_runs_of_random_networks(seed: int) -> None:
+    shape = Shape(
+        diagonals=seed % 2 == 0,
+        priorities=seed % 3 == 0,
+        stopwatches=seed % 4 == 0,
+        clocks_on_urgent=True,
+        clocks_on_broadcast=True,
+        lower_invariants=True,
+    )
+    case = random_case(Random(seed), shape)
+    queries = [Query(f"q{i}", QueryKind.POSSIBLY, predicate) for i, predicate in enumerate(case.predicates)]
+    with suppress(InputError):
+        for verdict in verify(case.network, queries, limits=Limits(states=2000)):
+            if verdict.trace is not None:
+                told = read_model(case.network).trace(run_to_xtr(case.network, verdict.trace))
+                assert len(told) == 2 * sum(step.transition is not None for step in verdict.trace.steps) + 1
+                zones = zones_of_run(case.network, verdict.trace)
+                arrivals = [verdict.trace.initial, *(s.state for s in verdict.trace.steps if s.transition is not None)]
+                assert all(contains(zone, state.clocks) for zone, state in zip(zones, arrivals, strict=True))

@@ -7,8 +7,14 @@ from typing import NoReturn
 
 import click
 
+import tachk
 from tachk.cli import options
+from tachk.cli.exit_status import ExitStatus
 from tachk.cli.program import end_program
+from tachk.diagnostics.diagnostic import UsageError
+
+_SPOKEN_VERSION = "4.1.26"
+"""The release whose output is followed; wrappers ask for it and tell by it how trace files are called."""
 
 
 class _Untouched(click.Command):
@@ -22,10 +28,25 @@ class _Untouched(click.Command):
 @click.command(name="verifyta", cls=_Untouched)
 def command(arguments: tuple[str, ...]) -> None:
     """Check models with the options and the output of UPPAAL's verifyta, for scripts written for it."""
-    from tachk.cli.verifyta import run_verifyta
-
     program = click.get_current_context().command_path
-    options.finish(lambda: run_verifyta(arguments, program))
+    options.finish(lambda: _answer(arguments, program))
+
+
+def _answer(arguments: tuple[str, ...], program: str) -> ExitStatus:
+    from tachk.cli.verifyta_options import help_text, parse_arguments
+
+    given = parse_arguments(arguments)
+    if given.wants_help:
+        print(help_text(program), end="")
+    elif given.wants_version:
+        print(f"tachk {tachk.__version__}, with the command line of UPPAAL {_SPOKEN_VERSION} (verifyta)")
+    elif not given.model:
+        raise UsageError("no model is given", f"{program} [OPTION]... MODEL [QUERIES]; the options are listed by -h")
+    else:
+        from tachk.cli.verifyta import run_verifyta
+
+        return run_verifyta(given)
+    return ExitStatus.AS_EXPECTED
 
 
 def run() -> NoReturn:
