@@ -144,7 +144,7 @@ SYSTEM_CODES: dict[str, Explanation] = {
         "other than 0 and 1, arithmetic with clocks, strings, foreign functions, processes that appear and vanish "
         "while the system runs (dynamic, spawn, exit, numOf, foreach) and before_update/after_update belong to "
         "simulation and statistical checking, IO declarations to refinement checking; synchronisations without a "
-        "direction or behind a branchpoint and templates without locations have no meaning here. A model with such "
+        "direction or behind a branchpoint have no meaning here. A model with such "
         "a construct can be converted, formatted and drawn, but none of its queries is checked: the exit status is 3.",
         "const int level = 1.5;",
         "const int tenths = 15;",
@@ -212,5 +212,19 @@ SYSTEM_CODES: dict[str, Explanation] = {
         "is the answer; otherwise it is that for `default` below all others, with a remark.",
         "chan a, b;\nchan priority a < b;\nprocess P() { state s; init s; }\nsystem P;",
         "chan a, b;\nchan priority default < a < b;\nprocess P() { state s; init s; }\nsystem P;",
+    ),
+    "W0410": Explanation(
+        "template without locations",
+        "Its processes do nothing: they neither act nor keep time from passing. They can hold variables and functions "
+        "for others to look at.",
+        "process P() { int n; }\nsystem P;",
+        "process P() { int n; init location idle; }\nsystem P;",
+    ),
+    "W0411": Explanation(
+        "edge that is never taken",
+        "A guard and the invariant of the location that the edge leaves exclude each other, in every process of the "
+        "template: no value of the clock meets both.",
+        "process P() { clock x; init location a { invariant x <= 5; to a { guard x >= 6; } } }\nsystem P;",
+        "process P() { clock x; init location a { invariant x <= 5; to a { guard x >= 5; } } }\nsystem P;",
     ),
 }

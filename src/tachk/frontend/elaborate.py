@@ -11,6 +11,7 @@ from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.channels import ChannelTable
 from tachk.frontend.context import Context
 from tachk.frontend.declarations import Declared, declare, set_channel_priorities
+from tachk.frontend.impossible_edges import warn_of_impossible_edges
 from tachk.frontend.instances import Instances
 from tachk.frontend.queries import UncheckedQuery, elaborate_properties, elaborate_signals
 from tachk.frontend.scope import Scope, TemplateSymbol
@@ -108,6 +109,8 @@ def _elaborated(
         context.time_unit,
         _hidden(items, instances, context),
     )
+    if not context.findings.has_errors:
+        warn_of_impossible_edges(network, context)
     return Elaborated(network, queries, unchecked, scope, context)
 
 

@@ -311,7 +311,7 @@ def elaborate_process(
         numbers.setdefault(location.name.name, len(numbers))
     initial = _initial(template, context)
     body = Body(template, scope, channels, context)
-    locations = body.locations()
+    locations = body.locations() or (Location("nowhere", span=template.name.span),)
     edges = body.edges(numbers)
     process = Process(
         name, template.name.name, locations, edges, initial, tuple(declared.variables), span=template.name.span
@@ -325,10 +325,10 @@ def _initial(template: ast.Template, context: Context) -> int:
         return initial[0]
     if not template.locations:
         context.error(
-            "E0750",
+            "W0410",
             template.name.span,
-            f"template `{template.name.name}` has no locations: processes that do nothing are not supported",
-            "give it one: `init location Idle;`",
+            f"template `{template.name.name}` has no locations: its processes do nothing",
+            "write at least `init location idle;`",
         )
         return 0
     if not initial:

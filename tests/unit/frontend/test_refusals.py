@@ -151,7 +151,6 @@ def labels(text: str) -> str:
         ("clock x, y;\n" + labels("assign x = y;"), "x = y"),
         ("clock x, y;\n" + labels("assign x = 2 * y;"), "2 * y"),
         ("chan c;\n" + labels("sync c;"), "c"),
-        ("process P() { }\nsystem P;", "P"),
         (
             (
                 "chan c, d; process P() { init location s { to b { sync d?; } } "

@@ -251,3 +251,11 @@ def test_a_template_of_many_locations(load: Any) -> None:
     edges = ", ".join(f"{a} -> {b} {{ guard x > 1; }}" for a, b in pairwise(names))
     model = load(f"clock x; process P() {{ state {', '.join(names)}; init s0; trans {edges}; }}")
     assert (len(process(model).locations), len(process(model).edges)) == (500, 499)
+
+
+def test_a_template_without_locations_does_nothing(load: Any) -> None:
+    model = load("process P() { int n = 3; }\nsystem P;\nproperty p : A[] P.n == 3;")
+    assert [warning.code for warning in model.warnings] == ["W0410"]
+    assert len(process(model).locations) == 1
+    assert process(model).edges == ()
+    assert [query.name for query in model.queries] == ["p"]
