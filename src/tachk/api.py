@@ -441,8 +441,9 @@ class Report(Sequence[Verdict]):
         return self.to_text()
 
     def __repr__(self) -> str:
-        answers = ", ".join(f"{verdict.query.name}: {verdict.answer.value}" for verdict in self.record.verdicts)
-        return f"<Report on {self.record.model}: {answers or 'nothing checked'}>"
+        answers = [f"{verdict.query.name}: {verdict.answer.value}" for verdict in self.record.verdicts]
+        answers += [f"{query.name}: not checked" for query in self.record.not_checked]
+        return f"<Report on {self.record.model}: {', '.join(answers) or 'nothing checked'}>"
 
     def _repr_html_(self) -> str:
         from tachk.report.html_report import run_to_html

@@ -109,7 +109,7 @@ def test_report_is_a_sequence_with_names(lamp: Path) -> None:
 
 def test_what_a_shell_shows_is_short(lamp: Path) -> None:
     report = tachk.load(lamp).verify()
-    assert repr(report) == f"<Report on {lamp}: bright: holds, never_low: fails>"
+    assert repr(report) == f"<Report on {lamp}: bright: holds, never_low: fails, smc: not checked>"
     assert repr(report["bright"]) == "<Verdict bright: holds, E<> Lamp.Bright>"
     judged = tachk.monitor("G a", {"time": [0, 1], "a": [1, 0]})
     assert repr(judged) == "<MonitorReport on the trace: p1: false>"
