@@ -66,7 +66,9 @@ def run_online(request: MonitorRequest, formulas: tuple[NamedFormula, ...]) -> E
     )
     with destination(request.output, request.quiet) as out:
         live = out if request.format == "text" else None
-        for verdict in _decisions(monitor, recording):
+        # A file that is there to its end is read to its end where bounds go on after the decision.
+        whole = request.robustness and request.trace != "-" and not request.follow
+        for verdict in _decisions(monitor, recording, whole):
             if live is not None:
                 live.write(decided_to_text(verdict, monitor.unit) + "\n")
                 live.flush()
@@ -92,8 +94,9 @@ def _open(request: MonitorRequest) -> CsvRecording:
     return open_csv_stream(_GrowingFile(path), str(path), request.time, request.unit)
 
 
-def _decisions(monitor: Monitor, recording: CsvRecording) -> Iterator[OnlineVerdict]:
-    """Feeds the monitor until the rows end or everything is decided; yields each verdict when it is."""
+def _decisions(monitor: Monitor, recording: CsvRecording, whole: bool) -> Iterator[OnlineVerdict]:
+    """Feeds the monitor until the rows end or, unless the whole is wanted, everything is decided; yields each verdict
+    when it is."""
     told: set[str] = set()
     try:
         for rows in recording.blocks(monitor.columns, monitor.decimals):
@@ -102,7 +105,7 @@ def _decisions(monitor: Monitor, recording: CsvRecording) -> Iterator[OnlineVerd
                 if verdict.measured is not Truth.UNDETERMINED and verdict.name not in told:
                     told.add(verdict.name)
                     yield verdict
-            if monitor.decided:
+            if monitor.decided and not whole:
                 return
     except KeyboardInterrupt:
         return

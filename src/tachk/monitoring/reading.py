@@ -56,6 +56,35 @@ class Reading(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
+class _Signals:
+    """What nodes are worth over a trace; an object rather than a function, so that reports can be pickled.
+
+    Attributes:
+        parts: of a tick, where values lie on lines.
+    """
+
+    program: MonitorProgram
+    trace: Trace
+    parts: int | None = None
+
+    def __call__(self, node: int) -> NodeSignal:
+        if self.parts is None:
+            return truth_signals(self.program, self.trace, [node])[0]
+        return linear_truth_signal(self.program, self.trace, node, self.parts)
+
+
+@dataclass(frozen=True, slots=True)
+class _Certainty:
+    """When a violation became certain."""
+
+    program: MonitorProgram
+    trace: Trace
+
+    def __call__(self, tick: int) -> int:
+        return first_certain(self.program, self.trace, tick)
+
+
+@dataclass(frozen=True, slots=True)
 class HeldValues:
     """Every value is held until the next row."""
 
@@ -79,13 +108,7 @@ class HeldValues:
         return self.truth(program, trace), robustness
 
     def explainer(self, program: MonitorProgram, trace: Trace) -> Explainer:
-        def compute(node: int) -> NodeSignal:
-            return truth_signals(program, trace, [node])[0]
-
-        def decide(tick: int) -> int:
-            return first_certain(program, trace, tick)
-
-        return Explainer(program, compute, decide, 2 * trace.end + 1)
+        return Explainer(program, _Signals(program, trace), _Certainty(program, trace), 2 * trace.end + 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,11 +147,10 @@ class Lines:
         return truth, monitor_linear_robustness(program, trace)
 
     def explainer(self, program: MonitorProgram, trace: Trace) -> Explainer:
-        def compute(node: int) -> NodeSignal:
-            return linear_truth_signal(program, trace, node, self.parts)
-
         # When a violation is certain would have to be asked of prefixes, whose last lines are not known.
-        return Explainer(self.shown_program(program), compute, None, 2 * trace.end * self.parts + 1)
+        return Explainer(
+            self.shown_program(program), _Signals(program, trace, self.parts), None, 2 * trace.end * self.parts + 1
+        )
 
 
 def reading_of(trace: Trace, programs: Iterable[MonitorProgram]) -> Reading:

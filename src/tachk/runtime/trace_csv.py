@@ -108,7 +108,7 @@ class CsvRecording:
                     reader.reserve(int(1.05 * self.size * reader.rows() / len(piece)) + 1)
                 read += len(piece)
         reader.finish()
-        self._refuse(reader)
+        self._refuse(reader, "at most 18 digits in all, those behind the point included")
         rows = self._taken(reader, places)
         if len(rows.times) == 0:
             raise UsageError(f"{self.name} has no rows", "the verdict needs at least the state at the beginning")
@@ -137,7 +137,7 @@ class CsvRecording:
         reader.finish()
         if reader.rows():
             yield self._taken(reader, places)
-        self._refuse(reader)
+        self._refuse(reader, f"row by row, the number of decimals is fixed beforehand, here --decimals {decimals}")
 
     def _reader(self, places: dict[str, int], decimals: int, most_decimals: int) -> _core.CsvReader:
         return _core.CsvReader(
@@ -155,13 +155,20 @@ class CsvRecording:
         times, columns = reader.take()
         return Rows(times, dict(zip(places, columns, strict=True)), reader.decimals())
 
-    def _refuse(self, reader: _core.CsvReader) -> None:
+    def _refuse(self, reader: _core.CsvReader, finest: str) -> None:
+        """Raises InputError for what the reader stopped at.
+
+        Args:
+            finest: how finely times can be counted.
+        """
         fault = reader.fault()
         if fault is not None:
             kind, line, offset, length, cell, text = fault
-            raise self._error(FaultKind(kind), line, offset, length, cell, text)
+            raise self._error(FaultKind(kind), line, offset, length, cell, text, finest)
 
-    def _error(self, kind: FaultKind, line: int, offset: int, length: int, cell: int, text: bytes) -> InputError:
+    def _error(
+        self, kind: FaultKind, line: int, offset: int, length: int, cell: int, text: bytes, finest: str
+    ) -> InputError:
         start = len(text[:offset].decode("utf-8", "replace"))
         value = text[offset : offset + length].decode("utf-8", "replace")
         source = Source(self.name, text.decode("utf-8", "replace"), first_line=line)
@@ -213,7 +220,7 @@ class CsvRecording:
             FaultKind.TIME_TOO_FINE: (
                 "E0915",
                 f"the time {value} has too many digits to be counted exactly",
-                "row by row, the number of decimals is fixed beforehand: --decimals 9",
+                finest,
             ),
             FaultKind.OPEN_QUOTE: ("E0911", "this quotation mark is not closed in its line", None),
             FaultKind.LINE_TOO_LONG: ("E0911", "this line has more than 16 million characters", "is it a text file?"),

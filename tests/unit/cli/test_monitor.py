@@ -11,6 +11,7 @@ from tachk.cli import monitor_online
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.monitor import run_monitor
 from tachk.cli.monitor_request import MonitorRequest, exit_status
+from tachk.diagnostics.diagnostic import InputError
 from tachk.runtime.node_signal import Truth
 
 TEXT = "time [s],p,q\n0,0,0\n1,1,0\n2,0,0\n9,0,0\n20,0,1\n"
@@ -89,3 +90,30 @@ def test_a_growing_file_is_waited_for(
     status = run_monitor(MonitorRequest("G (p -> F[0, 19 s] q)", str(path), follow=True, robustness=False))
     assert status is ExitStatus.AS_EXPECTED
     assert "5 rows, from 0 s to 20 s" in capsys.readouterr().out
+
+
+def test_a_file_is_read_to_its_end_for_the_bounds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "x.csv").write_text("time,x\n0,1\n1,6\n2,10\n3,1\n")
+    status = run_monitor(MonitorRequest("G (x < 5)", str(tmp_path / "x.csv"), online=True))
+    assert status is ExitStatus.NOT_AS_EXPECTED
+    out = capsys.readouterr().out
+    assert "4 rows, from 0 to 3" in out
+    assert "robustness -5\n" in out
+
+
+@pytest.mark.parametrize(("online", "help_"), [(False, "at most 18 digits"), (True, "here --decimals 9")])
+def test_times_that_are_too_fine_say_why(tmp_path: Path, online: bool, help_: str) -> None:
+    (tmp_path / "x.csv").write_text("time,x\n0,1\n0.12345678901234567890123,6\n")
+    with pytest.raises(InputError) as refusal:
+        run_monitor(MonitorRequest("G (x < 5)", str(tmp_path / "x.csv"), online=online))
+    assert help_ in str(refusal.value.diagnostics[0].help)
+
+
+def test_a_clock_that_shows_the_time_since_1970_in_nanoseconds(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    feed(
+        monkeypatch, ["time [ns],p\n", "1772323200500000000,1\n", "1772323201250000000,0\n", "1772323202250000000,0\n"]
+    )
+    assert run_monitor(MonitorRequest("G p", "-")) is ExitStatus.NOT_AS_EXPECTED
+    assert "1772323202250000000 ns: p1 is false" in capsys.readouterr().out

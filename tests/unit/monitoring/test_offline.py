@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import pickle
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -284,3 +285,13 @@ def test_exact_instants_between_ticks() -> None:
     data = {"t": [Fraction(0), Fraction(1, 3), Fraction(1)], "p": [0, 1, 0]}
     report = tachk.monitor("G !p", data)
     assert report.to_dict()["results"][0]["finding"]["from"] == "1/3"  # type: ignore[index,call-overload]
+
+
+@pytest.mark.parametrize("interpolation", ["constant", "linear"])
+def test_reports_can_be_sent_to_other_processes(interpolation: str) -> None:
+    trace = {"time": [0, 1, 3], "x": [0, 7.5, 3], "y": [1, 2, 5]}
+    report = tachk.monitor("G (x > 5 -> F[0,1] y > 4)", trace, interpolation=interpolation)
+    copy = pickle.loads(pickle.dumps(report))
+    assert copy.to_text() == report.to_text()
+    assert copy.to_dict() == report.to_dict()
+    assert copy[0].explainer.signal(0).stretches() == report[0].explainer.signal(0).stretches()
