@@ -157,6 +157,18 @@ def test_a_sender_on_another_channel_does_not_ask() -> None:
     assert verdict(text, "E<> Q.B && P.A").answer.value == "fails"
 
 
+def test_a_receiver_whose_channel_is_known_beforehand_is_asked_on_that_only() -> None:
+    text = """
+        chan c[2]; int a[2], n = 2; int k = 1;
+        process P() { init location A { to A { guard a[n] == 1; sync c[k]?; } } }
+        process Q() { init location A { to B { sync c[0]!; } } location B; }
+        system P, Q;
+    """
+    assert verdict(text, "A[] P.A").answer.value == "holds"
+    assert verdict(text.replace("sync c[0]!", "sync c[1]!"), "A[] P.A").answer.value == "unknown"
+    assert verdict(text.replace("sync c[0]!;", "sync c[0]!; assign k = 1;"), "A[] P.A").answer.value == "unknown"
+
+
 def test_an_initial_invariant_that_is_false_before_it_can_fail_is_an_input_error() -> None:
     text = "int a[2], n = 2; clock x; process P() { init location A { invariant x <= a[n] && n < 2; } } system P;"
     with pytest.raises(InputError, match="E0409"):

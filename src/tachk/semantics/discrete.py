@@ -7,19 +7,17 @@ Interprets the `Network` directly, on purpose without the compiled program: it i
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
 
 from tachk.model.evaluate import Environment, channel_number, clock_number, evaluate, execute
-from tachk.model.expressions import Binary, Constant, Expression, Field, Index, Reference, Unary, Variable
-from tachk.model.fault import EvaluationFault
+from tachk.model.expressions import Expression, Field, Index, Reference
 from tachk.model.layout import CellLayout, cell_layout
 from tachk.model.network import Direction, Edge, Location, Network
-from tachk.model.traversal import walk
-from tachk.model.types import ChannelType, bounds, cell_count, leaves
+from tachk.model.types import ChannelType, bounds, cell_count
+from tachk.semantics.fold import fold_place, known_cell, known_values
 from tachk.semantics.trace import DiscreteState, Participant, Transition
 from tachk.time_limit import check_time
 
@@ -79,26 +77,19 @@ def _fixed_channels(
     network: Network, layout: CellLayout, instances: Iterable[Iterable[Iterable[Participant]]]
 ) -> dict[Participant, int]:
     scratch = Environment(layout, list(layout.initial), tuple(process.initial for process in network.processes))
+    constant = known_values(network, [])
     found = {}
     for participant in (p for of_process in instances for of_location in of_process for p in of_location):
         edge = network.processes[participant.process].edges[participant.edge]
-        if edge.synchronisation is None or not _is_fixed(edge.synchronisation.channel, edge.selects):
+        if edge.synchronisation is None:
             continue
+        known = constant
         for variable, value in zip(edge.selects, participant.selects, strict=True):
             scratch.bind(variable, value)
-        with suppress(EvaluationFault):  # whoever takes the edge will meet the fault
+            known = known.with_bound(variable, value)
+        if known_cell(fold_place(edge.synchronisation.channel, known)) is not None:
             found[participant] = channel_number(edge.synchronisation.channel, scratch)
     return found
-
-
-def _is_fixed(channel: Expression, selects: Sequence[Variable]) -> bool:
-    def is_fixed(node: Expression) -> bool:
-        if isinstance(node, Reference):
-            of_channels = all(isinstance(leaf, ChannelType) for _, leaf in leaves(node.variable.type))
-            return of_channels or node.variable in selects
-        return isinstance(node, Constant | Index | Field | Binary | Unary)
-
-    return all(map(is_fixed, walk(channel)))
 
 
 def _instances(network: Network, process: int) -> tuple[tuple[Participant, ...], ...]:
