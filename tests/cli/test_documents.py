@@ -6,11 +6,12 @@ as one text and, unless the status is 0, by a line ``[exit N]``. ``...`` stands 
 line, for any number of lines.
 
 The README and the pages of docs are such documents too. They show what really happens in the checkout, so there
-measured times and sizes may differ.
+measured times and sizes may differ. The tutorial brings the files that it speaks of.
 """
 
 from __future__ import annotations
 
+import doctest
 import io
 import re
 import shlex
@@ -98,7 +99,8 @@ def test_document(path: Path, tmp_path: Path) -> None:
 
 
 PAGES = ("README.md", "CONTRIBUTING.md", *(f"docs/{page.name}" for page in sorted((CHECKOUT / "docs").glob("*.md"))))
-SHOWING = [name for name in PAGES if "\n$ tachk" in (CHECKOUT / name).read_text(encoding="utf-8")]
+TUTORIAL = "docs/tutorial.md"
+SHOWING = [name for name in PAGES if name != TUTORIAL and "\n$ tachk" in (CHECKOUT / name).read_text(encoding="utf-8")]
 
 
 @pytest.mark.parametrize("name", SHOWING)
@@ -116,6 +118,77 @@ def test_pages_that_show_commands_in_the_checkout(name: str) -> None:
                 without_measurements(output),
                 status,
             )
+
+
+def test_the_tutorial_goes_as_it_says(tmp_path: Path) -> None:
+    """Files are written and commands and Python run in the order of the page."""
+    page = CHECKOUT / TUTORIAL
+    text = page.read_text(encoding="utf-8")
+    names: dict[str, object] = {}
+    done = []
+    with chdir(tmp_path):
+        for fence in FENCE.finditer(text):
+            language, name, body = fence.groups()
+            line = text[: fence.start(3)].count("\n")
+            if name:
+                Path(name).write_text(body, encoding="utf-8")
+            elif language == "console":
+                for command in read_commands(body, line):
+                    output, status = run(command.arguments)
+                    command = replace(command, output=without_measurements(command.output))
+                    check(page, command, without_measurements(output), status)
+                    done.append(command.arguments[0])
+            elif language == "pycon":
+                run_examples(page.name, body, line, names)
+                done.append("python")
+        pictures = {path.name for path in tmp_path.glob("*.svg")}
+    assert {"check", "verify", "monitor", "plot", "python"} <= {*done}
+    assert pictures == {"monday.svg"}
+
+
+GIVEN = {
+    "README.md": "",
+    "docs/monitoring.md": """
+import pandas, tachk
+events = [(0.5, {"request": True, "answer": False}), (7.25, {"request": False, "answer": True})]
+frame = pandas.read_csv("examples/cooling/vessel.csv", comment="#", header=0)
+""",
+    "docs/pictures.md": "",
+    "docs/uppaal.md": """
+import pathlib, tachk
+from tachk.api import export
+pathlib.Path("model.xml").write_text(export(tachk.load("models/classics/fischer.ta"), "xml"), encoding="utf-8")
+""",
+}
+"""What the examples of a page take for granted."""
+
+
+@pytest.mark.parametrize("name", GIVEN)
+def test_examples_in_python_run(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for folder in ("models", "examples"):
+        (tmp_path / folder).symlink_to(CHECKOUT / folder)
+    (tmp_path / "plant.stl").symlink_to(CHECKOUT / "examples/cooling/vessel.stl")
+    (tmp_path / "train_gate.ta").symlink_to(CHECKOUT / "models/classics/train_gate.ta")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    exec(GIVEN[name], names)
+    text = (CHECKOUT / name).read_text(encoding="utf-8")
+    blocks = [fence for fence in FENCE.finditer(text) if fence[1] == "python"]
+    assert blocks
+    for fence in blocks:
+        line = text[: fence.start(3)].count("\n")
+        exec(compile("\n" * line + fence[3], name, "exec"), names)
+
+
+def run_examples(name: str, body: str, line: int, names: dict[str, object]) -> None:
+    """Runs what a person types at Python's prompt; later examples see the names of earlier ones."""
+    examples = doctest.DocTestParser().get_doctest(body, {}, name, name, line)
+    examples.globs = names
+    said: list[str] = []
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+    results = runner.run(examples, out=said.append, clear_globs=False)
+    assert results.attempted
+    assert results.failed == 0, "".join(said)
 
 
 def without_measurements(text: str) -> str:

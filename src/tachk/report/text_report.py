@@ -87,7 +87,7 @@ def evidence_text(network: Network, verdict: Verdict, clocks: bool = False, ever
     out = StringIO()
     console = Console(file=out, width=1000, highlight=False, color_system=None)
     _print_evidence(network, verdict, verdict.trace, console, Telling(clocks, every_step))
-    return out.getvalue()
+    return out.getvalue().rstrip("\n")
 
 
 def _print_unknown(record: RunRecord, console: Console, every_step: bool) -> None:
