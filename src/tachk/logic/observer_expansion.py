@@ -85,8 +85,8 @@ def _expanded(goal: Goal, saved: SavedNames, at_start: bool) -> list[Branch]:
             return [later]
         case Throughout(window=window) | Recurring(window=window):
             return [Branch(tasks=frozenset((Task(goal, "ahead" if window.low else "on", (FRESH,)),)))]
-        case NeverRising(condition=condition, initially=initially):
-            high = Branch(pasts=frozenset((Before(condition, initially),)))
+        case NeverRising(window=window, condition=condition, initially=initially):
+            high = Branch(pasts=frozenset((Before(condition, initially),)) if window.low_closed else frozenset())
             return [
                 Branch(tasks=frozenset((Task(goal, "low", (FRESH,)),))),
                 replace(high, tasks=frozenset((Task(goal, "on", (FRESH,)),))),

@@ -168,7 +168,10 @@ class Recurring:
 
 @dataclass(frozen=True, slots=True)
 class NeverRising:
-    """At no instant of the window, whose lower bound is 0, does the condition become true."""
+    """At no instant of the window, whose lower bound is 0, does the condition become true.
+
+    The instants of a window with an open lower bound are those after the present one.
+    """
 
     window: Window
     condition: ast.Expression

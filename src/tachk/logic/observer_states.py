@@ -118,7 +118,7 @@ def pasts_wanted(items: Iterable[Item]) -> frozenset[Past]:
         match part:
             case Preceded(past=past):
                 found.add(past)
-            case NeverRising(condition=condition, initially=initially):
+            case NeverRising(window=Window(low_closed=True), condition=condition, initially=initially):
                 found.add(Before(condition, initially))
             case _:
                 pass

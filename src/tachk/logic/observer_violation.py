@@ -241,8 +241,10 @@ def _always(node: Formula, window: Window, goal: Goal) -> Goal:
             return _recurring(span, window, condition, answer)
         case Either(
             parts=(Holds(condition=condition), Preceded(past=Before(condition=before, initially=initially)))
-        ) if condition == negated(before) and window.low == 0 and window.low_closed:
-            return NeverRising(window, before, initially)
+        ) if condition == negated(before):
+            rest = Window(0, window.high - window.low, window.low_closed, window.high_closed)
+            never = goal if rest.is_now else NeverRising(rest, before, initially)
+            return never if window.low == 0 else Sometime(Window(window.low, window.low), truth(True, span), never)
         case _:
             raise NoObserver(
                 span,

@@ -120,6 +120,21 @@ def test_a_formula_that_never_holds_has_an_observer_that_starts_in_bad() -> None
 
 
 @pytest.mark.parametrize(
+    "text",
+    [
+        "G (rise(p) -> F(0,8] rise(p))",
+        "G (rise(p) -> F[4,6] rise(p))",
+        "G (q -> F[1,5] rise(p))",
+        "G (q -> F(1,5] fall(p))",
+        "G (q -> F[5,5] rise(p))",
+        "G (q -> G[2,5] !rise(p))",
+    ],
+)
+def test_edges_are_followed_in_every_window(text: str) -> None:
+    assert "Bad" in locations(observer(text))
+
+
+@pytest.mark.parametrize(
     ("text", "blamed", "reason"),
     [
         ("F q", "F q", "only a run without end"),
