@@ -31,14 +31,13 @@ from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.readings import agreed
 from tachk.properties.verdict import Answer, Verdict
-from tachk.properties.verify import VerifyProgress, refused
-from tachk.properties.verify import verify as verify_queries
 from tachk.report.record import NotChecked, RunRecord
 from tachk.syntax.source_files import read_source
 from tachk.time_limit import time_limit
 
 if TYPE_CHECKING:
     from tachk.export.svg import Picture
+    from tachk.properties.verify import VerifyProgress
     from tachk.report.json_report import Json
     from tachk.report.told_run import Run
 
@@ -227,6 +226,9 @@ class Model:
             UnsupportedError: the model uses a feature that the query cannot be decided with.
             OutOfTimeError: the limit on seconds was over before the queries were read.
         """
+        from tachk.properties.verify import refused
+        from tachk.properties.verify import verify as verify_queries
+
         started = monotonic()
         options, limits = options or Options(), limits or Limits()
         names = (property,) if isinstance(property, str) else tuple(property)

@@ -41,17 +41,7 @@ def test_few_modules_open_the_door_to_the_core() -> None:
 
 @pytest.mark.parametrize("arguments", [["--version"], ["--help"], ["verify", "--help"]])
 def test_start_loads_nothing_heavy(arguments: list[str]) -> None:
-    program = (
-        "import json, sys\n"
-        "from tachk.cli.main import app\n"
-        "try:\n"
-        "    app(sys.argv[1:])\n"
-        "except SystemExit as end:\n"
-        "    assert end.code == 0\n"
-        "print(json.dumps(sorted(sys.modules)))\n"
-    )
-    done = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=True)
-    loaded = set(json.loads(done.stdout.splitlines()[-1]))
+    loaded = modules_after(*arguments)
     assert not loaded & {"z3", "pandas", "numpy", "networkx", "lark", "jinja2", "rich.table"}
     assert not loaded & {f"tachk.{name}" for name in HEAVY}
 
@@ -97,21 +87,34 @@ def with_tables() -> None:
     tables.grammar()
 
 
-@pytest.mark.usefixtures("with_tables")
-def test_verify_loads_only_what_the_model_needs(tmp_path: Path) -> None:
-    model = tmp_path / "m.ta"
-    model.write_text(MODEL, encoding="utf-8")
+def modules_after(*arguments: str) -> set[str]:
+    """What is loaded when a command line has been carried out."""
     program = (
         "import json, sys\n"
         "from tachk.cli.main import app\n"
         "try:\n"
-        "    app(['verify', sys.argv[1]])\n"
+        "    app(sys.argv[1:])\n"
         "except SystemExit as end:\n"
         "    assert end.code == 0\n"
         "print(json.dumps(sorted(sys.modules)))\n"
     )
-    done = subprocess.run([sys.executable, "-c", program, str(model)], capture_output=True, text=True, check=True)
-    loaded = set(json.loads(done.stdout.splitlines()[-1]))
+    done = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=True)
+    return set(json.loads(done.stdout.splitlines()[-1]))
+
+
+@pytest.mark.usefixtures("with_tables")
+def test_check_loads_no_engine(tmp_path: Path) -> None:
+    model = tmp_path / "m.ta"
+    model.write_text(MODEL, encoding="utf-8")
+    loaded = modules_after("check", str(model))
+    assert not loaded & {"rich", "tachk._core", "tachk.engines.zone", "tachk.semantics.lower"}
+
+
+@pytest.mark.usefixtures("with_tables")
+def test_verify_loads_only_what_the_model_needs(tmp_path: Path) -> None:
+    model = tmp_path / "m.ta"
+    model.write_text(MODEL, encoding="utf-8")
+    loaded = modules_after("verify", str(model))
     assert "tachk.engines.zone" in loaded
     assert not loaded & UNUSED
 

@@ -9,7 +9,7 @@ import click
 from tachk.cli import options
 
 
-@click.command(name="check")
+@click.command(name="check", short_help="Report every mistake in models.")
 @click.argument("models", metavar="MODEL...", nargs=-1, required=True, type=click.Path(), help="Model files.")
 @options.definitions
 @click.option(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 
-@click.command(name="completion")
+@click.command(name="completion", short_help="Print what makes a shell complete command lines.")
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]), help="The shell in use.")
 @click.pass_context
 def command(ctx: click.Context, shell: str) -> None:

@@ -9,7 +9,7 @@ import click
 from tachk.cli import options
 
 
-@click.command(name="convert")
+@click.command(name="convert", short_help="Write a model in another form.")
 @click.argument("source", metavar="IN", type=click.Path(), help="A model, or a file of queries.")
 @click.argument(
     "output", metavar="OUT", type=options.type_of_file, help="Its ending says the format; - prints tachk's own."

@@ -7,7 +7,7 @@ import click
 from tachk.cli import options
 
 
-@click.command(name="diff")
+@click.command(name="diff", short_help="Tell what is different between two models.")
 @click.argument("before", metavar="A", type=click.Path(), help="A model.")
 @click.argument("after", metavar="B", type=click.Path(), help="The same model, changed.")
 def command(before: str, after: str) -> None:

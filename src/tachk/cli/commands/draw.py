@@ -9,7 +9,7 @@ import click
 from tachk.cli import options
 
 
-@click.command(name="draw")
+@click.command(name="draw", short_help="Draw the templates of a model.")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
 @click.option(
     "output",

@@ -7,7 +7,7 @@ import click
 from tachk.cli import options
 
 
-@click.command(name="explain")
+@click.command(name="explain", short_help="Explain a message, a formula or a sentence.")
 @click.argument(
     "what",
     metavar="CODE|FORMULA|FILE",

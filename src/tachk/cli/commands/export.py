@@ -9,7 +9,7 @@ import click
 from tachk.cli import options
 
 
-@click.command(name="export")
+@click.command(name="export", short_help="Write a model for UPPAAL, TChecker or Graphviz.")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Where to write it.")
 @click.option(

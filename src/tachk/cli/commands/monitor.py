@@ -9,7 +9,7 @@ import click
 from tachk.cli import options
 
 
-@click.command(name="monitor")
+@click.command(name="monitor", short_help="Judge a recorded trace by properties.")
 @options.formula
 @click.argument("trace", type=click.Path(), help="A CSV, Parquet or VCD file; - reads CSV rows as they come.")
 @options.columns

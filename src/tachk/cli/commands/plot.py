@@ -9,7 +9,7 @@ import click
 from tachk.cli import options
 
 
-@click.command(name="plot")
+@click.command(name="plot", short_help="Draw a trace, and where properties are violated.")
 @options.formula
 @click.argument("trace", type=click.Path(), help="A CSV, Parquet or VCD file.")
 @click.option(

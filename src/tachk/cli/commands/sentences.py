@@ -7,7 +7,7 @@ import click
 from tachk.cli import options
 
 
-@click.command(name="sentences")
+@click.command(name="sentences", short_help="List the sentences that properties can be.")
 @click.argument("words", metavar="WORD...", nargs=-1, help="Only patterns with these words.")
 def command(words: tuple[str, ...]) -> None:
     """List the sentences in which properties can be written, each with its formula and its meaning."""
