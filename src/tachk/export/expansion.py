@@ -17,6 +17,7 @@ from tachk.export.names import name_repairs
 from tachk.export.plain import PlainModel, PlainQuery, Step
 from tachk.export.value_passing import ValuePassing
 from tachk.frontend.load import LoadedModel
+from tachk.model.query import Expectation
 from tachk.syntax import ast
 from tachk.syntax.expression_printer import print_expression
 from tachk.syntax.formula import Atom, Change
@@ -64,7 +65,7 @@ def expand(model: LoadedModel, definitions: Iterable[str] = (), repair_names: bo
         next(item for item in items if isinstance(item, ast.SystemLine)),
         tuple(item for item in items if isinstance(item, ast.ProgressDeclaration)),
         tuple(item for item in items if isinstance(item, ast.GanttDeclaration)),
-        _queries([_with_outcome(item, outcomes) for item in items], steps),
+        _queries(items, steps, outcomes),
         _time_unit(items, steps),
         model.document.comments,
         tuple(steps),
@@ -104,9 +105,14 @@ def with_repaired_names(plain: PlainModel) -> PlainModel:
         system=renamed(plain.system, repairs),
         progress=renamed(plain.progress, repairs),
         gantt=renamed(plain.gantt, repairs),
-        queries=tuple(replace(query, formula=renamed(query.formula, repairs)) for query in plain.queries),
+        queries=tuple(_renamed(query, repairs) for query in plain.queries),
         steps=(*plain.steps, *steps),
     )
+
+
+def _renamed(query: PlainQuery, repairs: Mapping[str, str]) -> PlainQuery:
+    conditional = None if query.conditional is None else renamed(query.conditional, repairs)
+    return replace(query, formula=renamed(query.formula, repairs), conditional=conditional)
 
 
 def document_repairs(document: ast.Document) -> tuple[ast.Document, list[Step]]:
@@ -226,15 +232,14 @@ def _count(number: int, noun: str) -> str:
 # ---- signals and properties -----------------------------------------------------------------------------------------
 
 
-def _with_outcome(item: ast.Item, outcomes: Mapping[str, str | None]) -> ast.Item:
-    """A property whose expectation depends on constants with the one that their values give."""
-    if not isinstance(item, ast.PropertyDeclaration) or not isinstance(item.expectation, ast.ConditionalExpectation):
-        return item
-    outcome = outcomes.get(item.name.name)
-    return replace(item, expectation=None if outcome is None else str(outcome))
+def _queries(
+    items: Sequence[ast.Item], steps: list[Step], outcomes: Mapping[str, Expectation | None] | None = None
+) -> tuple[PlainQuery, ...]:
+    """The properties as queries.
 
-
-def _queries(items: Sequence[ast.Item], steps: list[Step]) -> tuple[PlainQuery, ...]:
+    Args:
+        outcomes: what is expected of properties with the values that the constants have, if these are known.
+    """
     signals: dict[str, ast.Expression] = {}
     for item in items:
         if isinstance(item, ast.SignalDeclaration):
@@ -249,7 +254,12 @@ def _queries(items: Sequence[ast.Item], steps: list[Step]) -> tuple[PlainQuery, 
             comment = item.title or item.doc
             name = item.name.name
             steps.append(Step("property", item.name.span, f"`{name}` is a query with a comment"))
-            queries.append(PlainQuery(name, formula, comment, item.expectation))
+            conditional = item.expectation if isinstance(item.expectation, ast.ConditionalExpectation) else None
+            expectation = item.expectation
+            if conditional is not None and outcomes is not None:
+                outcome = outcomes.get(name)
+                expectation = None if outcome is None else outcome.value
+            queries.append(PlainQuery(name, formula, comment, expectation, conditional))
         if isinstance(item, ast.HideDeclaration):
             steps.append(Step("hide", item.span, "UPPAAL tells every process, also those that the model hides"))
     return tuple(queries)

@@ -31,13 +31,15 @@ class PlainQuery:
     """Attributes:
     name: of the property; empty if it has none.
     comment: what is said about it: its title or its documentation.
-    expectation: an outcome, as far as the model is known: without it, it may depend on constants.
+    expectation: an outcome; of a document alone, without the values of constants, it may depend on them.
+    conditional: what the model states, where that depends on constants.
     """
 
     name: str
     formula: ast.PropertyFormula
     comment: str = ""
     expectation: ast.Expected | None = None
+    conditional: ast.ConditionalExpectation | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -69,12 +69,12 @@ def _view(query: PlainQuery, node: ast.PropertyDeclaration, layout: QueryLayout,
     comment = comment_of(node)
     if layout.comment is not None and says(layout.comment, node):
         comment = layout.comment
-    if isinstance(node.expectation, ast.ConditionalExpectation):
-        if conditional_in(comment) != node.expectation:
-            line = f"expect {print_expected(node.expectation)}"
+    if query.conditional is not None:
+        if conditional_in(comment) != query.conditional:
+            line = f"expect {print_expected(query.conditional)}"
             comment = "\n".join(part for part in (comment_of(node), line) if part)
         return QueryView(formula, comment, layout.options)
-    assert not isinstance(query.expectation, ast.ConditionalExpectation), "only that of the node depends on constants"
+    assert not isinstance(query.expectation, ast.ConditionalExpectation), "the values of constants are known"
     stated = expectation_in(formula) or expectation_in(comment) or _outcome(query, results)
     if query.expectation != stated:
         results = ()

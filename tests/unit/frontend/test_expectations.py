@@ -81,6 +81,13 @@ def test_it_survives_uppaals_xml(load: Any) -> None:
     assert xml_of(again) == xml
 
 
+def test_a_constant_with_another_name_in_uppaal_has_it_in_the_condition_too(load: Any) -> None:
+    text = MODEL.replace("CAREFUL", "query")
+    xml = xml_of(load(text))
+    assert "const bool query_1 = false;" in xml
+    assert outcomes(load_model(Source("m.xml", xml), {"query_1": True, "WAIT": 10}))["chain"] == ("holds", True)
+
+
 def test_a_query_file_gets_the_outcome_for_the_values(load: Any) -> None:
     text = print_queries(expand(load(MODEL, WAIT=10), ["WAIT"]).queries)
     assert [line for line in text.splitlines() if "EXPECT" in line] == [
