@@ -180,6 +180,15 @@ def test_examples_in_python_run(name: str, tmp_path: Path, monkeypatch: pytest.M
         exec(compile("\n" * line + fence[3], name, "exec"), names)
 
 
+def test_the_page_about_python_goes_as_it_says(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(CHECKOUT)
+    text = (CHECKOUT / "docs/python.md").read_text(encoding="utf-8")
+    names: dict[str, object] = {}
+    for fence in FENCE.finditer(text):
+        assert fence[1] == "pycon"
+        run_examples("docs/python.md", fence[3], text[: fence.start(3)].count("\n"), names)
+
+
 def run_examples(name: str, body: str, line: int, names: dict[str, object]) -> None:
     """Runs what a person types at Python's prompt; later examples see the names of earlier ones."""
     examples = doctest.DocTestParser().get_doctest(body, {}, name, name, line)
