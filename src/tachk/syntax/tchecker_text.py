@@ -20,6 +20,7 @@ from tachk.syntax import ast
 from tachk.syntax.rewrite import fresh_name
 from tachk.syntax.tables import lexer
 from tachk.syntax.tchecker_expressions import Reader, failure
+from tachk.time_limit import check_time
 
 _LINE = re.compile(
     r"[ \t]*(?P<kind>[a-z]+)[ \t]*:(?P<rest>[^\n#{]*)(?P<attributes>\{[^}]*\})?[ \t\r]*(?:#[^\n]*)?(?:\n|\Z)"
@@ -333,6 +334,7 @@ class _Reader:
 def _entries(source: Source) -> Iterator[Entry]:
     start = 0
     while start < len(source.text):
+        check_time()
         idle = _IDLE.match(source.text, start)
         if idle is not None:
             start = idle.end()

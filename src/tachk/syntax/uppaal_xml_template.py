@@ -40,6 +40,7 @@ from tachk.syntax.parser import (
 from tachk.syntax.tables import lexer
 from tachk.syntax.uppaal_xml_text import Extract, Extracted
 from tachk.syntax.uppaal_xml_tree import Element
+from tachk.time_limit import check_time
 
 IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
@@ -341,6 +342,7 @@ class TemplateReader:
         return location, _label_layouts(node.labels, printed)
 
     def _edge(self, transition: _Transition, texts: Extracted) -> tuple[ast.EdgeDeclaration, dict[str, LabelLayout]]:
+        check_time()
         labels = transition.labels
         place = texts.tag(transition.element)
         end = max([place.end, *(texts.text(label).end for label in labels.values())])

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 from tachk.diagnostics.span import Origin, Passage, Source, Span
 from tachk.syntax.uppaal_xml_tree import Element
+from tachk.time_limit import check_time
 
 
 @dataclass(slots=True)
@@ -51,6 +52,7 @@ class Extract:
         return Extracted(Source(self.file.name, "".join(self.parts), origin), self.tags, self.texts)
 
     def _append(self, text: str, first: int, last: int) -> None:
+        check_time()
         self.starts.append(self.length)
         self.places.append((first, last))
         self.parts.append(text)

@@ -14,6 +14,7 @@ from xml.parsers import expat
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.diagnostics.span import Source, Span
+from tachk.time_limit import check_time
 
 DEEPEST = 64
 """Levels of elements. UPPAAL's format needs six."""
@@ -142,6 +143,7 @@ class _Reader:
             raise _refuse("E0121", f"the entity `{name}` is not defined in XML", self.place(len(name) + 2), _ONLY_FIVE)
 
     def start(self, name: str, attributes: dict[str, str]) -> None:
+        check_time()
         self.elements += 1
         if len(self.open) >= DEEPEST or self.elements > MOST_ELEMENTS:
             what = f"elements are nested more than {DEEPEST} levels deep"

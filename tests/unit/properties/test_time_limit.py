@@ -81,8 +81,19 @@ def test_no_time_is_over_at_once() -> None:
         pytest.fail("nothing is begun")
 
 
+XML = "<nta><template><name>P</name>" + "<location id='a'/>" * 3000 + "</template></nta>"
+TCHECKER = "system:s\n" + "".join(f"int:1:0:1:0:n{i}\n" for i in range(3000))
+
+
 @pytest.mark.parametrize(
-    ("text", "seconds"), [(ENDLESS, 2000), ("int n;" * 5000, 2000), (f"int n = {'(' * 90}1{')' * 90};" * 50, 2000)]
+    ("text", "seconds"),
+    [
+        (ENDLESS, 2000),
+        ("int n;" * 5000, 2000),
+        (f"int n = {'(' * 90}1{')' * 90};" * 50, 2000),
+        (XML, 2000),
+        (TCHECKER, 2000),
+    ],
 )
 def test_reading_ends(looks: Iterator[int], text: str, seconds: float) -> None:
     with pytest.raises(OutOfTimeError), time_limit(seconds):
@@ -91,7 +102,7 @@ def test_reading_ends(looks: Iterator[int], text: str, seconds: float) -> None:
 
 
 def test_instantiating_ends(looks: Iterator[int]) -> None:
-    with pytest.raises(OutOfTimeError), time_limit(30_000):
+    with pytest.raises(OutOfTimeError), time_limit(15_000):
         load_model(data_root() / "models/classics/fischer.ta", {"N": 30_000})
 
 
