@@ -16,7 +16,7 @@ from random import Random
 
 from tachk.model.expressions import BOOL, Constant
 from tachk.testing import Shape, random_case
-from tachk.testing.agreement import VARIANTS, compare
+from tachk.testing.agreement import VARIANTS, Effort, compare
 
 SHAPES = (
     Shape(),
@@ -36,6 +36,7 @@ SHAPES = (
     Shape(language=True, faults=0.3, spectators=1, bystanders=1, processes=2, clocks=1, locations=3),
 )
 
+_EFFORT = Effort(reference=250, sampled=500)
 _VARIANTS = 4
 """How many of the engine's options are switched in each network; they take turns."""
 
@@ -51,7 +52,7 @@ def main(arguments: list[str]) -> int:
         case = random_case(Random(number), shape)
         nothing = Constant(0, BOOL)  # to be sure that everything is explored, and every run-time error met
         variants = [VARIANTS[(number + turn) % len(VARIANTS)] for turn in range(_VARIANTS)]
-        agreement = compare(replace(case, predicates=(*case.predicates, nothing)), variants)
+        agreement = compare(replace(case, predicates=(*case.predicates, nothing)), variants, _EFFORT)
         faults += any(outcome.fault is not None for outcome in agreement.outcomes.values())
         for name, outcome in agreement.outcomes.items():
             conclusions.update((name, goal.status.value) for goal in outcome.goals)

@@ -74,6 +74,18 @@ def test_a_guard_that_nobody_asks_for_does_not_spoil_a_run(query: str, answer: s
     assert found.trace is not None
 
 
+def test_a_delay_asks_urgent_senders_only() -> None:
+    text = """
+        int a[2], n = 2; clock x; urgent chan u;
+        process P() { init location A { to A { guard a[n] == 0; } } }
+        process Q() { init location A { to A { sync u!; } } }
+        system P, Q;
+    """
+    found = verdict(text, "E<> x >= 3 && P.A")
+    assert found.answer.value == "holds"
+    assert found.trace is not None
+
+
 SENDER = """
     int a[2], n = 2; chan c;
     process P() { init location A { to A { guard a[n] == 0; sync c!; } to B; } location B; }
@@ -192,6 +204,9 @@ ORDER = """
         ("(x <= a[n] || n == 2) && x >= 1", "holds"),
         ("x >= 3 && a[n] == 1", "unknown"),
         ("m == 0 || a[n] == 1", "holds"),
+        ("n == 2 || (x <= 3 && m == 5)", "holds"),
+        ("(x <= 3 && a[n] == 1) || n == 2", "holds"),
+        ("m == 0 ? x <= 3 : x <= a[n]", "holds"),
     ],
 )
 def test_a_guard_is_evaluated_from_left_to_right_clocks_last(guard: str, answer: str) -> None:

@@ -66,6 +66,8 @@ def _holds_at(model: Model, state: TimedState, condition: Expression | None, of:
     The rule says what goes wrong, and what is false whatever the clocks; the evaluator, which knows nothing of
     constraints, says what holds, unless it meets in the order of the text what the rule does not ask.
     """
+    if condition is None:
+        return True
     scratch = environment(model, state.discrete, state.clocks)
     if of is not None:
         bind_selects(model, of, scratch)

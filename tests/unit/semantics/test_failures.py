@@ -11,7 +11,7 @@ from tachk.semantics.fold import known_values
 
 DECLARATIONS = """
     int[0,3] n, m; int[0,9] wide; int[1,2] divisor; int[-1,1] around; int[0,3] cells[4]; const int K[2] = {2, 9};
-    bool flag; clock x; typedef struct { int[0,3] a; int[0,9] b; } pair; pair p, q;
+    bool flag; clock x; chan c, d[4]; typedef struct { int[0,3] a; int[0,9] b; } pair; pair p, q;
     int[0,3] next(int[0,3] of) { if (of < 3) { return of <? 2; } return 0; }
     int[0,3] sum() { int[0,9] total = 0; for (i : int[0,2]) total = n; return 0; }
     int[0,3] beyond(int[0,3] of) { return of + 1; }
@@ -49,6 +49,10 @@ OTHER = """
         ("guard n > 0 && x > 3; assign n--", False),
         ("guard n == 2; assign n++", False),
         ("guard n != 3; assign n++", True),
+        ("guard n < 3; sync c!; assign n++", False),
+        ("guard n < 3; sync c?; assign n++", True),  # the sender may have changed n
+        ("sync d[n]!", False),
+        ("sync d[wide]!", True),
         ("assign cells[n] = m", False),
         ("assign cells[wide] = m", True),
         ("guard wide < 4; assign cells[wide] = m", False),
