@@ -69,14 +69,14 @@ def edge_can_fail(edge: Edge, known: Known, updates: Sequence[Expression] | None
         updates: those of its updates that are asked about, and nothing but them; all of the edge if there are none.
     """
     asked = edge.updates if updates is None else updates
-    if updates is None:
-        if edge.guard is not None and can_fail(edge.guard, known):
-            return True
-        if edge.synchronisation is not None and can_fail(edge.synchronisation.channel, known):
-            return True
+    before, fails = ({}, False) if edge.guard is None else _narrowed(fold(edge.guard, known), known)
+    if updates is None and edge.synchronisation is not None:
+        fails = fails or _Scope(known, before).fails(edge.synchronisation.channel)
+    if updates is None and fails:
+        return True
     receives = edge.synchronisation is not None and edge.synchronisation.direction is Direction.RECEIVE
     # What the sender does comes between the guard of a receiver and its updates.
-    narrow = {} if edge.guard is None or receives else _narrowed(fold(edge.guard, known), known)
+    narrow = {} if receives else before
     for update in edge.updates:
         if update in asked and _Scope(known, narrow).fails(update):
             return True
@@ -84,10 +84,13 @@ def edge_can_fail(edge: Edge, known: Known, updates: Sequence[Expression] | None
     return False
 
 
-def _narrowed(guard: Expression, known: Known) -> dict[Variable, Interval]:
-    """The ranges of variables where a guard holds, as far as it compares them with constants."""
+def _narrowed(guard: Expression, known: Known) -> tuple[dict[Variable, Interval], bool]:
+    """The ranges of variables where a guard holds, as far as it compares them with constants, and whether the guard can
+    fail, each part of it behind those to its left."""
     found: dict[Variable, Interval] = {}
+    fails = False
     for part in conjuncts(guard):
+        fails = fails or _Scope(known, found).fails(part)
         match part:
             case Binary(operator, Reference(variable), Constant(value)) if is_integer(variable.type):
                 pass
@@ -111,7 +114,7 @@ def _narrowed(guard: Expression, known: Known) -> dict[Variable, Interval]:
                 pass
         if low <= high:
             found[variable] = low, high
-    return found
+    return found, fails
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,6 +131,7 @@ class _Scope:
     times: int = 1
 
     def fails(self, expression: Expression) -> bool:
+        """Whether evaluating the expression can be a run-time error."""
         return self._folded_fails(fold_place(expression, self.known))
 
     def _interval(self, expression: Expression) -> Interval:
