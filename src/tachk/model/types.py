@@ -131,7 +131,7 @@ def nesting(type_: Type) -> int:
         case ArrayType():
             return 1 + nesting(type_.element)
         case RecordType():
-            return 1 + max(nesting(t) for _, t in type_.fields)
+            return 1 + max((nesting(t) for _, t in type_.fields), default=0)
         case _:
             return 0
 
