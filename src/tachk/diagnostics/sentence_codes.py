@@ -13,7 +13,7 @@ SENTENCE_CODES: dict[str, Explanation] = {
         "Whenever sleep is true, arrive must not occur.",
     ),
     "E0141": Explanation(
-        "no phrase of a sentence",
+        "unknown phrase of a sentence",
         "Sentences are made of fixed phrases, so that each has one meaning. The words resemble one of them.",
         "When ever request is true, withn 5 s, grant must hold.",
         "Whenever request is true, within 5 s, grant must be true.",

@@ -15,7 +15,8 @@ SYNTAX_CODES: dict[str, Explanation] = {
     "E0002": Explanation(
         "unknown character",
         "Names consist of the letters A to Z, digits and the underscore. Anything else outside comments and strings is "
-        "an operator, a bracket or a mistake.",
+        "an operator, a bracket or a mistake. Signs of mathematics and of word processors are written with ASCII: >= "
+        "for ≥, && for ∧, A[] for ∀□, quotation marks as on a typewriter.",
         "int höhe;",
         "int hoehe;",
     ),

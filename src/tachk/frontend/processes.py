@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import fields
+from itertools import islice
 
 from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Context
+from tachk.frontend.findings import count
 from tachk.frontend.scope import (
     BrokenSymbol,
     FamilySymbol,
@@ -63,15 +65,23 @@ def select_process(
                 return BrokenSymbol(span)
             key = tuple(v for v in values if v is not None)
             if len(key) != symbol.parameters:
-                context.error("E0308", span, f"`{name}` has {symbol.parameters} free parameters, not {len(key)}")
+                expected = count(symbol.parameters, "free parameter")
+                context.error("E0308", span, f"`{name}` has {expected}, not {len(key)}", _instances(name, symbol))
                 return BrokenSymbol(span)
             process = symbol.instances.get(key)
             if process is None:
-                context.error("E0206", span, f"there is no process `{name}({', '.join(map(str, key))})`")
+                wanted = f"{name}({', '.join(map(str, key))})"
+                context.error("E0206", span, f"there is no process `{wanted}`", _instances(name, symbol))
                 return BrokenSymbol(span)
             return process
         case _:
             return None
+
+
+def _instances(name: str, symbol: FamilySymbol) -> str:
+    """The processes of a template, the first of them where there are many."""
+    named = [f"`{name}({', '.join(map(str, values))})`" for values in islice(symbol.instances, 4)]
+    return f"there are {', '.join(named)}{', ...' if len(symbol.instances) > len(named) else ''}"
 
 
 def _absent(name: str, node: ast.Expression, context: Context) -> None:

@@ -287,7 +287,7 @@ def _state_expression(node: Any, why: str) -> ast.Expression:
                 raise Misplaced(
                     Diagnostic(
                         "E0132",
-                        "'deadlock' is no condition on a run",
+                        "'deadlock' is not a condition on a run",
                         inner.span,
                         "ask for A[] not deadlock in a query of its own; `deadlock` in backticks is a signal",
                     )

@@ -70,7 +70,7 @@ def _operator(situation: Situation) -> Diagnostic | None:
     if pair == "=>" and situation.start == "formula_fragment":
         mend = "write -> for 'implies', >= for 'at least'"
     span = situation.tokens[place].span.to(situation.token.span)
-    return Diagnostic("E0101", f"'{pair}' is no operator", span, mend)
+    return Diagnostic("E0101", f"'{pair}' is not an operator", span, mend)
 
 
 def _bare_query(situation: Situation) -> Diagnostic | None:

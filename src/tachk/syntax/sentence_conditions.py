@@ -96,7 +96,7 @@ def _amount(piece: Piece) -> Fraction | ast.Expression:
     if found:
         raise Refused(*found)
     if not isinstance(formula, Atom):
-        raise Refused(Diagnostic("E0144", "this is no duration", piece.span, "write a number or a constant"))
+        raise Refused(Diagnostic("E0144", "this is not a duration", piece.span, "write a number or a constant"))
     match formula.expression:
         case ast.IntegerLiteral(value=value):
             return Fraction(value)

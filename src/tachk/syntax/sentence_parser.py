@@ -134,8 +134,9 @@ def _suggestion(attempt: _Attempt) -> Diagnostics:
         if correction.phrase == ".":
             found.append(Diagnostic("E0133", "a sentence ends with a full stop", correction.span, whole or "add '.'"))
         else:
-            message = f"'{' '.join(correction.span.text.split())}' is no phrase of a sentence; did you mean "
-            found.append(Diagnostic("E0141", f"{message}'{correction.phrase}'?", correction.span, whole))
+            written = " ".join(correction.span.text.split())
+            message = f"unknown phrase '{written}'; did you mean '{correction.phrase}'?"
+            found.append(Diagnostic("E0141", message, correction.span, whole))
         whole = None
     return tuple(found)
 

@@ -289,7 +289,7 @@ def test_reading_what_was_printed_gives_the_same_formula(formula: f.Formula) -> 
     [
         ("A[] p", "'A[]' begins a query about all runs of a model", "write G in place of A[]"),
         ("E<> p", "'E<>' begins a query about all runs of a model", "write F in place of E<>"),
-        ("G (p => q)", "'=>' is no operator", "write -> for 'implies'"),
+        ("G (p => q)", "'=>' is not an operator", "write -> for 'implies'"),
         ("G p; G q", "';' does not fit here", "&&"),
         ("G (state == 1)", "'state' is a keyword", "write `state`"),
         ("F state", "'state' is a keyword", "write `state`"),
