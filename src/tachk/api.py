@@ -36,7 +36,7 @@ from tachk.syntax.source_files import read_source
 from tachk.time_limit import time_limit
 
 if TYPE_CHECKING:
-    from tachk.export.svg import Picture
+    from tachk.formats.svg import Picture
     from tachk.properties.verify import VerifyProgress
     from tachk.report.json_report import Json
     from tachk.report.told_run import Run
@@ -89,22 +89,22 @@ def loads(text: str, /, **constants: int | bool | str) -> Model:
 
 def diff(before: Model, after: Model) -> str:
     """What is different in the behaviour of two models, as `tachk diff` tells it; empty if nothing is."""
-    from tachk.export.difference import least_difference, print_difference
-    from tachk.export.expansion import expand
+    from tachk.formats.difference import least_difference, print_difference
+    from tachk.formats.expansion import expand
 
     first, second = (expand(model._written, repair_names=False) for model in (before, after))
     return print_difference(least_difference(first, second))
 
 
 def draw(model: Model | str | os.PathLike[str], template: str | None = None) -> Picture:
-    """The picture of one template of a model, or of all of them together; see `tachk.export.pictures`.
+    """The picture of one template of a model, or of all of them together; see `tachk.formats.pictures`.
 
     Raises:
         InputError: the text is wrong; carries every finding.
         UsageError: the file cannot be read, or has no such template.
     """
-    from tachk.export.pictures import draw as draw_path
-    from tachk.export.pictures import draw_document
+    from tachk.formats.pictures import draw as draw_path
+    from tachk.formats.pictures import draw_document
     from tachk.syntax.layout_json import read_layout_beside
 
     if isinstance(model, Model):
@@ -124,7 +124,7 @@ def export(model: Model, format: str, observers: bool = True) -> str:
         UsageError: there is no such format.
         UnsupportedError: something in the model cannot be said in it.
     """
-    from tachk.export.formats import ExportFormat, export_model
+    from tachk.formats.catalogue import ExportFormat, export_model
 
     try:
         wanted = ExportFormat(format)
@@ -339,7 +339,7 @@ class Model:
 
 def _made(network: Network, name: str) -> LoadedModel:
     """A network with the names that queries may use and, where the language can say it, the text that it would have."""
-    from tachk.export.network_document import NotWritable, empty_document, network_document
+    from tachk.formats.network_document import NotWritable, empty_document, network_document
     from tachk.frontend.made_network import made_model
 
     try:
@@ -350,7 +350,7 @@ def _made(network: Network, name: str) -> LoadedModel:
 
 
 def _why_not_written(network: Network) -> str:
-    from tachk.export.network_document import NotWritable, network_document
+    from tachk.formats.network_document import NotWritable, network_document
 
     try:
         network_document(network, "")

@@ -156,8 +156,7 @@ frame = pandas.read_csv("examples/cooling/vessel.csv", comment="#", header=0)
     "docs/pictures.md": "",
     "docs/uppaal.md": """
 import pathlib, tachk
-from tachk.api import export
-pathlib.Path("model.xml").write_text(export(tachk.load("models/classics/fischer.ta"), "xml"), encoding="utf-8")
+pathlib.Path("model.xml").write_text(tachk.export(tachk.load("models/classics/fischer.ta"), "xml"), encoding="utf-8")
 """,
 }
 """What the examples of a page take for granted."""

@@ -10,7 +10,7 @@ import pytest
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.diagnostics.span import Source
 from tachk.engines.protocol import Limits, Options
-from tachk.export.tchecker import to_tchecker
+from tachk.formats.tchecker import to_tchecker
 from tachk.frontend.load import load_model
 from tachk.model.expressions import BOOL, Binary, BinaryOperator, Expression, LocationTest
 from tachk.model.network import Network

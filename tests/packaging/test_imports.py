@@ -71,7 +71,7 @@ UNUSED = {
     "vcd",
     "xml.etree.ElementTree",
     "z3",
-    *(f"tachk.{name}" for name in ("export", "logic", "monitoring", "runtime", "testing")),
+    *(f"tachk.{name}" for name in ("formats", "logic", "monitoring", "runtime", "testing")),
     *(f"tachk.report.{name}" for name in ("html_report", "json_report", "junit_report", "signal_plot")),
     "tachk.frontend.observers",
     "tachk.properties.monitoring",

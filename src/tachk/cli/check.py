@@ -12,7 +12,7 @@ from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import complain, print_diagnostics
 from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
-from tachk.export.portability import Version, portability
+from tachk.formats.portability import Version, portability
 from tachk.frontend.load import load_model
 from tachk.report.check_report import Checked, Size, checks_to_github, checks_to_json, checks_to_sarif
 

@@ -13,10 +13,10 @@ from tachk.cli.export import files_of, write_files
 from tachk.cli.guard import print_diagnostics
 from tachk.diagnostics.diagnostic import InputError, TachkError, UsageError
 from tachk.diagnostics.span import Span
-from tachk.export.expansion import document_repairs
-from tachk.export.formats import export_model, format_of
-from tachk.export.plain import PlainQuery, Step
-from tachk.export.query_file import print_queries
+from tachk.formats.catalogue import export_model, format_of
+from tachk.formats.expansion import document_repairs
+from tachk.formats.plain import PlainQuery, Step
+from tachk.formats.query_file import print_queries
 from tachk.frontend.load import UncheckedQuery, load_model
 from tachk.syntax import ast
 from tachk.syntax.layout_json import layout_path, layout_to_json

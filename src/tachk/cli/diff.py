@@ -8,9 +8,9 @@ import sys
 from tachk import api
 from tachk.cli.exit_status import ExitStatus
 from tachk.diagnostics.diagnostic import InputError
-from tachk.export.difference import least_difference, print_difference
-from tachk.export.expansion import expand, expand_document
-from tachk.export.plain import PlainModel
+from tachk.formats.difference import least_difference, print_difference
+from tachk.formats.expansion import expand, expand_document
+from tachk.formats.plain import PlainModel
 from tachk.syntax.model_files import read_model
 from tachk.syntax.source_files import read_source
 

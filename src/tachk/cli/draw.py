@@ -7,9 +7,9 @@ from pathlib import Path
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.export.pictures import draw_file, named
-from tachk.export.png import to_png
-from tachk.export.svg import together
+from tachk.formats.pictures import draw_file, named
+from tachk.formats.png import to_png
+from tachk.formats.svg import together
 
 _SUFFIXES = (".svg", ".png")
 

@@ -11,7 +11,7 @@ from tachk import api
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
-from tachk.export.formats import Exported, ExportFormat, export_model, format_of
+from tachk.formats.catalogue import Exported, ExportFormat, export_model, format_of
 
 
 def run_export(

@@ -19,9 +19,9 @@ from tachk.cli.verifyta_options import Trace, VerifytaOptions
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
 from tachk.engines.protocol import INTERRUPTED, Options
-from tachk.export.trace_xml import run_to_trace_xml
-from tachk.export.uppaal_intermediate import network_to_intermediate
-from tachk.export.xtr import run_to_xtr
+from tachk.formats.trace_xml import run_to_trace_xml
+from tachk.formats.uppaal_intermediate import network_to_intermediate
+from tachk.formats.xtr import run_to_xtr
 from tachk.frontend.load import LoadedModel, UncheckedQuery, elaborate_query_file, other_readings_of
 from tachk.frontend.priority_readings import FIRST
 from tachk.model.fault import EvaluationFault

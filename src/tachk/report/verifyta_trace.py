@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 
-from tachk.export.edge_text import edge_text
+from tachk.formats.edge_text import edge_text
 from tachk.model.network import Network
 from tachk.report.trace_view import Snapshot, view_trace
 from tachk.semantics.dbm import Zone, bound_value, is_strict

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk import api
 from tachk.model.builder import NetworkBuilder
 from tachk.model.network import Network
 
@@ -55,7 +54,7 @@ def test_a_network_from_python_is_a_model() -> None:
     assert [verdict.answer.value for verdict in report] == ["holds", "holds", "fails", "holds"]
     assert str(report).startswith("stopping\n")
     assert "<svg" in tachk.draw(model).svg
-    again = tachk.loads(api.export(model, "xta"))
+    again = tachk.loads(tachk.export(model, "xta"))
     assert tachk.diff(model, again) == ""
     assert again.verify("A[] n <= 1")[0].answer is tachk.Answer.FAILS
 
@@ -77,7 +76,7 @@ def test_what_the_language_cannot_say_can_still_be_checked() -> None:
 @pytest.mark.parametrize("seed", range(8))
 def test_random_networks_are_the_same_in_python_and_written(seed: int) -> None:
     model = tachk.random_network(seed)
-    again = tachk.loads(api.export(model, "xta"))
+    again = tachk.loads(tachk.export(model, "xta"))
     assert tachk.diff(model, again) == ""
     last = " && ".join(f"{process.name}.{process.locations[-1].name}" for process in model.network.processes)
     assert model.verify(f"E<> {last}")[0].answer is again.verify(f"E<> {last}")[0].answer
@@ -91,9 +90,9 @@ def test_models_differ_by_what_they_do() -> None:
 
 def test_formats_are_named() -> None:
     model = tachk.loads(COFFEE)
-    assert api.export(model, "dot").startswith("digraph")
+    assert tachk.export(model, "dot").startswith("digraph")
     with pytest.raises(tachk.UsageError, match="no format 'pdf'"):
-        api.export(model, "pdf")
+        tachk.export(model, "pdf")
 
 
 def test_models_reports_and_verdicts_are_pickled() -> None:

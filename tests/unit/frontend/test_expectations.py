@@ -9,9 +9,9 @@ import pytest
 
 from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
-from tachk.export.expansion import expand
-from tachk.export.query_file import print_queries
-from tachk.export.uppaal import print_uppaal
+from tachk.formats.expansion import expand
+from tachk.formats.query_file import print_queries
+from tachk.formats.uppaal import print_uppaal
 from tachk.frontend.load import LoadedModel, elaborate_queries, load_model
 from tachk.model.query import Expectation
 from tachk.syntax.parser import parse_document

@@ -14,7 +14,7 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.cli.verify import VerifyRequest, run_verify
 from tachk.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.diagnostics.span import Source
-from tachk.export.formats import ExportFormat, export_model
+from tachk.formats.catalogue import ExportFormat, export_model
 from tachk.frontend.load import elaborate_queries, load_model
 
 MODEL = """int n;

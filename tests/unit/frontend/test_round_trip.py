@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tachk.diagnostics.span import Source
-from tachk.export.network_json import same_network
+from tachk.formats.network_json import same_network
 from tachk.frontend.load import LoadedModel, load_model
 from tachk.resources import data_root
 from tachk.syntax.printer import print_document

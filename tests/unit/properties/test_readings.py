@@ -7,7 +7,7 @@ import pytest
 import tachk
 from tachk import api
 from tachk.diagnostics.span import Source
-from tachk.export.formats import ExportFormat, export_model
+from tachk.formats.catalogue import ExportFormat, export_model
 from tachk.frontend.load import load_model, other_readings_of
 from tachk.report.verifyta_report import run_to_verifyta
 

@@ -1,0 +1,169 @@
+"""What a version of UPPAAL would refuse or treat otherwise."""
+
+from __future__ import annotations
+
+import pytest
+
+from tachk.diagnostics.codes import CODES
+from tachk.diagnostics.span import Source
+from tachk.formats.expansion import expand
+from tachk.formats.portability import Version, portability
+from tachk.formats.xta import print_xta
+from tachk.frontend.load import load_model
+
+PLAIN = "process P() { state a; init a; }\nsystem P;"
+
+
+def found(text: str, version: Version = Version.UPPAAL_5_0) -> list[tuple[str, str]]:
+    model = load_model(Source("model.ta", text))
+    return [(d.code, d.span.text) for d in portability(model, version)]
+
+
+def process(inside: str, declarations: str = "") -> str:
+    return f"{declarations} process P() {{ {inside} }} system P;"
+
+
+def test_plain_xta_has_no_findings() -> None:
+    assert found(PLAIN) == []
+    assert found(PLAIN, Version.UPPAAL_4_1) == []
+
+
+def test_additions_of_tachk() -> None:
+    text = "time_unit = 1 s;\nprocess P() { init location a; }\nsignal s = P.a;\nsystem P;\nproperty p : E<> s;"
+    assert found(text) == [("E0810", "time_unit = 1 s;"), ("E0810", "a"), ("E0810", "s"), ("E0810", "p")]
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        (process("state exit; init exit;"), "exit"),
+        (process("state a; init a;", "int random;"), "random"),
+        (process("state a; init a;", "typedef int[0,3] int16_t;"), "int16_t"),
+        (process("state a; init a;", "const int M_PI = 3;"), "M_PI"),
+    ],
+)
+def test_names_that_version_5_took(text: str, place: str) -> None:
+    assert found(text) == [("E0811", place)]
+    assert found(text, Version.UPPAAL_4_1) == []
+
+
+def test_names_that_cannot_be_asked_for() -> None:
+    text = process("state X; init X;")
+    assert found(text) == []
+    assert ("E0811", "X") in found(text + "\nproperty p : E<> P.X;")
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "place"),
+    [
+        (process("state a; init a;", "int8_t n;"), "E0812", "int8_t"),
+        (process("state a; init a;", "const int N = INT16_MAX;"), "E0812", "INT16_MAX"),
+        (process("state a; init a;", "const bool b = true xor false;"), "E0813", "true xor false"),
+        (process("state a; init a;", "const int n = 2 ** 3;"), "E0813", "2 ** 3"),
+        (process("state a; init a;", "void f() { assert true; }"), "E0813", "assert true;"),
+    ],
+)
+def test_what_4_1_does_not_know(text: str, code: str, place: str) -> None:
+    assert found(text, Version.UPPAAL_4_1) == [(code, place)]
+    assert found(text) == []
+
+
+def test_order_of_prefixes() -> None:
+    assert found(process("state a; init a;", "broadcast urgent chan c;")) == [("E0814", "broadcast urgent chan")]
+
+
+def test_types_used_as_names() -> None:
+    text = process("state slot, b; init slot;", "typedef int[0, 3] slot;")
+    assert found(text) == [("E0816", "slot")]
+
+
+DEADLOCK = "\nproperty p : A[] not deadlock;"
+
+
+def test_deadlock_where_uppaal_does_not_check_it() -> None:
+    text = process("state a; init a;", "chan c; chan priority c < default;") + DEADLOCK
+    assert ("E0815", "deadlock") in found(text)
+    text = process(
+        "clock x; state a; init a; trans a -> a { sync c!; }, a -> a { guard x > 1; sync c?; };", "broadcast chan c;"
+    )
+    assert ("E0815", "deadlock") in found(text + DEADLOCK)
+    assert ("E0815", "deadlock") not in found(process("state a; init a;") + DEADLOCK)
+    assert ("E0815", "deadlock") in found(process("state a; init a;") + "\nproperty p : A<> deadlock;")
+
+
+@pytest.mark.parametrize(
+    ("inside", "place"),
+    [
+        ("clock x; state a { x' == 0 }; init a;", "0"),
+        ("clock x; state a { x < 3 }; init a;", "x < 3"),
+        ("clock x; state a, b { x >= 3 }; init a; trans a -> b { guard x > 4; };", "x >= 3"),
+    ],
+)
+def test_what_is_treated_otherwise(inside: str, place: str) -> None:
+    assert [(code, text) for code, text in found(process(inside)) if text == place] == [("W0501", place)]
+
+
+def test_meta_variables_mean_the_same_everywhere() -> None:
+    text = (
+        "meta int[0, 3] m; int[0, 3] n; state a, b; init a; trans a -> b { assign m = 2; }, b -> a { assign n = m; };"
+    )
+    assert found(process(text)) == []
+
+
+def test_the_exported_model_has_no_errors() -> None:
+    text = """\
+time_unit = 1 s;
+broadcast urgent chan c;
+int8_t exit;
+process query(const int[0, 1] i) { init location IO { to IO { sync c!i; } to IO { sync c?exit; } } }
+system query;
+"""
+    written = print_xta(expand(load_model(Source("model.ta", text))))
+    for version in Version:
+        model = load_model(Source("model.xta", written))
+        assert [d for d in portability(model, version) if d.code.startswith("E")] == []
+
+
+@pytest.mark.parametrize("code", [code for code in CODES if code.startswith("E081") and CODES[code].bad])
+def test_examples_of_the_explanations(code: str) -> None:
+    for text, expected in ((CODES[code].bad, True), (CODES[code].good, False)):
+        declared = text if "process" in text else f"{text} process P() {{ state a; init a; }}"
+        source = f"{declared} system P;"
+        assert (code in [found_code for found_code, _ in found(source, Version.UPPAAL_4_1)]) == (
+            expected and code != "E0811"
+        )
+        assert code != "E0811" or (code in [found_code for found_code, _ in found(source)]) == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "places"),
+    [
+        ("P(int[1, 2] i) := T(i); process T(int[1, 2] i) { state a; init a; } system P;", ["i"]),
+        ("P(const int[1, 2] i) := T(i); process T(const int[1, 2] i) { state a; init a; } system P;", []),
+        ("const int x = 2; S = R(x); process R(const int &i) { int k = i; state a; init a; } system S;", ["i"]),
+        ("process R(int[0, 1] i) { int[0, 3] a[2] = {i, 1}; state s; init s; } system R;", ["i"]),
+        ("process R(const int[0, 1] i) { int k = i; state s; init s; } system R;", []),
+        ("process R(int[0, 1] i, int[0, 1] &n) { state s; init s; trans s -> s { assign n = i; }; } system R;", None),
+    ],
+)
+def test_values_that_uppaal_wants_to_know(text: str, places: list[str] | None) -> None:
+    """The first and the third are err-01, err-02 and tmpl-binding-03 of the tests of uppaal-to-tchecker."""
+    if places is None:
+        text = text.replace("system R;", "int[0, 1] m; S = R(0, m); system S;")
+    for version in Version:
+        assert found(text, version) == [("E0817", place) for place in places or []]
+
+
+def test_equalities_in_invariants() -> None:
+    text = process("clock x[2]; int n; state a { x[0] == 0 && n == 0 }, b { x[1] <= 0 }; init a;")
+    for version in Version:
+        assert found(text, version) == [("E0818", "x[0] == 0")]
+
+
+def test_names_that_were_put_right() -> None:
+    names = "".join(
+        f'<location id="l{i}"><name>{name}</name></location>' for i, name in enumerate(("A", "A", "B-1", "C"))
+    )
+    text = f'<nta><template><name>P</name>{names}<init ref="l0"/></template><system>system P;</system></nta>'
+    findings = portability(load_model(Source("m.xml", text)), Version.UPPAAL_5_0)
+    assert [(d.code, d.message.split("`")[1]) for d in findings] == [("E0819", "A"), ("E0819", "B-1")]
