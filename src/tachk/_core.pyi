@@ -20,6 +20,7 @@ class Explorer:
         scale: bool,
         vector: bool,
         reclaim: bool,
+        pack_clocks: int,
         shortest: bool,
         chunk_words: int,
         state_limit: int,

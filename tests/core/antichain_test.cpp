@@ -159,8 +159,8 @@ void test_zones(int dimension, Width width, int range, std::uint32_t steps, bool
     }
     const bool covered = std::any_of(plain.begin(), plain.end(),
                                      [&](const Member& member) { return includes(member.zone.get(), zone.data); });
-    if (subsumption) CHECK(passed.covers(discrete, zone.data) == covered);
-    const std::uint32_t fresh = passed.add(discrete, zone.data, no_node, subsumption);
+    if (subsumption) CHECK(passed.covers(discrete, {zone.data, dimension}) == covered);
+    const std::uint32_t fresh = passed.add(discrete, {zone.data, dimension}, no_node, subsumption);
     CHECK((fresh == no_node) == covered);
     if (covered) continue;
     std::erase_if(plain, [&](const Member& member) {

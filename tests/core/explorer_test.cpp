@@ -208,6 +208,28 @@ void test_zones_of_covered_states_are_given_back() {
   CHECK(paths[0].back() == std::vector<std::uint32_t>{1});
 }
 
+// Zones without the clocks that do not matter where a process is: the same search, in less memory.
+void test_packed_zones_are_the_same_zones() {
+  for (const Width width : {Width::narrow, Width::wide, Width::widest})
+    for (const std::uint32_t processes : {4u, 6u}) {
+      std::vector<Statistics> statistics;
+      for (const std::uint32_t pack_clocks : {0u, 16u}) {
+        Options options;
+        options.pack_clocks = pack_clocks;
+        options.least_width = width;
+        Explorer explorer(fischer(processes, 2), options);
+        CHECK(explorer.run(UINT64_MAX) == Status::finished);
+        statistics.push_back(explorer.statistics());
+        Explorer found(fischer(processes, 1), options);
+        CHECK(found.run(UINT64_MAX) == Status::finished);
+        CHECK(found.path(*found.reached(0)).size() >= 6);
+      }
+      CHECK(statistics[0].explored == statistics[1].explored);
+      CHECK(statistics[0].stored == statistics[1].stored);
+      CHECK(statistics[0].transitions == statistics[1].transitions);
+    }
+}
+
 // All constants of a network times 1000: the same search, in zones as narrow.
 void test_times_in_the_largest_unit() {
   Program program = fischer(4, 1);
@@ -428,6 +450,7 @@ int main() {
   test_states_in_chunks_are_the_same_states();
   test_long_antichains();
   test_zones_of_covered_states_are_given_back();
+  test_packed_zones_are_the_same_zones();
   test_times_in_the_largest_unit();
   test_slices_and_limits();
   test_deadlock();

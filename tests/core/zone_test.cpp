@@ -154,6 +154,34 @@ struct AlignedRow {
   ~AlignedRow() { ::operator delete[](data, std::align_val_t{64}); }
 };
 
+// A part of the clocks has their entries; the zone with this part has no others but those that follow.
+void check_parts(const Zone& zone, tachk::Width width, bool vector, std::uint32_t chosen) {
+  std::vector<std::uint16_t> clocks{0};
+  for (int c = 1; c < zone.n; ++c)
+    if ((chosen >> (c % 32) & 1) != 0) clocks.push_back(static_cast<std::uint16_t>(c));
+  const auto count = static_cast<int>(clocks.size());
+  const Zone part(tachk::select_operations(count, width, vector), count);
+  zone.ops.gather(part.data, zone.data, zone.n, clocks.data(), count, part.ops.stride);
+  const auto place = [&](int clock) {
+    return static_cast<int>(std::find(clocks.begin(), clocks.end(), clock) - clocks.begin());
+  };
+  const Zone whole(zone.ops, zone.n);
+  zone.ops.scatter(whole.data, part.data, zone.n, clocks.data(), count, part.ops.stride);
+  for (int i = 0; i < zone.n; ++i)
+    for (int j = 0; j < zone.n; ++j) {
+      const int row = place(i);
+      const int column = place(j);
+      const Raw entry = zone.ops.entry(whole.data, zone.n, i, j);
+      if (row == count) CHECK(entry == (i == j ? 1 : tachk::unbounded_entry));
+      if (row == count) continue;
+      CHECK(entry == zone.ops.entry(zone.data, zone.n, i, column == count ? 0 : j));
+      if (column != count) CHECK(entry == part.ops.entry(part.data, count, row, column));
+    }
+  for (int i = 0; i < count; ++i)  // the padding counts in comparisons of bytes
+    for (int j = count; j < part.ops.stride; ++j)
+      CHECK(part.ops.entry(part.data, count, i, j) == tachk::unbounded_entry);
+}
+
 void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps, Raw constant) {
   std::mt19937 random(seed);
   const auto below = [&](Raw limit) { return static_cast<int>(static_cast<Raw>(random()) % limit); };
@@ -272,6 +300,7 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
     if (same) CHECK(ops.hash(zone.data, n) == ops.hash(other_zone.data, n));
     if (same) CHECK(extent == other_extent);
     CHECK(same == std::equal(zone.data, zone.data + ops.bytes, other_zone.data));
+    check_parts(zone, width, vector, static_cast<std::uint32_t>(random()));
     // Keeps the constants within what extrapolation would guarantee in a search.
     if (step % 6 == 5) {
       const std::vector<Raw> bound(static_cast<std::size_t>(n), constant);

@@ -27,6 +27,19 @@ ZoneOperations choose_operations(const Program& program, const Options& options)
   return select_operations(program.dimension(), choose_width(program, options), options.vector);
 }
 
+// Where zones of many clocks are stored without those that do not matter: the operations for what remains.
+std::vector<ZoneOperations> smaller_operations(const Program& program, const Options& options) {
+  std::vector<ZoneOperations> operations;
+  constexpr int most_clocks = 1024;
+  const bool packs = options.local_bounds && options.extrapolation != Extrapolation::none && program.diagonals.empty();
+  if (!packs || program.clocks > most_clocks || static_cast<std::uint32_t>(program.clocks) <= options.pack_clocks)
+    return operations;
+  operations.resize(1);
+  for (int dimension = 1; dimension < program.dimension(); ++dimension)
+    operations.push_back(select_operations(dimension, choose_width(program, options), options.vector));
+  return operations;
+}
+
 Program prepared(Program program, const Options& options) {
   if (options.local_bounds) program = without_idle_clocks(std::move(program));
   if (options.scale) program = in_largest_unit(std::move(program));
@@ -41,7 +54,8 @@ Explorer::Explorer(Program program, const Options& options)
       operations_(choose_operations(program_, options)),
       dimension_(program_.dimension()),
       semantics_(program_, operations_),
-      passed_(program_, operations_, options.chunk_words, options.reclaim),
+      active_(program_, semantics_, operations_, smaller_operations(program_, options)),
+      passed_(program_, operations_, options.chunk_words, options.reclaim, smaller_operations(program_, options)),
       random_(options.seed),
       reached_(program_.goals.size(), no_node),
       deadlocks_(operations_, dimension_),
@@ -75,10 +89,10 @@ struct Explorer::Collector {
 
   void possible(const void* guarded, const Effect& effect) const { explorer.pass_to_deadlock(guarded, effect); }
   void expect(const Effect& effect) const { explorer.passed_.announce(effect.slots.data(), effect.written); }
-  bool wants(std::int32_t*, const void* zone) {
+  bool wants(std::int32_t* slots, const void* zone) {
     if (parent != no_node) ++explorer.transitions_;
     discrete = explorer.passed_.locate();
-    return !explorer.options_.subsumption || !explorer.passed_.covers(discrete, zone);
+    return !explorer.options_.subsumption || !explorer.passed_.covers(discrete, explorer.active_.packed(slots, zone));
   }
   void take(std::int32_t* slots, const void* zone) { explorer.add(discrete, slots, zone, parent); }
 };
@@ -95,7 +109,7 @@ struct Explorer::Recogniser {
   void expect(const Effect&) const {}
   bool wants(std::int32_t* slots, const void*) const { return explorer.passed_.equals(node, slots); }
   void take(std::int32_t* slots, const void* zone) const {
-    if (!explorer.passed_.may_equal(node, zone)) return;
+    if (!explorer.passed_.may_equal(node, explorer.active_.packed(slots, zone))) return;
     for (const State& state : states)
       if (std::memcmp(state.zone.get(), zone, explorer.operations_.bytes) == 0) return;
     states.push_back({{slots, slots + explorer.program_.slots.size()}, ZoneBuffer(explorer.operations_)});
@@ -166,9 +180,9 @@ Status Explorer::explore(std::uint64_t expansions) {
       continue;
     }
     const Node node = passed_.node(number);
-    source_zone_.assign(passed_.zone(node));
-    const void* zone = source_zone_.get();
     passed_.unpack(node, source_.data());
+    active_.unpack(source_.data(), passed_.zone(node), source_zone_);
+    const void* zone = source_zone_.get();
     current_node_ = number;
     ++explored_;
     fresh_.clear();
@@ -204,7 +218,7 @@ std::uint32_t Explorer::next_waiting() {
 }
 
 void Explorer::add(std::uint32_t discrete, std::int32_t* slots, const void* zone, std::uint32_t parent) {
-  const std::uint32_t number = passed_.add(discrete, zone, parent, options_.subsumption);
+  const std::uint32_t number = passed_.add(discrete, active_.packed(slots, zone), parent, options_.subsumption);
   if (number == no_node) return;
   if (options_.depth_limit != UINT32_MAX) depth_.push_back(parent == no_node ? 0 : depth_[parent] + 1);
   fresh_.push_back(number);

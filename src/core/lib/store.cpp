@@ -5,52 +5,36 @@
 #include <utility>
 
 namespace tachk {
-PassedList::PassedList(const Program& program, const ZoneOperations& zones, std::size_t chunk_words, bool reclaim)
+namespace {
+
+// The scale of extents must do for smaller zones too, whose rows may consist of more and shorter vectors.
+ZoneOperations with_shorter_vectors(ZoneOperations operations, bool shorter) {
+  if (shorter && operations.lanes > 1) operations.lanes /= 2;
+  return operations;
+}
+
+}  // namespace
+
+PassedList::PassedList(const Program& program, const ZoneOperations& zones, std::size_t chunk_words, bool reclaim,
+                       std::vector<ZoneOperations> smaller)
     : dimension_(program.dimension()),
-      operations_(zones),
+      zones_(zones, dimension_, smaller),
+      scaled_(with_shorter_vectors(zones, !smaller.empty())),
       reclaim_(reclaim),
-      scale_(choose_scale(zones, dimension_, 0)),
+      scale_(choose_scale(scaled_, dimension_, 0)),
       discretes_(program, chunk_words),
-      zones_(zones.bytes),
       nodes_(sizeof(Node)) {}
 
-std::uint32_t PassedList::intern_zone(const void* zone) {
-  const std::uint64_t hash = operations_.hash(zone, dimension_);
-  const std::uint32_t found = zone_index_.find(
-      hash, [&](std::uint32_t number) { return std::memcmp(zones_[number], zone, operations_.bytes) == 0; });
-  if (found != HashIndex::absent) {
-    ++zone_uses_[found].nodes;
-    return found;
-  }
-  std::uint32_t fresh;
-  if (free_zones_.empty()) {
-    fresh = zones_.append();
-    zone_uses_.emplace_back();
-  } else {
-    fresh = free_zones_.back();
-    free_zones_.pop_back();
-  }
-  zone_uses_[fresh] = {1, static_cast<std::uint32_t>(hash >> 32)};
-  std::memcpy(zones_[fresh], zone, operations_.bytes);
-  zone_index_.insert(hash, fresh);
-  return fresh;
-}
-
-void PassedList::release_zone(std::uint32_t number) {
-  if (--zone_uses_[number].nodes != 0) return;
-  zone_index_.erase(zone_uses_[number].upper_hash, number);
-  free_zones_.push_back(number);
-}
-
-bool PassedList::covers(std::uint32_t discrete, const void* zone) const {
+bool PassedList::covers(std::uint32_t discrete, ZoneView zone) const {
+  const ZoneOperations& operations = zones_.operations(zone.dimension);
   const std::uint32_t first = head(discrete);
   if (!is_long(first)) {
     for (std::uint32_t number = first; number != no_node; number = node(number).next)
-      if (operations_.includes(zones_[node(number).zone], zone, dimension_)) return true;
+      if (operations.includes(zones_[node(number).zone], zone.data, zone.dimension)) return true;
     return false;
   }
   return chain(first).any_above(extent_of(zone), [&](std::uint32_t number) {
-    return operations_.includes(zones_[node(number).zone], zone, dimension_);
+    return operations.includes(zones_[node(number).zone], zone.data, zone.dimension);
   });
 }
 
@@ -59,17 +43,18 @@ void PassedList::cover(std::uint32_t number) {
   node.next = covered_mark;
   --stored_;
   if (!reclaim_) return;
-  const std::uint32_t upper_hash = zone_uses_[node.zone].upper_hash;
-  release_zone(node.zone);
+  const std::uint32_t upper_hash = zones_.upper_hash(node.zone);
+  zones_.release(node.zone);
   node.zone = upper_hash;
 }
 
-void PassedList::thin_out(std::uint32_t& head, const void* zone) {
+void PassedList::thin_out(std::uint32_t& head, ZoneView zone) {
+  const ZoneOperations& operations = zones_.operations(zone.dimension);
   if (!is_long(head)) {
     for (std::uint32_t* link = &head; *link != no_node;) {
       const std::uint32_t number = *link;
       Node& old = entry(number);
-      if (operations_.includes(zone, zones_[old.zone], dimension_) && !is_protected(number)) {
+      if (operations.includes(zone.data, zones_[old.zone], zone.dimension) && !is_protected(number)) {
         *link = old.next;
         cover(number);
       } else {
@@ -81,7 +66,8 @@ void PassedList::thin_out(std::uint32_t& head, const void* zone) {
   Antichain& members = chain(head);
   chain_bytes_ -= members.bytes();
   members.remove_below(extent_of(zone), [&](std::uint32_t number) {
-    if (!operations_.includes(zone, zones_[node(number).zone], dimension_) || is_protected(number)) return false;
+    if (!operations.includes(zone.data, zones_[node(number).zone], zone.dimension) || is_protected(number))
+      return false;
     cover(number);
     return true;
   });
@@ -90,7 +76,7 @@ void PassedList::thin_out(std::uint32_t& head, const void* zone) {
 
 bool PassedList::holds(std::uint32_t head, std::uint32_t zone_number) const {
   if (is_long(head))
-    return chain(head).any_above(extent_of(zones_[zone_number]),
+    return chain(head).any_above(extent_of(zones_.view(zone_number)),
                                  [&](std::uint32_t number) { return node(number).zone == zone_number; });
   for (std::uint32_t number = head; number != no_node; number = node(number).next)
     if (node(number).zone == zone_number) return true;
@@ -98,19 +84,19 @@ bool PassedList::holds(std::uint32_t head, std::uint32_t zone_number) const {
 }
 
 void PassedList::rescale(Raw largest_entry) {
-  scale_ = choose_scale(operations_, dimension_, largest_entry + largest_entry / 2);
+  scale_ = choose_scale(scaled_, dimension_, largest_entry + largest_entry / 2);
   for (Antichain& members : chains_) {
     chain_bytes_ -= members.bytes();
     Antichain fresh;
-    members.for_each([&](std::uint32_t number) { fresh.add(extent_of(zones_[node(number).zone]), number); });
+    members.for_each([&](std::uint32_t number) { fresh.add(extent_of(zones_.view(node(number).zone)), number); });
     members = std::move(fresh);
     chain_bytes_ += members.bytes();
   }
 }
 
 void PassedList::add_to(Antichain& members, std::uint32_t number) {
-  const void* zone = zones_[node(number).zone];
-  const Raw largest_entry = operations_.largest_entry(zone, dimension_);
+  const ZoneView zone = zones_.view(node(number).zone);
+  const Raw largest_entry = zones_.operations(zone.dimension).largest_entry(zone.data, zone.dimension);
   if (largest_entry > scale_.limit) rescale(largest_entry);
   chain_bytes_ -= members.bytes();
   members.add(extent_of(zone), number);
@@ -135,14 +121,14 @@ void PassedList::append(std::uint32_t& head, std::uint32_t number) {
   add_to(chain(head), number);
 }
 
-std::uint32_t PassedList::add(std::uint32_t discrete, const void* zone, std::uint32_t parent, bool subsumption) {
+std::uint32_t PassedList::add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption) {
   if (subsumption) {
     if (covers(discrete, zone)) return no_node;
     thin_out(head(discrete), zone);
   }
-  const std::uint32_t zone_number = intern_zone(zone);
+  const std::uint32_t zone_number = zones_.intern(zone);
   if (!subsumption && holds(head(discrete), zone_number)) {
-    release_zone(zone_number);
+    zones_.release(zone_number);
     return no_node;
   }
   const std::uint32_t fresh = nodes_.append();
@@ -153,16 +139,12 @@ std::uint32_t PassedList::add(std::uint32_t discrete, const void* zone, std::uin
   return fresh;
 }
 
-bool PassedList::may_equal(const Node& node, const void* zone) const {
-  if (reclaim_ && node.next == covered_mark)
-    return static_cast<std::uint32_t>(operations_.hash(zone, dimension_) >> 32) == node.zone;
-  return std::memcmp(zones_[node.zone], zone, operations_.bytes) == 0;
+bool PassedList::may_equal(const Node& node, ZoneView zone) const {
+  return reclaim_ && node.next == covered_mark ? zones_.upper_hash(zone) == node.zone : zones_.equals(node.zone, zone);
 }
 
 std::size_t PassedList::bytes() const {
-  return discretes_.bytes() + zones_.bytes() + zone_uses_.capacity() * sizeof(ZoneUse) +
-         free_zones_.capacity() * sizeof(std::uint32_t) + nodes_.bytes() + zone_index_.bytes() + chain_bytes_ +
-         chains_.capacity() * sizeof(Antichain);
+  return discretes_.bytes() + zones_.bytes() + nodes_.bytes() + chain_bytes_ + chains_.capacity() * sizeof(Antichain);
 }
 
 }  // namespace tachk

@@ -365,6 +365,33 @@ struct Kernel {
     return result;
   }
 
+  static void gather(void* target, const void* zone, int dimension, const std::uint16_t* clocks, int count,
+                     int length) {
+    for (int i = 0; i < count; ++i) {
+      const T* from = row(zone, dimension, clocks[i]);
+      T* to = static_cast<T*>(target) + i * length;
+      for (int j = 0; j < count; ++j) to[j] = from[clocks[j]];
+      for (int j = count; j < length; ++j) to[j] = infinity;
+    }
+  }
+
+  static void scatter(void* target, const void* part, int dimension, const std::uint16_t* clocks, int count,
+                      int length) {
+    for (int i = 0, next = 0; i < dimension; ++i) {
+      T* to = row(target, dimension, i);
+      if (next == count || clocks[next] != i) {
+        for (int j = 0; j < stride(dimension); ++j) to[j] = infinity;
+        to[i] = zero;
+        continue;
+      }
+      const T* from = static_cast<const T*>(part) + next * length;
+      ++next;
+      for (int j = 0; j < dimension; ++j) to[j] = from[0];
+      for (int j = dimension; j < stride(dimension); ++j) to[j] = infinity;
+      for (int j = 0; j < count; ++j) to[clocks[j]] = from[j];
+    }
+  }
+
   static std::uint64_t hash(const void* zone, int dimension) {
     const int number = vectors(dimension) * dimension;
     const Words* words = static_cast<const Words*>(zone);
@@ -417,6 +444,8 @@ struct Table {
       }
     };
     table.hash = K::hash;
+    table.gather = K::gather;
+    table.scatter = K::scatter;
     table.largest_entry = K::largest_entry;
     table.extent = K::extent;
     table.entry = [](const void* zone, int dim, int i, int j) -> Raw {

@@ -140,6 +140,7 @@ def _explorer(program: Program, goals: Sequence[Goal], options: Options, limits:
         scale=options.scale,
         vector=options.vector,
         reclaim=options.reclaim,
+        pack_clocks=options.pack_clocks,
         shortest=options.shortest,
         chunk_words=options.chunk_words,
         state_limit=_UNLIMITED if limits.states is None else min(limits.states, _UNLIMITED),

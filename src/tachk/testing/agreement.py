@@ -35,6 +35,9 @@ VARIANTS = (
     Options(shortest=True),
     Options(shortest=True, extrapolation=Extrapolation.MAX, bounds=BoundScope.GLOBAL),
     Options(reclaim=False),
+    Options(pack_clocks=0),
+    Options(pack_clocks=0, order=SearchOrder.DFS, extrapolation=Extrapolation.MAX, width=32),
+    Options(pack_clocks=0, subsumption=False),
     Options(order=SearchOrder.DFS, reclaim=False),
 )
 """Each option switched away from its default: none may change a verdict."""

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "tachk/active_clocks.hpp"
 #include "tachk/deadlock.hpp"
 #include "tachk/federation.hpp"
 #include "tachk/program.hpp"
@@ -29,8 +30,9 @@ struct Options {
   bool scale = true;
   bool vector = true;
   bool reclaim = true;
-  bool shortest = false;        // breadth first only: no path to a goal is shorter than the one that is found
-  std::size_t chunk_words = 8;  // of the parts in which large discrete states are held; 0: in one
+  std::uint32_t pack_clocks = 16;  // zones of more clocks are stored without those that do not matter
+  bool shortest = false;           // breadth first only: no path to a goal is shorter than the one that is found
+  std::size_t chunk_words = 8;     // of the parts in which large discrete states are held; 0: in one
   std::uint64_t state_limit = UINT64_MAX;
   std::uint64_t memory_limit = UINT64_MAX;
   std::uint32_t depth_limit = UINT32_MAX;
@@ -158,6 +160,7 @@ class Explorer {
   ZoneOperations operations_;
   int dimension_;
   Semantics semantics_;
+  ActiveClocks active_;
   PassedList passed_;
 
   std::vector<std::uint32_t> stack_;  // waiting states of the depth-first orders

@@ -13,8 +13,9 @@ namespace tachk {
 // Records of a fixed number of bytes, numbered from 0, aligned to 64 bytes per block. Addresses are stable.
 class RecordPool {
  public:
-  explicit RecordPool(std::size_t record_bytes) : record_bytes_(record_bytes) {
-    while ((std::size_t{1} << shift_) * record_bytes_ < (std::size_t{1} << 18) && shift_ < 20) ++shift_;
+  explicit RecordPool(std::size_t record_bytes, std::size_t least_block_bytes = std::size_t{1} << 18)
+      : record_bytes_(record_bytes) {
+    while ((std::size_t{1} << shift_) * record_bytes_ < least_block_bytes && shift_ < 20) ++shift_;
   }
 
   std::uint32_t size() const { return size_; }

@@ -12,6 +12,7 @@
 #include "tachk/memory.hpp"
 #include "tachk/program.hpp"
 #include "tachk/zone.hpp"
+#include "tachk/zone_store.hpp"
 
 namespace tachk {
 
@@ -28,8 +29,10 @@ inline constexpr std::uint32_t covered_mark = UINT32_MAX - 1;
 
 class PassedList {
  public:
-  // With `reclaim` the zones of covered nodes are given up.
-  PassedList(const Program& program, const ZoneOperations& zones, std::size_t chunk_words, bool reclaim);
+  // With `reclaim` the zones of covered nodes are given up. `smaller`: as of a ZoneStore; all zones of a discrete state
+  // have one dimension.
+  PassedList(const Program& program, const ZoneOperations& zones, std::size_t chunk_words, bool reclaim,
+             std::vector<ZoneOperations> smaller = {});
 
   // Sets the discrete state that the next `locate` looks up. Call it early, so that its memory is fetched in the
   // meantime. All slots in which it differs from the state unpacked last are in `written`.
@@ -38,11 +41,11 @@ class PassedList {
   std::uint32_t locate() { return discretes_.locate(no_node); }
 
   // Whether a stored zone of this discrete state contains the zone.
-  bool covers(std::uint32_t discrete, const void* zone) const;
+  bool covers(std::uint32_t discrete, ZoneView zone) const;
 
   // Adds a state unless it is covered; removes the states that it covers. The number of the new node, or no_node.
   // With `subsumption` a state is covered by a state with a zone that contains its own, without by an equal one only.
-  std::uint32_t add(std::uint32_t discrete, const void* zone, std::uint32_t parent, bool subsumption);
+  std::uint32_t add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption);
 
   // From now on the nodes with numbers from `first` to `last`, without it, are not covered by others.
   void protect(std::uint32_t first, std::uint32_t last) {
@@ -60,7 +63,7 @@ class PassedList {
   // Whether a node has this discrete state.
   bool equals(const Node& node, const std::int32_t* slots) { return discretes_.equals(node.discrete, slots); }
   // Whether a node has this zone; of a covered node, whether it has one with this hash.
-  bool may_equal(const Node& node, const void* zone) const;
+  bool may_equal(const Node& node, ZoneView zone) const;
   std::size_t bytes() const;
 
  private:
@@ -71,39 +74,29 @@ class PassedList {
   Antichain& chain(std::uint32_t head) { return chains_[head & ~chain_mark]; }
   const Antichain& chain(std::uint32_t head) const { return chains_[head & ~chain_mark]; }
   // Removes the members of an antichain that the zone covers.
-  void thin_out(std::uint32_t& head, const void* zone);
+  void thin_out(std::uint32_t& head, ZoneView zone);
   void cover(std::uint32_t number);
   bool is_protected(std::uint32_t number) const { return number - protected_first_ < protected_count_; }
   bool holds(std::uint32_t head, std::uint32_t zone_number) const;
   void append(std::uint32_t& head, std::uint32_t number);
   void add_to(Antichain& members, std::uint32_t number);
-  Extent extent_of(const void* zone) const { return operations_.extent(zone, dimension_, scale_); }
+  Extent extent_of(ZoneView zone) const {
+    return zones_.operations(zone.dimension).extent(zone.data, zone.dimension, scale_);
+  }
   // Chooses the scale for a larger entry than has been seen, and with it all extents anew.
   void rescale(Raw largest_entry);
-  // The number of the zone, for one more node that has it.
-  std::uint32_t intern_zone(const void* zone);
-  // One node fewer has the zone.
-  void release_zone(std::uint32_t number);
   // The first node of the antichain of a discrete part, or the number of a long one with chain_mark.
   std::uint32_t& head(std::uint32_t discrete) { return discretes_.note(discrete); }
   std::uint32_t head(std::uint32_t discrete) const { return discretes_.note(discrete); }
   Node& entry(std::uint32_t number) { return *reinterpret_cast<Node*>(nodes_[number]); }
 
-  struct ZoneUse {
-    std::uint32_t nodes;  // that are not covered
-    std::uint32_t upper_hash;
-  };
-
   int dimension_;
-  ZoneOperations operations_;
+  ZoneStore zones_;
+  ZoneOperations scaled_;  // for which the scale is chosen
   bool reclaim_;
   ExtentScale scale_;
   DiscreteStates discretes_;
-  RecordPool zones_;
-  std::vector<ZoneUse> zone_uses_;
-  std::vector<std::uint32_t> free_zones_;
   RecordPool nodes_;
-  HashIndex zone_index_;
   std::vector<Antichain> chains_;
   std::size_t chain_bytes_ = 0;
   std::uint32_t stored_ = 0;

@@ -53,6 +53,11 @@ struct ZoneOperations {
   Extent (*extent)(const void* zone, int dimension, const ExtentScale& scale);
   // Reads entry (i, j); infinity is reported as `unbounded_entry`.
   Raw (*entry)(const void* zone, int dimension, int i, int j);
+  // The part of a zone that `count` clocks, in ascending order and 0 first, have in common, as a zone of that
+  // dimension.
+  void (*gather)(void* target, const void* zone, int dimension, const std::uint16_t* clocks, int count, int length);
+  // The largest zone with this part.
+  void (*scatter)(void* target, const void* part, int dimension, const std::uint16_t* clocks, int count, int length);
   // Writes one value into a row of bounds.
   void (*set_bound)(void* row, int clock, Raw value);
 };
