@@ -87,6 +87,8 @@ class _Teller:
         self._width = 0
 
     def text(self, items: Sequence[Single | Round], ends: Ends) -> Text:
+        if len(items) <= ends.beginning + ends.end + 1:
+            ends = Ends(len(items) + 1, 0)  # saying that one is left out would save nothing
         left_out = items[ends.beginning : max(ends.beginning, len(items) - ends.end)]
         end = items[ends.beginning + len(left_out) :]
         numbers = [*_numbers(items[: ends.beginning]), *_numbers(end)]

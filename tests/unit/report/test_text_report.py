@@ -105,6 +105,15 @@ def test_no_run_is_told_where_none_was_asked_for(record: RunRecord) -> None:
     assert "start in" not in text
 
 
+def test_a_short_run_of_a_known_defect_is_told_whole(record: RunRecord) -> None:
+    verdict = record.verdicts[0]
+    known = replace(verdict, query=replace(verdict.query, expectation=Expectation.FAILS))
+    text = printed(replace(record, verdicts=(known,), not_checked=()))
+    assert "by this run of 2 steps" in text
+    assert "start in User.idle, Lamp.off" in text
+    assert "..." not in text
+
+
 def test_an_expectation_of_other_constants_reads_as_such(record: RunRecord) -> None:
     verdict = record.verdicts[0]
     elsewhere = replace(record, verdicts=(verdict,), not_checked=(), definitions=("MAX",))
