@@ -186,3 +186,24 @@ def test_convert_overwrites_no_edited_file(capsys: pytest.CaptureFixture[str]) -
         app(["convert", "a.xml", "a.ta", "--force"], prog_name="tachk")
     assert end.value.code == 0
     assert (Path("a.ta").read_text(), Path("a.layout.json").read_text()) == (text, layout)
+
+
+@pytest.mark.parametrize(
+    ("dtd", "empty"),
+    [("1.1", "<formula></formula>\n\t\t\t<comment></comment>"), ("1.6", "<formula/>\n\t\t\t<comment/>")],
+)
+def test_small_habits_of_the_versions(dtd: str, empty: str) -> None:
+    """No coordinates of a name, empty elements, branchpoints, and a comment in a formula, which is there only once."""
+    saved = SAVED.replace("1.1", dtd).replace("flat-1_2", "flat-1_2" if dtd == "1.1" else "flat-1_6")
+    saved = saved.replace('<name x="5" y="5">P</name>', "<name>P</name>")
+    long = '\t\t<branchpoint id="id5" x="0" y="100">\n\t\t</branchpoint>\n'
+    point = long if dtd == "1.1" else long.replace(">\n\t\t</branchpoint>", "/>")
+    saved = saved.replace("\t\t<init ref", f"{point}\t\t<init ref")
+    more = "<formula>// once\nE&lt;&gt; P0.A</formula>\n\t\t\t<comment>again</comment>"
+    for entry in (empty, more):
+        saved = saved.replace("\t</queries>", f"\t\t<query>\n\t\t\t{entry}\n\t\t</query>\n\t</queries>")
+    Path("a.xml").write_text(saved)
+    convert("a.xml", "a.ta")
+    assert convert("a.ta", "b.xml") == saved
+    convert("b.xml", "b.ta")
+    assert convert("b.ta", "c.xml") == saved

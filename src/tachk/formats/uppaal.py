@@ -97,7 +97,7 @@ class EdgeView:
 @dataclass(frozen=True, slots=True)
 class TemplateView:
     name: str
-    position: Point
+    position: Point | None
     parameter: str | None
     declaration: str | None
     nodes: tuple[NodeView, ...]
@@ -133,7 +133,7 @@ def print_uppaal(model: LoadedModel, plain: PlainModel, layout: Layout | None = 
 
 
 def _view(model: LoadedModel, plain: PlainModel, layout: Layout) -> ModelView:
-    written = sections(model, plain)
+    written = sections(model, plain, layout)
     originals = [item for item in model.items if isinstance(item, ast.Template)]
     ids = _Ids({node.id for template in layout.templates.values() for node in template.nodes.values() if node.id})
     templates = [
@@ -205,7 +205,7 @@ def _template(
     )
     return TemplateView(
         template.name.name,
-        layout.name or Point(0, 0),
+        layout.name if known is None else known.name,
         written.parameter(template, layout.parameter),
         declaration,
         tuple(views),

@@ -14,6 +14,7 @@ from tachk.frontend.load import LoadedModel
 from tachk.syntax import ast
 from tachk.syntax.comment_placement import Placement, line_nodes, place_comments
 from tachk.syntax.expression_printer import print_parameters
+from tachk.syntax.layout import Layout
 from tachk.syntax.parser import comments_within, parse_declarations, parse_document, parse_parameters, parse_system
 from tachk.syntax.printer import write_item
 from tachk.syntax.uppaal_xml_queries import wrong_query_in
@@ -125,12 +126,12 @@ class Sections:
 
 
 def _comment_lines(text: str) -> list[str]:
-    """The lines of all comments of a section, however they are indented."""
+    """The lines of all comments of a section, however they are indented and with however many slashes they begin."""
     found = comments_within(Span(Source("", text), 0, len(text)))
-    return [line.strip() for comment in found for line in comment.text.split("\n")]
+    return [line.strip().lstrip("/").strip() for comment in found for line in comment.text.split("\n")]
 
 
-def sections(model: LoadedModel, plain: PlainModel) -> Sections:
+def sections(model: LoadedModel, plain: PlainModel, layout: Layout) -> Sections:
     """The sections of a model; what its text declares behind the last template goes to the system section, and so do
     the comments of what has no section of its own."""
     declarations, instantiations = iter(plain.declarations), iter(plain.instantiations)
@@ -160,13 +161,16 @@ def sections(model: LoadedModel, plain: PlainModel) -> Sections:
         tuple(after),
         placement,
         model.layout is not None,
-        tuple(_comments_beside(model, plain, placement, before=True)),
-        tuple(_comments_beside(model, plain, placement, before=False)),
+        tuple(_comments_beside(model, plain, placement, layout, before=True)),
+        tuple(_comments_beside(model, plain, placement, layout, before=False)),
     )
 
 
-def _comments_beside(model: LoadedModel, plain: PlainModel, placement: Placement, before: bool) -> Iterator[str]:
-    """The comments of the items that are in no section, those before the last template or those behind it."""
+def _comments_beside(
+    model: LoadedModel, plain: PlainModel, placement: Placement, layout: Layout, before: bool
+) -> Iterator[str]:
+    """The comments of the items that are in no section, those before the last template or those behind it; without
+    those that the layout has in a formula."""
     templates = [at for at, item in enumerate(model.items) if isinstance(item, ast.Template)]
     last = max(templates, default=-1)
     found: list[ast.Comment] = []
@@ -178,7 +182,11 @@ def _comments_beside(model: LoadedModel, plain: PlainModel, placement: Placement
         found += placement.before.get(id(plain.templates[0]), []) if plain.templates else []
     else:
         found += placement.closing.get(id(model.document), [])
-    yield from (c.text for c in sorted(found, key=lambda c: c.span.start) if wrong_query_in(c.text) is None)
+    formulas = [query.formula for query in layout.queries if query.formula is not None]
+    for comment in sorted(found, key=lambda comment: comment.span.start):
+        elsewhere = wrong_query_in(comment.text) is not None or any(comment.text in formula for formula in formulas)
+        if not elsewhere:
+            yield comment.text
 
 
 def same(written: str | None, parse: Parse, meant: object) -> bool:
