@@ -89,7 +89,7 @@ def _speaks_of_states(formula: Formula, scope: Scope, context: Context) -> bool:
                 "E0731",
                 clock.span,
                 f"a temporal property cannot look at a clock, here `{clock.span.text or 'a clock'}`",
-                "say it with the window of an operator, as in `F[0,5]`, and with locations or variables",
+                "queries such as `A[] P.x <= 5` look at clocks; in a formula a window such as `F[0,5]` measures time",
             )
         elif any(isinstance(inner, Deadlock) for inner in walk(value)):
             good = False

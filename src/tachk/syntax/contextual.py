@@ -382,14 +382,12 @@ class _Resolver:
         index = 0
         if len(formula) > 1 and formula[0].text in ("sup", "inf", "bounds") and formula[1].text in ("{", ":"):
             formula[0].type = formula[0].text.upper()
-        elif len(formula) > 2 and formula[0].text in ("A", "E"):
-            operator = formula[1].text + formula[2].text
-            if operator in ("[]", "<>"):
-                self.output.append(Token("QUANTIFIER", formula[0].text + operator, formula[0].span.to(formula[2].span)))
-                index = 3
-        elif _is_path(formula):
-            self.output.append(Token("QUANTIFIER", PATHS[formula[0].text], formula[0].span))
-            index = 1
+        elif len(formula) > 2 and (word := "".join(token.text for token in formula[:3])) in PATHS.values():
+            self.output.append(Token("QUANTIFIER", word, formula[0].span.to(formula[2].span)))
+            index = 3
+        elif index := _path(formula):
+            word = "".join(token.text for token in formula[:index])
+            self.output.append(Token("QUANTIFIER", PATHS[word], formula[0].span.to(formula[index - 1].span)))
         for place in range(index, len(formula)):
             token = formula[place]
             if token.type == "NAME":
@@ -409,16 +407,25 @@ def _is_query(formula: list[Token]) -> bool:
         return True
     if first in ("sup", "inf", "bounds") and second in ("{", ":"):
         return True
-    if _is_path(formula):
+    if _path(formula):
         return True
     return any(token.text == "-->" for token in formula)
 
 
-def _is_path(formula: list[Token]) -> bool:
-    """Whether this begins with ``AG`` or the like, which could else be the name of a signal or of a function."""
-    if len(formula) < 2 or formula[0].text not in PATHS or any(token.text in ("-->", "->") for token in formula):
-        return False
-    return formula[1].type in _BEGINS_OPERAND or formula[1].text in ("(", "!", "-", "deadlock")
+def _path(formula: list[Token]) -> int:
+    """How many tokens spell a path quantifier as other tools do, ``AG`` or ``A G``, at the beginning of a query.
+
+    Elsewhere such a word is a name: before ``-->`` and in formulas.
+    """
+    if any(token.text in ("-->", "->") for token in formula):
+        return 0
+    for length in (1, 2):
+        word = "".join(token.text for token in formula[:length])
+        if word in PATHS and len(formula) > length:
+            following = formula[length]
+            if following.type in _BEGINS_OPERAND or following.text in ("(", "!", "-"):
+                return length
+    return 0
 
 
 _BEGINS_OPERAND = {"NAME", "INTEGER", "FLOAT", "TRUE", "FALSE", "NOT", "FORALL", "EXISTS"}

@@ -32,6 +32,7 @@ _NAMED = {
     "STRING": "a string",
     "EQUALS": "'='",
     "OPAQUE_BLOCK": "'{'",
+    "QUANTIFIER": "a path quantifier such as 'A[]'",
     END: "the end of the text",
 }
 
