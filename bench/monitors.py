@@ -47,7 +47,7 @@ REFERENCE_LOOP = 0.55
 CHUNK = 1000
 """Samples of one call, where online monitors take more than one."""
 
-PEER_ROWS = {"stlrom": None, "reelay": 100_000, "moonlight": 100_000, "rtamt": 10_000}
+PEER_ROWS = {"stlrom": None, "reelay": 100_000, "moonlight": 100_000, "rtamt": 10_000, "mstlo": 10_000}
 """At most so many rows: those given on the command line, or fewer where a run would take minutes."""
 
 DRIVER_ROWS = {"truth": None, "robustness": 100_000}

@@ -163,7 +163,7 @@ RowFault MonitorGroup::finish(std::optional<int128> tick) {
 }
 
 void MonitorGroup::feed(Member& member, const Samples& samples) {
-  member.monitor->push(samples);
+  member.monitor->push_ordered(samples);
   if (!member.decided && member.monitor->verdict() != Decision::undetermined) settle();
 }
 

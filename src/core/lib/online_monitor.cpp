@@ -62,12 +62,17 @@ void OnlineMonitor::check_time(std::int64_t tick) const {
 }
 
 void OnlineMonitor::push(const Samples& samples) {
-  if (samples.count == 0) return;
-  std::int64_t least = samples.ticks[0];
   bool ordered = true;
   for (std::size_t n = 1; n < samples.count; ++n) ordered &= samples.ticks[n - 1] <= samples.ticks[n];
-  check_time(least);
+  if (samples.count > 0) check_time(samples.ticks[0]);
   if (!ordered) throw std::invalid_argument("time goes back");
+  push_ordered(samples);
+}
+
+void OnlineMonitor::push_ordered(const Samples& samples) {
+  if (samples.count == 0) return;
+  const std::int64_t least = samples.ticks[0];
+  check_time(least);
   const std::int64_t last = samples.ticks[samples.count - 1];
   if (!begun_) {
     if (least < -largest_tick || least > largest_tick) throw std::invalid_argument("the first time is too large");

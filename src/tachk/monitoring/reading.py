@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -67,10 +67,10 @@ class _Signals:
     trace: Trace
     parts: int | None = None
 
-    def __call__(self, node: int) -> NodeSignal:
+    def __call__(self, nodes: Sequence[int]) -> Sequence[NodeSignal]:
         if self.parts is None:
-            return truth_signals(self.program, self.trace, [node])[0]
-        return linear_truth_signal(self.program, self.trace, node, self.parts)
+            return truth_signals(self.program, self.trace, nodes)
+        return [linear_truth_signal(self.program, self.trace, node, self.parts) for node in nodes]
 
 
 @dataclass(frozen=True, slots=True)

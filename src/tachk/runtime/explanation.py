@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from tachk.runtime.node_signal import NodeSignal, Truth
@@ -62,14 +62,14 @@ class Finding:
 @dataclass(frozen=True, slots=True, eq=False)
 class Explainer:
     """Attributes:
-    compute: what a node of the program is worth over the trace; asked once for each node that matters.
+    compute: what nodes of the program are worth over the trace; asked once for each node that matters.
     decide: the first tick from the given one on at which a violation is certain; asked where the parts of a formula do
         not tell by themselves, because windows lie within windows. None: then it is not told.
     cells: of the trace, ``2 * end + 1``.
     """
 
     program: MonitorProgram
-    compute: Callable[[int], NodeSignal] = field(repr=False)
+    compute: Callable[[Sequence[int]], Sequence[NodeSignal]] = field(repr=False)
     decide: Callable[[int], int] | None = field(repr=False)
     cells: int
     _known: dict[int, NodeSignal] = field(default_factory=dict, repr=False)
@@ -77,7 +77,9 @@ class Explainer:
     def signal(self, node: int) -> NodeSignal:
         """What a node of the program is worth over the trace."""
         if node not in self._known:
-            self._known[node] = self.compute(node)
+            # The operands are mostly looked at next, and the trace need not be read again for them.
+            nodes = [node, *(n for n in set(self.program.nodes[node].operands) if n not in self._known)]
+            self._known.update(zip(nodes, self.compute(nodes), strict=True))
         return self._known[node]
 
     def finding(self, value: Truth) -> Finding | None:

@@ -26,6 +26,8 @@ class OnlineMonitor {
   // The tick of the very first sample is the beginning of the trace. All three throw std::invalid_argument if time goes
   // back or the trace is over, and have then done nothing.
   void push(const Samples& samples);
+  // The same of samples whose order the caller has looked at.
+  void push_ordered(const Samples& samples);
   // Nothing has changed before this tick; it may still change at it.
   void advance(std::int64_t tick);
   // The trace ends with this tick, included.
