@@ -63,8 +63,9 @@ def _run(chosen: Sequence[Mutant], folder: Path, log: Path, *, fresh: bool) -> d
         return found
     print(f"{len(found)} results are still valid, {len(waiting)} mutants to run", flush=True)
     trial = _Trial(Workspace(ROOT, folder / "tree"))
-    # What takes seconds first, then one C++ file after the other, so that little is compiled twice.
-    for mutant, digest in sorted(waiting, key=lambda entry: (Path(entry[0].file).suffix != ".py", entry[0].file)):
+    # What takes seconds first, headers last, and one C++ file after the other, so that little is compiled twice.
+    order = (".py", ".cpp", ".hpp")
+    for mutant, digest in sorted(waiting, key=lambda entry: (order.index(Path(entry[0].file).suffix), entry[0].file)):
         begin = time.monotonic()
         fate, by = trial.fate(mutant)
         result = Result(mutant.id, digest, fate, by, round(time.monotonic() - begin, 1))
