@@ -31,6 +31,10 @@ class Result:
     by: str
     seconds: float
 
+    def is_valid_for(self, digest: str) -> bool:
+        """Whether it tells what becomes of the mutant now."""
+        return self.digest == digest and self.fate in (KILLED, TIMEOUT, SURVIVED)
+
 
 def read_results(log: Path) -> dict[str, Result]:
     lines = log.read_text(encoding="utf-8").splitlines() if log.is_file() else []

@@ -11,12 +11,12 @@ import argparse
 import hashlib
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from tests.mutation.mutants import ROOT, Mutant, MutantError, load_mutants
 from tests.mutation.results import KILLED, SURVIVED, TIMEOUT, Result, read_results, summary, write_result
-from tests.mutation.workspace import Run, Workspace, WorkspaceError
+from tests.mutation.workspace import OutOfTimeError, Workspace, WorkspaceError
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -36,12 +36,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ]
     if not chosen:
         parser.error("there is no such mutant")
-    given.folder.mkdir(parents=True, exist_ok=True)
-    log = given.folder / "results.jsonl"
+    folder = given.folder.resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    log = folder / "results.jsonl"
     if given.summary:
         print(summary(chosen, read_results(log)))
         return 0
-    found = _run(chosen, given.folder, log, fresh=given.fresh)
+    found = _run(chosen, folder, log, fresh=given.fresh)
     print(f"\n{summary(chosen, found)}")
     unexpected = [m.id for m in chosen if (found[m.id].fate not in (KILLED, TIMEOUT)) != bool(m.equivalent)]
     if unexpected:
@@ -55,64 +56,81 @@ def _run(chosen: Sequence[Mutant], folder: Path, log: Path, *, fresh: bool) -> d
     waiting: list[tuple[Mutant, str]] = []
     for mutant in chosen:
         digest = _digest(mutant)
-        if not fresh and mutant.id in before and before[mutant.id].digest == digest:
+        if not fresh and mutant.id in before and before[mutant.id].is_valid_for(digest):
             found[mutant.id] = before[mutant.id]
         else:
             waiting.append((mutant, digest))
     if not waiting:
         return found
     print(f"{len(found)} results are still valid, {len(waiting)} mutants to run", flush=True)
-    trial = _Trial(Workspace(ROOT, folder / "tree"))
     # What takes seconds first, headers last, and one C++ file after the other, so that little is compiled twice.
     order = (".py", ".cpp", ".hpp")
-    for mutant, digest in sorted(waiting, key=lambda entry: (order.index(Path(entry[0].file).suffix), entry[0].file)):
-        begin = time.monotonic()
-        fate, by = trial.fate(mutant)
-        result = Result(mutant.id, digest, fate, by, round(time.monotonic() - begin, 1))
-        found[mutant.id] = result
-        write_result(log, result)
-        print(f"{mutant.id:<6} {mutant.area:<14} {fate:<14} {result.seconds:6.1f} s  {by}", flush=True)
+    waiting.sort(key=lambda entry: (order.index(Path(entry[0].file).suffix), entry[0].file))
+    trial = _Trial(Workspace(ROOT, folder / "tree"))
+    while waiting:
+        batch, waiting = waiting[:BATCH], waiting[BATCH:]
+        results = [trial.run(mutant, digest) for mutant, digest in batch]
+        trial.confirm(result.by for result in results if result.fate == KILLED)
+        for entry, result in zip(batch, results, strict=True):
+            if result.fate == KILLED and result.by in trial.failing:
+                waiting.append(entry)
+            else:
+                found[result.id] = result
+                write_result(log, result)
     return found
 
 
+BATCH = 10
+"""After so many mutants the tests that failed are run without a mutant: those that fail again do not count."""
+
+
 class _Trial:
-    """Tries mutants. A test that fails counts only if it passes without the mutant."""
+    """Tries mutants in a copy of the sources.
+
+    Attributes:
+        sound: tests that pass without a mutant.
+        failing: tests that do not; they are left out.
+    """
 
     def __init__(self, workspace: Workspace) -> None:
         self.workspace = workspace
         self.sound: set[str] = set()
         self.failing: set[str] = set()
 
-    def fate(self, mutant: Mutant) -> tuple[str, str]:
-        """What becomes of a mutant, and the test that failed or the reason."""
+    def run(self, mutant: Mutant, digest: str) -> Result:
+        """What becomes of a mutant."""
+        begin = time.monotonic()
+        fate, by = self._fate(mutant)
+        result = Result(mutant.id, digest, fate, by, round(time.monotonic() - begin, 1))
+        print(f"{mutant.id:<6} {mutant.area:<14} {fate:<14} {result.seconds:6.1f} s  {by}", flush=True)
+        return result
+
+    def _fate(self, mutant: Mutant) -> tuple[str, str]:
         try:
             text = mutant.apply((self.workspace.folder / mutant.file).read_text(encoding="utf-8"))
-            while True:
-                with self.workspace.changed(mutant.file, text):
-                    run = self._run(mutant)
-                if run.failed is None:
-                    return SURVIVED, mutant.equivalent
-                if run.timeout:
-                    return TIMEOUT, run.failed
-                if self._passes_otherwise(run.test):
-                    return KILLED, run.failed
+            with self.workspace.changed(mutant.file, text):
+                programs = [name for name in mutant.programs if name not in self.failing]
+                failed = self.workspace.programs(programs) if programs else []
+                if not failed and mutant.paths:
+                    failed = self.workspace.pytest(mutant.paths, self.failing)
         except MutantError as error:
             return "does not apply", str(error)
+        except OutOfTimeError:
+            return TIMEOUT, "the limit of time"
         except WorkspaceError as error:
             return "cannot run", str(error).replace("\n", " ")[-300:]
+        return (KILLED, failed[0]) if failed else (SURVIVED, mutant.equivalent)
 
-    def _run(self, mutant: Mutant) -> Run:
-        programs = [name for name in mutant.programs if name not in self.failing]
-        run = self.workspace.programs(programs) if programs else Run()
-        return self.workspace.pytest(mutant.paths, self.failing) if run.failed is None and mutant.paths else run
-
-    def _passes_otherwise(self, test: str) -> bool:
-        if test not in self.sound | self.failing:
-            run = self.workspace.pytest([test]) if "/" in test else self.workspace.programs([test])
-            (self.sound if run.failed is None else self.failing).add(test)
-            if run.failed is not None:
-                print(f"fails without a mutant, does not count: {test}", flush=True)
-        return test in self.sound
+    def confirm(self, tests: Iterable[str]) -> None:
+        """Notes which tests pass without a mutant."""
+        new = sorted(set(tests) - self.sound - self.failing)
+        paths = [name for name in new if "/" in name]
+        failed = [name for name in new if name not in paths and self.workspace.programs([name])]
+        failed += self.workspace.pytest(paths, to_the_end=True) if paths else []
+        self.failing.update(failed)
+        self.sound.update(name for name in new if name not in failed)
+        for name in failed:
+            print(f"fails without a mutant, does not count: {name}", flush=True)
 
 
 def _digest(mutant: Mutant) -> str:

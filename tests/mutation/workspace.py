@@ -11,7 +11,6 @@ import subprocess
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from importlib.util import cache_from_source
 from pathlib import Path
 
@@ -24,19 +23,8 @@ MEMORY_BYTES = 6 * 2**30
 WALL_SECONDS = 1800
 
 
-@dataclass(frozen=True, slots=True)
-class Run:
-    """How some tests ended.
-
-    Attributes:
-        failed: what the first test that failed says; None if all passed.
-        test: which one it is: a test program, or a name for pytest.
-        timeout: it did not come to its end.
-    """
-
-    failed: str | None = None
-    test: str = ""
-    timeout: bool = False
+class OutOfTimeError(Exception):
+    """A test did not come to its end."""
 
 
 class WorkspaceError(Exception):
@@ -68,42 +56,38 @@ class Workspace:
             if path.suffix == ".py":
                 py_compile.compile(str(path))
 
-    def programs(self, names: Sequence[str]) -> Run:
-        """Runs C++ test programs.
+    def programs(self, names: Sequence[str]) -> list[str]:
+        """Runs C++ test programs up to the first that fails, whose name is returned.
 
         Raises:
             WorkspaceError: they cannot be built.
+            OutOfTimeError: one of them takes too long.
         """
         self._build("core", names)
         for name in names:
-            status, out = self._call([str(self.folder / "build" / "core" / name)], {})
-            if status != 0:
-                lines = [line.strip() for line in out.splitlines() if line.strip()]
-                said = lines[-1].replace(f"{self.folder}/", "") if lines else status
-                return Run(f"{name}: {said}", name, _is_timeout(status))
-        return Run()
+            if self._call([str(self.folder / "build" / "core" / name)], {})[0] != 0:
+                return [name]
+        return []
 
-    def pytest(self, paths: Sequence[str], ignored: Iterable[str] = ()) -> Run:
-        """Runs Python tests up to the first failure.
+    def pytest(self, paths: Sequence[str], ignored: Iterable[str] = (), *, to_the_end: bool = False) -> list[str]:
+        """Runs Python tests up to the first failure, or to the end; the names of those that fail.
 
         Raises:
             WorkspaceError: the extension cannot be built, or a test does not exist.
+            OutOfTimeError: they take too long.
         """
         self._build("dev")
-        deselected = [f"--deselect={name}" for name in ignored]
-        command = [sys.executable, "-m", "pytest", "-qx", "-p", "no:cacheprovider", "--tb=no", *deselected, *paths]
+        options = ["-q", "-p", "no:cacheprovider", "--tb=no", *(f"--deselect={name}" for name in ignored)]
+        command = [sys.executable, "-m", "pytest", *options, *([] if to_the_end else ["-x"]), *paths]
         status, out = self._call(command, {"PYTHONPATH": str(self.folder / "src")})
         if status == 0:
-            return Run()
-        if _is_timeout(status):
-            return Run("the limit of time", "", True)
-        failure = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", out, re.MULTILINE)
-        if status == 5 or (status == 4 and failure is None):
+            return []
+        failures = re.findall(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", out, re.MULTILINE)
+        if status == 5 or (status == 4 and not failures):
             raise WorkspaceError(f"pytest cannot run {' '.join(paths)}\n{out[-2000:]}")
-        if failure is not None:
-            name = failure[1]
-            return Run(name, name if name.endswith("]") else name.split("[")[0])  # " - " may be part of a parameter
-        return Run(f"pytest ended with status {status}", paths[0].split("::")[0])
+        # " - " may be part of a parameter.
+        names = [name if name.endswith("]") else name.split("[")[0] for name in failures]
+        return names or [paths[0].split("::")[0]]
 
     def _synchronise(self) -> None:
         listed = subprocess.run(
@@ -157,14 +141,12 @@ class Workspace:
                 preexec_fn=_limit,
             )
         except subprocess.TimeoutExpired:
-            return -24, ""
+            raise OutOfTimeError from None
+        if done.returncode in (-24, -9):  # SIGXCPU, SIGKILL
+            raise OutOfTimeError
         return done.returncode, done.stdout.decode(errors="replace")
 
 
 def _limit() -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (CPU_SECONDS, CPU_SECONDS + 5))
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
-
-
-def _is_timeout(status: int) -> bool:
-    return status in (-24, -9)

@@ -83,3 +83,14 @@ def test_a_machine_out_of_memory_gives_no_answer(monkeypatch: pytest.MonkeyPatch
     assert goal is not None
     outcome = zone.explore(*lower(loaded.network, [goal]))
     assert outcome.goals[0].status is Status.UNDECIDED
+
+
+def test_a_limit_on_depth_counts_transitions(answers: Answers) -> None:
+    text = """
+    int[0,9] n = 0;
+    process Main() { init location A { to A { guard n < 9; assign n = n + 1; } } }
+    system Main;
+    property P : E<> n == 3;
+    """
+    assert answers(text, limits=Limits(depth=3)) == {"P": "holds"}
+    assert answers(text, limits=Limits(depth=2)) == {"P": "unknown"}
