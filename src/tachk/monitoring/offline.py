@@ -37,6 +37,7 @@ from tachk.syntax.formula import Formula
 
 if TYPE_CHECKING:
     from tachk.report.json_report import Json
+    from tachk.report.signal_plot import Plot
 
 
 @dataclass(frozen=True, slots=True)
@@ -314,13 +315,16 @@ class MonitorReport(Sequence[MonitorVerdict]):
             )
         return rows
 
-    def plot(self, path: str | os.PathLike[str], begin: float | None = None, end: float | None = None) -> None:
-        """Draws signals, subformulas and verdicts; the ending of the path says the format (svg, png, pdf).
+    def plot(
+        self, path: str | os.PathLike[str] | None = None, begin: float | None = None, end: float | None = None
+    ) -> Plot:
+        """Draws signals, subformulas and verdicts. A notebook shows the result.
 
         Args:
+            path: a file to write; its ending says the format (svg, png, pdf).
             begin, end: the part that is drawn, in the units of the trace's clock; None: all of it.
         """
-        from tachk.report.signal_plot import Span, plot_record
+        from tachk.report.signal_plot import Plot, Span, plot_record
 
         trace = self.record.trace
         origin, scale = float(trace.origin), trace.ticks_per_unit
@@ -328,7 +332,10 @@ class MonitorReport(Sequence[MonitorVerdict]):
         right = float(max(trace.end, 1)) if end is None else (end - origin) * scale
         if not left < right:
             raise UsageError("there is nothing of the trace between these times")
-        plot_record(self.record, Path(path), Span(left, right))
+        span = Span(left, right)
+        if path is not None:
+            plot_record(self.record, Path(path), span)
+        return Plot(self.record, span)
 
     def to_text(self) -> str:
         """What `tachk monitor` prints."""

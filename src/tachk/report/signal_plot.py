@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +54,8 @@ _STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
 }
 
+_METADATA: Any = {"Date": None, "Creator": "tachk"}
+
 
 @dataclass(frozen=True, slots=True)
 class Span:
@@ -76,8 +79,27 @@ def plot_record(record: MonitorRecord, path: str | Path, span: Span | None = Non
         raise UsageError(f"{path}: pictures are written as {', '.join(FORMATS)}", "the ending of the name decides")
     with rc_context(_STYLE):
         figure = draw_record(record, span)
-        metadata = {"Date": None, "Creator": "tachk"} if target.suffix.lower() == ".svg" else None
+        metadata = _METADATA if target.suffix.lower() == ".svg" else None
         figure.savefig(target, dpi=150, metadata=metadata)
+
+
+@dataclass(frozen=True, slots=True)
+class Plot:
+    """A picture that has not been written; a notebook shows it."""
+
+    record: MonitorRecord = field(repr=False)
+    span: Span
+
+    @property
+    def svg(self) -> str:
+        """The text of a file."""
+        out = StringIO()
+        with rc_context(_STYLE):
+            draw_record(self.record, self.span).savefig(out, format="svg", metadata=_METADATA)
+        return out.getvalue()
+
+    def _repr_svg_(self) -> str:
+        return self.svg
 
 
 def draw_record(record: MonitorRecord, span: Span | None = None) -> Figure:

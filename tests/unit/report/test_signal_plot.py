@@ -52,6 +52,12 @@ def test_the_same_input_gives_the_same_svg(report: MonitorReport, tmp_path: Path
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
 
 
+def test_a_notebook_shows_what_a_file_would_hold(report: MonitorReport, tmp_path: Path) -> None:
+    shown = report.plot()
+    report.plot(tmp_path / "a.svg")
+    assert shown._repr_svg_() == (tmp_path / "a.svg").read_text(encoding="utf-8")
+
+
 def test_a_png_is_a_picture(report: MonitorReport, tmp_path: Path) -> None:
     report.plot(tmp_path / "a.png")
     height, width = imread(tmp_path / "a.png").shape[:2]
