@@ -46,7 +46,7 @@ def run_convert(source: str, output: Path, query_files: tuple[Path, ...], fix: b
             raise UsageError("-q goes with a .ta file as output", "convert to .ta first, then to the other format")
         model = api.load(source)
         print_diagnostics(model.warnings)
-        exported = export_model(model.loaded, format_of(output), (), fix)
+        exported = export_model(model.loaded, format_of(output, (".ta",)), (), fix)
         _tell([step for step in exported.steps if step.kind == "name"])
         files = files_of(exported, output)
     if str(output) == "-":

@@ -57,12 +57,16 @@ class Exported:
     steps: tuple[Step, ...] = ()
 
 
-def format_of(path: Path) -> ExportFormat:
-    """The format a file name means. Raises UsageError if it means none."""
+def format_of(path: Path, also: tuple[str, ...] = ()) -> ExportFormat:
+    """The format a file name means. Raises UsageError if it means none.
+
+    Args:
+        also: other endings that the command takes, for the message.
+    """
     found = _SUFFIXES.get(path.suffix.lower())
     if found is None:
         raise UsageError(
-            f"{path}: the name does not say in which format to write", f"end it with {', '.join(_SUFFIXES)}"
+            f"{path}: the name does not say in which format to write", f"end it with {', '.join((*also, *_SUFFIXES))}"
         )
     return found
 
@@ -118,4 +122,4 @@ def _plain(model: LoadedModel, format_: ExportFormat, plain: PlainModel, layout:
         return Exported(print_xta(plain), queries, plain.steps)
     if model.layout is None:
         layout = layout or read_layout_beside(model.document.span.source.name)
-    return Exported(print_uppaal(model, plain, layout), queries, plain.steps)
+    return Exported(print_uppaal(model, plain, layout), "", plain.steps)  # it holds its queries
