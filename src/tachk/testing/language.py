@@ -102,7 +102,25 @@ class Language:
                 self.pair.field("rest")[n],
                 n // m,
                 n % m,
-                Term(Binary(BinaryOperator.SHIFT_LEFT, Constant(1), (n - 1).expression, INT)) % (TOP + 1),
+                _with(BinaryOperator.SHIFT_LEFT, Term(Constant(1)), n - 1) % (TOP + 1),
+            ]
+        )
+
+    def bound(self) -> Term:
+        """An integer to compare clocks with, also below 0 or beyond TOP: its interval decides how far zones reach."""
+        if self.random.random() < 0.5:
+            return self.value()
+        a, b = self.value(1), self.value(1)
+        return self.random.choice(
+            [
+                a * b,
+                a * 2 - b,
+                (a - b) % 2 + 1,
+                (a + 2) // (b + 1),
+                _with(BinaryOperator.SHIFT_LEFT, a, b),
+                _with(BinaryOperator.BIT_OR, a, b),
+                _with(BinaryOperator.BIT_XOR, a, b) + a,
+                _with(BinaryOperator.MAXIMUM, a, b) - _with(BinaryOperator.MINIMUM, a, b),
             ]
         )
 
@@ -221,6 +239,10 @@ def random_language(
     language = Language(random, integers, clocks, may_fail, cells, pair)
     language.add_functions()
     return language
+
+
+def _with(operator: BinaryOperator, left: Term, right: Term) -> Term:
+    return Term(Binary(operator, left.expression, right.expression, INT))
 
 
 def _call(function: Function, arguments: Sequence[Operand]) -> Term:

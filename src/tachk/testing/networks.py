@@ -53,7 +53,8 @@ class Shape:
         deadlocks: predicates that ask for deadlock.
         spectators: the largest number of further processes that listen and, as a rule, change nothing of the others.
         bystanders: how many further processes do the same but may also hinder the others, and talk to each other.
-        exact: how often a guard asks for one exact value of a clock, so that events fall on the bounds of others.
+        exact: how often a guard asks for one exact value of a clock, so that events fall on the bounds of others; with
+            ``diagonals`` invariants compare two clocks.
         language: arrays, records, functions with loops and early returns, computed channels, conditional updates.
         faults: in which share of the networks something can be a run-time error; needs ``language``.
     """
@@ -234,6 +235,9 @@ def _invariant(random: Random, shape: Shape, parts: _Parts, initial: bool) -> Te
         number = random.choice(parts.integers)
         value = number if initial or parts.language is None else parts.language.value()
         return clock <= _computed(shape, value + 1)
+    if shape.exact and shape.diagonals and len(parts.clocks) > 1 and random.random() < 0.4:
+        difference = random.choice(parts.clocks[1:]) - parts.clocks[0]
+        return result & (difference <= _time(random, shape, random.randint(0, 2)))
     if kind < 0.35 and shape.lower_invariants and not initial:
         low = _time(random, shape, random.randint(0, 2))
         return result & (random.choice(parts.clocks) >= low)
@@ -313,7 +317,7 @@ def _clock_condition(random: Random, shape: Shape, parts: _Parts, language: Lang
         bound: Term | int = _time(random, shape, random.randint(-2, 2))
     elif random.random() < 0.15:
         number = random.choice(parts.integers)
-        bound = _computed(shape, (number if language is None else language.value()) + random.randint(0, 1))
+        bound = _computed(shape, (number if language is None else language.bound()) + random.randint(0, 1))
     else:
         bound = _time(random, shape, units)
     choices = [left <= bound, left >= bound]
