@@ -207,3 +207,19 @@ def test_small_habits_of_the_versions(dtd: str, empty: str) -> None:
     assert convert("a.ta", "b.xml") == saved
     convert("b.xml", "b.ta")
     assert convert("b.ta", "c.xml") == saved
+
+
+def test_message_sequence_charts_come_back(capsys: pytest.CaptureFixture[str]) -> None:
+    chart = "<lsc>\n\t\t<name>Scenario</name>\n\t</lsc>"
+    saved = SAVED.replace("\t<system>", f"\t{chart}\n\t<system>").replace(
+        "system P0 ;", "S = Scenario();\nsystem P0, S;"
+    )
+    Path("a.xml").write_text(saved)
+    convert("a.xml", "a.ta")
+    assert convert("a.ta", "b.xml") == saved
+    for name in ("a.xml", "a.ta"):
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as end:
+            app(["verify", name], prog_name="tachk")
+        assert end.value.code == 3
+        assert "error[E0750]: `S` is a message sequence chart" in capsys.readouterr().err

@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError, by_place
+from tachk.diagnostics.diagnostic import (
+    Diagnostic,
+    InputError,
+    Severity,
+    TachkError,
+    UnsupportedError,
+    UsageError,
+    by_place,
+)
 from tachk.diagnostics.span import Source
 from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Budget, Context
@@ -138,7 +148,8 @@ def load_model(
     _refuse_dynamic_templates(items, findings)
     overrides = constant_overrides(constants or {}, items, findings)
     context = Context(findings, budget=Budget(INSTANCES))
-    result: Elaborated = elaborate(items, document.span, overrides, context)
+    running = _without_charts(tuple(items), _charts_beside(source, items), findings)
+    result: Elaborated = elaborate(running, document.span, overrides, context)
     if unreadable:
         further = [diagnostic for diagnostic in findings.sorted() if diagnostic not in unreadable]
         raise InputError(by_place((*unreadable, *beyond_damage(unreadable, further, items))))
@@ -157,6 +168,27 @@ def load_model(
         refusals=refusals,
         _overrides=overrides,
     )
+
+
+def _charts_beside(source: Source, items: Sequence[ast.Item]) -> frozenset[str]:
+    """The names of message sequence charts, which a model that came from XML has in its side file.
+
+    Looked for only where the model runs something that it does not describe.
+    """
+    described = {item.name.name for item in items if isinstance(item, ast.Template | ast.Instantiation)}
+    lines = (item for item in items if isinstance(item, ast.SystemLine))
+    run = {name.name for line in lines for group in line.groups for name in group}
+    run |= {item.template.name for item in items if isinstance(item, ast.Instantiation)}
+    if run <= described:
+        return frozenset()
+    from tachk.syntax.layout_json import read_layout_beside
+
+    layout = None
+    with suppress(TachkError):  # then the unknown name is what has to be mended first
+        layout = read_layout_beside(source.name)
+    charts = [] if layout is None else [text for text in layout.extra if text.startswith("<lsc")]
+    names = (re.search(r"<name[^>]*>\s*(\w+)", chart) for chart in charts)
+    return frozenset(name[1] for name in names if name is not None)
 
 
 def _without_charts(items: tuple[ast.Item, ...], charts: frozenset[str], findings: Findings) -> tuple[ast.Item, ...]:
