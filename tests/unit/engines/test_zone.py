@@ -6,7 +6,7 @@ import pytest
 
 from tachk.diagnostics.span import Source
 from tachk.engines import zone
-from tachk.engines.protocol import Limits, Options
+from tachk.engines.protocol import BoundScope, Extrapolation, Limits, Options
 from tachk.frontend.load import load_model
 from tachk.properties.verdict import Answer
 from tachk.properties.verify import verify
@@ -95,3 +95,14 @@ property too_late : E<> p.c && n == 1 && p.y < 4 * F + 1;
     first, second = [step.delay for step in reached.trace.steps if step.transition is not None]
     assert 6 * factor < first <= 7 * factor
     assert first + second == 10 * factor
+
+
+@pytest.mark.parametrize(("subsumption", "stored"), [(True, 2), (False, 3)])
+def test_without_subsumption_a_state_inside_another_is_stored(subsumption: bool, stored: int) -> None:
+    text = """
+    process P() { clock x; init location a { to b; to b { guard x >= 5; } } location b; }
+    system P;
+    """
+    program, goals = lower(load_model(Source("model.ta", text)).network)
+    options = Options(subsumption=subsumption, extrapolation=Extrapolation.NONE, bounds=BoundScope.GLOBAL)
+    assert zone.explore(program, goals, options).statistics.states_stored == stored
