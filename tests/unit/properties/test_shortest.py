@@ -62,3 +62,13 @@ def test_a_limit_on_depth_leaves_the_rest_of_a_disjunction_to_be_seen(verdicts: 
 def test_only_breadth_first_search_finds_shortest_paths() -> None:
     with pytest.raises(UsageError, match="needs the search order bfs, not dfs"):
         Options(order=SearchOrder.DFS, shortest=True)
+
+
+def test_a_deadlock_in_the_layer_under_way_is_nearer_than_what_its_states_lead_to(verdicts: Verdicts) -> None:
+    text = """
+    process P() { init location A { to B; to D; } location B { to C; } location C; location D; }
+    P1 = P();
+    system P1;
+    property near : E<> deadlock || P1.C;
+    """
+    assert steps(verdicts(text, options=SHORTEST)["near"]) == 1
