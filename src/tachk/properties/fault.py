@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.diagnostics.span import NOWHERE, Span
 from tachk.engines.concretise import concretise
 from tachk.engines.protocol import RunTimeFault
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
@@ -48,9 +49,20 @@ def explain(network: Network, fault: RunTimeFault) -> RunTimeFault:
     """The fault with its run and, where an update failed, the values as the reference evaluator finds them."""
     run = concretise(network, fault.path)
     detail = ""
-    if run is not None and fault.transition is not None:
+    # No value tells why a loop does not end, and the reference evaluator would run it for many seconds.
+    if run is not None and fault.transition is not None and fault.kind is not RuntimeErrorKind.LOOP:
         try:
             execute_updates(prepare(network), run.states[-1].discrete, fault.transition)
         except EvaluationFault as error:
             detail = error.detail
-    return replace(fault, detail=detail, run=run)
+    return replace(fault, span=_place(network, fault), detail=detail, run=run)
+
+
+def _place(network: Network, fault: RunTimeFault) -> Span:
+    """Where it happened; the edge that was tried, where the instruction has no place of its own: of a loop that does
+    not end it is any."""
+    placed = fault.span.source is not NOWHERE.source and fault.kind is not RuntimeErrorKind.LOOP
+    if placed or fault.transition is None:
+        return fault.span
+    first = fault.transition.participants[0]
+    return network.processes[first.process].edges[first.edge].spans[0]
