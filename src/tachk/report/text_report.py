@@ -30,6 +30,13 @@ _FAULT_ENDS = Ends(10, 30)
 _DEFECT_ENDS = Ends(0, 3)
 """Of the run behind a violation that the model expects only the last steps are told."""
 
+_COSTS = ("states", "time", "memory")
+_COLUMNS = ("  property", "answer", "expected", *_COSTS, "meaning")
+_BETWEEN = 2
+"""Blanks between columns."""
+_ROOM_FOR_WORDS = 30
+"""Columns that a meaning gets, before costs get some."""
+
 _STYLES = {Answer.HOLDS: "green", Answer.FAILS: "red", Answer.UNKNOWN: "yellow"}
 
 
@@ -46,7 +53,7 @@ def print_run(
     console.print(_title(record))
     if record.verdicts:
         console.print()
-        console.print(_table(record))
+        console.print(_table(record, console.width))
     for query in record.not_checked:
         if not query.diagnostics:
             text = " ".join(query.text.split())
@@ -167,29 +174,40 @@ def _title(record: RunRecord) -> Text:
     return title
 
 
-def _table(record: RunRecord) -> Table:
-    table = Table(box=None, padding=(0, 2, 0, 0))
-    table.add_column("  property", no_wrap=True, overflow="fold")
-    table.add_column("answer")
-    table.add_column("expected")
-    table.add_column("states", justify="right")
-    table.add_column("time", justify="right", no_wrap=True)
-    table.add_column("memory", justify="right", no_wrap=True)
-    table.add_column("meaning", overflow="fold")
-    for verdict in record.verdicts:
-        query, statistics = verdict.query, verdict.statistics
-        mark = "≠" if record.leaves_the_model(verdict) else {True: " ", False: "✗", None: "?"}[verdict.met]
-        expected = query.expectation.value if query.expectation else "-"
-        table.add_row(
-            Text.assemble((f"{mark} ", "red"), query.name),
-            Text(verdict.answer.value, style=_STYLES[verdict.answer]),
-            Text(expected, style="" if verdict.met is not False else "bold red"),
-            count(statistics.states_stored),
-            seconds(statistics.seconds),
-            bytes_(statistics.peak_bytes),
-            Text(query.title or query.text, style="dim"),
+def _table(record: RunRecord, width: int) -> Table:
+    """One row for each answer; on a narrow terminal without what the answers cost, so that words have room."""
+    rows = [_row(record, verdict) for verdict in record.verdicts]
+    shown = list(_COLUMNS)
+    for costly in ("memory", "time", "states"):
+        taken = sum(max(len(name), *(len(row[name]) for row in rows)) + _BETWEEN for name in shown[:-1])
+        longest = max(len(row["meaning"]) for row in rows)
+        if taken + min(longest, _ROOM_FOR_WORDS) + _BETWEEN <= width:
+            break
+        shown.remove(costly)
+    table = Table(box=None, padding=(0, _BETWEEN, 0, 0))
+    for name in shown:
+        table.add_column(
+            name, justify="right" if name in _COSTS else "left", no_wrap=name != "meaning", overflow="fold"
         )
+    for row in rows:
+        table.add_row(*(row[name] for name in shown))
     return table
+
+
+def _row(record: RunRecord, verdict: Verdict) -> dict[str, Text]:
+    query, statistics = verdict.query, verdict.statistics
+    mark = "≠" if record.leaves_the_model(verdict) else {True: " ", False: "✗", None: "?"}[verdict.met]
+    expected = query.expectation.value if query.expectation else "-"
+    cells = (
+        Text.assemble((f"{mark} ", "red"), query.name),
+        Text(verdict.answer.value, style=_STYLES[verdict.answer]),
+        Text(expected, style="" if verdict.met is not False else "bold red"),
+        Text(count(statistics.states_stored)),
+        Text(seconds(statistics.seconds)),
+        Text(bytes_(statistics.peak_bytes)),
+        Text(query.title or query.text, style="dim"),
+    )
+    return dict(zip(_COLUMNS, cells, strict=True))
 
 
 def _summary(record: RunRecord) -> Text:

@@ -20,6 +20,20 @@ def printed(record: RunRecord, **options: bool) -> str:
     return out.getvalue()
 
 
+def test_a_narrow_terminal_gets_words_rather_than_costs(record: RunRecord) -> None:
+    headings = {}
+    for width in (120, 60, 48):
+        out = StringIO()
+        print_run(record, Console(file=out, width=width, color_system=None))
+        lines = out.getvalue().splitlines()
+        headings[width] = next(line.split() for line in lines if "property" in line)
+        assert all(verdict.answer.value in out.getvalue() for verdict in record.verdicts)
+    everything = ["property", "answer", "expected", "states", "time", "memory", "meaning"]
+    assert headings[120] == everything
+    assert headings[48] == ["property", "answer", "expected", "meaning"]
+    assert len(headings[48]) < len(headings[60]) < len(everything)
+
+
 def test_only_runs_behind_surprises_are_told(record: RunRecord) -> None:
     text = printed(record)
     assert "always_off is violated by this run of 2 steps" in text
