@@ -46,14 +46,14 @@ def select_process(
                     )
                     return BrokenSymbol(span)
                 case TemplateSymbol():
-                    _absent(name, node, context)
+                    _absent(name, node, scope, context)
                     return BrokenSymbol(span)
                 case _:
                     return None
         case ast.CallExpression(span, ast.NameExpression(_, name), arguments):
             symbol = scope.lookup(name)
             if isinstance(symbol, TemplateSymbol):
-                _absent(name, node, context)
+                _absent(name, node, scope, context)
                 return BrokenSymbol(span)
             if not isinstance(symbol, FamilySymbol):
                 if isinstance(symbol, ProcessSymbol):
@@ -84,14 +84,30 @@ def _instances(name: str, symbol: FamilySymbol) -> str:
     return f"there are {', '.join(named)}{', ...' if len(symbol.instances) > len(named) else ''}"
 
 
-def _absent(name: str, node: ast.Expression, context: Context) -> None:
+def _absent(name: str, node: ast.Expression, scope: Scope, context: Context) -> None:
     """Reports a process that the model describes and does not run. People switch between system lines, and their
     queries are about several of them: such a query is refused and no mistake."""
     if context.in_query:
+        running = ", ".join(f"`{process}`" for process in _made_from(name, scope))
         help_ = f"a property is checked where the system line names `{name}`"
+        if running:
+            help_ = f"made from `{name}` and running: {running}"
         context.error("E0733", node.span, f"no process `{name}` runs: it is not in the system line", help_)
     else:
         _outside_query(node, context)
+
+
+def _made_from(template: str, scope: Scope) -> Iterator[str]:
+    """The processes that run and that an instantiation of the template makes."""
+    level: Scope | None = scope
+    while level is not None:
+        for name, symbol in level.symbols.items():
+            if isinstance(symbol, ProcessSymbol | FamilySymbol) and level.parent is not None:
+                made = level.parent.lookup(name)
+                if isinstance(made, TemplateSymbol) and isinstance(made.template, ast.Instantiation):
+                    if made.template.template.name == template:
+                        yield name
+        level = level.parent
 
 
 def _outside_query(node: ast.Expression, context: Context) -> None:

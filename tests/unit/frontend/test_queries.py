@@ -206,3 +206,24 @@ def test_without_a_system_line_properties_are_not_judged() -> None:
     with pytest.raises(InputError) as caught:
         load_model(Source("model.ta", text))
     assert [found.code for found in caught.value.diagnostics] == ["E0410"]
+
+
+def test_a_process_that_does_not_run_is_refused_with_those_that_do(load: Any) -> None:
+    loaded = load(
+        "process T(const int i) { init location a; } process U() { init location b; } T1 = T(1); T2 = T(2);\n"
+        "system T1, T2;\nproperty p : E<> T.a;\nproperty q : E<> U.b;\nproperty r : E<> T1.a;"
+    )
+    assert [query.name for query in loaded.queries] == ["r"]
+    found = {query.name: query.diagnostics[0] for query in loaded.unchecked}
+    assert {name: (d.code, d.span.text, d.help) for name, d in found.items()} == {
+        "p": ("E0733", "T", "made from `T` and running: `T1`, `T2`"),
+        "q": ("E0733", "U", "a property is checked where the system line names `U`"),
+    }
+    assert not any(query.is_wrong for query in loaded.unchecked)
+
+
+def test_a_signal_of_a_process_that_does_not_run_is_a_mistake(load: Any) -> None:
+    with pytest.raises(InputError) as caught:
+        load("process P() { init location a; } process U() { init location b; } system P; signal s = U.b;")
+    codes = {d.code for d in caught.value.diagnostics}
+    assert "E0206" in codes and "E0733" not in codes
