@@ -18,8 +18,10 @@ from random import Random
 
 import pytest
 
+import tachk.cli.verifyta
 from tachk.cli.commands.verifyta import run as console_script
 from tachk.cli.main import app
+from tachk.engines.protocol import Extrapolation, Options, SearchOrder
 
 MODEL = """\
 <?xml version="1.0" encoding="utf-8"?>
@@ -417,3 +419,24 @@ def test_no_command_line_is_a_defect(folder: Path, seed: int, monkeypatch: pytes
     result = verifyta(*random.choices(words, k=random.randint(0, 7)))
     assert result.status in (0, 2, 3)
     assert "Traceback" not in result.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["-t1"], Options(shortest=True)),
+        (["-t2", "-o1"], Options(shortest=True)),
+        (["-t0", "-o1"], Options(SearchOrder.DFS)),
+        (["-o2", "-r", "-1"], Options(SearchOrder.RANDOM_DFS, 2**32 - 1)),
+        (["-n1"], Options(extrapolation=Extrapolation.NONE)),
+        (["-n", "2"], Options(extrapolation=Extrapolation.MAX)),
+    ],
+)
+def test_what_the_engine_is_asked(
+    folder: Path, arguments: Sequence[str], expected: Options, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Options] = []
+    real = tachk.cli.verifyta.verify
+    monkeypatch.setattr(tachk.cli.verifyta, "verify", lambda n, q, how, **k: asked.append(how) or real(n, q, how, **k))
+    verifyta(*arguments, "m.xml", "true.q")
+    assert asked == [expected]
