@@ -19,7 +19,7 @@ from tachk.frontend.builtin_names import (
 )
 from tachk.frontend.context import Context
 from tachk.frontend.dropped import refuse_call, refuse_use
-from tachk.frontend.findings import count
+from tachk.frontend.findings import count, wrong_arguments
 from tachk.frontend.names import misuse_help, named
 from tachk.frontend.operators import choose, combine
 from tachk.frontend.places import assignable, converted, element, field, is_place
@@ -350,6 +350,7 @@ def _call(node: ast.CallExpression, scope: Scope, context: Context) -> Expressio
             "E0308",
             node.span,
             f"`{function.name}` takes {count(len(function.parameters), 'argument')}, not {len(node.arguments)}",
+            wrong_arguments([parameter.name for parameter in function.parameters], len(node.arguments)),
         )
         return None
     arguments: list[Expression] = []

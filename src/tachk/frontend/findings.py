@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label, Severity, by_place
@@ -56,3 +56,9 @@ class Findings:
 def count(number: int, noun: str) -> str:
     """A number with its noun: "1 argument", "no arguments"."""
     return f"{number} {noun}" if number == 1 else f"{number or 'no'} {noun}s"
+
+
+def wrong_arguments(parameters: Sequence[str], given: int) -> str:
+    """The help line where the number of arguments is wrong: which parameters lack one, or how many are too many."""
+    missing = ", ".join(f"`{parameter}`" for parameter in parameters[given:])
+    return f"add a value for {missing}" if missing else f"remove {count(given - len(parameters), 'argument')}"

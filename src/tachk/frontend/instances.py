@@ -13,7 +13,7 @@ from tachk.frontend.channels import ChannelTable
 from tachk.frontend.context import Context
 from tachk.frontend.declarations import Declared, argument_value, constant_symbol, widened
 from tachk.frontend.expressions import expression, type_reader
-from tachk.frontend.findings import Findings, count
+from tachk.frontend.findings import Findings, count, wrong_arguments
 from tachk.frontend.parameters import as_variables
 from tachk.frontend.places import assignable, is_place
 from tachk.frontend.scope import (
@@ -191,13 +191,13 @@ class Instances:
             if target is None:
                 return None
             if len(target.parameters) != len(node.arguments):
-                missing = [f"`{parameter.span.text}`" for parameter in target.parameters[len(node.arguments) :]]
+                names = [parameter.span.text for parameter in target.parameters]
                 self.context.findings.add(
                     "E0412",
                     node.span,
                     f"`{target.name.name}` takes {count(len(target.parameters), 'argument')}, "
                     f"not {len(node.arguments)}",
-                    f"add a value for {', '.join(missing)}" if missing else "remove what is too much",
+                    wrong_arguments(names, len(node.arguments)),
                     (Label(target.name.span, "declared here"),),
                 )
                 return None

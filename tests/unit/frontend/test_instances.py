@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from tachk.diagnostics.diagnostic import InputError
 from tachk.model.expressions import Constant, Index, Reference
 
 TEMPLATE = """
@@ -174,3 +175,18 @@ def test_assigning_to_a_constant_parameter_is_refused(find: Any) -> None:
 def test_a_name_of_a_function_is_not_the_parameter(load: Any) -> None:
     text = "process T(int[1,2] i) { int a[i]; void f(int i) { i = 0; } state s; init s; }\nsystem T;"
     assert [v.name.rpartition(".")[2] for v in load(text).network.processes[1].variables] == ["a"]
+
+
+@pytest.mark.parametrize(
+    ("text", "help"),
+    [
+        ("process T(int[0,3] a, int b) { state s; init s; }\nQ = T(1);\nsystem Q;", "add a value for `int b`"),
+        ("process T(int a) { state s; init s; }\nQ = T(1, 2);\nsystem Q;", "remove 1 argument"),
+        ("int f(int a, int b) { return a; }\nint g() { return f(); }", "add a value for `a`, `b`"),
+        ("int f() { return 1; }\nint g() { return f(1, 2); }", "remove 2 arguments"),
+    ],
+)
+def test_what_is_missing_is_named(load: Any, text: str, help: str) -> None:
+    with pytest.raises(InputError) as caught:
+        load(text)
+    assert [found.help for found in caught.value.diagnostics] == [help]
