@@ -7,6 +7,7 @@ import pytest
 from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
 from tachk.frontend.load import load_model
+from tachk.model.fault import RuntimeErrorKind
 from tachk.properties.verdict import Verdict
 from tachk.properties.verify import verify
 
@@ -212,3 +213,19 @@ ORDER = """
 def test_a_guard_is_evaluated_from_left_to_right_clocks_last(guard: str, answer: str) -> None:
     found = verdict(ORDER.format(guard=guard), "E<> P.B")
     assert found.answer.value == answer
+
+
+@pytest.mark.parametrize("stored", ["i - 1", "i + 4"])
+def test_a_value_outside_the_range_of_a_cell_is_an_error(stored: str) -> None:
+    text = f"""
+    int[0,3] a[2]; int[0,1] i = 0;
+    process P() {{
+        init location A {{ to B {{ assign a[i] = {stored}, i = 1; }} }}
+        location B {{ to A {{ assign i = 0; }} }}
+    }}
+    system P;
+    """
+    found = verdict(text, "E<> P.B")
+    assert found.answer.value == "unknown"
+    assert found.fault is not None
+    assert found.fault.kind is RuntimeErrorKind.RANGE

@@ -295,3 +295,13 @@ def test_reports_can_be_sent_to_other_processes(interpolation: str) -> None:
     assert copy.to_text() == report.to_text()
     assert copy.to_dict() == report.to_dict()
     assert copy[0].explainer.signal(0).stretches() == report[0].explainer.signal(0).stretches()
+
+
+@pytest.mark.parametrize(
+    ("formula", "truth"),
+    [("G (x <= 7)", "true"), ("G (x < 7)", "false"), ("F (x >= 7)", "true"), ("F (x > 7)", "false")],
+)
+def test_a_robustness_of_0_leaves_the_truth_open(formula: str, truth: str) -> None:
+    verdict = judged(formula)[0]
+    assert verdict.robustness is not None
+    assert (verdict.truth.name, verdict.robustness[0]) == (truth.upper(), 0)
