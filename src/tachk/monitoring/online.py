@@ -43,6 +43,7 @@ class _Watched:
 
     named: NamedFormula
     program: MonitorProgram
+    text: str
     story: MonitorRecord | None = None
     stretch: tuple[int, int] | None = None
     decided: bool = False
@@ -98,7 +99,9 @@ class Monitor:
             raise UsageError(f"decimals={decimals}: expected 0 to 18")
         self._scale = math.lcm(10**self.decimals, *(ticks_needed(formula) for formula in resolved))
         programs = [compile_formula(tree, self.columns, self._scale) for tree in resolved]
-        self._watched = [_Watched(named, program) for named, program in zip(formulas, programs, strict=True)]
+        self._watched = [
+            _Watched(named, program, named.text) for named, program in zip(formulas, programs, strict=True)
+        ]
         try:
             self._group = open_group(
                 programs,
@@ -178,6 +181,14 @@ class Monitor:
     def decided(self) -> bool:
         """Whether nothing that follows can change a verdict."""
         return self._group.open() == 0
+
+    @property
+    def robustness(self) -> tuple[tuple[float, float], ...]:
+        """Bounds of the robustness of every continuation, for each formula in order. Raises UsageError without
+        ``robustness=True``."""
+        if not self._robust:
+            raise UsageError("this monitor keeps no robustness", "open it with robustness=True")
+        return tuple([self._group.robustness(number) for number in range(len(self._watched))])
 
     @property
     def verdicts(self) -> tuple[OnlineVerdict, ...]:
@@ -314,7 +325,7 @@ class Monitor:
         return OnlineVerdict(
             named.name,
             named.title,
-            named.text,
+            watched.text,
             named.sentence,
             measured,
             counted(measured, self._ending) if group.finished(number) else measured,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import math
 from fractions import Fraction
 
 import numpy as np
@@ -173,12 +174,22 @@ def test_events_chunks_and_whole_traces_agree_to_the_bounds(
             monitor.push(times[chunk] * 25, {name: values[chunk] for name, values in columns.items()}, 2)
             at = min(at + size, len(rows))
         if data.draw(st.booleans()):
-            low, high = monitor.verdicts[0].robustness or (0, 0)
+            ((low, high),) = monitor.robustness
+            assert monitor.verdicts[0].robustness == (low, high)
             assert whole.robustness is not None
             assert low <= whole.robustness[0] and whole.robustness[1] <= high
     (verdict,) = monitor.finish()
     assert (verdict.truth, verdict.robustness) == (whole.truth, whole.robustness)
     assert monitor.rows == len(rows)
+
+
+def test_bounds_are_kept_if_they_are_wanted() -> None:
+    monitor = tachk.Monitor(["G (x < 5)", "F (x > 7)"], robustness=True)
+    monitor.update(0, x=1)
+    monitor.update(1, x=3)
+    assert monitor.robustness == ((-math.inf, 4), (-6, math.inf))
+    with pytest.raises(UsageError, match="keeps no robustness"):
+        _ = tachk.Monitor("G (x < 5)").robustness
 
 
 def test_bounds_go_on_after_the_decision() -> None:
