@@ -229,3 +229,19 @@ def test_a_value_outside_the_range_of_a_cell_is_an_error(stored: str) -> None:
     assert found.answer.value == "unknown"
     assert found.fault is not None
     assert found.fault.kind is RuntimeErrorKind.RANGE
+
+
+@pytest.mark.parametrize("operator", ["<<", ">>"])
+@pytest.mark.parametrize(("distance", "fails"), [(-1, True), (0, False), (31, False), (32, True)])
+def test_a_shift_beyond_31_bits_is_an_error(operator: str, distance: int, fails: bool) -> None:
+    text = f"""
+    int n = 1; int[-1,32] k = {distance}, other = 0;
+    process P() {{
+        init location A {{ to B {{ assign n = (n {operator} k) == 0 ? 0 : 1, k = other; }} }}
+        location B {{ to A {{ assign other = 1 - other; }} }}
+    }}
+    system P;
+    """
+    fault = verdict(text, "E<> P.B").fault
+    assert (fault is not None) is fails
+    assert fault is None or fault.kind is RuntimeErrorKind.SHIFT
