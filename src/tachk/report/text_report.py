@@ -88,12 +88,14 @@ def _print_evidence(network: Network, verdict: Verdict, trace: TimedTrace, conso
 
 
 def evidence_text(network: Network, verdict: Verdict, clocks: bool = False, every_step: bool = False) -> str:
-    """The run behind an answer as text; empty where there is none. Arguments as for `print_run`."""
-    if verdict.trace is None:
-        return ""
+    """The run behind an answer, or the run-time error that there is instead of one, as text; empty where there is
+    neither. Arguments as for `print_run`."""
     out = StringIO()
     console = Console(file=out, width=1000, highlight=False, color_system=None)
-    _print_evidence(network, verdict, verdict.trace, console, Telling(clocks, every_step))
+    if verdict.trace is not None:
+        _print_evidence(network, verdict, verdict.trace, console, Telling(clocks, every_step))
+    elif verdict.fault is not None:
+        print_fault(network, verdict.fault, console, every_step=every_step)
     return out.getvalue().rstrip("\n")
 
 
