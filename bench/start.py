@@ -1,0 +1,60 @@
+"""What a start costs: CPU time of whole processes that do next to nothing.
+
+    python bench/start.py
+    python bench/start.py --repeat 25 --source /path/to/another/checkout/src
+
+CPU seconds are user and system time by wait4, the least of several runs: what others do on the machine only adds to it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parents[1] / "src"
+
+MODEL = """process P() { clock x; init location a { to b { guard x >= 1; } } location b; }
+system P;
+property reached : E<> P.b;
+"""
+
+
+def cpu_seconds(arguments: list[str], source: Path) -> float:
+    """User and system time of one process."""
+    environment = os.environ | {"PYTHONPATH": str(source)}
+    process = subprocess.Popen([sys.executable, *arguments], env=environment, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise SystemExit(f"{arguments} ended with status {process.returncode}")
+    return usage.ru_utime + usage.ru_stime
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--repeat", type=int, default=15, help="how often each is run")
+    parser.add_argument("--source", type=Path, default=SOURCE, help="the folder that holds the package")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        model = Path(folder) / "tiny.ta"
+        model.write_text(MODEL, encoding="utf-8")
+        programs = {
+            "python": ["-c", "pass"],
+            "import tachk": ["-c", "import tachk"],
+            "tachk.load": ["-c", "import tachk; tachk.load"],
+            "tachk --version": ["-m", "tachk", "--version"],
+            "tachk check": ["-m", "tachk", "check", str(model)],
+            "tachk verify": ["-m", "tachk", "verify", str(model)],
+        }
+        for name, arguments in programs.items():
+            cpu_seconds(arguments, options.source)
+            best = min(cpu_seconds(arguments, options.source) for _ in range(options.repeat))
+            print(f"{name:<16} {best:.3f} s")
+
+
+if __name__ == "__main__":
+    main()
