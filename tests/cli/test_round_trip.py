@@ -200,7 +200,8 @@ def test_small_habits_of_the_versions(dtd: str, empty: str) -> None:
     point = long if dtd == "1.1" else long.replace(">\n\t\t</branchpoint>", "/>")
     saved = saved.replace("\t\t<init ref", f"{point}\t\t<init ref")
     more = "<formula>// once\nE&lt;&gt; P0.A</formula>\n\t\t\t<comment>again</comment>"
-    for entry in (empty, more):
+    blank = "<formula>\n\t\t\t</formula>\n\t\t\t<comment>a heading</comment>"
+    for entry in (empty, more, blank):
         saved = saved.replace("\t</queries>", f"\t\t<query>\n\t\t\t{entry}\n\t\t</query>\n\t</queries>")
     Path("a.xml").write_text(saved)
     convert("a.xml", "a.ta")

@@ -81,7 +81,7 @@ class QueriesReader:
             kept = QueryLayout("", options=_options(element.children), results=results)
             comment = _child_text(element, "comment")
             if formula is None or place is None or _is_empty(place) or _HEADING.match(place.text):
-                text = formula.text if formula is not None and formula.text.strip() else None
+                text = formula.text or None if formula is not None else None
                 self.layouts.append(_with(kept, "", comment, text))
                 continue
             if not said.name or said.name in used:
