@@ -136,7 +136,8 @@ class Context:
         """Reports an expression that changes something; ``where`` reads like "a guard"."""
         for node in walk(expression):
             if isinstance(node, Assign | Increment):
-                self.error("E0313", node.span, f"{where} must not change anything", _assignment_help(node))
+                mend = _assignment_help(node, self.in_query)
+                self.error("E0313", node.span, f"{where} must not change anything", mend)
                 return False
             if isinstance(node, Call) and self.effects_of([node]).writes:
                 changed = ", ".join(sorted(f"`{v.name}`" for v in self.effects_of([node]).writes))
@@ -193,8 +194,11 @@ class Context:
         self.error("E0601", expression.span, f"{what} must be a constant, but a called function reads {names}")
 
 
-def _assignment_help(node: Assign | Increment) -> str:
-    if isinstance(node, Assign) and node.operator is None:
+def _assignment_help(node: Assign | Increment, in_query: bool) -> str | None:
+    compares = isinstance(node, Assign) and node.operator is None
+    if in_query:
+        return "write `==` to compare" if compares else None
+    if compares:
         return "move the assignment to an update, or write `==` to compare"
     return "move the assignment to an update"
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import islice
 
+from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.builtin_names import BUILTIN_CONSTANTS
 from tachk.frontend.context import Context
 from tachk.frontend.dropped import refuse_use
@@ -49,6 +50,7 @@ def named(node: ast.NameExpression, scope: Scope, context: Context) -> Expressio
             help_ = (
                 _inside_a_process(node.name, scope)
                 or scope.suggestion(node.name)
+                or (did_you_mean(node.name, ["deadlock"]) if context.in_query else None)
                 or "declare it above, globally or in the template"
             )
             context.error("E0201", node.span, f"unknown name `{node.name}`", help_)
@@ -64,15 +66,21 @@ def _inside_a_process(name: str, scope: Scope) -> str | None:
     found = []
     for visible in dict.fromkeys(scope.names()):
         match scope.lookup(visible):
-            case ProcessSymbol(members=members) if name in members.symbols:
+            case ProcessSymbol(members=members) if _is_inside(name, members):
                 found.append(f"`{visible}.{name}`")
             case FamilySymbol(instances=instances):
-                holders = (values for values, process in instances.items() if name in process.members.symbols)
+                holders = (values for values, process in instances.items() if _is_inside(name, process.members))
                 found += [f"`{visible}({', '.join(map(str, values))}).{name}`" for values in islice(holders, 1)]
     if not found:
         return None
     more = " or the like" if len(found) > _PROCESSES_NAMED else ""
     return f"say of which process: {' or '.join(found[:_PROCESSES_NAMED])}{more}"
+
+
+def _is_inside(name: str, members: Scope) -> bool:
+    """Whether a process has a location or variable of its own with that name; a parameter is a name like any."""
+    symbol = members.symbols.get(name)
+    return symbol is not None and symbol.description in ("location", "clock", "variable")
 
 
 def misuse_help(symbol: Symbol) -> str | None:

@@ -29,7 +29,7 @@ def assignable(node: ast.Expression, scope: Scope, context: Context) -> bool:
         case ast.ConditionalExpression(_, _, then, otherwise):
             return assignable(then, scope, context) and assignable(otherwise, scope, context)
         case _:
-            context.error("E0303", node.span, "only a variable can be assigned to")
+            context.error("E0303", node.span, "only a variable can be assigned to", "write `==` to compare")
             return False
 
 

@@ -22,11 +22,14 @@ _OPERATORS = {
 def foreign_word(situation: Situation) -> Diagnostic | None:
     """The diagnostic for a text that says something in the words of another tool; None where it does not."""
     if situation.start == "formula_fragment":
-        return _query_for_a_formula(situation) or _operator(situation)
+        return _query_for_a_formula(situation) or _operator(situation) or _capitals(situation)
     return (
         _operator(situation)
         or _bare_query(situation)
         or _negation(situation)
+        or _capitals(situation)
+        or _leads_to(situation)
+        or _end(situation)
         or _template(situation)
         or _arrow(situation)
         or _unit(situation)
@@ -97,7 +100,32 @@ def _negation(situation: Situation) -> Diagnostic | None:
     before = situation.tokens[situation.index - 1] if situation.index else situation.token
     if before.type != "NAME" or before.text not in ("no", "never") or query_start(situation) is None:
         return None
-    return Diagnostic("E0104", f"unknown word '{before.text}'", before.span, f"write `not {situation.token.text}`")
+    mend = f"write `not {situation.token.text}`" if before.text == "no" else "write `A[] not ...`"
+    return Diagnostic("E0104", f"unknown word '{before.text}'", before.span, mend)
+
+
+def _capitals(situation: Situation) -> Diagnostic | None:
+    """``p AND q``, ``NOT p``."""
+    tokens, index = situation.tokens, situation.index
+    for token in tokens[max(index - 1, 0) : index + 1]:
+        if token.type == "NAME" and token.text in ("AND", "OR", "NOT", "IMPLY", "XOR"):
+            return Diagnostic("E0104", f"unknown word '{token.text}'", token.span, f"write {token.text.lower()}")
+    return None
+
+
+def _leads_to(situation: Situation) -> Diagnostic | None:
+    """``p leads to q``."""
+    token = situation.token
+    if query_start(situation) is None or token.text not in ("leads", "leads_to", "leadsto"):
+        return None
+    return Diagnostic("E0104", f"unknown word '{token.text}'", token.span, "write p --> q")
+
+
+def _end(situation: Situation) -> Diagnostic | None:
+    """``A[] p;`` as a query by itself."""
+    if situation.start != "query" or situation.token.text != ";":
+        return None
+    return Diagnostic("E0101", "';' does not fit here", situation.token.span, "remove it: a query ends without one")
 
 
 def _template(situation: Situation) -> Diagnostic | None:

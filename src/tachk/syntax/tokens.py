@@ -205,6 +205,8 @@ def _spelt(run: str) -> str | None:
     """How characters of formulas and of word processors are written here."""
     if run.startswith("#"):
         return "a comment begins with //"
+    if run == "~":
+        return "write ! for 'not', --> for 'leads to'"
     if run[0] in "∀∃" and all(character in _SPELLING for character in run[1:]):
         path = "A" if run[0] == "∀" else "E"
         in_queries = path + "".join(_SPELLING[character] for character in run[1:])
