@@ -106,3 +106,20 @@ def test_without_subsumption_a_state_inside_another_is_stored(subsumption: bool,
     program, goals = lower(load_model(Source("model.ta", text)).network)
     options = Options(subsumption=subsumption, extrapolation=Extrapolation.NONE, bounds=BoundScope.GLOBAL)
     assert zone.explore(program, goals, options).statistics.states_stored == stored
+
+
+def test_clocks_are_set_in_the_unit_in_which_they_are_compared() -> None:
+    text = """
+    process P() {
+        clock x, y;
+        init location a { to b { assign x = 600, y = 0; } }
+        location b { to c { guard x <= 900 && y >= 300; } }
+        location c;
+    }
+    system P;
+    property reached : E<> P.c;
+    property early : E<> P.c && P.x < 900;
+    """
+    loaded = load_model(Source("model.ta", text))
+    answers = [verdict.answer for verdict in verify(loaded.network, loaded.queries)]
+    assert answers == [Answer.HOLDS, Answer.FAILS]

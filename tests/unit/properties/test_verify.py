@@ -173,3 +173,22 @@ def test_a_constant_that_is_stored_changes_the_state_in_its_chunk(verdicts: Verd
     property Q : E<> a[19] == 1;
     """
     assert verdicts(text, options=Options(chunk_words=1))["Q"].answer is Answer.HOLDS
+
+
+def test_a_state_that_is_covered_later_keeps_its_own_path(verdicts: Verdicts) -> None:
+    text = """
+    process P() {
+        clock x;
+        init location A { to B { guard x >= 5; } to B { guard x <= 1; } to M; }
+        urgent location B;
+        location M { to B; to N; }
+        location N { to C; }
+        location C;
+    }
+    system P;
+    property near : E<> P.B && P.x <= 1;
+    property far : E<> P.C && P.x >= 0;
+    """
+    found = verdicts(text)
+    assert {name: verdict.answer for name, verdict in found.items()} == {"near": Answer.HOLDS, "far": Answer.HOLDS}
+    assert found["near"].trace is not None

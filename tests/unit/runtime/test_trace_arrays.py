@@ -141,3 +141,11 @@ def test_fractions_are_exact() -> None:
 def test_refusals(data: Any, message: str) -> None:
     with pytest.raises(UsageError, match=message):
         open_trace(data).read()
+
+
+@pytest.mark.parametrize("row", [1, 1023, 1024, 1025, 2048, 2999])
+def test_a_time_before_the_one_above_is_refused_wherever_it_stands(row: int) -> None:
+    times = np.arange(3000) / 4
+    times[row] = times[row - 1] - 0.25
+    with pytest.raises(UsageError, match="lies before"):
+        exact_ticks(times, "t")

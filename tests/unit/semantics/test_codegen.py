@@ -501,3 +501,11 @@ def test_a_clock_set_to_a_negative_constant_is_an_error_in_the_engine(value: int
     if chosen:
         number = Conditional(Reference(FLAG), number, Constant(3), INT)
     compare_with_engine([Assign(clock, number, ClockType(), span=span())])
+
+
+@pytest.mark.parametrize("left", [0, 1, 2])
+@pytest.mark.parametrize("right", [0, 1, 2])
+def test_exclusive_or_compares_truths(left: int, right: int) -> None:
+    first = Assign(Reference(COUNT), Constant(left), SMALL)
+    second = Assign(Reference(WIDE), Constant(right), WIDE.type)
+    compare_value(Binary(BinaryOperator.XOR, first, second, BOOL, span()))
