@@ -245,3 +245,15 @@ def test_a_shift_beyond_31_bits_is_an_error(operator: str, distance: int, fails:
     fault = verdict(text, "E<> P.B").fault
     assert (fault is not None) is fails
     assert fault is None or fault.kind is RuntimeErrorKind.SHIFT
+
+
+def test_nobody_asks_a_receiver_whose_computed_channel_is_another_one() -> None:
+    text = """
+    int[0,3] buf[4]; int len = 0; int[0,1] n = 0; broadcast chan tick; chan other[2];
+    process S() { init location A { to B { sync tick!; assign n = 1; } } location B { to A { assign n = 0; } } }
+    process R() { init location L { to L { guard buf[len - 1] == 0; sync other[n]?; } } }
+    system S, R;
+    """
+    found = verdict(text, "E<> S.B")
+    assert found.answer.value == "holds"
+    assert found.trace is not None

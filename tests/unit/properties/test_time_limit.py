@@ -20,6 +20,7 @@ from tachk.properties import verify as verifying
 from tachk.properties.verdict import Answer, Verdict
 from tachk.properties.verify import verify
 from tachk.resources import data_root
+from tachk.semantics.discrete import prepare
 from tachk.time_limit import OutOfTimeError, check_time, time_limit
 
 SELECT = """
@@ -165,3 +166,9 @@ def test_no_time_to_leave_out_bystanders_decides_nothing(monkeypatch: pytest.Mon
     text = "process P() { init location A { to B; } location B; } system P; property p : E<> P.B;"
     (verdict,) = answers(text, Limits(seconds=60.0))
     assert verdict.answer is Answer.HOLDS
+
+
+def test_making_the_instances_of_edges_ends(looks: Iterator[int]) -> None:
+    model = prepare(load_model(Source("m.ta", SELECT)).network)
+    with pytest.raises(OutOfTimeError), time_limit(50):
+        _ = model.instances
