@@ -46,6 +46,12 @@ def test_a_name_that_is_no_text_is_told(tmp_path: Path) -> None:
     assert b"Traceback" not in done.stderr
 
 
+def test_lines_of_a_report_do_not_end_with_blanks(model: Path) -> None:
+    lines = tachk("verify", model, "E<> P.b", "--property", "safe").stdout.decode().splitlines()
+    assert len(lines) > 5
+    assert [line for line in lines if line != line.rstrip()] == []
+
+
 class Screen(io.StringIO):
     def isatty(self) -> bool:
         return True

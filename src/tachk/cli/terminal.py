@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import codecs
 import os
+import re
 import signal
 import sys
-from typing import TYPE_CHECKING, NoReturn, TextIO
+from typing import IO, TYPE_CHECKING, NoReturn, TextIO, cast
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 _WIDTH = 1000
 """Columns of a report that does not go to a terminal: wide enough for no line to be broken."""
+
+_BLANKS = re.compile(r" +(?=\n)")
 
 _SPELLINGS = {
     "→": "->",
@@ -79,6 +82,24 @@ def width_of(stream: TextIO) -> int:
         return 80
 
 
+class _WithoutBlanksAtEnds:
+    """A stream that drops what only fills the last column of a table."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+        self.encoding = stream.encoding
+
+    def write(self, text: str) -> int:
+        self._stream.write(_BLANKS.sub("", text))
+        return len(text)
+
+    def flush(self) -> None:
+        self._stream.flush()
+
+    def isatty(self) -> bool:
+        return False
+
+
 def console(stream: TextIO) -> Console:
     """What prints reports on a stream."""
     from rich.console import Console
@@ -88,8 +109,9 @@ def console(stream: TextIO) -> Console:
             """rich would end the program with status 1."""
             raise BrokenPipeError
 
+    plain = not stream.isatty() and not wants_colour(stream)
     return Report(
-        file=stream,
+        file=cast("IO[str]", _WithoutBlanksAtEnds(stream)) if plain else stream,
         highlight=False,
         color_system="standard" if wants_colour(stream) else None,
         force_terminal=wants_colour(stream) or None,
