@@ -58,12 +58,17 @@ class NamedFormula:
     @property
     def text(self) -> str:
         """In canonical form."""
-        return print_formula(self.formula)
+        return _printed(self.formula)
 
     @property
     def columns(self) -> frozenset[str]:
         """The columns that it speaks about; a constant of the model may be among them."""
-        return monitoring.columns_read(self.formula)
+        return _columns_read(self.formula)
+
+
+# One formula often judges many traces: what it alone tells is kept.
+_printed = lru_cache(maxsize=256)(print_formula)
+_columns_read = lru_cache(maxsize=256)(monitoring.columns_read)
 
 
 def read_formulas(given: str | os.PathLike[str]) -> tuple[NamedFormula, ...]:

@@ -6,6 +6,7 @@ import math
 import os
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
@@ -131,20 +132,40 @@ def prepare(
     found: list[Diagnostic] = []
     for named in formulas:
         try:
-            formula = in_trace_units(named, known, recording.unit)
-            compile_formula(formula, known, ticks_needed(formula))
-            resolved.append(formula)
+            resolved.append(_resolved(named, known, recording.unit))
         except InputError as error:
             found += error.diagnostics
     if found:
         raise InputError(found)
-    trace = recording.read(wanted).refined(math.lcm(*(ticks_needed(formula) for formula in resolved)))
+    trace = recording.read(wanted).refined(math.lcm(*(ticks for _, ticks in resolved)))
     trace = replace(trace, interpolation=interpolation)
     booleans = frozenset(name for name, values in trace.columns.items() if values.dtype.kind == "u")
-    programs = tuple(compile_formula(formula, known, trace.ticks_per_unit, booleans=booleans) for formula in resolved)
+    formulas_in_units = [formula for formula, _ in resolved]
+    programs = tuple(_program(formula, known, trace.ticks_per_unit, booleans) for formula in formulas_in_units)
     if interpolation is Interpolation.LINEAR:
-        _check_lines(resolved, programs, trace)
+        _check_lines(formulas_in_units, programs, trace)
     return trace, programs
+
+
+def _resolved(named: NamedFormula, columns: tuple[str, ...], unit: str) -> tuple[Formula, int]:
+    """The formula in units of a trace with these columns, and the ticks of a unit that it needs. Raises InputError."""
+    return _plainly_resolved(named, columns, unit) if named.constants is None else _newly_resolved(named, columns, unit)
+
+
+def _newly_resolved(named: NamedFormula, columns: tuple[str, ...], unit: str) -> tuple[Formula, int]:
+    formula = in_trace_units(named, columns, unit)
+    ticks = ticks_needed(formula)
+    _program(formula, columns, ticks, None)
+    return formula, ticks
+
+
+# One formula often judges many traces.
+_plainly_resolved = lru_cache(maxsize=256)(_newly_resolved)
+
+
+@lru_cache(maxsize=256)
+def _program(formula: Formula, columns: tuple[str, ...], ticks: int, booleans: frozenset[str] | None) -> MonitorProgram:
+    return compile_formula(formula, columns, ticks, booleans=booleans)
 
 
 def _check_lines(formulas: Sequence[Formula], programs: Sequence[MonitorProgram], trace: Trace) -> None:
