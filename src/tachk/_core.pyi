@@ -21,6 +21,7 @@ class Explorer:
         vector: bool,
         reclaim: bool,
         pack_clocks: int,
+        passing: int,
         shortest: bool,
         chunk_words: int,
         state_limit: int,

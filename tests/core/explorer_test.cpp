@@ -230,6 +230,42 @@ void test_packed_zones_are_the_same_zones() {
     }
 }
 
+// A process that goes through two committed locations and notes in two slots, each a word of its own, that it was
+// there.
+void test_committed_states_are_passed_through() {
+  Program program;
+  program.state_slots = 3;
+  program.slots = {Slot{0, 2, 0, false}, Slot{INT32_MIN, 9, 0, false}, Slot{INT32_MIN, 9, 0, false}};
+  program.maximum_constants = {0};
+  Location committed = location();
+  committed.committed = true;
+  program.processes = {{0, {location(), committed, committed}}};
+  for (const std::int32_t value : {0, 1})
+    program.edges.push_back(
+        edge(0, 0, 1, tests({{1, Comparison::equal, value}}), Update{{{1, 1 - value}}, {}, no_code}));
+  program.edges.push_back(edge(0, 1, 2, {}, Update{{{2, 1}}, {}, no_code}));
+  program.edges.push_back(edge(0, 2, 0));
+  program.goals = {
+      goal(tests({{0, Comparison::equal, 0}, {1, Comparison::equal, 1}, {2, Comparison::equal, 1}})),
+      goal(tests({{0, Comparison::equal, 1}, {2, Comparison::equal, 1}})),
+      goal(tests({{0, Comparison::equal, 2}, {2, Comparison::equal, 0}})),
+  };
+  std::vector<std::uint64_t> stored;
+  for (const std::uint32_t passing : {0u, 1u, 8u})
+    for (const std::size_t chunk_words : {0, 1}) {
+      Options options;
+      options.passing = passing;
+      options.chunk_words = chunk_words;
+      Explorer explorer(program, options);
+      CHECK(explorer.run(UINT64_MAX) == Status::finished);
+      CHECK(explorer.path(*explorer.reached(0)).size() == 3);
+      CHECK(explorer.path(*explorer.reached(1)).size() == 4);
+      CHECK(!explorer.reached(2));
+      stored.push_back(explorer.statistics().stored);
+    }
+  CHECK((stored == std::vector<std::uint64_t>{8, 8, 5, 5, 4, 4}));
+}
+
 // All constants of a network times 1000: the same search, in zones as narrow.
 void test_times_in_the_largest_unit() {
   Program program = fischer(4, 1);
@@ -450,6 +486,7 @@ int main() {
   test_states_in_chunks_are_the_same_states();
   test_long_antichains();
   test_zones_of_covered_states_are_given_back();
+  test_committed_states_are_passed_through();
   test_packed_zones_are_the_same_zones();
   test_times_in_the_largest_unit();
   test_slices_and_limits();

@@ -27,8 +27,9 @@ using FaultTuple = std::tuple<int, int, std::vector<std::vector<std::uint32_t>>,
 std::unique_ptr<tachk::Explorer> make_explorer(const std::vector<std::int64_t>& image, int order, std::uint32_t seed,
                                                int extrapolation, bool local_bounds, bool subsumption, int least_width,
                                                bool scale, bool vector, bool reclaim, std::uint32_t pack_clocks,
-                                               bool shortest, std::uint32_t chunk_words, std::uint64_t state_limit,
-                                               std::uint64_t memory_limit, std::uint32_t depth_limit) {
+                                               std::uint32_t passing, bool shortest, std::uint32_t chunk_words,
+                                               std::uint64_t state_limit, std::uint64_t memory_limit,
+                                               std::uint32_t depth_limit) {
   tachk::Options options;
   options.order = static_cast<tachk::SearchOrder>(order);
   options.seed = seed;
@@ -40,6 +41,7 @@ std::unique_ptr<tachk::Explorer> make_explorer(const std::vector<std::int64_t>& 
   options.vector = vector;
   options.reclaim = reclaim;
   options.pack_clocks = pack_clocks;
+  options.passing = passing;
   options.shortest = shortest;
   options.chunk_words = chunk_words;
   options.state_limit = state_limit;
@@ -53,6 +55,7 @@ std::optional<FaultTuple> fault_of(tachk::Explorer& explorer) {
   if (!fault) return std::nullopt;
   std::vector<std::vector<std::uint32_t>> path;
   if (fault->node != tachk::no_node) path = explorer.path(fault->node);
+  path.insert(path.end(), fault->passed.begin(), fault->passed.end());
   return FaultTuple{static_cast<int>(fault->kind), fault->position, std::move(path), fault->edges};
 }
 
@@ -64,8 +67,9 @@ NB_MODULE(_core, m) {
   nb::class_<tachk::Explorer>(m, "Explorer")
       .def(nb::new_(&make_explorer), nb::arg("image"), nb::kw_only(), nb::arg("order"), nb::arg("seed"),
            nb::arg("extrapolation"), nb::arg("local_bounds"), nb::arg("subsumption"), nb::arg("least_width"),
-           nb::arg("scale"), nb::arg("vector"), nb::arg("reclaim"), nb::arg("pack_clocks"), nb::arg("shortest"),
-           nb::arg("chunk_words"), nb::arg("state_limit"), nb::arg("memory_limit"), nb::arg("depth_limit"))
+           nb::arg("scale"), nb::arg("vector"), nb::arg("reclaim"), nb::arg("pack_clocks"), nb::arg("passing"),
+           nb::arg("shortest"), nb::arg("chunk_words"), nb::arg("state_limit"), nb::arg("memory_limit"),
+           nb::arg("depth_limit"))
       .def(
           "run", [](tachk::Explorer& self, std::uint64_t expansions) { return static_cast<int>(self.run(expansions)); },
           nb::arg("expansions"), nb::call_guard<nb::gil_scoped_release>(), "Explores up to this many states.")

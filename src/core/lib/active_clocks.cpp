@@ -38,9 +38,8 @@ void ActiveClocks::collect(const std::int32_t* slots) {
       clocks_.push_back(static_cast<std::uint16_t>(64 * word + static_cast<std::size_t>(std::countr_zero(rest))));
 }
 
-ZoneView ActiveClocks::packed(const std::int32_t* slots, const void* zone) {
+ZoneView ActiveClocks::pack(const std::int32_t* slots, const void* zone) {
   const int dimension = program_.dimension();
-  if (lengths_.empty()) return {zone, dimension};
   collect(slots);
   const auto count = static_cast<int>(clocks_.size());
   if (count == dimension) return {zone, dimension};
@@ -48,10 +47,10 @@ ZoneView ActiveClocks::packed(const std::int32_t* slots, const void* zone) {
   return {packed_.get(), count};
 }
 
-void ActiveClocks::unpack(const std::int32_t* slots, const void* packed, ZoneBuffer& zone) {
-  if (!lengths_.empty()) collect(slots);
+void ActiveClocks::scatter(const std::int32_t* slots, const void* packed, ZoneBuffer& zone) {
+  collect(slots);
   const auto count = static_cast<int>(clocks_.size());
-  if (lengths_.empty() || count == program_.dimension())
+  if (count == program_.dimension())
     zone.assign(packed);
   else
     operations_.scatter(zone.get(), packed, program_.dimension(), clocks_.data(), count,

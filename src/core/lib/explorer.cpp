@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -75,6 +76,8 @@ Explorer::Explorer(Program program, const Options& options)
   }
   if (options_.shortest && options_.order != SearchOrder::breadth_first)
     throw std::invalid_argument("shortest paths need a breadth-first search");
+  // Steps are counted in stored states.
+  if (options_.shortest || options_.depth_limit != UINT32_MAX) options_.passing = 0;
   prepare_bounds();
   watch_goals();
 }
@@ -86,18 +89,31 @@ struct Explorer::Collector {
   Explorer& explorer;
   std::uint32_t parent;
   std::uint32_t discrete = 0;
+  bool passes = false;
 
   void possible(const void* guarded, const Effect& effect) const { explorer.pass_to_deadlock(guarded, effect); }
-  void expect(const Effect& effect) const { explorer.passed_.announce(effect.slots.data(), effect.written); }
+  void expect(const Effect& effect) const {
+    // The state unpacked last is the stored one, not one that is passed through.
+    const SlotSet& written = explorer.current_actions_.empty() ? effect.written : SlotSet::all();
+    explorer.passed_.announce(effect.slots.data(), written);
+  }
   bool wants(std::int32_t* slots, const void* zone) {
     if (parent != no_node) ++explorer.transitions_;
+    passes = explorer.passes_ && parent != no_node && explorer.is_passing(slots, explorer.current_actions_.size());
+    if (passes) return true;
     discrete = explorer.passed_.locate();
     return !explorer.options_.subsumption || !explorer.passed_.covers(discrete, explorer.active_.packed(slots, zone));
   }
-  void take(std::int32_t* slots, const void* zone) { explorer.add(discrete, slots, zone, parent); }
+  void take(std::int32_t* slots, const void* zone) {
+    if (passes) {
+      if (!explorer.meets_an_open_goal(slots, zone)) return explorer.pass_through(slots, zone);
+      discrete = explorer.passed_.locate();
+    }
+    explorer.add(discrete, slots, zone, parent);
+  }
 };
 
-// Keeps the states that may be those of a node, each once, with the action that leads there.
+// Keeps the states that may be those of a node, each once, with the actions that lead there, and those passed through.
 struct Explorer::Recogniser {
   Explorer& explorer;
   const Node& node;
@@ -107,15 +123,19 @@ struct Explorer::Recogniser {
 
   void possible(const void*, const Effect&) const {}
   void expect(const Effect&) const {}
-  bool wants(std::int32_t* slots, const void*) const { return explorer.passed_.equals(node, slots); }
+  bool passes(const std::int32_t* slots) const {
+    return explorer.current_edges_ != nullptr && explorer.is_passing(slots, explorer.current_actions_.size());
+  }
+  bool wants(std::int32_t* slots, const void*) const { return explorer.passed_.equals(node, slots) || passes(slots); }
   void take(std::int32_t* slots, const void* zone) const {
+    if (passes(slots)) explorer.pass_through(slots, zone);
+    if (!explorer.passed_.equals(node, slots)) return;
     if (!explorer.passed_.may_equal(node, explorer.active_.packed(slots, zone))) return;
     for (const State& state : states)
       if (std::memcmp(state.zone.get(), zone, explorer.operations_.bytes) == 0) return;
     states.push_back({{slots, slots + explorer.program_.slots.size()}, ZoneBuffer(explorer.operations_)});
     states.back().zone.assign(zone);
-    steps.push_back(
-        {explorer.current_edges_ == nullptr ? std::vector<std::uint32_t>() : *explorer.current_edges_, previous});
+    steps.push_back({explorer.actions_so_far(), previous});
   }
 };
 
@@ -151,7 +171,7 @@ Status Explorer::run(std::uint64_t expansions) {
   try {
     return explore(expansions);
   } catch (const ModelFault& fault) {
-    fault_ = FaultReport{fault.kind, fault.position, current_node_, {}};
+    fault_ = FaultReport{fault.kind, fault.position, current_node_, current_actions_, {}};
     if (current_edges_ != nullptr) fault_->edges = *current_edges_;
     return Status::fault;
   } catch (const ConstantOverflow&) {
@@ -187,14 +207,48 @@ Status Explorer::explore(std::uint64_t expansions) {
     ++explored_;
     fresh_.clear();
     if (deadlock_open_) begin_deadlock(zone);
+    current_actions_.clear();
+    passes_ = options_.passing != 0 && !deadlock_open_;
     expand(zone, Collector{*this, number});
     if (deadlock_open_) end_deadlock(number);
+    while (!passing_.empty()) {
+      expand_passing([&] { return Collector{*this, number}; });
+      ++explored_;
+    }
     if (options_.order == SearchOrder::random_depth_first) std::shuffle(fresh_.begin(), fresh_.end(), random_);
     if (options_.order != SearchOrder::breadth_first) stack_.insert(stack_.end(), fresh_.begin(), fresh_.end());
     if (passed_.stored() > options_.state_limit) return Status::state_limit;
     if (options_.memory_limit != UINT64_MAX && statistics().bytes > options_.memory_limit) return Status::memory_limit;
   }
   return Status::finished;
+}
+
+bool Explorer::is_passing(const std::int32_t* slots, std::size_t actions) const {
+  if (!passes_ || actions >= options_.passing) return false;
+  std::size_t committed = 0;
+  for (std::size_t p = 0; p < program_.processes.size(); ++p) committed += semantics_.location(p, slots).committed;
+  return committed == 1;
+}
+
+std::vector<std::vector<std::uint32_t>> Explorer::actions_so_far() const {
+  std::vector<std::vector<std::uint32_t>> actions = current_actions_;
+  if (current_edges_ != nullptr) actions.push_back(*current_edges_);
+  return actions;
+}
+
+void Explorer::pass_through(std::int32_t* slots, const void* zone) {
+  passing_.push_back({{{slots, slots + program_.slots.size()}, ZoneBuffer(operations_)}, actions_so_far()});
+  passing_.back().state.zone.assign(zone);
+}
+
+template <class MakeSink>
+void Explorer::expand_passing(MakeSink&& make_sink) {
+  Passing passing = std::move(passing_.back());
+  passing_.pop_back();
+  source_ = passing.state.slots;
+  current_actions_ = std::move(passing.actions);
+  expand(passing.state.zone.get(), make_sink());
+  current_actions_.clear();
 }
 
 template <class Sink>
@@ -353,6 +407,10 @@ void Explorer::split(std::size_t diagonal, Effect& effect, const ZoneBuffer& zon
 // Of a covered node only half a hash of the zone is known, so that two states may seem to be its own: all are followed.
 // Each is reached by the actions noted for it, so that whichever remains at the end has been reached.
 std::vector<std::vector<std::uint32_t>> Explorer::path(std::uint32_t node) {
+  // Whether a state was passed through depended on the goals open at the time: any may have been.
+  passes_ = options_.passing != 0;
+  current_actions_.clear();
+  passing_.clear();
   std::vector<std::uint32_t> chain;
   for (std::uint32_t number = node; number != no_node; number = passed_.node(number).parent) chain.push_back(number);
   std::vector<std::vector<Step>> steps(chain.size());
@@ -365,22 +423,27 @@ std::vector<std::vector<std::uint32_t>> Explorer::path(std::uint32_t node) {
     for (std::size_t number = 0; number < states.size(); ++number) {
       source_ = states[number].slots;
       try {
-        expand(states[number].zone.get(), Recogniser{*this, child, next, steps[layer], number});
+        const Recogniser recogniser{*this, child, next, steps[layer], number};
+        expand(states[number].zone.get(), recogniser);
+        while (!passing_.empty()) expand_passing([&] { return recogniser; });
       } catch (const ModelFault&) {
         // The search stopped at this fault, in an action behind the one looked for.
       }
       current_edges_ = nullptr;
+      current_actions_.clear();
+      passing_.clear();
     }
     states.swap(next);
     if (states.empty()) throw std::logic_error("a stored state is not a successor of its parent");
   }
-  std::vector<std::vector<std::uint32_t>> actions(chain.size() - 1);
+  std::vector<std::vector<std::uint32_t>> actions;  // from the last to the first
   std::size_t number = 0;
   for (std::size_t layer = chain.size() - 1; layer > 0; --layer) {
     Step& step = steps[layer][number];
-    actions[layer - 1] = std::move(step.edges);
+    std::move(step.actions.rbegin(), step.actions.rend(), std::back_inserter(actions));
     number = step.previous;
   }
+  std::reverse(actions.begin(), actions.end());
   return actions;
 }
 

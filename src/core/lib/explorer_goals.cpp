@@ -38,12 +38,32 @@ void Explorer::check_goals(std::uint32_t node, std::int32_t* slots, const void* 
   if (open_goals_.empty()) return;
   const std::vector<std::uint32_t>* edges = std::exchange(current_edges_, nullptr);
   const std::uint32_t parent = std::exchange(current_node_, node);
+  std::vector<std::vector<std::uint32_t>> actions = std::exchange(current_actions_, {});
   for (const Watch& watch : watches_anywhere_) check(watch, node, slots, zone);
   for (std::size_t process = 0; process < program_.processes.size(); ++process)
     for (const Watch& watch : watches_at_[semantics_.location_number(process, slots[process])])
       check(watch, node, slots, zone);
   current_edges_ = edges;
   current_node_ = parent;
+  current_actions_ = std::move(actions);
+}
+
+bool Explorer::meets_an_open_goal(std::int32_t* slots, const void* zone) {
+  if (open_goals_.empty()) return false;
+  const auto met = [&](const Watch& watch) {
+    return reached_[watch.goal] == no_node && meets(*watch.condition, slots, zone, goal_atoms_);
+  };
+  // An error of a condition is one of the state, not of the action that leads there.
+  current_actions_.push_back(*current_edges_);
+  const std::vector<std::uint32_t>* edges = std::exchange(current_edges_, nullptr);
+  bool some = std::any_of(watches_anywhere_.begin(), watches_anywhere_.end(), met);
+  for (std::size_t process = 0; process < program_.processes.size() && !some; ++process) {
+    const std::vector<Watch>& watches = watches_at_[semantics_.location_number(process, slots[process])];
+    some = std::any_of(watches.begin(), watches.end(), met);
+  }
+  current_edges_ = edges;
+  current_actions_.pop_back();
+  return some;
 }
 
 void Explorer::check(const Watch& watch, std::uint32_t node, std::int32_t* slots, const void* zone) {

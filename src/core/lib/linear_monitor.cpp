@@ -299,7 +299,6 @@ std::vector<Value> LinearMonitor::sampled(Evaluate evaluate) const {
 
 // The stretches in which it is told alike how long the truth of an atom lasts, or has lasted.
 auto LinearMonitor::runs(std::size_t number) const -> std::vector<Run> {
-  const auto length = static_cast<double>(this->length());
   const auto holding =
       sampled<Truth>([&](AtomEvaluator& atoms, const Samples& samples, std::size_t first, std::size_t count,
                          Truth* out) { atoms.truth(number, samples, first, count, out); });

@@ -6,11 +6,9 @@
 namespace tachk {
 
 ZoneStore::ZoneStore(const ZoneOperations& operations, int dimension, std::vector<ZoneOperations> smaller)
-    : operations_(operations), dimension_(dimension), smaller_(std::move(smaller)) {
-  const std::size_t pools = smaller_.empty() ? 1 : static_cast<std::size_t>(dimension) + 1;
-  pools_.resize(pools);
-  free_.resize(pools);
-  if (smaller_.empty()) pools_.front() = std::make_unique<RecordPool>(operations.bytes);
+    : operations_(operations), dimension_(dimension), smaller_(std::move(smaller)), whole_(operations.bytes) {
+  free_.resize(smaller_.empty() ? 1 : static_cast<std::size_t>(dimension) + 1);
+  if (!smaller_.empty()) pools_.resize(free_.size());
 }
 
 bool ZoneStore::equals(std::uint32_t number, ZoneView zone) const {
@@ -27,8 +25,9 @@ std::uint32_t ZoneStore::fresh(int dimension) {
     return number;
   }
   constexpr std::size_t small_block = std::size_t{1} << 15;
-  if (!pools_[place]) pools_[place] = std::make_unique<RecordPool>(operations(dimension).bytes, small_block);
-  RecordPool& pool = *pools_[place];
+  if (!smaller_.empty() && !pools_[place])
+    pools_[place] = std::make_unique<RecordPool>(operations(dimension).bytes, small_block);
+  RecordPool& pool = smaller_.empty() ? whole_ : *pools_[place];
   pool_bytes_ -= pool.bytes();
   const std::uint32_t record = pool.append();
   pool_bytes_ += pool.bytes();

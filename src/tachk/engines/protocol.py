@@ -53,6 +53,9 @@ class Options:
         vector: use the widest vector instructions of this machine; off: portable code.
         reclaim: use the memory of zones again that no uncovered state has.
         pack_clocks: zones of more clocks than this are stored without those that do not matter where the processes are.
+        passing: states in which one process is in a committed location are passed through without being stored, up to
+            so many in a row; 0: all are stored. It takes less memory; those that are reached in several ways are
+            explored again. Not with `shortest`, with a limit on depth, or while `deadlock` is asked for.
         chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
         spectators: explore processes too that cannot influence the answer; off: hold them still.
         bystanders: explore at once processes that can only hinder the others; off: first look whether the target is
@@ -73,6 +76,7 @@ class Options:
     vector: bool = True
     reclaim: bool = True
     pack_clocks: int = 16
+    passing: int = 0
     chunk_words: int = 8
     spectators: bool = False
     bystanders: bool = False
@@ -82,6 +86,7 @@ class Options:
         _check_range("seed", self.seed, 0, LARGEST_SEED)
         _check_range("chunk_words", self.chunk_words, 0, 2**16)
         _check_range("pack_clocks", self.pack_clocks, 0, 2**32 - 1)
+        _check_range("passing", self.passing, 0, 64)
         if self.width not in (16, 32, 64):
             raise UsageError(f"`width` is 16, 32 or 64, not {self.width}")
         if self.shortest and self.order is not SearchOrder.BFS:

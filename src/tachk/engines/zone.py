@@ -141,6 +141,7 @@ def _explorer(program: Program, goals: Sequence[Goal], options: Options, limits:
         vector=options.vector,
         reclaim=options.reclaim,
         pack_clocks=options.pack_clocks,
+        passing=options.passing,
         shortest=options.shortest,
         chunk_words=options.chunk_words,
         state_limit=_UNLIMITED if limits.states is None else min(limits.states, _UNLIMITED),

@@ -30,6 +30,8 @@ struct Options {
   bool scale = true;
   bool vector = true;
   bool reclaim = true;
+  // States with one process in a committed location are passed through, not stored, up to so many in a row.
+  std::uint32_t passing = 0;
   std::uint32_t pack_clocks = 16;  // zones of more clocks are stored without those that do not matter
   bool shortest = false;           // breadth first only: no path to a goal is shorter than the one that is found
   std::size_t chunk_words = 8;     // of the parts in which large discrete states are held; 0: in one
@@ -57,8 +59,9 @@ struct Statistics {
 
 struct FaultReport {
   FaultKind kind;
-  std::int32_t position;             // of the code word
-  std::uint32_t node;                // the state in which it happened; no_node for the initial state
+  std::int32_t position;                           // of the code word
+  std::uint32_t node;                              // the last stored state before it; no_node for the initial state
+  std::vector<std::vector<std::uint32_t>> passed;  // actions that lead on from there, through states not stored
   std::vector<std::uint32_t> edges;  // of the action; empty for an invariant of the initial state or a predicate
 };
 
@@ -107,8 +110,8 @@ class Explorer {
 
   // How a state that a path may lead through is reached.
   struct Step {
-    std::vector<std::uint32_t> edges;
-    std::size_t previous;  // among the states one step before
+    std::vector<std::vector<std::uint32_t>> actions;  // more than one where states between were not stored
+    std::size_t previous;                             // among the states one step before
   };
 
   struct Collector;
@@ -116,7 +119,20 @@ class Explorer {
   struct Follower;
   struct Prober;
 
+  // A state that is passed through, and the actions that lead to it from the last stored one.
+  struct Passing {
+    State state;
+    std::vector<std::vector<std::uint32_t>> actions;
+  };
+
   Status explore(std::uint64_t expansions);
+  // Whether a state is not stored: time cannot pass in it, and it will soon be left.
+  bool is_passing(const std::int32_t* slots, std::size_t actions) const;
+  void pass_through(std::int32_t* slots, const void* zone);
+  bool meets_an_open_goal(std::int32_t* slots, const void* zone);
+  std::vector<std::vector<std::uint32_t>> actions_so_far() const;
+  template <class MakeSink>
+  void expand_passing(MakeSink&& make_sink);
   template <class Sink>
   void start(Sink&& sink);
   std::uint32_t next_waiting();
@@ -166,6 +182,9 @@ class Explorer {
   std::vector<std::uint32_t> stack_;  // waiting states of the depth-first orders
   std::uint32_t cursor_ = 0;          // next node of the breadth-first order
   std::uint32_t layer_end_ = 0;       // the first node that is one step further from the initial state
+  std::vector<Passing> passing_;      // states to be expanded with the current one
+  std::vector<std::vector<std::uint32_t>> current_actions_;  // from the current node to the state being expanded
+  bool passes_ = false;
   std::vector<std::uint32_t> fresh_;  // nodes added by the current expansion
   std::vector<std::uint32_t> depth_;  // of each node; kept only if there is a limit
   bool too_deep_ = false;

@@ -31,7 +31,7 @@ class ZoneStore {
   void release(std::uint32_t number);
 
   const void* operator[](std::uint32_t number) const {
-    if (smaller_.empty()) return (*pools_.front())[number];
+    if (smaller_.empty()) return whole_[number];
     const Place place = places_[number];
     return (*pools_[place.dimension])[place.record];
   }
@@ -60,8 +60,9 @@ class ZoneStore {
   ZoneOperations operations_;
   int dimension_;
   std::vector<ZoneOperations> smaller_;
-  std::vector<std::unique_ptr<RecordPool>> pools_;  // by dimension, or one
-  std::vector<std::vector<std::uint32_t>> free_;    // numbers to be used again, likewise
+  RecordPool whole_;                                // if all have one dimension
+  std::vector<std::unique_ptr<RecordPool>> pools_;  // else by dimension
+  std::vector<std::vector<std::uint32_t>> free_;    // numbers to be used again, by dimension, or one
   std::vector<Use> uses_;
   std::vector<Place> places_;  // only with several dimensions
   HashIndex index_;
