@@ -118,3 +118,30 @@ def test_an_answer_at_the_open_end_of_a_window_is_too_late(answers: Answers) -> 
     property Closed : G (rise(P.A) -> F[0,2] G[0,1] P.C);
     """
     assert answers(text) == {"Open": "holds", "Closed": "fails"}
+
+
+def test_gaps_between_rises(answers: Answers) -> None:
+    text = """
+    process P() {
+        clock x;
+        init location B { invariant x <= 6; to A { guard x >= 4; assign x = 0; } }
+        location A { invariant x <= 1; to B { guard x == 1; } }
+    }
+    system P;
+    property Longest : G (rise(P.A) -> F(0,6] rise(P.A));
+    property Longer : G (rise(P.A) -> F(0,6) rise(P.A));
+    property Jitter : G (rise(P.A) -> F[4,6] rise(P.A));
+    property Later : G (rise(P.A) -> F(4,6] rise(P.A));
+    property Much_later : G (rise(P.A) -> F[5,6] rise(P.A));
+    property Falls : G (rise(P.A) -> F[1,1] fall(P.A));
+    property Itself : G (rise(P.A) -> F[0,1] rise(P.A));
+    """
+    assert answers(text) == {
+        "Longest": "holds",
+        "Longer": "fails",
+        "Jitter": "holds",
+        "Later": "fails",
+        "Much_later": "fails",
+        "Falls": "holds",
+        "Itself": "holds",
+    }
