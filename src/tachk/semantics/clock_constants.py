@@ -93,11 +93,20 @@ def interval(expression: Expression) -> Interval:
             (a, b), (c, d) = interval(left), interval(right)
             products = (a * c, a * d, b * c, b * d)
             return min(products), max(products)
+        case Binary(BinaryOperator.DIVIDE, left, _):
+            largest = max(map(abs, interval(left)))
+            return -largest, largest
         case Binary(BinaryOperator.MODULO, _, Constant(value)) if value != 0:
             return 1 - abs(value), abs(value) - 1
         case Binary(BinaryOperator.MINIMUM | BinaryOperator.MAXIMUM, left, right) | Conditional(_, left, right):
             (a, b), (c, d) = interval(left), interval(right)
             return min(a, c), max(b, d)
+        case Binary(BinaryOperator.BIT_OR | BinaryOperator.BIT_XOR, left, right) if (
+            interval(left)[0] >= 0 and interval(right)[0] >= 0
+        ):
+            return 0, 2 ** max(interval(left)[1], interval(right)[1]).bit_length() - 1
+        case Binary(BinaryOperator.SHIFT_LEFT, left, right) if interval(left)[0] >= 0 and interval(right)[1] <= 8:
+            return 0, interval(left)[1] << max(interval(right)[1], 0)
         case Binary():
             return (0, 0) if isinstance(expression.type, ClockType) else (CONSTANT_LOW, CONSTANT_HIGH)
         case _ if isinstance(expression.type, IntType | BoolType | ScalarType):
