@@ -234,21 +234,24 @@ void test_packed_zones_are_the_same_zones() {
 // there.
 void test_committed_states_are_passed_through() {
   Program program;
-  program.state_slots = 3;
-  program.slots = {Slot{0, 2, 0, false}, Slot{INT32_MIN, 9, 0, false}, Slot{INT32_MIN, 9, 0, false}};
+  constexpr std::uint32_t first = 8;
+  constexpr std::uint32_t second = 16;
+  program.state_slots = second + 1;
+  program.slots.assign(program.state_slots, Slot{INT32_MIN, 9, 0, false});
+  program.slots[0] = Slot{0, 2, 0, false};
   program.maximum_constants = {0};
   Location committed = location();
   committed.committed = true;
   program.processes = {{0, {location(), committed, committed}}};
   for (const std::int32_t value : {0, 1})
     program.edges.push_back(
-        edge(0, 0, 1, tests({{1, Comparison::equal, value}}), Update{{{1, 1 - value}}, {}, no_code}));
-  program.edges.push_back(edge(0, 1, 2, {}, Update{{{2, 1}}, {}, no_code}));
+        edge(0, 0, 1, tests({{first, Comparison::equal, value}}), Update{{{first, 1 - value}}, {}, no_code}));
+  program.edges.push_back(edge(0, 1, 2, {}, Update{{{second, 1}}, {}, no_code}));
   program.edges.push_back(edge(0, 2, 0));
   program.goals = {
-      goal(tests({{0, Comparison::equal, 0}, {1, Comparison::equal, 1}, {2, Comparison::equal, 1}})),
-      goal(tests({{0, Comparison::equal, 1}, {2, Comparison::equal, 1}})),
-      goal(tests({{0, Comparison::equal, 2}, {2, Comparison::equal, 0}})),
+      goal(tests({{0, Comparison::equal, 0}, {first, Comparison::equal, 1}, {second, Comparison::equal, 1}})),
+      goal(tests({{0, Comparison::equal, 1}, {second, Comparison::equal, 1}})),
+      goal(tests({{0, Comparison::equal, 2}, {second, Comparison::equal, 0}})),
   };
   std::vector<std::uint64_t> stored;
   for (const std::uint32_t passing : {0u, 1u, 8u})
