@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tachk.model.builder import NetworkBuilder, Term
+from tachk.model.builder import NetworkBuilder, Term, conditional
 from tachk.model.expressions import INT, Binary, BinaryOperator, Constant
 from tachk.model.types import ArrayType, IntType
 from tachk.semantics.divisors import divisor
@@ -25,3 +25,7 @@ def test_products_multiply_and_sums_share_divisors() -> None:
     assert of(BinaryOperator.MULTIPLY, 4) == 40
     assert of(BinaryOperator.ADD, 15) == 5
     assert of(BinaryOperator.SUBTRACT, 4) == 2
+
+
+def test_a_choice_has_what_both_sides_share() -> None:
+    assert divisor(conditional(INDEX == 0, TABLE[INDEX], 15).expression, KNOWN) == 5
