@@ -4,9 +4,10 @@
     python bench/public_monitors.py --python PYTHON_WITH_PEERS
 
 `tachk.monitor` on a dictionary of arrays with times in seconds, `tachk.Monitor.update` with a dictionary for each row,
-`tachk.Monitor.push` with a dictionary of arrays: from the text of the formula to the verdict, explanation included. The
-core gets a compiled formula, and times that are ticks already. User CPU seconds; what is compared is measured in turn,
-and the median counts. The shapes and the trace are those of bench/monitor_shapes.py.
+`tachk.Monitor.push` with a dictionary of arrays: from the text of the formula to the verdict. `tachk.monitor` explains
+a verdict when it is asked to; what that takes is told where there is something to explain. The core gets a compiled
+formula, and times that are ticks already. User CPU seconds; what is compared is measured in turn, and the median
+counts. The shapes and the trace are those of bench/monitor_shapes.py.
 """
 
 from __future__ import annotations
@@ -54,6 +55,7 @@ def whole_part(rows: int, peers: Peers, repeat: int) -> None:
     made = shapes.make_rows(rows)
     trace = trace_of(made)
     arrays = {"time": made.milliseconds / 1000, "x": made.x, "y": made.y, "z": made.z}
+    explained = []
     for shape in shapes.NAMES:
         cells = []
         text, program = shapes.TACHK[shape].format(w=180), program_of(shape)
@@ -63,6 +65,19 @@ def whole_part(rows: int, peers: Peers, repeat: int) -> None:
             seconds, times = compared(call, job, repeat)
             cells += [rate(rows, seconds), f"{times:.2f}"]
         line(f"{shape} `{shapes.MEANINGS[shape]}`", *cells, shown(peers.measure("rtamt", "robustness", shape, rows)))
+        judge = partial(tachk.monitor, text, arrays, unit="s", robustness=False)
+        if judge()[0].truth is not tachk.Truth.TRUE:
+            call, job = partial(explain, judge), partial(JOBS["offline truth"], program, trace)
+            explained.append((shape, *compared(call, job, repeat)))
+    for shape, seconds, times in explained:
+        print(f"\n{shape}, truth with its explanation: {rate(rows, seconds)}, {times:.2f} times the core")
+
+
+def explain(judge: Callable[[], tachk.MonitorReport]) -> None:
+    """A report and all its explanations."""
+    for verdict in judge():
+        if verdict.finding is None:
+            raise AssertionError("there is nothing to explain")
 
 
 def growing_part(rows: int, peers: Peers, repeat: int) -> None:

@@ -228,7 +228,7 @@ def verdict_on(
     measures: Measures,
     reading: Reading,
 ) -> MonitorVerdict:
-    """The verdict of one program on a whole trace, with its explanation."""
+    """The verdict of one program on a whole trace. Its explanation is made when it is asked for."""
     robustness = None
     if measures.robustness:
         truth, robustness = reading.measured(program, trace)
@@ -247,7 +247,6 @@ def verdict_on(
         counted(measured, ending),
         presumably,
         None if robustness is None else (robustness.low, robustness.high),
-        explainer.finding(measured),
         bool(triggers) and all(reading.truth(never, trace).measured is Truth.TRUE for never in triggers),
         explainer.program,
         explainer,

@@ -71,7 +71,7 @@ def finding_to_json(record: MonitorRecord, verdict: MonitorVerdict) -> dict[str,
 
 
 def _blamed(trace: Trace, verdict: MonitorVerdict, reason: Reason) -> dict[str, Json]:
-    columns = () if verdict.explainer is None else verdict.explainer.columns(reason)
+    columns = verdict.explainer.columns(reason)
     return {
         "formula": reason.text,
         "value": reason.value.word,

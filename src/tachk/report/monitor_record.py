@@ -50,9 +50,8 @@ class MonitorVerdict:
     robustness: how far the trace is from changing the verdict, as an interval over all continuations; None if it was
         not asked for.
     time_robustness: None if it was not asked for.
-    finding: the first violation, or the position at which the verdict stays open.
     vacuous: it asks for something whenever a trigger is true, and the trigger never is.
-    explainer: for plots; None where the trace is not kept.
+    explainer: for explanations and plots; it reads the trace when it is asked.
     """
 
     name: str
@@ -63,11 +62,19 @@ class MonitorVerdict:
     truth: Truth
     presumably: Truth | None
     robustness: tuple[float, float] | None
-    finding: Finding | None
     vacuous: bool
     program: MonitorProgram = field(repr=False)
-    explainer: Explainer | None = field(default=None, repr=False)
+    explainer: Explainer = field(repr=False)
     time_robustness: TimeRobustness | None = None
+
+    @property
+    def finding(self) -> Finding | None:
+        """The first violation, or the position at which the verdict stays open; None if the formula is true.
+
+        It is looked for when it is asked for first, which reads the trace again. Raises UsageError if somebody has
+        changed the arrays of the trace meanwhile, so that they no longer have this verdict.
+        """
+        return self.explainer.finding(self.measured)
 
     def __repr__(self) -> str:
         return f"<MonitorVerdict {self.name}: {self.truth.word}, {self.formula}>"

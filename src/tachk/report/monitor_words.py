@@ -108,8 +108,6 @@ def _so_far(trace: Trace, first: int) -> str:
 
 
 def _seen(trace: Trace, verdict: MonitorVerdict, finding: Finding) -> Iterator[str]:
-    if verdict.explainer is None:
-        return
     for reason in finding.blamed:
         columns = verdict.explainer.columns(reason)[:_COLUMNS_SHOWN]
         cell = reason.cell if reason.window is None or reason.window[1] is None else reason.window[1]

@@ -41,8 +41,6 @@ class Band:
 def formula_rows(verdict: MonitorVerdict) -> FormulaRows:
     """The subformulas worth a row: neither what a signal shows already, nor negations that an implication hides."""
     explainer = verdict.explainer
-    if explainer is None:
-        return FormulaRows((), (), ())
     program = verdict.program
     root = len(program.nodes) - 1
     order: dict[int, None] = {root: None}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
+from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.node_signal import NodeSignal, Truth
 from tachk.semantics.monitor_program import UNBOUNDED, MonitorNode, MonitorProgram, NodeKind, ValueOperator
 
@@ -73,6 +74,7 @@ class Explainer:
     decide: Callable[[int], int] | None = field(repr=False)
     cells: int
     _known: dict[int, NodeSignal] = field(default_factory=dict, repr=False)
+    _found: dict[Truth, Finding | None] = field(default_factory=dict, repr=False)
 
     def signal(self, node: int) -> NodeSignal:
         """What a node of the program is worth over the trace."""
@@ -83,15 +85,24 @@ class Explainer:
         return self._known[node]
 
     def finding(self, value: Truth) -> Finding | None:
-        """Where the formula is violated first, or where it hangs; None if it is true.
+        """Where the formula is violated first, or where it hangs; None if it is true. Looked for once.
 
         Args:
             value: of the formula.
+
+        Raises UsageError if the formula does not have this value on the trace as it is now.
         """
-        root = len(self.program.nodes) - 1
-        if value is Truth.TRUE:
-            return None
-        node, cell = self._body(root, value)
+        if value not in self._found:
+            self._found[value] = None if value is Truth.TRUE else self._find(value)
+        return self._found[value]
+
+    def _find(self, value: Truth) -> Finding:
+        node, cell = self._body(len(self.program.nodes) - 1, value)
+        if self.signal(node).at(cell) is not value:
+            raise UsageError(
+                "the trace has been changed since it was judged, so that its verdict cannot be explained",
+                "leave its arrays as they are while the report is in use, or give copies of them",
+            )
         trigger, response = self._trigger(node, cell)
         cause = None if trigger is None else self.reason(trigger, cell, Truth.TRUE)
         reason = self.reason(node if response is None else response, cell, value)
@@ -137,7 +148,11 @@ class Explainer:
         while True:
             current = self.program.nodes[node]
             if current.kind is NodeKind.AND:
-                node = next(o for o in current.operands if self.signal(o).at(cell) is value)
+                parts = (o for o in current.operands if self.signal(o).at(cell) is value)
+                part = next(parts, None)
+                if part is None:
+                    return node, cell
+                node = part
             elif current.kind is NodeKind.ALWAYS:
                 first, last = self._window(current, cell)
                 found = self.signal(current.operands[0]).first(value, first, self.cells - 1 if last is None else last)

@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import math
 import pickle
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import jsonschema
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -20,7 +22,11 @@ from tachk.monitoring.offline import MonitorReport
 from tachk.report.monitor_junit import monitor_to_junit
 from tachk.report.monitor_record import cell_text
 from tachk.report.monitor_words import explain_verdict
+from tachk.runtime.core_monitor import truth_signals
 from tachk.runtime.explanation import Finding
+from tachk.runtime.node_signal import NodeSignal
+from tachk.runtime.trace import Trace
+from tachk.semantics.monitor_program import MonitorProgram
 
 SCHEMA = Path(__file__).parents[3] / "docs/schema/monitor.schema.json"
 
@@ -295,6 +301,38 @@ def test_reports_can_be_sent_to_other_processes(interpolation: str) -> None:
     assert copy.to_text() == report.to_text()
     assert copy.to_dict() == report.to_dict()
     assert copy[0].explainer.signal(0).stretches() == report[0].explainer.signal(0).stretches()
+
+
+@pytest.mark.parametrize("formula", ["G (x > 5 -> F[0,1] y > 4)", "G F[0,2] y > 4"])
+def test_a_trace_is_read_for_explanations_when_they_are_asked_for(
+    formula: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[int] = []
+
+    def counted_signals(program: MonitorProgram, trace: Trace, nodes: Sequence[int]) -> Sequence[NodeSignal]:
+        asked.append(len(nodes))
+        return truth_signals(program, trace, nodes)
+
+    monkeypatch.setattr("tachk.monitoring.reading.truth_signals", counted_signals)
+    verdict = tachk.monitor(formula, {"time": [0, 1, 3], "x": [0, 7.5, 3], "y": [1, 5, 2]})[0]
+    assert not asked
+    found = verdict.finding
+    assert (found is None) == (verdict.measured is tachk.Truth.TRUE)
+    readings = len(asked)
+    assert verdict.finding is found
+    assert len(asked) == readings
+
+
+@pytest.mark.parametrize(
+    "formula", ["G (x > 5 -> F[0,1] y > 4)", "x < 9 && G (x > 5 -> F[0,1] y > 4)", "G F[0,1] y > 4"]
+)
+def test_a_changed_trace_does_not_explain_its_old_verdict(formula: str) -> None:
+    trace = {"time": np.array([0.0, 1, 3]), "x": np.array([0, 7.5, 3]), "y": np.array([1, 2, 4.5])}
+    verdict = tachk.monitor(formula, trace)[0]
+    assert verdict.truth is tachk.Truth.FALSE
+    trace["y"][:] = 5
+    with pytest.raises(UsageError, match="changed since it was judged"):
+        verdict.finding  # noqa: B018
 
 
 @pytest.mark.parametrize(

@@ -62,7 +62,7 @@ def test_what_is_said_is_true(start: int) -> None:
         assert (verdict.finding is None) == (verdict.measured is Truth.TRUE)
         assert judged.to_text()
         assert judged.to_dict()
-        if verdict.finding is None or verdict.explainer is None:
+        if verdict.finding is None:
             continue
         finding = verdict.finding
         assert finding.blamed
