@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from io import StringIO
@@ -210,13 +210,26 @@ def interpolation_of(name: str) -> Interpolation:
 def formulas_of(
     given: str | os.PathLike[str] | Sequence[str] | Sequence[NamedFormula],
 ) -> tuple[NamedFormula, ...]:
-    """The formulas of a text, a file, or several texts; these are named ``p1``, ``p2``, ... in order."""
+    """The formulas of a text, a file, or several texts; these are named ``p1``, ``p2``, ... in order.
+
+    Raises:
+        InputError: a formula is wrong.
+        UsageError: something else is given.
+    """
     if isinstance(given, (str, os.PathLike)):
         return read_formulas(given)
-    ready = tuple(named for named in given if isinstance(named, NamedFormula))
+    anything: object = given
+    entries: tuple[object, ...] = tuple(anything) if isinstance(anything, Iterable) else (anything,)
+    strange = next((entry for entry in entries if not isinstance(entry, (str, NamedFormula))), None)
+    if strange is not None:
+        raise UsageError(
+            f"a formula cannot be a {type(strange).__name__}",
+            "give its text, several texts, or the path of a file of formulas or of a model",
+        )
+    ready = tuple(entry for entry in entries if isinstance(entry, NamedFormula))
     if ready:
         return ready
-    read = [named for text in given if isinstance(text, str) for named in read_formulas(text)]
+    read = [named for text in entries if isinstance(text, str) for named in read_formulas(text)]
     return tuple(replace(named, name=f"p{number}") for number, named in enumerate(read, 1))
 
 

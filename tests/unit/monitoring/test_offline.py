@@ -343,3 +343,9 @@ def test_a_robustness_of_0_leaves_the_truth_open(formula: str, truth: str) -> No
     verdict = judged(formula)[0]
     assert verdict.robustness is not None
     assert (verdict.truth.name, verdict.robustness[0]) == (truth.upper(), 0)
+
+
+@pytest.mark.parametrize("given", [3, ["G (x > 1)", 7]])
+def test_what_is_no_formula_is_refused(given: Any) -> None:
+    with pytest.raises(UsageError, match="a formula cannot be a int"):
+        tachk.monitor(given, {"time": [0], "x": [1]})
