@@ -48,6 +48,12 @@ def test_a_time_limit_gives_unknown(answers: Answers) -> None:
     property P : A[] n < 1000;
     """
     assert answers(text, limits=Limits(seconds=0.0)) == {"P": "unknown"}
+    model = load_model(Source("model.ta", text.replace("A[] n < 1000", "E<> n > 1000")))
+    (goal,) = [query.predicate for query in model.queries]
+    assert goal is not None
+    outcome = zone.explore(*lower(model.network, [goal]), limits=Limits(seconds=0.0))
+    assert outcome.goals[0].status is Status.UNDECIDED
+    assert outcome.reason == "time limit"
 
 
 def test_an_interrupted_search_leaves_a_doubtful_deadlock_open(answers: Answers) -> None:

@@ -11,7 +11,8 @@ from tachk.semantics.fold import known_values
 
 DECLARATIONS = """
     int[0,3] n, m; int[0,9] wide; int[1,2] divisor; int[-1,1] around; int[0,3] cells[4]; const int K[2] = {2, 9};
-    bool flag; clock x; chan c, d[4]; typedef struct { int[0,3] a; int[0,9] b; } pair; pair p, q;
+    int[0,31] near; int[0,32] far; bool flag; clock x; chan c, d[4];
+    typedef struct { int[0,3] a; int[0,9] b; } pair; pair p, q;
     int[0,3] next(int[0,3] of) { if (of < 3) { return of <? 2; } return 0; }
     int[0,3] sum() { int[0,9] total = 0; for (i : int[0,2]) total = n; return 0; }
     int[0,3] beyond(int[0,3] of) { return of + 1; }
@@ -20,7 +21,7 @@ DECLARATIONS = """
 OTHER = """
     process Other() {
         init location A {
-            to A { assign n = 0, m = 0, wide = 0, divisor = 1, around = 0; }
+            to A { assign n = 0, m = 0, wide = 0, divisor = 1, around = 0, near = 0, far = 0; }
             to A { assign cells[0] = 0, flag = true, p.a = 0, q.a = 0; }
         }
     }
@@ -65,6 +66,9 @@ OTHER = """
         ("assign wide /= m", True),
         ("assign wide = 1 << divisor", False),
         ("assign wide = 1 << around", True),
+        ("guard 1 << near == 2", False),
+        ("guard 1 << far == 2", True),
+        ("guard wide < 5; assign cells[wide] = m", True),
         ("assign x = n", False),
         ("assign x = around", True),
         ("assign p = q", False),
