@@ -221,16 +221,16 @@ nb::tuple kept_rows(const Group& self) {
 
 using Times = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
-nb::tuple count_times(const Times& times, int usual) {
+using WrittenTicks = nb::ndarray<std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+nb::tuple count_times(const Times& times, int usual, const WrittenTicks& ticks) {
+  if (ticks.shape(0) != times.shape(0)) throw std::invalid_argument("every time has a tick");
   tachk::CountedTimes found;
   {
     nb::gil_scoped_release released;
-    found = tachk::counted({times.data(), times.shape(0)}, usual);
+    found = tachk::counted({times.data(), times.shape(0)}, usual, ticks.data());
   }
-  std::int64_t* const data = found.ticks.release();
-  nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<std::int64_t*>(p); });
-  const nb::ndarray<nb::numpy, std::int64_t, nb::ndim<1>> ticks(data, {data == nullptr ? 0 : times.shape(0)}, owner);
-  return nb::make_tuple(ticks, found.first, found.decimals, static_cast<int>(found.fault), found.row);
+  return nb::make_tuple(found.first, found.decimals, static_cast<int>(found.fault), found.row);
 }
 
 }  // namespace
@@ -284,8 +284,8 @@ void bind_group(nb::module_& m) {
         for (std::size_t n = 0; n < self.group.size(); ++n) total += self.group.monitor(n).bytes();
         return total;
       });
-  m.def("count_times", &count_times, nb::arg("times"), nb::arg("usual"),
-        "(ticks from the first on, the first, decimals, fault, row of the fault)");
+  m.def("count_times", &count_times, nb::arg("times"), nb::arg("usual"), nb::arg("ticks"),
+        "Writes the ticks from the first on: (the first, decimals, fault, row of the fault).");
   m.def(
       "first_backwards",
       [](const TickArray& times) -> std::optional<std::size_t> {

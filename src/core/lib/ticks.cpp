@@ -89,7 +89,7 @@ CountBlock chosen_count_block() {
   return count_block_plain;
 }
 
-CountedTimes faulty(CountedTimes::Fault fault, std::size_t row) { return {nullptr, 0, 0, fault, row}; }
+CountedTimes faulty(CountedTimes::Fault fault, std::size_t row) { return {0, 0, fault, row}; }
 
 // Why times are not counted that are not all finite and rising.
 CountedTimes disordered(std::span<const double> times) {
@@ -99,13 +99,12 @@ CountedTimes disordered(std::span<const double> times) {
     if (times[n] < times[n - 1]) return faulty(CountedTimes::Fault::backwards, n);
 }
 
-CountedTimes rounded(std::span<const double> times, int usual) {
+CountedTimes rounded(std::span<const double> times, int usual, std::int64_t* ticks) {
   for (std::size_t n = 0; n < times.size(); ++n)
     if (!std::isfinite(times[n]) || (n > 0 && times[n] < times[n - 1])) return disordered(times);
   const double largest = std::max(std::fabs(times.front()), std::fabs(times.back()));
   if (largest >= furthest) return faulty(CountedTimes::Fault::too_large, largest > times.back() ? 0 : times.size() - 1);
   CountedTimes result;
-  result.ticks = std::make_unique_for_overwrite<std::int64_t[]>(times.size());
   const auto fits = [&](int decimals, double limit) {
     return decimals <= most_decimals && largest * powers[static_cast<std::size_t>(decimals)] < limit;
   };
@@ -116,9 +115,9 @@ CountedTimes rounded(std::span<const double> times, int usual) {
     const double power = powers[static_cast<std::size_t>(decimals)];
     const auto tick = [&](double time) { return static_cast<std::int64_t>(std::nearbyint(time * power)); };
     result.first = tick(times[0]);
-    for (std::size_t n = 0; n < times.size(); ++n) result.ticks[n] = tick(times[n]) - result.first;
+    for (std::size_t n = 0; n < times.size(); ++n) ticks[n] = tick(times[n]) - result.first;
     for (merged = 1; merged < times.size(); ++merged)
-      if (result.ticks[merged] == result.ticks[merged - 1] && times[merged] != times[merged - 1]) return false;
+      if (ticks[merged] == ticks[merged - 1] && times[merged] != times[merged - 1]) return false;
     return true;
   };
   if (!count()) {
@@ -194,13 +193,12 @@ std::optional<int128> TickScale::tick(double time) {
   return static_cast<int128>(std::nearbyint(product));
 }
 
-CountedTimes counted(std::span<const double> times, int usual) {
+CountedTimes counted(std::span<const double> times, int usual, std::int64_t* ticks) {
   constexpr std::size_t block = 1024;
   static const CountBlock count_block = chosen_count_block();
   CountedTimes result;
   if (times.empty()) return result;
   if (!std::isfinite(times.front()) || !std::isfinite(times.back())) return disordered(times);
-  result.ticks = std::make_unique_for_overwrite<std::int64_t[]>(times.size());
   // Of times that rise.
   const double largest = std::max(std::fabs(times.front()), std::fabs(times.back()));
   int decimals = 0;
@@ -208,18 +206,17 @@ CountedTimes counted(std::span<const double> times, int usual) {
     const std::size_t count = std::min(block, times.size() - first);
     const double* const part = times.data() + first;
     for (const int before = decimals;; ++decimals) {
-      if (decimals > most_exact_decimals) return rounded(times, usual);
+      if (decimals > most_exact_decimals) return rounded(times, usual, ticks);
       const double power = powers[static_cast<std::size_t>(decimals)];
-      if (largest * power >= exact_below) return rounded(times, usual);
+      if (largest * power >= exact_below) return rounded(times, usual, ticks);
       const auto start = static_cast<std::int64_t>(nearest(times[0] * power));
-      const Counting done =
-          count_block(part, count, times[first - (first > 0)], power, start, result.ticks.get() + first);
+      const Counting done = count_block(part, count, times[first - (first > 0)], power, start, ticks + first);
       if (!done.rising) return disordered(times);
       if (!done.exact) continue;
       result.first = start;
       if (decimals > before) {  // what was counted before is exact in these units too
         const std::int64_t factor = power_of_ten(decimals - before);
-        for (std::size_t n = 0; n < first; ++n) result.ticks[n] *= factor;
+        for (std::size_t n = 0; n < first; ++n) ticks[n] *= factor;
       }
       break;
     }

@@ -144,7 +144,8 @@ def exact_ticks(times: NDArray[Any], name: str) -> CountedTimes:
         numbers = np.ascontiguousarray(times, dtype=np.float64)
     except (TypeError, ValueError):
         raise UsageError(f"{name}: the times are no numbers") from None
-    ticks, first, decimals, kind, row = _core.count_times(numbers, USUAL_DECIMALS)
+    ticks = np.empty(len(numbers), dtype=np.int64)  # NumPy takes pages for large arrays that are large too
+    first, decimals, kind, row = _core.count_times(numbers, USUAL_DECIMALS, ticks)
     match _TimeFault(kind):
         case _TimeFault.NOT_FINITE:
             raise UsageError(f"{name}: the time of row {row} is missing or infinite (rows are counted from 0)")

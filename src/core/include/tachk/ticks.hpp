@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
 
@@ -35,7 +34,6 @@ class TickScale {
 // The times of a whole trace, in units of 10^-decimals, from the first one on.
 struct CountedTimes {
   enum class Fault { none, not_finite, too_large, merged, backwards };
-  std::unique_ptr<std::int64_t[]> ticks;  // as many as times
   std::int64_t first = 0;
   int decimals = 0;
   Fault fault = Fault::none;
@@ -43,8 +41,8 @@ struct CountedTimes {
 };
 
 // In the fewest decimals in which all times are whole. Where there are none, as many as keep different neighbours
-// different, at least `usual`; then rounded to the nearest.
-CountedTimes counted(std::span<const double> times, int usual);
+// different, at least `usual`; then rounded to the nearest. Writes as many ticks as there are times.
+CountedTimes counted(std::span<const double> times, int usual, std::int64_t* ticks);
 
 // The first row with an earlier time than the row before; `count` if there is none.
 std::size_t first_backwards(const std::int64_t* times, std::size_t count);
