@@ -265,6 +265,9 @@ def open_csv_stream(stream: ByteStream, name: str, time: str | None = None, unit
     return CsvRecording(name, lambda: stream, header, separator, line)
 
 
+_ENDS_OF_LINES = "end lines with a line feed, and put names with other control characters between double quotes"
+
+
 def _header(stream: ByteStream, name: str, time: str | None, unit: str | None) -> tuple[Header, str, int]:
     """The header, the separator, and the number of the line behind."""
     number = 0
@@ -282,7 +285,10 @@ def _header(stream: ByteStream, name: str, time: str | None, unit: str | None) -
     if "\0" in text:
         raise UsageError(f"{name} is no text file", "text in UTF-8, VCD and Parquet files can be read")
     separator = max(_SEPARATORS, key=text.count)
-    cells = next(csv.reader([text], delimiter=separator))
+    try:
+        cells = next(csv.reader([text], delimiter=separator))
+    except csv.Error:
+        raise UsageError(f"the names of the columns of {name} cannot be read", _ENDS_OF_LINES) from None
     if all(_is_number(cell) for cell in cells):
         span = Span(Source(name, text, first_line=number), 0, len(text))
         raise InputError(

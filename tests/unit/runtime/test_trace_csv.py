@@ -223,3 +223,10 @@ def test_a_unit_that_contradicts_the_trace_is_refused() -> None:
 def test_a_header_that_cannot_be_cut() -> None:
     with pytest.raises(UsageError, match="separated by commas, semicolons or tabs"):
         read("time a b\n0 1 2\n")
+
+
+def test_a_carriage_return_among_the_names_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "old.csv"
+    path.write_bytes(b"time,p\r0,1\r1,0\n")
+    with pytest.raises(UsageError, match=r"the names of the columns of .*old\.csv cannot be read"):
+        open_csv(path)
