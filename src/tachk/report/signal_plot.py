@@ -39,6 +39,8 @@ _TITLE, _GAP = 0.4, 0.16
 _LONGEST_LABEL = 43
 _LONGEST_TITLE = 74
 _LABEL_WIDTH = 0.2
+_LARGEST = 1e300
+"""Beyond that margins and ticks are no numbers any more."""
 
 _FACE = {Truth.TRUE: "#5a9367", Truth.FALSE: "#ffffff", Truth.UNDETERMINED: "#f1f1f1"}
 _INK = {Truth.TRUE: "#3d6b48", Truth.FALSE: "#a4161a", Truth.UNDETERMINED: "#777777"}
@@ -154,9 +156,15 @@ def _axes(figure: Figure, heights: Sequence[float], signals: int, height: float)
 def _draw_numbers(axis: Axes, trace: Trace, name: str, span: Span, verdicts: Sequence[MonitorVerdict]) -> None:
     moves = trace.moves(name)
     times, values = (line if moves else steps)(trace, name, span.begin, span.end)
+    levels = thresholds(verdicts, name)
+    if max(map(abs, (*levels, values.min(), values.max()))) > _LARGEST:
+        raise UsageError(
+            f"`{name}` cannot be drawn: there are numbers beyond {_LARGEST:g}",
+            "draw a part of the trace, with --from and --to, or divide the numbers",
+        )
     (curve,) = axis.plot(times, values, drawstyle="default" if moves else "steps-post", color=_SIGNAL, linewidth=1.2)
     curve.set_gid(f"signal-{name}")
-    for level in thresholds(verdicts, name):
+    for level in levels:
         axis.axhline(level, color="#555555", linewidth=0.8, linestyle=(0, (1, 2)))
     axis.set_ylabel(_short(name), rotation=0, ha="right", va="center", fontsize=_LABEL)
     axis.margins(y=0.12)

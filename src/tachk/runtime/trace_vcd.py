@@ -127,6 +127,9 @@ class VcdRecording:
             for place in places.get(data.id_code, ()):
                 changed = True
                 value = _value(data, wanted[place])
+                if (bits := _bits(data)) > wanted[place].size:
+                    message = f"a value of {bits} bits for {wanted[place].name!r}, which has {wanted[place].size}"
+                    raise _error(self.name, message, token.span.start)
                 if value is None:
                     unknown[place] = token.span.start
                 elif abs(value) > _LARGEST_EXACT and not isinstance(data, RealChange):
@@ -218,8 +221,12 @@ def _value(change: ScalarChange | VectorChange | RealChange, variable: VcdVariab
             return None
 
 
+def _bits(change: ScalarChange | VectorChange | RealChange) -> int:
+    return change.value.bit_length() if isinstance(change, VectorChange) and isinstance(change.value, int) else 1
+
+
 def _values(variable: VcdVariable, values: list[float]) -> Values:
-    if variable.size == 1 and variable.kind is not VarType.real:
+    if variable.size == 1 and set(values) <= {0.0, 1.0}:
         return np.array(values, dtype=np.uint8)
     return np.array(values, dtype=np.float64)
 

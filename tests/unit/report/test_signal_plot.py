@@ -117,3 +117,15 @@ def test_long_traces_are_drawn_by_their_extremes() -> None:
     assert len(times) < 5000
     assert shown.max() == 9
     assert (np.diff(times) >= 0).all()
+
+
+@pytest.mark.parametrize(("value", "level"), [(1e308, 5), (-1e301, 5)])
+def test_numbers_that_no_axis_holds_are_refused(value: float, level: float, tmp_path: Path) -> None:
+    report = tachk.monitor(f"G (x < {level})", {"t": [0, 1, 2], "x": [0, value, 0]}, unit="s")
+    with pytest.raises(UsageError, match="`x` cannot be drawn"):
+        report.plot(tmp_path / "a.svg")
+
+
+def test_large_numbers_are_drawn(tmp_path: Path) -> None:
+    tachk.monitor("G (x < 5)", {"t": [0, 1, 2], "x": [0, 1e300, -1e300]}, unit="s").plot(tmp_path / "a.svg")
+    assert "signal-x" in identifiers(tmp_path / "a.svg")

@@ -121,3 +121,18 @@ def test_refusals(tmp_path: Path) -> None:
         open_trace(path, time="top.clk")
     with pytest.raises(UsageError, match="has no times"):
         read(tmp_path, HEAD)
+
+
+@pytest.mark.parametrize(("kind", "value"), [("wire", "b10"), ("integer", "b11111111111111111111111111111110")])
+def test_a_value_of_more_bits_than_its_variable_is_refused(tmp_path: Path, kind: str, value: str) -> None:
+    text = f"$timescale 1 ns $end\n$var {kind} 1 ! p $end\n$enddefinitions $end\n#0\n{value} !\n#5\n"
+    with pytest.raises(InputError) as found:
+        read(tmp_path, text, ["p"])
+    (error,) = found.value.diagnostics
+    assert (error.code, error.span.source.first_line) == ("E0917", 5)
+    assert "for 'p', which has 1" in error.message
+
+
+def test_a_real_number_for_one_bit_stays_what_it_is(tmp_path: Path) -> None:
+    text = "$timescale 1 ns $end\n$var wire 1 ! p $end\n$enddefinitions $end\n#0\nr2.5 !\n#5\n"
+    assert read(tmp_path, text, ["p"]).columns["p"].tolist() == [2.5, 2.5]
