@@ -126,10 +126,10 @@ class VcdRecording:
                 continue
             for place in places.get(data.id_code, ()):
                 changed = True
-                value = _value(data, wanted[place])
                 if (bits := _bits(data)) > wanted[place].size:
                     message = f"a value of {bits} bits for {wanted[place].name!r}, which has {wanted[place].size}"
                     raise _error(self.name, message, token.span.start)
+                value = _value(data, wanted[place])
                 if value is None:
                     unknown[place] = token.span.start
                 elif abs(value) > _LARGEST_EXACT and not isinstance(data, RealChange):

@@ -161,7 +161,8 @@ def _disjuncts(expression: Expression, positive: bool, known: Known, whole: Span
             atoms = clock_atoms(expression, positive, known)
             if isinstance(atoms, tuple):
                 return tuple(_Literals(atoms=conjunction) for conjunction in atoms)
-            return _disjuncts(atoms, True, known, whole)
+            if not mentions_time(atoms):
+                return _disjuncts(atoms, True, known, whole)
         case Conditional(condition, then, otherwise):
             one = _product(_disjuncts(condition, True, known, whole), _disjuncts(then, positive, known, whole), whole)
             other = _product(
@@ -170,6 +171,10 @@ def _disjuncts(expression: Expression, positive: bool, known: Known, whole: Span
             return _limited(one + other, whole)
         case Quantifier(kind) if kind is not QuantifierKind.SUM:
             return _quantifier(expression, positive, known, whole)
+    if not reads_clock(expression):
+        message = "`deadlock` is not a number to compare or to count with"
+        help_ = "join it with other conditions by `and`, `or`, `not` or `imply`"
+        raise UnsupportedError(Diagnostic("E0706", message, expression.span, help_))
     raise clock_form_unsupported(expression.span)
 
 

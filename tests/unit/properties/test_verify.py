@@ -193,3 +193,15 @@ def test_a_state_that_is_covered_later_keeps_its_own_path(verdicts: Verdicts) ->
     found = verdicts(text)
     assert {verdict.answer for verdict in found.values()} == {Answer.HOLDS}
     assert found["near"].trace is not None
+
+
+@pytest.mark.parametrize("query", ["A[] deadlock <= 2", "E<> deadlock + 1 > 0", "E<> n == deadlock + 1"])
+def test_a_deadlock_is_not_a_number(query: str, verdicts: Verdicts) -> None:
+    text = "int n; process P() { init location A { to A { guard n == 0; } } } system P; property Q : "
+    verdict = verdicts(f"{text}{query};")["Q"]
+    assert verdict.answer is Answer.UNKNOWN
+    assert verdict.unsupported is not None
+    assert (verdict.unsupported.code, verdict.unsupported.message) == (
+        "E0706",
+        "`deadlock` is not a number to compare or to count with",
+    )

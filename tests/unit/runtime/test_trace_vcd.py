@@ -133,6 +133,13 @@ def test_a_value_of_more_bits_than_its_variable_is_refused(tmp_path: Path, kind:
     assert "for 'p', which has 1" in error.message
 
 
+def test_a_variable_without_bits_has_no_values(tmp_path: Path) -> None:
+    text = "$timescale 1 ns $end\n$var integer 0 ! p $end\n$enddefinitions $end\n#0\nb1 !\n#5\n"
+    with pytest.raises(InputError) as found:
+        read(tmp_path, text, ["p"])
+    assert found.value.diagnostics[0].code == "E0917"
+
+
 def test_a_real_number_for_one_bit_stays_what_it_is(tmp_path: Path) -> None:
     text = "$timescale 1 ns $end\n$var wire 1 ! p $end\n$enddefinitions $end\n#0\nr2.5 !\n#5\n"
     assert read(tmp_path, text, ["p"]).columns["p"].tolist() == [2.5, 2.5]
