@@ -11,6 +11,8 @@ from tachk.engines.protocol import RunTimeFault
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.network import Network
 from tachk.semantics.discrete import execute_updates, prepare
+from tachk.semantics.trace import TimedTrace
+from tachk.time_limit import OutOfTimeError, time_limit
 
 _WHAT = {
     RuntimeErrorKind.RANGE: (
@@ -45,17 +47,30 @@ def diagnostic_of(fault: RunTimeFault) -> Diagnostic:
     return Diagnostic(code, f"run-time error: {message}{detail}", fault.span, help)
 
 
-def explain(network: Network, fault: RunTimeFault) -> RunTimeFault:
-    """The fault with its run and, where an update failed, the values as the reference evaluator finds them."""
-    run = concretise(network, fault.path)
-    detail = ""
+def explain(network: Network, fault: RunTimeFault, seconds: float | None = None) -> RunTimeFault:
+    """The fault with its run and, where an update failed, the values as the reference evaluator finds them.
+
+    Args:
+        seconds: how long that may take; what is not found by then is left out. The run is one of Python, in which a
+            function that loops takes many seconds.
+    """
+    placed = replace(fault, span=_place(network, fault))
+    try:
+        with time_limit(seconds):
+            run = concretise(network, fault.path)
+            return replace(placed, detail=_detail(network, fault, run), run=run)
+    except OutOfTimeError:
+        return placed
+
+
+def _detail(network: Network, fault: RunTimeFault, run: TimedTrace | None) -> str:
     # No value tells why a loop does not end, and the reference evaluator would run it for many seconds.
     if run is not None and fault.transition is not None and fault.kind is not RuntimeErrorKind.LOOP:
         try:
             execute_updates(prepare(network), run.states[-1].discrete, fault.transition)
         except EvaluationFault as error:
-            detail = error.detail
-    return replace(fault, span=_place(network, fault), detail=detail, run=run)
+            return error.detail
+    return ""
 
 
 def _place(network: Network, fault: RunTimeFault) -> Span:

@@ -244,7 +244,7 @@ def _explore(
         return [_not_begun(task.query, TIME_LIMIT) for task in tasks]
     outcome = explore(program, goals, options, _remaining(limits, started), progress)
     if outcome.fault is not None:
-        fault = explain(reduced, outcome.fault)
+        fault = explain(reduced, outcome.fault, limits.seconds)
         if fault.run is not None:
             fault = replace(fault, run=_whole_run(network, reduced, fault.run))
         outcome = replace(outcome, fault=fault if search.observer is None else fault_without_observer(network, fault))

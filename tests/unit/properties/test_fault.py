@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from tachk.diagnostics.render import render
@@ -10,7 +12,7 @@ from tachk.diagnostics.span import Source
 from tachk.engines.protocol import RunTimeFault
 from tachk.frontend.load import load_model
 from tachk.model.fault import RuntimeErrorKind
-from tachk.properties.fault import diagnostic_of
+from tachk.properties.fault import diagnostic_of, explain
 from tachk.properties.verdict import Verdict
 from tachk.properties.verify import verify
 
@@ -60,3 +62,17 @@ def test_a_run_time_error_is_rendered_like_a_mistake() -> None:
         "      |                                     ^^^^^^^^^",
         "help: declare a wider range, or guard the edge so that this is not evaluated there",
     ]
+
+
+def test_an_error_is_told_without_its_times_where_there_is_no_time_left() -> None:
+    text = """int[0,1] n = 0;
+process P() { clock x; init location A { to B { guard x >= 3; } } location B { to B { assign n = n + 1; } } }
+system P;
+property p : A[] n < 2;"""
+    network = load_model(Source("m.ta", text)).network
+    fault = first(text).fault
+    assert fault is not None and fault.run is not None and fault.detail == "2 is not in [0, 1]"
+    hurried = explain(network, fault, seconds=0.0)
+    assert (hurried.kind, hurried.span, hurried.path) == (fault.kind, fault.span, fault.path)
+    assert explain(network, replace(fault, run=None, detail=""), seconds=0.0).run is None
+    assert explain(network, replace(fault, run=None, detail=""), seconds=None).run is not None
