@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "tachk/online_monitor.hpp"
+#include "monitoring/online/online_monitor.hpp"
 
 namespace {
 

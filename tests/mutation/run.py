@@ -137,7 +137,7 @@ def _digest(mutant: Mutant) -> str:
     """Of all that the result depends on in the first place."""
     hashed = hashlib.sha256(repr((mutant.file, mutant.after, mutant.old, mutant.new, mutant.tests)).encode())
     for name in (mutant.file, *mutant.tests):
-        path = ROOT / (name.split("::")[0] if "/" in name else f"tests/core/{name}.cpp")
+        path = ROOT / name.split("::")[0] if "/" in name else next((ROOT / "tests" / "core").rglob(f"{name}.cpp"))
         for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
             hashed.update(file.read_bytes() if file.is_file() else b"")
     return hashed.hexdigest()[:16]

@@ -38,7 +38,7 @@ WORDS = {
 def numbers_of(header: str, enumeration: str) -> dict[str, int]:
     if not (ROOT / "src/core").is_dir():
         pytest.skip("needs a checkout")
-    text = (ROOT / "src/core/include/tachk" / header).read_text(encoding="utf-8")
+    text = (ROOT / "src/core" / header).read_text(encoding="utf-8")
     body = re.search(rf"enum class {enumeration}(?: : [\w:]+)? {{(.*?)}};", text, re.DOTALL)
     assert body is not None
     numbers: dict[str, int] = {}
@@ -54,15 +54,15 @@ def numbers_of(header: str, enumeration: str) -> dict[str, int]:
 @pytest.mark.parametrize(
     ("header", "enumeration", "mirror"),
     [
-        ("opcode.hpp", "Opcode", Opcode),
-        ("opcode.hpp", "FaultKind", RuntimeErrorKind),
-        ("explorer.hpp", "Status", CoreStatus),
-        ("program.hpp", "Comparison", Comparison),
-        ("program.hpp", "DeadlockLiteral", DeadlockLiteral),
-        ("csv_reader.hpp", "CsvFaultKind", CsvFaultKind),
-        ("monitor_program.hpp", "ValueOperator", ValueOperator),
-        ("monitor_program.hpp", "Relation", Relation),
-        ("monitor_program.hpp", "NodeKind", NodeKind),
+        ("machine/opcode.hpp", "Opcode", Opcode),
+        ("machine/opcode.hpp", "FaultKind", RuntimeErrorKind),
+        ("reachability/explorer.hpp", "Status", CoreStatus),
+        ("program/program.hpp", "Comparison", Comparison),
+        ("program/program.hpp", "DeadlockLiteral", DeadlockLiteral),
+        ("csv/csv_reader.hpp", "CsvFaultKind", CsvFaultKind),
+        ("monitoring/monitor_program.hpp", "ValueOperator", ValueOperator),
+        ("monitoring/monitor_program.hpp", "Relation", Relation),
+        ("monitoring/monitor_program.hpp", "NodeKind", NodeKind),
     ],
 )
 def test_the_header_and_python_number_alike(header: str, enumeration: str, mirror: type[IntEnum]) -> None:
@@ -72,9 +72,9 @@ def test_the_header_and_python_number_alike(header: str, enumeration: str, mirro
 @pytest.mark.parametrize(
     ("header", "enumeration", "numbers"),
     [
-        ("explorer.hpp", "SearchOrder", zone._ORDERS),
-        ("explorer.hpp", "Extrapolation", zone._EXTRAPOLATIONS),
-        ("zone.hpp", "Width", zone._WIDTHS),
+        ("reachability/explorer.hpp", "SearchOrder", zone._ORDERS),
+        ("reachability/explorer.hpp", "Extrapolation", zone._EXTRAPOLATIONS),
+        ("zones/zone.hpp", "Width", zone._WIDTHS),
     ],
 )
 def test_options_have_the_numbers_of_the_header(header: str, enumeration: str, numbers: dict[object, int]) -> None:

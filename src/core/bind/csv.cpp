@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "arrays.hpp"
-#include "tachk/csv_reader.hpp"
+#include "csv/csv_reader.hpp"
 
 namespace nb = nanobind;
 

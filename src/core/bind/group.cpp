@@ -23,8 +23,8 @@
 
 #include "arrays.hpp"
 #include "monitor_program.hpp"
-#include "tachk/monitor_group.hpp"
-#include "tachk/ticks.hpp"
+#include "monitoring/online/monitor_group.hpp"
+#include "monitoring/ticks.hpp"
 
 namespace nb = nanobind;
 

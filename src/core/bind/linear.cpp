@@ -15,7 +15,7 @@
 #include "arrays.hpp"
 #include "monitor_program.hpp"
 #include "monitor_results.hpp"
-#include "tachk/linear_monitor.hpp"
+#include "monitoring/linear/linear_monitor.hpp"
 
 namespace nb = nanobind;
 

@@ -16,7 +16,7 @@
 #include "linear.hpp"
 #include "offline.hpp"
 #include "online.hpp"
-#include "tachk/explorer.hpp"
+#include "reachability/explorer.hpp"
 
 namespace nb = nanobind;
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "tachk/monitor_program.hpp"
-#include "tachk/monitor_samples.hpp"
+#include "monitoring/monitor_program.hpp"
+#include "monitoring/monitor_samples.hpp"
 
 using TickArray = nanobind::ndarray<const std::int64_t, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;
 

@@ -11,7 +11,7 @@
 
 #include "arrays.hpp"
 #include "monitor_program.hpp"
-#include "tachk/offline_monitor.hpp"
+#include "monitoring/offline/offline_monitor.hpp"
 
 // Node, first cell, last cell.
 using ViolationTuple = std::tuple<std::size_t, tachk::Cell, tachk::Cell>;

@@ -15,7 +15,7 @@
 
 #include "monitor_program.hpp"
 #include "monitor_results.hpp"
-#include "tachk/offline_monitor.hpp"
+#include "monitoring/offline/offline_monitor.hpp"
 
 namespace nb = nanobind;
 

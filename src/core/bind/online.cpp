@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "monitor_program.hpp"
-#include "tachk/online_monitor.hpp"
+#include "monitoring/online/online_monitor.hpp"
 
 namespace nb = nanobind;
 

@@ -234,7 +234,7 @@ def _transition(program: Program, edges: Sequence[int]) -> Transition:
     return Transition(tuple(Participant(edge.process, edge.edge, edge.selects) for edge in chosen))
 
 
-# ---- the flat form of a program, read by src/core/lib/program.cpp -------------------------------------------------
+# ---- the flat form of a program, read by src/core/program/program.cpp ----------------------------------------------
 
 
 def _encode(program: Program, goals: Sequence[Goal]) -> list[int]:

@@ -1,4 +1,4 @@
-"""The instructions of the core's stack machine. `src/core/include/tachk/opcode.hpp` mirrors the numbers.
+"""The instructions of the core's stack machine. `src/core/machine/opcode.hpp` mirrors the numbers.
 
 A word is a signed 32-bit integer; an instruction is an opcode followed by its operands. Values on the stack are 64-bit;
 the result of every arithmetic instruction is taken modulo 2**32, as a signed 32-bit number.

@@ -1,0 +1,395 @@
+#include "csv/csv_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+namespace tachk {
+
+namespace {
+
+constexpr std::uint64_t exact_mantissa = std::uint64_t{1} << 53;
+constexpr std::uint64_t room_for_a_digit = (std::numeric_limits<std::uint64_t>::max() - 9) / 10;
+constexpr std::int64_t furthest_time = std::numeric_limits<std::int64_t>::max() / 2;
+
+constexpr std::array<double, 23> powers_of_ten = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                                  1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                                  1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+
+bool is_digit(char c) { return static_cast<unsigned char>(c - '0') < 10; }
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+const char* past_blanks(const char* p, char separator) {
+  while (is_blank(*p) && *p != separator) ++p;
+  return p;
+}
+
+// A decimal number as mantissa * 10^exponent. `exact` is false where the mantissa has more digits than fit.
+struct Decimal {
+  std::uint64_t mantissa = 0;
+  std::int64_t exponent = 0;
+  bool negative = false;
+  bool exact = true;
+};
+
+// The place behind the number, or `p` if there is none. The text ends with a line break, so no length is needed.
+const char* scan_decimal(const char* p, Decimal& number) {
+  const char* const start = p;
+  if (*p == '-' || *p == '+') number.negative = *p++ == '-';
+  const char* const first = p;
+  std::uint64_t mantissa = 0;
+  for (; is_digit(*p); ++p) {
+    if (mantissa > room_for_a_digit) {
+      number.exact = false;
+      continue;
+    }
+    mantissa = 10 * mantissa + static_cast<std::uint64_t>(*p - '0');
+  }
+  auto digits = p - first;
+  if (*p == '.') {
+    const char* const fraction = ++p;
+    for (; is_digit(*p); ++p) {
+      if (mantissa > room_for_a_digit) {
+        if (*p != '0') number.exact = false;
+        continue;
+      }
+      mantissa = 10 * mantissa + static_cast<std::uint64_t>(*p - '0');
+      --number.exponent;
+    }
+    digits += p - fraction;
+  }
+  if (digits == 0) return start;
+  if (*p == 'e' || *p == 'E') {
+    const char* q = p + 1;
+    const bool negative = *q == '-';
+    if (*q == '-' || *q == '+') ++q;
+    if (is_digit(*q)) {
+      std::int64_t exponent = 0;
+      for (; is_digit(*q); ++q)
+        if (exponent < 100000) exponent = 10 * exponent + (*q - '0');
+      number.exponent += negative ? -exponent : exponent;
+      p = q;
+    }
+  }
+  number.mantissa = mantissa;
+  return p;
+}
+
+bool same_word(std::string_view text, std::string_view lower) {
+  if (text.size() != lower.size()) return false;
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if ((text[i] | 0x20) != lower[i]) return false;
+  return true;
+}
+
+// How other programs write that there is no value.
+bool is_missing(std::string_view text) {
+  return same_word(text, "nan") || same_word(text, "-nan") || same_word(text, "na") || same_word(text, "null");
+}
+
+}  // namespace
+
+CsvReader::CsvReader(CsvOptions options)
+    : plan_(options.cells, skip),
+      separator_(options.separator),
+      decimals_(options.decimals),
+      most_decimals_(options.most_decimals),
+      line_(options.first_line - 1),
+      columns_(options.columns.size()) {
+  if (options.time >= options.cells || options.decimals > options.most_decimals || options.most_decimals > 18)
+    throw std::invalid_argument("CsvReader: options out of range");
+  plan_[options.time] = is_time;
+  for (std::size_t i = 0; i < options.columns.size(); ++i) {
+    const std::uint32_t cell = options.columns[i];
+    if (cell >= options.cells || plan_[cell] != skip) throw std::invalid_argument("CsvReader: cell taken twice");
+    plan_[cell] = static_cast<std::int32_t>(i);
+  }
+}
+
+void CsvReader::reserve(std::size_t rows) {
+  times_.reserve(rows);
+  for (CsvColumn& column : columns_) column.truths.reserve(rows);
+}
+
+bool CsvReader::feed(std::string_view piece) {
+  if (fault_) return false;
+  if (!carried_.empty()) {
+    const std::size_t end = piece.find('\n');
+    carried_.append(piece.substr(0, end == std::string_view::npos ? piece.size() : end + 1));
+    if (end == std::string_view::npos) {
+      if (carried_.size() > longest_line) {
+        ++line_;
+        carried_.push_back('\n');
+        fail(CsvFaultKind::line_too_long, carried_.data(), carried_.data(), 0);
+      }
+      return !fault_;
+    }
+    read_lines(carried_.data(), carried_.data() + carried_.size());
+    carried_.clear();
+    piece.remove_prefix(end + 1);
+    if (fault_) return false;
+  }
+  const std::size_t last = piece.rfind('\n');
+  if (last != std::string_view::npos) {
+    if (read_lines(piece.data(), piece.data() + last + 1) == nullptr) return false;
+    piece.remove_prefix(last + 1);
+  }
+  carried_.assign(piece);
+  return true;
+}
+
+bool CsvReader::finish() {
+  if (fault_) return false;
+  if (!carried_.empty()) {
+    carried_.push_back('\n');
+    read_lines(carried_.data(), carried_.data() + carried_.size());
+    carried_.clear();
+  }
+  return !fault_;
+}
+
+std::vector<std::int64_t> CsvReader::take_times() { return std::exchange(times_, {}); }
+
+std::vector<CsvColumn> CsvReader::take_columns() {
+  std::vector<CsvColumn> taken(columns_.size());
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    CsvColumn& column = columns_[i];
+    taken[i].truths = std::exchange(column.truths, {});
+    taken[i].numbers = std::exchange(column.numbers, {});
+    taken[i].is_number = column.is_number;
+    taken[i].has_words = column.has_words;
+    taken[i].last = column.last;
+  }
+  return taken;
+}
+
+const char* CsvReader::read_lines(const char* begin, const char* end) {
+  while (begin != end) {
+    ++line_;
+    const char* p = past_blanks(begin, separator_);
+    if (*p == '\n') {
+      begin = p + 1;
+    } else if (*p == '#') {
+      begin = static_cast<const char*>(std::memchr(p, '\n', static_cast<std::size_t>(end - p))) + 1;
+    } else {
+      begin = read_line(begin);
+      if (begin == nullptr) {
+        forget_partial_row();
+        return nullptr;
+      }
+    }
+  }
+  return end;
+}
+
+const char* CsvReader::read_line(const char* begin) {
+  const char* p = begin;
+  const auto cells = static_cast<std::int32_t>(plan_.size());
+  for (std::int32_t cell = 0; cell < cells; ++cell) {
+    const std::int32_t step = plan_[static_cast<std::size_t>(cell)];
+    const char* const end = step == is_time ? read_time(p, begin, cell)
+                            : step == skip  ? skip_cell(p, begin, cell)
+                                            : read_value(columns_[static_cast<std::size_t>(step)], p, begin, cell);
+    if (end == nullptr) return nullptr;
+    const bool last = cell + 1 == cells;
+    if ((*end == '\n') != last)
+      return fail(last ? CsvFaultKind::too_many_cells : CsvFaultKind::too_few_cells, last ? end + 1 : end, begin, cell);
+    p = end + 1;
+  }
+  any_row_ = true;
+  return p;
+}
+
+const char* CsvReader::close_cell(const char* rest, const char* begin, const char* line, std::int32_t cell) {
+  rest = past_blanks(rest, separator_);
+  return ends_cell(*rest) ? rest : fail(CsvFaultKind::not_a_number, begin, line, cell);
+}
+
+const char* CsvReader::read_time(const char* begin, const char* line, std::int32_t cell) {
+  const char* p = past_blanks(begin, separator_);
+  const bool quoted = *p == '"';
+  if (quoted) ++p;
+  if (ends_cell(*p)) return fail(CsvFaultKind::missing_time, begin, line, cell);
+  Decimal number;
+  const char* rest = scan_decimal(p, number);
+  if (rest == p) return fail(CsvFaultKind::not_a_number, begin, line, cell);
+  if (quoted) {
+    if (*rest != '"') return fail(CsvFaultKind::not_a_number, begin, line, cell);
+    ++rest;
+  }
+  rest = close_cell(rest, begin, line, cell);
+  if (rest == nullptr) return nullptr;
+  CsvFaultKind problem = CsvFaultKind::time_too_large;
+  if (!number.exact || !put_time(number.mantissa, -number.exponent, number.negative, problem))
+    return fail(number.exact ? problem : CsvFaultKind::time_too_fine, begin, line, cell);
+  return rest;
+}
+
+// Appends mantissa * 10^-decimals; where it is finer than the times so far, all of them are counted in finer units.
+bool CsvReader::put_time(std::uint64_t mantissa, std::int64_t decimals, bool negative, CsvFaultKind& problem) {
+  problem = CsvFaultKind::time_too_large;
+  if (mantissa == 0) decimals = 0;
+  for (; decimals > decimals_ && mantissa % 10 == 0; --decimals) mantissa /= 10;
+  if (decimals > most_decimals_) {
+    problem = CsvFaultKind::time_too_fine;
+    return false;
+  }
+  for (; decimals_ < decimals; ++decimals_) {
+    if (any_row_ && std::abs(last_time_) > furthest_time / 10) return false;
+    if (!times_.empty() && std::abs(times_.front()) > furthest_time / 10) return false;
+    last_time_ *= 10;
+    for (std::int64_t& time : times_) time *= 10;
+  }
+  for (; decimals < decimals_ && mantissa != 0; ++decimals)
+    if (__builtin_mul_overflow(mantissa, std::uint64_t{10}, &mantissa)) return false;
+  if (mantissa > static_cast<std::uint64_t>(furthest_time)) return false;
+  const auto time = negative ? -static_cast<std::int64_t>(mantissa) : static_cast<std::int64_t>(mantissa);
+  if (any_row_ && time < last_time_) {
+    problem = CsvFaultKind::decreasing_time;
+    return false;
+  }
+  times_.push_back(time);
+  last_time_ = time;
+  return true;
+}
+
+const char* CsvReader::read_value(CsvColumn& column, const char* begin, const char* line, std::int32_t cell) {
+  // The common cases: a single 0 or 1 in a column of truth values, and a short decimal number.
+  if (ends_cell(begin[1]) && static_cast<unsigned char>(*begin - '0') < 2 && !column.is_number) {
+    column.truths.push_back(static_cast<std::uint8_t>(*begin - '0'));
+    column.last = *begin - '0';
+    return begin + 1;
+  }
+  if (is_digit(*begin) || *begin == '-') {
+    Decimal number;
+    const char* const rest = scan_decimal(begin, number);
+    if (rest != begin && ends_cell(*rest) && number.exact && number.mantissa <= exact_mantissa &&
+        number.exponent <= 0 && number.exponent >= -22) {
+      // Exact operands and one correctly rounded division (Clinger 1990).
+      double value = static_cast<double>(number.mantissa);
+      if (number.exponent < 0) value /= powers_of_ten[static_cast<std::size_t>(-number.exponent)];
+      if (number.negative) value = -value;
+      if (column.is_number) {
+        column.numbers.push_back(value);
+        column.last = value;
+        return rest;
+      }
+      if (!column.has_words || value == 0 || value == 1) {
+        put_number(column, value);
+        return rest;
+      }
+    }
+  }
+  return read_slow_value(column, begin, line, cell);
+}
+
+const char* CsvReader::read_slow_value(CsvColumn& column, const char* begin, const char* line, std::int32_t cell) {
+  const char* p = past_blanks(begin, separator_);
+  const bool quoted = *p == '"';
+  if (quoted) ++p;
+  const char* rest = p;
+  while (!ends_cell(*rest) && !(quoted && *rest == '"')) ++rest;
+  const char* end = rest;
+  if (quoted) {
+    if (*rest != '"') return fail(CsvFaultKind::open_quote, begin, line, cell);
+    ++rest;
+  }
+  while (end != p && is_blank(end[-1])) --end;
+  rest = close_cell(rest, begin, line, cell);
+  if (rest == nullptr) return nullptr;
+  const std::string_view text(p, static_cast<std::size_t>(end - p));
+  if (text.empty() || is_missing(text)) {
+    if (!any_row_) return fail(CsvFaultKind::missing_value, begin, line, cell);
+    put_number(column, column.last);
+    return rest;
+  }
+  const bool is_true = same_word(text, "true");
+  if (is_true || same_word(text, "false")) {
+    if (column.is_number) return fail(CsvFaultKind::mixed_column, begin, line, cell);
+    column.has_words = true;
+    column.truths.push_back(is_true ? 1 : 0);
+    column.last = is_true ? 1 : 0;
+    return rest;
+  }
+  double value = 0;
+  const char* const first = *p == '+' && end - p > 1 && p[1] != '-' ? p + 1 : p;
+  const auto [stopped, error] = std::from_chars(first, end, value);
+  if (error == std::errc::invalid_argument || stopped != end)
+    return fail(CsvFaultKind::not_a_number, begin, line, cell);
+  if (error == std::errc::result_out_of_range) {
+    // from_chars leaves open which of the two it was; strtod gives 0 or a subnormal number where it is tiny.
+    value = std::strtod(std::string(first, end).c_str(), nullptr);
+  }
+  if (!std::isfinite(value)) return fail(CsvFaultKind::not_finite, begin, line, cell);
+  if (column.has_words && value != 0 && value != 1) return fail(CsvFaultKind::mixed_column, begin, line, cell);
+  put_number(column, value);
+  return rest;
+}
+
+void CsvReader::put_number(CsvColumn& column, double value) {
+  column.last = value;
+  if (!column.is_number) {
+    if (value == 0 || value == 1) {
+      column.truths.push_back(value == 1 ? 1 : 0);
+      return;
+    }
+    column.numbers.reserve(column.truths.capacity());
+    column.numbers.assign(column.truths.begin(), column.truths.end());
+    column.truths = {};
+    column.is_number = true;
+  }
+  column.numbers.push_back(value);
+}
+
+const char* CsvReader::skip_cell(const char* begin, const char* line, std::int32_t cell) {
+  const char* p = past_blanks(begin, separator_);
+  if (*p == '"') {
+    for (++p; *p != '\n'; ++p) {
+      if (*p != '"') continue;
+      if (p[1] != '"') break;
+      ++p;  // two quotes stand for one
+    }
+    if (*p == '\n') return fail(CsvFaultKind::open_quote, begin, line, cell);
+    ++p;
+  }
+  while (!ends_cell(*p)) ++p;
+  return p;
+}
+
+const char* CsvReader::fail(CsvFaultKind kind, const char* begin, const char* line, std::int32_t cell) {
+  const char* end = line;
+  while (*end != '\n') ++end;
+  const char* start = begin;
+  while (start < end && is_blank(*start) && *start != separator_) ++start;
+  const char* stop = start;
+  while (stop < end && *stop != separator_) ++stop;
+  while (stop > start && is_blank(stop[-1])) --stop;
+  std::string text(line, end);
+  if (!text.empty() && text.back() == '\r') text.pop_back();
+  fault_ = CsvFault{
+      kind, line_, static_cast<std::uint64_t>(start - line), static_cast<std::uint64_t>(stop - start), std::move(text),
+      cell};
+  return nullptr;
+}
+
+// After a fault within a row: every column ends with the row before it.
+void CsvReader::forget_partial_row() {
+  std::size_t rows = times_.size();
+  for (const CsvColumn& column : columns_) rows = std::min(rows, column.truths.size() + column.numbers.size());
+  times_.resize(rows);
+  for (CsvColumn& column : columns_) {
+    if (column.is_number) {
+      column.numbers.resize(rows);
+    } else {
+      column.truths.resize(rows);
+    }
+  }
+}
+
+}  // namespace tachk

@@ -1,0 +1,62 @@
+// The machine that evaluates guards, updates and predicates.
+#pragma once
+
+#include <cstdint>
+#include <exception>
+#include <vector>
+
+#include "machine/machine_code.hpp"
+#include "machine/opcode.hpp"
+#include "program/program.hpp"
+#include "zones/bound.hpp"
+
+namespace tachk {
+
+// A run-time error of the model, at a code position.
+struct ModelFault : std::exception {
+  ModelFault(FaultKind fault_kind, std::int32_t code_position) : kind(fault_kind), position(code_position) {}
+  const char* what() const noexcept override { return "run-time error of the model"; }
+
+  FaultKind kind;
+  std::int32_t position;
+};
+
+class Machine {
+ public:
+  // A clock set to more than `largest_reset` time units is a fault: the zones could not represent it.
+  Machine(const Program& program, Raw largest_reset)
+      : program_(program), largest_reset_(largest_reset), code_(program) {}
+
+  // The value of a piece of code. `memory` holds all slots; frame slots may be written. Throws ModelFault.
+  std::int64_t value(std::int32_t code, std::int32_t* memory) { return run(code, memory, nullptr); }
+
+  // The value of code that computes a time, in the program's time unit. Throws ModelFault.
+  std::int64_t time(std::int32_t code, std::int32_t* memory) { return in_units(run(code, memory, nullptr)); }
+
+  // Runs an update: writes slots, of which it tells, and appends clock resets in order. Throws ModelFault.
+  std::int64_t update(std::int32_t code, std::int32_t* memory, SlotSet& written, std::vector<ClockReset>& resets) {
+    written_ = {};
+    const std::int64_t value = run(code, memory, &resets);
+    written.add(written_);
+    return value;
+  }
+
+ private:
+  std::int64_t in_units(std::int64_t time) const;
+  std::int64_t run(std::int32_t code, std::int32_t* memory, std::vector<ClockReset>* resets);
+
+  struct Frame {
+    const Instruction* next;
+    std::int32_t* registers;
+  };
+
+  const Program& program_;
+  Raw largest_reset_;
+  MachineCode code_;
+  SlotSet written_;
+  std::vector<std::int32_t> registers_;
+  std::vector<Frame> calls_;          // those open, with what to go on with
+  std::vector<std::int32_t> copied_;  // by the copy under way
+};
+
+}  // namespace tachk

@@ -1,0 +1,242 @@
+#include "monitoring/online/monitor_group.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace tachk {
+namespace {
+
+// Later instants are refused, so that sums of instants and bounds of formulas fit into 64 bits.
+constexpr std::int64_t furthest = largest_tick / 2;
+
+template <class Value>
+void drop(std::vector<Value>& values, std::size_t count) {
+  values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
+}
+
+}  // namespace
+
+MonitorGroup::MonitorGroup(std::vector<Watched> watched, std::size_t columns, bool quantitative, const TickScale& scale,
+                           std::int64_t reach, std::size_t most_kept)
+    : values_(columns),
+      row_(columns),
+      quantitative_(quantitative),
+      scale_(scale),
+      reach_(reach),
+      most_kept_(most_kept),
+      open_(watched.size()) {
+  kept_.columns.resize(columns);
+  for (Watched& each : watched) {
+    Member member;
+    member.monitor = std::make_unique<OnlineMonitor>(std::move(each.program), quantitative);
+    member.places = std::move(each.places);
+    member.columns.resize(member.places.size());
+    watched_.push_back(std::move(member));
+  }
+  verdict_ = joint();
+}
+
+RowFault MonitorGroup::check(int128 tick) const {
+  if (finished_) return RowFault::finished;
+  if (!begun_) return RowFault::none;
+  const int128 since = tick - origin_;
+  if (since < now_) return RowFault::backwards;
+  return since >= furthest ? RowFault::too_far : RowFault::none;
+}
+
+void MonitorGroup::reach(int128 tick) {
+  if (!begun_) {
+    begun_ = true;
+    origin_ = tick;
+  }
+  now_ = static_cast<std::int64_t>(tick - origin_);
+}
+
+RowFault MonitorGroup::update(int128 tick, std::optional<double> time, std::span<const double> values) {
+  if (const RowFault fault = check(tick); fault != RowFault::none) return fault;
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    double value = values[n];
+    if (!std::isfinite(value)) {
+      faulty_column_ = n;
+      if (std::isinf(value)) return RowFault::infinite;
+      if (!has_values_) return RowFault::missing;
+      value = values_[n];
+    }
+    row_[n] = value;
+  }
+  if (rows_ > 0 && begun_ && tick - origin_ == last_row_ && time && last_time_ && *time != *last_time_)
+    return RowFault::merged;
+  reach(tick);
+  std::swap(values_, row_);
+  has_values_ = true;
+  last_time_ = time;
+  last_row_ = now_;
+  ++rows_;
+  forget_rows();
+  if (open_ > 0) {
+    kept_.ticks.push_back(now_);
+    for (std::size_t n = 0; n < values_.size(); ++n) kept_.columns[n].push_back(values_[n]);
+  }
+  decided_some_ = false;
+  for (Member& member : watched_) {
+    if (member.decided && !quantitative_) continue;
+    for (std::size_t n = 0; n < member.places.size(); ++n) member.columns[n] = {&values_[member.places[n]], nullptr};
+    feed(member, {&now_, member.columns.data(), 1});
+  }
+  return RowFault::none;
+}
+
+RowFault MonitorGroup::push(const std::int64_t* times, std::int64_t factor, std::span<const Column> columns,
+                            std::size_t count, std::size_t& row) {
+  row = 0;
+  decided_some_ = false;
+  if (count == 0) return RowFault::none;
+  const auto tick = [&](std::size_t n) { return int128{times[n]} * factor; };
+  if (const RowFault fault = check(tick(0)); fault != RowFault::none) return fault;
+  bool ordered = true;
+  for (std::size_t n = 1; n < count; ++n) ordered &= times[n - 1] <= times[n];
+  if (!ordered) {
+    for (row = 1; times[row - 1] <= times[row];) ++row;
+    return RowFault::backwards;
+  }
+  const int128 origin = begun_ ? origin_ : tick(0);
+  if (tick(count - 1) - origin >= furthest) {
+    while (tick(row) - origin < furthest) ++row;
+    return RowFault::too_far;
+  }
+  const std::int64_t* ticks = times;
+  if (factor != 1 || origin != 0) {
+    if (ticks_.size() < count) ticks_.resize(count);
+    // Differences fit although the times themselves may not.
+    const std::int64_t first = times[0];
+    const auto start = static_cast<std::int64_t>(tick(0) - origin);
+    for (std::size_t n = 0; n < count; ++n) ticks_[n] = (times[n] - first) * factor + start;
+    ticks = ticks_.data();
+  }
+  reach(tick(0));
+  now_ = last_row_ = ticks[count - 1];
+  last_time_.reset();
+  for (std::size_t n = 0; n < columns.size(); ++n) {
+    const Column& column = columns[n];
+    values_[n] = column.numbers != nullptr ? column.numbers[count - 1] : column.flags[count - 1] != 0 ? 1.0 : 0.0;
+  }
+  has_values_ = true;
+  rows_ += count;
+  forget_rows();
+  decided_some_ = false;
+  for (Member& member : watched_) {
+    if (member.decided && !quantitative_) continue;
+    for (std::size_t n = 0; n < member.places.size(); ++n) member.columns[n] = columns[member.places[n]];
+    feed(member, {ticks, member.columns.data(), count});
+  }
+  if (open_ > 0 || decided_some_) keep({ticks, columns.data(), count});
+  return RowFault::none;
+}
+
+RowFault MonitorGroup::advance(int128 tick) {
+  if (const RowFault fault = check(tick); fault != RowFault::none) return fault;
+  if (!begun_) return RowFault::missing;
+  reach(tick);
+  decided_some_ = false;
+  for (Member& member : watched_) {
+    if (member.decided && !quantitative_) continue;
+    member.monitor->advance(now_);
+    settle();
+  }
+  return RowFault::none;
+}
+
+RowFault MonitorGroup::finish(std::optional<int128> tick) {
+  if (!begun_) return RowFault::missing;
+  if (tick) {
+    if (const RowFault fault = check(*tick); fault != RowFault::none) return fault;
+    reach(*tick);
+  }
+  decided_some_ = false;
+  if (finished_) return RowFault::none;
+  finished_ = true;
+  for (Member& member : watched_)
+    if (!member.decided || quantitative_) member.monitor->finish(now_);
+  settle();
+  return RowFault::none;
+}
+
+void MonitorGroup::feed(Member& member, const Samples& samples) {
+  member.monitor->push_ordered(samples);
+  if (!member.decided && member.monitor->verdict() != Decision::undetermined) settle();
+}
+
+// Looks which formulas are decided.
+void MonitorGroup::settle() {
+  for (Member& member : watched_) {
+    if (member.decided || member.monitor->verdict() == Decision::undetermined) continue;
+    member.decided = true;
+    --open_;
+    decided_some_ = true;
+  }
+  verdict_ = joint();
+}
+
+Decision MonitorGroup::joint() const {
+  bool undetermined = false;
+  for (const Member& member : watched_) {
+    const Decision decision = member.monitor->verdict();
+    if (decision == Decision::no) return decision;
+    undetermined = undetermined || decision == Decision::undetermined;
+  }
+  return undetermined ? Decision::undetermined : Decision::yes;
+}
+
+// An explanation looks back from the last row that the verdict rests on, and that of a violation is asked for before
+// the next call.
+void MonitorGroup::forget_rows() {
+  std::vector<std::int64_t>& ticks = kept_.ticks;
+  if (open_ == 0) {
+    ticks.clear();
+    for (std::vector<double>& column : kept_.columns) column.clear();
+    kept_.head = 0;
+    return;
+  }
+  if (ticks.empty()) return;
+  const std::int64_t oldest = ticks.back() - reach_ - 1;
+  std::size_t& head = kept_.head;
+  while (head + 1 < ticks.size() && (ticks[head + 1] <= oldest || ticks.size() - head > most_kept_)) {
+    ++head;
+    kept_.whole = false;
+  }
+  if (head < 1024 || 2 * head < ticks.size()) return;
+  drop(ticks, head);
+  for (std::vector<double>& column : kept_.columns) drop(column, head);
+  head = 0;
+}
+
+// Of many rows only those which a later explanation needs, or all of them if there is something to explain.
+void MonitorGroup::keep(const Samples& samples) {
+  std::size_t first = 0;
+  if (!decided_some_) {
+    const std::int64_t oldest = samples.ticks[samples.count - 1] - reach_ - 1;
+    const std::int64_t* const end = samples.ticks + samples.count;
+    first = static_cast<std::size_t>(std::upper_bound(samples.ticks, end, oldest) - samples.ticks);
+    if (first > 0) --first;  // its values hold still
+    if (samples.count - first > most_kept_) first = samples.count - most_kept_;
+  }
+  if (first > 0) {
+    kept_.ticks.clear();
+    for (std::vector<double>& column : kept_.columns) column.clear();
+    kept_.head = 0;
+    kept_.whole = false;
+  }
+  kept_.ticks.insert(kept_.ticks.end(), samples.ticks + first, samples.ticks + samples.count);
+  for (std::size_t n = 0; n < kept_.columns.size(); ++n) {
+    const Column& column = samples.columns[n];
+    std::vector<double>& kept = kept_.columns[n];
+    if (column.numbers != nullptr) {
+      kept.insert(kept.end(), column.numbers + first, column.numbers + samples.count);
+    } else {
+      for (std::size_t row = first; row < samples.count; ++row) kept.push_back(column.flags[row] != 0 ? 1.0 : 0.0);
+    }
+  }
+}
+
+}  // namespace tachk

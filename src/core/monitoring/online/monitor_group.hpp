@@ -1,0 +1,130 @@
+// Several formulas on one growing trace: counts its times, looks after its values, and keeps the rows that may be
+// needed to explain a violation.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "monitoring/monitor_program.hpp"
+#include "monitoring/monitor_samples.hpp"
+#include "monitoring/online/online_monitor.hpp"
+#include "monitoring/ticks.hpp"
+
+namespace tachk {
+
+// Why a row is not taken. Nothing has changed then.
+enum class RowFault {
+  none,
+  finished,     // the trace is over
+  backwards,    // the time lies before the one given last
+  too_far,      // the time is too far from the beginning to be counted
+  merged,       // another time than that of the row before, but the same tick
+  not_a_time,   // not finite, or not to be counted at all
+  missing,      // the column has no value yet
+  infinite,     // the value of the column is infinite
+  not_a_value,  // the value of the column is no number
+};
+
+class MonitorGroup {
+ public:
+  struct Watched {
+    MonitorProgram program;
+    std::vector<std::size_t> places;  // of its columns among those of the group
+  };
+
+  // `reach`: so many ticks before the last row are looked at by an explanation; of rows before, at most `most_kept` are
+  // kept in any case.
+  MonitorGroup(std::vector<Watched> watched, std::size_t columns, bool quantitative, const TickScale& scale,
+               std::int64_t reach, std::size_t most_kept);
+  MonitorGroup(const MonitorGroup&) = delete;
+  MonitorGroup& operator=(const MonitorGroup&) = delete;
+
+  // One row at an instant in ticks of the clock. Values are finite, or NaN where the one before stays.
+  RowFault update(int128 tick, std::optional<double> time, std::span<const double> values);
+  // Many rows; the columns are those of the group and finite. Each time is `factor` ticks. `row` is that of the fault.
+  RowFault push(const std::int64_t* times, std::int64_t factor, std::span<const Column> columns, std::size_t count,
+                std::size_t& row);
+  // Nothing has changed before this instant.
+  RowFault advance(int128 tick);
+  // The trace is over, with this instant or the one reached.
+  RowFault finish(std::optional<int128> tick);
+
+  // no if one formula is violated, else undetermined if one is, else yes.
+  Decision verdict() const { return verdict_; }
+  // Whether the last call decided something. Rows are kept until the next one.
+  bool decided_some() const { return decided_some_; }
+  std::size_t open() const { return open_; }
+  std::size_t size() const { return watched_.size(); }
+  std::size_t columns() const { return values_.size(); }
+  // The column of the fault of the last row.
+  std::size_t faulty_column() const { return faulty_column_; }
+  // Ticks of a formula are counted from `origin`, the instant of the first row.
+  OnlineMonitor& monitor(std::size_t number) { return *watched_[number].monitor; }
+  const OnlineMonitor& monitor(std::size_t number) const { return *watched_[number].monitor; }
+  bool begun() const { return begun_; }
+  int128 origin() const { return origin_; }
+  std::int64_t now() const { return now_; }
+  std::size_t rows() const { return rows_; }
+  // The value that a column has.
+  std::optional<double> held(std::size_t column) const {
+    return has_values_ ? std::optional(values_.at(column)) : std::nullopt;
+  }
+  const TickScale& scale() const { return scale_; }
+
+  // The rows that are kept, counted from the origin; whether they are all there were.
+  std::span<const std::int64_t> kept_ticks() const { return std::span(kept_.ticks).subspan(kept_.head); }
+  std::span<const double> kept_column(std::size_t column) const {
+    return std::span(kept_.columns[column]).subspan(kept_.head);
+  }
+  bool kept_all() const { return kept_.whole; }
+
+ private:
+  struct Member {
+    std::unique_ptr<OnlineMonitor> monitor;
+    std::vector<std::size_t> places;
+    std::vector<Column> columns;
+    bool decided = false;
+  };
+  struct Kept {
+    std::vector<std::int64_t> ticks;
+    std::vector<std::vector<double>> columns;
+    std::size_t head = 0;
+    bool whole = true;
+  };
+
+  RowFault check(int128 tick) const;
+  void reach(int128 tick);
+  void feed(Member& member, const Samples& samples);
+  void settle();
+  Decision joint() const;
+  void forget_rows();
+  void keep(const Samples& samples);
+
+  std::vector<Member> watched_;
+  std::vector<double> values_;  // held
+  std::vector<double> row_;
+  std::vector<std::int64_t> ticks_;
+  bool quantitative_;
+  TickScale scale_;
+  std::int64_t reach_;
+  std::size_t most_kept_;
+  Kept kept_;
+  Decision verdict_ = Decision::undetermined;
+  std::size_t open_;
+  bool decided_some_ = false;
+  bool begun_ = false;
+  bool finished_ = false;
+  bool has_values_ = false;
+  int128 origin_ = 0;
+  std::int64_t now_ = 0;
+  std::optional<double> last_time_;  // of the last row, where it was given as a floating-point number
+  std::int64_t last_row_ = 0;        // its tick
+  std::size_t rows_ = 0;
+  std::size_t faulty_column_ = 0;
+};
+
+}  // namespace tachk

@@ -1,0 +1,103 @@
+// Monitors a trace while it is recorded. Samples come in chunks of any size, down to single ones; how they are cut into
+// chunks changes nothing. A sample says what holds from its tick on; of several for one tick the last one counts, so an
+// instant is known once a later one has come.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "monitoring/monitor_program.hpp"
+#include "monitoring/monitor_samples.hpp"
+#include "monitoring/offline/offline_monitor.hpp"
+#include "monitoring/online/online_truth.hpp"
+
+namespace tachk {
+
+class OnlineMonitor {
+ public:
+  // `quantitative`: keep bounds of the robustness, too. Throws std::invalid_argument if the program is not valid.
+  OnlineMonitor(MonitorProgram program, bool quantitative);
+  OnlineMonitor(const OnlineMonitor&) = delete;
+  OnlineMonitor& operator=(const OnlineMonitor&) = delete;
+
+  // The tick of the very first sample is the beginning of the trace. All three throw std::invalid_argument if time goes
+  // back or the trace is over, and have then done nothing.
+  void push(const Samples& samples);
+  // The same of samples whose order the caller has looked at.
+  void push_ordered(const Samples& samples);
+  // Nothing has changed before this tick; it may still change at it.
+  void advance(std::int64_t tick);
+  // The trace ends with this tick, included.
+  void finish(std::int64_t tick);
+
+  Decision verdict() const { return truth_.verdict(); }
+  // The tick that was reached when the verdict was decided.
+  std::optional<std::int64_t> decided_at() const { return decided_at_; }
+  // Of a formula G f: where f does not hold. Cells count from `origin`.
+  const std::optional<Violation>& violation() const { return truth_.violation(); }
+  // Bounds of the robustness of every continuation; they never widen. Without `quantitative` those that the verdict
+  // gives. At the end they are the narrowest, before they need not be.
+  Range<Robustness> robustness();
+  std::int64_t origin() const { return origin_; }
+  std::int64_t now() const { return now_; }
+  bool finished() const { return finished_; }
+  std::size_t bytes() const;
+
+ private:
+  // An atom, or the changes of a value.
+  struct Leaf {
+    std::size_t node = 0;
+    std::size_t atom = 0;
+    bool change = false;
+    std::uint8_t holds = 0;  // the last sample
+    double before = 0;       // the value before the tick of the last sample
+    double value = 0;        // and from then on
+  };
+
+  Cell cell_of(std::int64_t tick) const { return cell_of_tick(tick - origin_); }
+  void check_time(std::int64_t tick) const;
+  void follow_all(const Samples& samples);
+  void follow_singly(const Samples& samples, std::size_t first, std::size_t count);
+  void evaluate(const Samples& samples, std::size_t first, std::size_t count);
+  void follow(const Samples& samples, std::size_t first, std::size_t begin, std::size_t end);
+  void follow_atom(Leaf& leaf, const std::uint8_t* holds, const std::int64_t* ticks, std::size_t begin,
+                   std::size_t end);
+  void follow_changes(Leaf& leaf, const double* values, const std::int64_t* ticks, std::size_t begin, std::size_t end);
+  void hold_until(Cell end);
+  void narrow(const Range<Robustness>& range);
+  void take_margins(const Samples& samples);
+  void catch_up();
+
+  // Samples that the margins have not seen yet.
+  struct Waiting {
+    std::vector<std::int64_t> ticks;
+    std::vector<std::vector<double>> columns;
+  };
+
+  MonitorProgram program_;
+  OnlineGraph graph_;
+  AtomEvaluator evaluator_;
+  std::vector<Leaf> leaves_;
+  std::vector<std::vector<std::uint8_t>> truths_;  // of each leaf that is an atom: the last sample before, the block
+  std::vector<std::vector<double>> values_;        // of each leaf that is a change
+  TruthEngine truth_;
+  TruthEngine earlier_truth_;  // some blocks ago
+  std::vector<Leaf> earlier_leaves_;
+  Cell earlier_known_ = 0;
+  std::optional<std::int64_t> decided_at_;
+  std::unique_ptr<OfflineMonitor<Robustness>> margins_;
+  std::unique_ptr<OfflineMonitor<Robustness>> sooner_;  // of another form, for upper bounds before the end
+  Waiting waiting_;
+  Range<Robustness> robustness_{Bounds<Robustness>::least, Bounds<Robustness>::greatest};
+  std::vector<double> last_values_;  // of all columns
+  bool begun_ = false;
+  bool finished_ = false;
+  std::int64_t origin_ = 0;
+  std::int64_t now_ = 0;  // the tick that has been reached
+  Cell known_ = 0;        // cells before are known
+};
+
+}  // namespace tachk

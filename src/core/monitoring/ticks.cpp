@@ -1,0 +1,228 @@
+#include "monitoring/ticks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <stdexcept>
+
+namespace tachk {
+namespace {
+
+constexpr std::array<double, 19> powers = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8, 1e9,
+                                           1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18};
+constexpr int most_exact_decimals = 15;
+constexpr double most_digits = 9007199254740992.0;  // 2^53: products beyond are not exact
+constexpr double furthest = 4611686018427387904.0;  // 2^62
+constexpr double furthest_of_all = 1e36;            // fits into 128 bits
+
+constexpr double exact_below = 2251799813685248.0;  // 2^51: fifteen digits
+
+// A sum with it has no room for a fraction: the nearest whole number of one below 2^51.
+constexpr double rounder = 6755399441055744.0;  // 1.5 * 2^52
+
+double nearest(double number) { return (number + rounder) - rounder; }
+
+constexpr std::array<std::int64_t, 19> whole_powers = [] {
+  std::array<std::int64_t, 19> result{1};
+  for (std::size_t n = 1; n < result.size(); ++n) result[n] = 10 * result[n - 1];
+  return result;
+}();
+
+std::int64_t power_of_ten(int exponent) { return whole_powers[static_cast<std::size_t>(exponent)]; }
+
+struct Counting {
+  bool exact;
+  bool rising;
+};
+
+// Counts a block in units of 1 / power from the tick `first` on, and looks whether that is exact for all of it and no
+// time lies before the one above, of which the first is `before`. Without jumps inside and with masks as wide as the
+// numbers, so that the compiler uses vectors.
+//
+// A time is the number that prints as whole / power if that quotient is nearest to it. Where products can be had
+// without rounding, a division is saved: the two differ by at most half a unit in the last place of the time, which is
+// never exactly so (whole / power would have more binary digits than whole itself).
+template <bool Fused>
+[[gnu::always_inline]] inline Counting count_block_as(const double* times, std::size_t count, double before,
+                                                      double power, std::int64_t first, std::int64_t* ticks) {
+  const std::int64_t offset = std::bit_cast<std::int64_t>(rounder) + first;
+  constexpr std::uint64_t all = ~std::uint64_t{0};
+  constexpr std::uint64_t exponent = 0x7ff0'0000'0000'0000;
+  const double half_unit = power * 0x1p-53;  // for each unit of the highest binary digit
+  std::uint64_t inexact = 0;
+  std::uint64_t falling = before <= times[0] ? 0 : all;
+  for (std::size_t n = 0; n < count; ++n) {
+    const double time = times[n];
+    const double shifted = time * power + rounder;
+    const double whole = shifted - rounder;
+    if constexpr (Fused) {
+      const double highest = std::bit_cast<double>(std::bit_cast<std::uint64_t>(time) & exponent);
+      inexact |= std::fabs(__builtin_fma(time, power, -whole)) <= highest * half_unit ? 0 : all;
+    } else {
+      inexact |= whole / power == time ? 0 : all;
+    }
+    ticks[n] = std::bit_cast<std::int64_t>(shifted) - offset;
+  }
+  for (std::size_t n = 1; n < count; ++n) falling |= times[n - 1] <= times[n] ? 0 : all;  // not a number falls
+  return {inexact == 0, falling == 0};
+}
+
+using CountBlock = Counting (*)(const double*, std::size_t, double, double, std::int64_t, std::int64_t*);
+
+#if defined(__x86_64__)
+[[gnu::target("avx2,fma")]] Counting count_block_wide(const double* times, std::size_t count, double before,
+                                                      double power, std::int64_t first, std::int64_t* ticks) {
+  return count_block_as<true>(times, count, before, power, first, ticks);
+}
+#endif
+
+Counting count_block_plain(const double* times, std::size_t count, double before, double power, std::int64_t first,
+                           std::int64_t* ticks) {
+  return count_block_as<false>(times, count, before, power, first, ticks);
+}
+
+CountBlock chosen_count_block() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return count_block_wide;
+#endif
+  return count_block_plain;
+}
+
+CountedTimes faulty(CountedTimes::Fault fault, std::size_t row) { return {0, 0, fault, row}; }
+
+// Why times are not counted that are not all finite and rising.
+CountedTimes disordered(std::span<const double> times) {
+  for (std::size_t n = 0; n < times.size(); ++n)
+    if (!std::isfinite(times[n])) return faulty(CountedTimes::Fault::not_finite, n);
+  for (std::size_t n = 1;; ++n)
+    if (times[n] < times[n - 1]) return faulty(CountedTimes::Fault::backwards, n);
+}
+
+CountedTimes rounded(std::span<const double> times, int usual, std::int64_t* ticks) {
+  for (std::size_t n = 0; n < times.size(); ++n)
+    if (!std::isfinite(times[n]) || (n > 0 && times[n] < times[n - 1])) return disordered(times);
+  const double largest = std::max(std::fabs(times.front()), std::fabs(times.back()));
+  if (largest >= furthest) return faulty(CountedTimes::Fault::too_large, largest > times.back() ? 0 : times.size() - 1);
+  CountedTimes result;
+  const auto fits = [&](int decimals, double limit) {
+    return decimals <= most_decimals && largest * powers[static_cast<std::size_t>(decimals)] < limit;
+  };
+  int decimals = usual;
+  while (decimals > 0 && !fits(decimals, furthest)) --decimals;
+  std::size_t merged = 0;
+  const auto count = [&] {
+    const double power = powers[static_cast<std::size_t>(decimals)];
+    const auto tick = [&](double time) { return static_cast<std::int64_t>(std::nearbyint(time * power)); };
+    result.first = tick(times[0]);
+    for (std::size_t n = 0; n < times.size(); ++n) ticks[n] = tick(times[n]) - result.first;
+    for (merged = 1; merged < times.size(); ++merged)
+      if (ticks[merged] == ticks[merged - 1] && times[merged] != times[merged - 1]) return false;
+    return true;
+  };
+  if (!count()) {
+    do {
+      if (!fits(decimals + 1, furthest)) return faulty(CountedTimes::Fault::merged, merged);
+      ++decimals;
+    } while (!count());
+    // Three more digits, so that gaps are right to a thousandth at least, as far as products are exact.
+    const int enough = decimals;
+    while (decimals < enough + 3 && fits(decimals + 1, most_digits)) ++decimals;
+    if (decimals > enough) count();
+  }
+  result.decimals = decimals;
+  return result;
+}
+
+}  // namespace
+
+// What is not finite has all bits of its exponent set. Integers can be joined in any order, so vectors are used.
+bool all_finite(const double* values, std::size_t count) {
+  constexpr std::uint64_t exponent = 0x7ff0'0000'0000'0000;
+  constexpr std::size_t block = 1024;
+  for (std::size_t first = 0; first < count; first += block) {
+    const std::size_t end = std::min(first + block, count);
+    std::uint64_t infinite = 0;
+    for (std::size_t n = first; n < end; ++n)
+      infinite |= (std::bit_cast<std::uint64_t>(values[n]) & exponent) + (exponent & -exponent);
+    if (infinite >> 63) return false;
+  }
+  return true;
+}
+
+std::size_t first_backwards(const std::int64_t* times, std::size_t count) {
+  constexpr std::size_t block = 1024;
+  for (std::size_t first = 1; first < count; first += block) {
+    const std::size_t end = std::min(first + block, count);
+    std::uint64_t falls = 0;  // its highest bit: whether a time is less than the one before, also where that overflows
+    for (std::size_t n = first; n < end; ++n) {
+      const auto x = static_cast<std::uint64_t>(times[n]);
+      const auto y = static_cast<std::uint64_t>(times[n - 1]);
+      falls |= (x & ~y) | (~(x ^ y) & (x - y));
+    }
+    if ((falls >> 63) == 0) continue;
+    for (std::size_t n = first; n < end; ++n)
+      if (times[n] < times[n - 1]) return n;
+  }
+  return count;
+}
+
+TickScale::TickScale(int decimals, std::int64_t parts) : decimals_(decimals), parts_(parts) {
+  if (decimals < 0 || decimals > most_decimals || parts < 1 ||
+      __builtin_mul_overflow(power_of_ten(decimals), parts, &ticks_))
+    throw std::invalid_argument("a scale has 0 to 18 decimals, and its ticks fit into 64 bits");
+}
+
+std::optional<int128> TickScale::tick(double time) {
+  const double size = std::fabs(time);
+  const auto exactly = [&](int decimals) -> std::optional<int128> {
+    const double power = powers[static_cast<std::size_t>(decimals)];
+    if (size * power >= exact_below) return std::nullopt;
+    const double whole = nearest(time * power);
+    if (whole / power != time) return std::nullopt;
+    last_ = decimals;
+    return int128{static_cast<std::int64_t>(whole)} * power_of_ten(decimals_ - decimals) * parts_;
+  };
+  const int most = std::min(decimals_, most_exact_decimals);
+  if (last_ <= most)
+    if (const auto found = exactly(last_)) return found;
+  for (int decimals = 0; decimals <= most; ++decimals)
+    if (const auto found = exactly(decimals)) return found;
+  const double product = time * static_cast<double>(ticks_);
+  if (!(std::fabs(product) < furthest_of_all)) return std::nullopt;
+  return static_cast<int128>(std::nearbyint(product));
+}
+
+CountedTimes counted(std::span<const double> times, int usual, std::int64_t* ticks) {
+  constexpr std::size_t block = 1024;
+  static const CountBlock count_block = chosen_count_block();
+  CountedTimes result;
+  if (times.empty()) return result;
+  if (!std::isfinite(times.front()) || !std::isfinite(times.back())) return disordered(times);
+  // Of times that rise.
+  const double largest = std::max(std::fabs(times.front()), std::fabs(times.back()));
+  int decimals = 0;
+  for (std::size_t first = 0; first < times.size(); first += block) {
+    const std::size_t count = std::min(block, times.size() - first);
+    const double* const part = times.data() + first;
+    for (const int before = decimals;; ++decimals) {
+      if (decimals > most_exact_decimals) return rounded(times, usual, ticks);
+      const double power = powers[static_cast<std::size_t>(decimals)];
+      if (largest * power >= exact_below) return rounded(times, usual, ticks);
+      const auto start = static_cast<std::int64_t>(nearest(times[0] * power));
+      const Counting done = count_block(part, count, times[first - (first > 0)], power, start, ticks + first);
+      if (!done.rising) return disordered(times);
+      if (!done.exact) continue;
+      result.first = start;
+      if (decimals > before) {  // what was counted before is exact in these units too
+        const std::int64_t factor = power_of_ten(decimals - before);
+        for (std::size_t n = 0; n < first; ++n) ticks[n] *= factor;
+      }
+      break;
+    }
+  }
+  result.decimals = decimals;
+  return result;
+}
+
+}  // namespace tachk

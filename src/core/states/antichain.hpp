@@ -1,0 +1,115 @@
+// A long antichain of zones, found by their extents in a tree of groups (A. Guttman, "R-trees: a dynamic index
+// structure for spatial searching", SIGMOD 1984). A group whose extremes show that none of its members is in question
+// is skipped. The tree knows the zones by number; they live elsewhere.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "zones/extent.hpp"
+
+namespace tachk {
+
+class Antichain {
+ public:
+  Antichain();
+
+  void add(const Extent& extent, std::uint32_t number);
+
+  // Whether `accept(number)` is true of a member whose extent may include this one.
+  template <class Accept>
+  bool any_above(const Extent& extent, Accept accept) const {
+    return any_above(root_, extent, accept);
+  }
+
+  // Removes the members whose extents this one may include and for which `covered(number)` is true.
+  template <class Covered>
+  void remove_below(const Extent& extent, Covered covered) {
+    remove_below(root_, extent, covered);
+    while (root_.group->parts.size() == 1) lower_root();
+  }
+
+  template <class Visit>
+  void for_each(Visit visit) const {
+    for_each(*root_.group, visit);
+  }
+
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  struct Group;
+  struct Member {
+    Extent extent;
+    std::uint32_t number;
+
+    const Extent& smallest() const { return extent; }
+    const Extent& largest() const { return extent; }
+  };
+  struct Part {
+    Extent least;  // componentwise, of all members
+    Extent most;
+    std::unique_ptr<Group> group;
+
+    const Extent& smallest() const { return least; }
+    const Extent& largest() const { return most; }
+  };
+  struct Group {
+    std::vector<Member> members;  // of a leaf
+    std::vector<Part> parts;      // of an inner group
+
+    bool empty() const { return members.empty() && parts.empty(); }
+    std::size_t bytes() const {
+      return sizeof(Group) + members.capacity() * sizeof(Member) + parts.capacity() * sizeof(Part);
+    }
+  };
+
+  template <class Accept>
+  static bool any_above(const Part& part, const Extent& extent, Accept& accept) {
+    for (const Member& member : part.group->members)
+      if (member.extent.may_include(extent) && accept(member.number)) return true;
+    for (const Part& inner : part.group->parts)
+      if (inner.most.may_include(extent) && any_above(inner, extent, accept)) return true;
+    return false;
+  }
+
+  // Whether something was removed.
+  template <class Covered>
+  bool remove_below(Part& part, const Extent& extent, Covered& covered) {
+    Group& group = *part.group;
+    std::size_t removed = std::erase_if(group.members, [&](const Member& member) {
+      return extent.may_include(member.extent) && covered(member.number);
+    });
+    for (Part& inner : group.parts)
+      if (extent.may_include(inner.least) && remove_below(inner, extent, covered)) ++removed;
+    if (removed == 0) return false;
+    std::erase_if(group.parts, [&](const Part& inner) {
+      if (!inner.group->empty()) return false;
+      bytes_ -= inner.group->bytes();
+      return true;
+    });
+    fit(part);
+    return true;
+  }
+
+  template <class Visit>
+  static void for_each(const Group& group, Visit& visit) {
+    for (const Member& member : group.members) visit(member.number);
+    for (const Part& part : group.parts) for_each(*part.group, visit);
+  }
+
+  // Adds a member to a part; a group that is full gives off half of its own as a part of its own.
+  std::optional<Part> add_to(Part& part, const Member& member);
+  template <class Entry>
+  std::optional<Part> append(Part& part, std::vector<Entry> Group::* list, Entry entry);
+  static void fit(Part& part);
+  void lower_root();
+
+  Part root_;
+  std::size_t bytes_;
+};
+
+}  // namespace tachk

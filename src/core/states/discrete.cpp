@@ -1,0 +1,185 @@
+#include "states/discrete.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <utility>
+
+namespace tachk {
+namespace {
+
+std::uint64_t hash_words(const std::uint64_t* words, std::size_t count) {
+  std::uint64_t hash = 0x9E3779B97F4A7C15u;
+  for (std::size_t n = 0; n < count; ++n) {
+    hash = (hash ^ words[n]) * 0xD6E8FEB86659FD93u;
+    hash ^= hash >> 32;
+  }
+  hash *= 0xD6E8FEB86659FD93u;
+  return hash ^ (hash >> 29);
+}
+
+// Chunks have a dozen or some dozen slots: too few for a call of memcmp to pay.
+bool same_slots(const std::int32_t* a, const std::int32_t* b, std::size_t count) {
+  std::size_t n = 0;
+  for (; n + 4 <= count; n += 4) {
+    std::uint64_t x[2];
+    std::uint64_t y[2];
+    std::memcpy(x, a + n, sizeof(x));
+    std::memcpy(y, b + n, sizeof(y));
+    if (((x[0] ^ y[0]) | (x[1] ^ y[1])) != 0) return false;
+  }
+  for (; n < count; ++n)
+    if (a[n] != b[n]) return false;
+  return true;
+}
+
+}  // namespace
+
+StateLayout::StateLayout(const Program& program) {
+  std::uint32_t used = 0;  // bits of the current word
+  std::uint32_t word = 0;
+  first_field_.push_back(0);
+  for (std::uint32_t s = 0; s < program.state_slots; ++s) {
+    const Slot& slot = program.slots[s];
+    initial_.push_back(slot.initial);
+    const auto span = static_cast<std::uint64_t>(static_cast<std::int64_t>(slot.high) - slot.low);
+    if (slot.meta || span == 0) continue;
+    const auto bits = static_cast<std::uint32_t>(std::bit_width(span));
+    if (used + bits > 64) {
+      ++word;
+      used = 0;
+      first_field_.push_back(fields_.size());
+    }
+    fields_.push_back({s, word, used, (std::uint64_t{1} << bits) - 1, slot.low});
+    used += bits;
+  }
+  first_field_.push_back(fields_.size());
+  words_ = word + 1;
+}
+
+void StateLayout::pack(const std::int32_t* slots, std::size_t first, std::size_t last, std::uint64_t* words) const {
+  for (std::size_t word = first; word < last; ++word) {
+    std::uint64_t packed = 0;
+    for (std::size_t n = first_field_[word]; n < first_field_[word + 1]; ++n) {
+      const Field& f = fields_[n];
+      packed |= static_cast<std::uint64_t>(static_cast<std::int64_t>(slots[f.slot]) - f.low) << f.shift;
+    }
+    words[word - first] = packed;
+  }
+}
+
+void StateLayout::unpack(const std::uint64_t* words, std::size_t first, std::size_t last, std::int32_t* slots) const {
+  for (std::size_t n = first_field_[first]; n < first_field_[last]; ++n) {
+    const Field& f = fields_[n];
+    const std::uint64_t value = (words[f.word - first] >> f.shift) & f.mask;
+    slots[f.slot] = static_cast<std::int32_t>(static_cast<std::int64_t>(value) + f.low);
+  }
+}
+
+std::size_t StateLayout::first_slot(std::size_t word) const {
+  return first_field_[word] < fields_.size() ? fields_[first_field_[word]].slot : initial_.size();
+}
+
+DiscreteStates::DiscreteStates(const Program& program, std::size_t chunk_words)
+    : layout_(program),
+      chunk_words_(layout_.words() > 2 * chunk_words ? chunk_words : 0),
+      key_(layout_.words()),
+      records_((layout_.words() + 1) * sizeof(std::uint64_t)),
+      chunks_(sizeof(std::uint64_t)) {
+  if (chunk_words_ == 0) return;
+  for (std::size_t word = 0; word < layout_.words(); word += chunk_words_)
+    chunk_slots_.push_back(layout_.first_slot(word));
+  const std::size_t chunks = chunk_slots_.size();
+  chunk_slots_.push_back(layout_.slots());
+  chunk_members_.resize(chunks);
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk)
+    for (std::size_t slot = chunk_slots_[chunk]; slot < chunk_slots_[chunk + 1]; ++slot)
+      chunk_members_[chunk].add(slot);
+  key_.assign((chunks + 1) / 2, 0);
+  packed_.resize(chunk_words_);
+  records_ = RecordPool((key_.size() + 1) * sizeof(std::uint64_t));
+  chunks_ = RecordPool(chunk_words_ * sizeof(std::uint64_t));
+}
+
+void DiscreteStates::find_key(const std::int32_t* slots, const SlotSet& written) {
+  if (chunk_words_ == 0) {
+    layout_.pack(slots, 0, layout_.words(), key_.data());
+    return;
+  }
+  for (std::size_t chunk = 0; chunk + 1 < chunk_slots_.size(); ++chunk) {
+    const std::size_t first = chunk_slots_[chunk];
+    const std::size_t count = chunk_slots_[chunk + 1] - first;
+    std::uint32_t number;
+    if (!known_chunks_.empty() &&
+        (!written.meets(chunk_members_[chunk]) || same_slots(slots + first, known_slots_.data() + first, count))) {
+      number = known_chunks_[chunk];
+    } else {
+      const std::size_t word = chunk * chunk_words_;
+      const std::size_t last = std::min(word + chunk_words_, layout_.words());
+      std::fill(packed_.begin(), packed_.begin() + static_cast<std::ptrdiff_t>(chunk_words_), 0);
+      layout_.pack(slots, word, last, packed_.data());
+      number = intern_chunk();
+    }
+    std::memcpy(reinterpret_cast<std::byte*>(key_.data()) + chunk * sizeof(number), &number, sizeof(number));
+  }
+}
+
+std::uint32_t DiscreteStates::intern_chunk() {
+  const auto words = [&](std::uint32_t number) { return reinterpret_cast<const std::uint64_t*>(chunks_[number]); };
+  const std::uint64_t hash = hash_words(packed_.data(), chunk_words_);
+  const std::size_t bytes = chunk_words_ * sizeof(std::uint64_t);
+  const std::uint32_t found = chunk_index_.find(
+      hash, [&](std::uint32_t number) { return std::memcmp(words(number), packed_.data(), bytes) == 0; });
+  if (found != HashIndex::absent) return found;
+  const std::uint32_t fresh = chunks_.append();
+  std::memcpy(chunks_[fresh], packed_.data(), bytes);
+  chunk_index_.insert(hash, fresh);
+  return fresh;
+}
+
+void DiscreteStates::announce(const std::int32_t* slots, const SlotSet& written) {
+  find_key(slots, written);
+  hash_ = hash_words(key_.data(), key_.size());
+  index_.prefetch(hash_);
+}
+
+std::uint32_t DiscreteStates::locate(std::uint32_t fresh_note) {
+  const std::uint32_t found = index_.find(
+      hash_, [&](std::uint32_t number) { return std::memcmp(key_of(number), key_.data(), key_bytes()) == 0; });
+  if (found != HashIndex::absent) return found;
+  const std::uint32_t fresh = records_.append();
+  std::memcpy(records_[fresh], key_.data(), key_bytes());
+  note(fresh) = fresh_note;
+  index_.insert(hash_, fresh);
+  return fresh;
+}
+
+bool DiscreteStates::equals(std::uint32_t number, const std::int32_t* slots) {
+  find_key(slots, SlotSet::all());
+  return std::memcmp(key_of(number), key_.data(), key_bytes()) == 0;
+}
+
+void DiscreteStates::unpack(std::uint32_t number, std::int32_t* slots) {
+  const std::vector<std::int32_t>& initial = layout_.initial();
+  if (chunk_words_ == 0) {
+    std::memcpy(slots, initial.data(), initial.size() * sizeof(std::int32_t));
+    layout_.unpack(key_of(number), 0, layout_.words(), slots);
+    return;
+  }
+  const std::size_t chunks = chunk_slots_.size() - 1;
+  if (known_chunks_.empty()) {
+    known_slots_ = initial;
+    known_chunks_.assign(chunks, HashIndex::absent);
+  }
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+    std::uint32_t stored;
+    std::memcpy(&stored, records_[number] + chunk * sizeof(stored), sizeof(stored));
+    if (std::exchange(known_chunks_[chunk], stored) == stored) continue;
+    const std::size_t word = chunk * chunk_words_;
+    const std::size_t last = std::min(word + chunk_words_, layout_.words());
+    layout_.unpack(reinterpret_cast<const std::uint64_t*>(chunks_[stored]), word, last, known_slots_.data());
+  }
+  std::memcpy(slots, known_slots_.data(), known_slots_.size() * sizeof(std::int32_t));
+}
+
+}  // namespace tachk

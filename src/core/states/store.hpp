@@ -1,0 +1,107 @@
+// The states that have been seen: discrete parts and zones interned, and for each discrete part an antichain of zones.
+// A node costs 16 bytes; a zone or a discrete part that many nodes share is held once. A covered node stays, because
+// paths lead through it, but the memory of a zone that only covered nodes have is used again.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "program/program.hpp"
+#include "states/antichain.hpp"
+#include "states/discrete.hpp"
+#include "states/memory.hpp"
+#include "states/zone_store.hpp"
+#include "zones/zone.hpp"
+
+namespace tachk {
+
+inline constexpr std::uint32_t no_node = UINT32_MAX;
+
+struct Node {
+  std::uint32_t discrete;
+  std::uint32_t zone;    // of a covered node whose zone may be gone: half of the hash of that zone
+  std::uint32_t parent;  // no_node for the initial state
+  std::uint32_t next;    // in a short antichain of the discrete part; covered_mark once a larger zone has come
+};
+
+inline constexpr std::uint32_t covered_mark = UINT32_MAX - 1;
+
+class PassedList {
+ public:
+  // With `reclaim` the zones of covered nodes are given up. `smaller`: as of a ZoneStore; all zones of a discrete state
+  // have one dimension.
+  PassedList(const Program& program, const ZoneOperations& zones, std::size_t chunk_words, bool reclaim,
+             std::vector<ZoneOperations> smaller = {});
+
+  // Sets the discrete state that the next `locate` looks up. Call it early, so that its memory is fetched in the
+  // meantime. All slots in which it differs from the state unpacked last are in `written`.
+  void announce(const std::int32_t* slots, const SlotSet& written) { discretes_.announce(slots, written); }
+  // The number of that state, which is new if nobody has asked for it before.
+  std::uint32_t locate() { return discretes_.locate(no_node); }
+
+  // Whether a stored zone of this discrete state contains the zone.
+  bool covers(std::uint32_t discrete, ZoneView zone) const;
+
+  // Adds a state unless it is covered; removes the states that it covers. The number of the new node, or no_node.
+  // With `subsumption` a state is covered by a state with a zone that contains its own, without by an equal one only.
+  std::uint32_t add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption);
+
+  // From now on the nodes with numbers from `first` to `last`, without it, are not covered by others.
+  void protect(std::uint32_t first, std::uint32_t last) {
+    protected_first_ = first;
+    protected_count_ = last - first;
+  }
+
+  std::uint32_t size() const { return nodes_.size(); }
+  std::uint32_t stored() const { return stored_; }
+  const Node& node(std::uint32_t number) const { return *reinterpret_cast<const Node*>(nodes_[number]); }
+  bool covered(std::uint32_t number) const { return node(number).next == covered_mark; }
+  // The zone of a node that is not covered.
+  const void* zone(const Node& node) const { return zones_[node.zone]; }
+  void unpack(const Node& node, std::int32_t* slots) { discretes_.unpack(node.discrete, slots); }
+  // Whether a node has this discrete state.
+  bool equals(const Node& node, const std::int32_t* slots) { return discretes_.equals(node.discrete, slots); }
+  // Whether a node has this zone; of a covered node, whether it has one with this hash.
+  bool may_equal(const Node& node, ZoneView zone) const;
+  std::size_t bytes() const;
+
+ private:
+  static constexpr std::size_t short_chain = 8;
+  static constexpr std::uint32_t chain_mark = std::uint32_t{1} << 31;
+
+  bool is_long(std::uint32_t head) const { return head != no_node && (head & chain_mark) != 0; }
+  Antichain& chain(std::uint32_t head) { return chains_[head & ~chain_mark]; }
+  const Antichain& chain(std::uint32_t head) const { return chains_[head & ~chain_mark]; }
+  // Removes the members of an antichain that the zone covers.
+  void thin_out(std::uint32_t& head, ZoneView zone);
+  void cover(std::uint32_t number);
+  bool is_protected(std::uint32_t number) const { return number - protected_first_ < protected_count_; }
+  bool holds(std::uint32_t head, std::uint32_t zone_number) const;
+  void append(std::uint32_t& head, std::uint32_t number);
+  void add_to(Antichain& members, std::uint32_t number);
+  Extent extent_of(ZoneView zone) const {
+    return zones_.operations(zone.dimension).extent(zone.data, zone.dimension, scale_);
+  }
+  // Chooses the scale for a larger entry than has been seen, and with it all extents anew.
+  void rescale(Raw largest_entry);
+  // The first node of the antichain of a discrete part, or the number of a long one with chain_mark.
+  std::uint32_t& head(std::uint32_t discrete) { return discretes_.note(discrete); }
+  std::uint32_t head(std::uint32_t discrete) const { return discretes_.note(discrete); }
+  Node& entry(std::uint32_t number) { return *reinterpret_cast<Node*>(nodes_[number]); }
+
+  int dimension_;
+  ZoneStore zones_;
+  ZoneOperations scaled_;  // for which the scale is chosen
+  bool reclaim_;
+  ExtentScale scale_;
+  DiscreteStates discretes_;
+  RecordPool nodes_;
+  std::vector<Antichain> chains_;
+  std::size_t chain_bytes_ = 0;
+  std::uint32_t stored_ = 0;
+  std::uint32_t protected_first_ = 0;
+  std::uint32_t protected_count_ = 0;
+};
+
+}  // namespace tachk

@@ -1,0 +1,49 @@
+// Which clocks matter in a discrete state, and zones without the others. A clock without bounds in all current
+// locations is free in every extrapolated zone: its row says nothing, its column repeats that of the reference clock.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "program/program.hpp"
+#include "states/zone_store.hpp"
+#include "symbolic/successor.hpp"
+#include "zones/zone_buffer.hpp"
+
+namespace tachk {
+
+class ActiveClocks {
+ public:
+  // `smaller`: the operations for each smaller dimension; empty if zones are kept whole.
+  ActiveClocks(const Program& program, const Semantics& semantics, const ZoneOperations& operations,
+               const std::vector<ZoneOperations>& smaller);
+
+  // The part of a zone that matters, until the next call.
+  ZoneView packed(const std::int32_t* slots, const void* zone) {
+    return lengths_.empty() ? ZoneView{zone, program_.dimension()} : pack(slots, zone);
+  }
+  // The zone, extrapolated as it was, from the part that matters.
+  void unpack(const std::int32_t* slots, const void* packed, ZoneBuffer& zone) {
+    if (lengths_.empty())
+      zone.assign(packed);
+    else
+      scatter(slots, packed, zone);
+  }
+
+ private:
+  ZoneView pack(const std::int32_t* slots, const void* zone);
+  void scatter(const std::int32_t* slots, const void* packed, ZoneBuffer& zone);
+  void collect(const std::int32_t* slots);
+
+  const Program& program_;
+  const Semantics& semantics_;
+  ZoneOperations operations_;
+  std::vector<int> lengths_;  // of the rows of zones, by dimension; empty if all are kept whole
+  std::size_t words_;
+  std::vector<std::uint64_t> masks_;   // of the locations, `words_` each
+  std::vector<std::uint64_t> mask_;    // of the state collected last
+  std::vector<std::uint16_t> clocks_;  // its members, the reference clock first
+  ZoneBuffer packed_;
+};
+
+}  // namespace tachk

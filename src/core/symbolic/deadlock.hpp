@@ -1,0 +1,55 @@
+// Where nothing is possible any more: the valuations of one symbolic state from which no action can be taken, now or
+// after any delay, found while the actions of the state are gone through.
+#pragma once
+
+#include <vector>
+
+#include "zones/federation.hpp"
+#include "zones/zone.hpp"
+#include "zones/zone_buffer.hpp"
+
+namespace tachk {
+
+// How time goes on in a state.
+enum class Delay {
+  none,
+  free,
+  // Some clocks stand still: the past of a zone is no zone then. Too few valuations count as live, and too many as
+  // perhaps live, so that both answers stay over-approximated.
+  partial,
+};
+
+class DeadlockFinder {
+ public:
+  DeadlockFinder(const ZoneOperations& operations, int dimension);
+
+  // Begins with a state. The zone may have been widened beyond its invariant, and is cut back to it: what can happen
+  // outside is of no use to a valuation inside. `wants_live`: whether `live` will be asked for.
+  void begin(const void* zone, const std::vector<Atom>& invariant, Delay delay, bool wants_live);
+
+  // False once further actions cannot change the result.
+  bool open() const { return wants_live_ || !dead_.empty(); }
+
+  // An action that is possible where `guarded`, a part of the zone, satisfies the precondition of the invariant behind
+  // it.
+  void add(const void* guarded, const std::vector<Atom>& precondition);
+
+  const Federation& dead() const { return dead_; }
+  const Federation& live() const { return live_; }
+
+ private:
+  void find_cuts();
+
+  ZoneOperations operations_;
+  int dimension_;
+  Delay delay_ = Delay::none;
+  bool wants_live_ = false;
+  std::vector<Atom> invariant_;
+  ZoneBuffer whole_;        // the zone within the invariant
+  ZoneBuffer possible_;     // the valuations from which the action at hand can be taken
+  std::vector<Atom> cuts_;  // what `possible_` asks for beyond `whole_`
+  Federation dead_;
+  Federation live_;
+};
+
+}  // namespace tachk

@@ -1,0 +1,220 @@
+#include "symbolic/successor.hpp"
+
+#include <algorithm>
+
+namespace tachk {
+Semantics::Semantics(const Program& program, const ZoneOperations& operations)
+    : program_(program),
+      operations_(operations),
+      machine_(program, operations.largest_constant),
+      stopped_(static_cast<std::size_t>(program.dimension())) {
+  std::size_t count = 0;
+  for (const Process& process : program.processes) {
+    first_location_.push_back(count);
+    count += process.locations.size();
+    for (const Location& here : process.locations) {
+      has_urgent_locations_ |= here.urgent || here.committed;
+      has_committed_locations_ |= here.committed;
+    }
+  }
+  outgoing_.resize(count);
+  for (std::uint32_t number = 0; number < program.edges.size(); ++number) {
+    const Edge& edge = program.edges[number];
+    Outgoing& out = outgoing_[location_number(edge.process, edge.source)];
+    (edge.internal() ? out.internal : edge.sends ? out.sends : out.receives).push_back(number);
+    const auto first = static_cast<std::uint32_t>(guard_tests_.size());
+    for (const Test& test : edge.guard.tests) guard_tests_.emplace_back(test);
+    integer_guards_.push_back({first, static_cast<std::uint32_t>(guard_tests_.size()), edge.guard.code});
+  }
+  for (std::uint32_t slot = 0; slot < program.state_slots; ++slot)
+    if (program.slots[slot].meta) meta_slots_.push_back(slot);
+  for (const Channel& channel : program.channels) has_urgent_channels_ |= channel.urgent;
+}
+
+Semantics::RangeTest::RangeTest(const Test& test)
+    : slot(test.slot), low(static_cast<std::uint32_t>(test.constant)), span(0), outside(false) {
+  constexpr auto smallest = static_cast<std::uint32_t>(INT32_MIN);
+  const std::uint32_t constant = low;
+  switch (test.comparison) {
+    case Comparison::equal:
+      break;
+    case Comparison::not_equal:
+      outside = true;
+      break;
+    case Comparison::less:  // not at least the constant
+    case Comparison::greater_equal:
+      span = static_cast<std::uint32_t>(INT32_MAX) - constant;
+      outside = test.comparison == Comparison::less;
+      break;
+    case Comparison::less_equal:
+    case Comparison::greater:  // not at most the constant
+      low = smallest;
+      span = constant - smallest;
+      outside = test.comparison == Comparison::greater;
+      break;
+  }
+}
+
+bool Semantics::holds(const Condition& condition, std::int32_t* slots) {
+  for (const Test& test : condition.tests)
+    if (!test.holds(slots)) return false;
+  return condition.code == no_code || machine_.value(condition.code, slots) != 0;
+}
+
+void Semantics::resolve(const Condition& condition, std::int32_t* slots, std::vector<Atom>& atoms) {
+  for (const Atom& atom : condition.atoms) atoms.push_back(atom);
+  for (const ComputedConstraint& c : condition.computed) {
+    if (c.condition != no_code && machine_.value(c.condition, slots) == 0) continue;
+    const std::int64_t left = c.left_code == no_code ? c.left : program_.renumbered(machine_.value(c.left_code, slots));
+    const std::int64_t right =
+        c.right_code == no_code ? c.right : program_.renumbered(machine_.value(c.right_code, slots));
+    const std::int64_t bound = c.bound_code == no_code ? c.bound : machine_.time(c.bound_code, slots);
+    if (bound > operations_.largest_constant || bound < -operations_.largest_constant)
+      throw ModelFault(FaultKind::bound, c.bound_code);
+    const Raw raw = raw_bound(bound, c.strict);
+    if (left == right) {  // x - x < c, possible where the clocks are computed
+      atoms.push_back({0, 0, raw});
+      continue;
+    }
+    atoms.push_back({static_cast<std::uint16_t>(left), static_cast<std::uint16_t>(right), raw});
+  }
+}
+
+const void* Semantics::narrowed(const void* zone, std::size_t level, std::span<const Atom> atoms) {
+  if (atoms.empty()) return zone;
+  const int dimension = program_.dimension();
+  if (!operations_.meets_each(zone, dimension, atoms.data(), atoms.size())) return nullptr;
+  while (levels_.size() <= level) levels_.emplace_back(operations_);
+  levels_[level].assign(zone);
+  return operations_.intersect(levels_[level].get(), dimension, atoms.data(), atoms.size()) ? levels_[level].get()
+                                                                                            : nullptr;
+}
+
+const void* Semantics::guarded(const Edge& edge, std::int32_t* slots, const void* zone, std::size_t level) {
+  const std::size_t before = action_.guard.size();
+  resolve(edge.guard, slots, action_.guard);
+  return narrowed(zone, level, std::span(action_.guard).subspan(before));
+}
+
+std::int32_t Semantics::channel_of(const Edge& edge, std::int32_t* slots) {
+  return edge.channel_code == no_code ? edge.channel
+                                      : static_cast<std::int32_t>(machine_.value(edge.channel_code, slots));
+}
+
+bool Semantics::names_within(const Edge& edge, std::int32_t channel, std::int32_t* slots, const void* zone,
+                             std::size_t level) {
+  const std::size_t before = action_.guard.size();
+  const bool open = guarded(edge, slots, zone, level) != nullptr;
+  action_.guard.resize(before);
+  return open && names(edge, channel, slots);
+}
+
+bool Semantics::invariant(std::int32_t* slots, std::vector<Atom>& atoms) {
+  for (std::size_t p = 0; p < program_.processes.size(); ++p) {
+    const Location& here = location(p, slots);
+    if (!here.has_invariant) continue;
+    if (!holds(here.invariant, slots)) return false;
+    resolve(here.invariant, slots, atoms);
+  }
+  return true;
+}
+
+bool Semantics::apply(const std::vector<std::uint32_t>& edges, const std::int32_t* slots, Effect& effect) {
+  if (effect.slots.empty())
+    effect.slots.assign(slots, slots + program_.slots.size());
+  else  // what lies behind the state is constant, or written before it is read
+    std::copy_n(slots, program_.state_slots, effect.slots.begin());
+  effect.written = {};
+  effect.resets.clear();
+  effect.invariant.clear();
+  for (const std::uint32_t number : edges) {
+    const Update& update = program_.edges[number].update;
+    for (const Update::Store& store : update.stores) {
+      effect.slots[store.slot] = store.value;
+      effect.written.add(store.slot);
+    }
+    effect.resets.insert(effect.resets.end(), update.resets.begin(), update.resets.end());
+    if (update.code != no_code) machine_.update(update.code, effect.slots.data(), effect.written, effect.resets);
+  }
+  for (const std::uint32_t number : edges) {
+    const Edge& edge = program_.edges[number];
+    effect.slots[edge.process] = edge.target;
+    effect.written.add(edge.process);
+  }
+  for (const std::uint32_t slot : meta_slots_) effect.slots[slot] = program_.slots[slot].initial;
+  return invariant(effect.slots.data(), effect.invariant);
+}
+
+bool Semantics::weakest_precondition(const Effect& effect, std::vector<Atom>& atoms) const {
+  if (effect.invariant.empty()) return true;
+  constexpr std::int32_t unset = -1;
+  std::vector<std::int32_t> value(static_cast<std::size_t>(program_.dimension()), unset);
+  for (const ClockReset& reset : effect.resets) value[reset.clock] = reset.value;
+  for (Atom atom : effect.invariant) {
+    if (value[atom.left] != unset) {
+      atom.raw -= 2 * Raw{value[atom.left]};
+      atom.left = 0;
+    }
+    if (value[atom.right] != unset) {
+      atom.raw += 2 * Raw{value[atom.right]};
+      atom.right = 0;
+    }
+    if (atom.left != atom.right)
+      atoms.push_back(atom);
+    else if (atom.raw < raw_zero)
+      return false;
+  }
+  return true;
+}
+
+bool Semantics::may_be_urgent(const Edge& edge) const {
+  const auto first = program_.channels.begin() + edge.channel;
+  return std::any_of(first, first + edge.channels, [](const Channel& channel) { return channel.urgent; });
+}
+
+bool Semantics::time_passes(std::int32_t* slots) {
+  const std::size_t processes = program_.processes.size();
+  if (has_urgent_locations_)
+    for (std::size_t p = 0; p < processes; ++p)
+      if (location(p, slots).urgent || location(p, slots).committed) return false;
+  if (!has_urgent_channels_) return true;
+  for (std::size_t p = 0; p < processes; ++p) {
+    for (const std::uint32_t number : outgoing(p, slots).sends) {
+      const Edge& sender = program_.edges[number];
+      if (!may_be_urgent(sender) || !offers(number, slots)) continue;
+      const std::int32_t channel = channel_of(sender, slots);
+      const Channel& kind = program_.channels[static_cast<std::size_t>(channel)];
+      if (!kind.urgent) continue;
+      if (kind.broadcast) return false;
+      for (std::size_t q = 0; q < processes; ++q) {
+        if (q == p) continue;
+        for (const std::uint32_t other : outgoing(q, slots).receives)
+          if (may_hear(other, channel, slots) && names(program_.edges[other], channel, slots)) return false;
+      }
+    }
+  }
+  return true;
+}
+
+const std::uint8_t* Semantics::stopped_clocks(std::int32_t* slots) {
+  if (!program_.has_stopwatches) return nullptr;
+  std::fill(stopped_.begin(), stopped_.end(), std::uint8_t{0});
+  for (std::size_t p = 0; p < program_.processes.size(); ++p)
+    for (const Location::Stop& stop : location(p, slots).stopped)
+      if (stop.code == no_code || machine_.value(stop.code, slots) == 0) stopped_[stop.clock] = 1;
+  return stopped_.data();
+}
+
+std::pair<std::int32_t, std::int32_t> Semantics::priority(const std::vector<std::uint32_t>& edges,
+                                                          std::int32_t* slots) {
+  const Edge& first = program_.edges[edges.front()];
+  const std::int32_t channel = first.internal()
+                                   ? program_.default_priority
+                                   : program_.channels[static_cast<std::size_t>(channel_of(first, slots))].priority;
+  std::int32_t process = program_.processes[first.process].priority;
+  for (const std::uint32_t number : edges)
+    process = std::max(process, program_.processes[program_.edges[number].process].priority);
+  return {channel, process};
+}
+
+}  // namespace tachk

@@ -1,0 +1,276 @@
+// The transition relation on symbolic states: which actions a discrete state offers, and what firing one does to slots
+// and zone. The semantics is that of docs/semantics.md.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "machine/machine.hpp"
+#include "program/program.hpp"
+#include "zones/zone.hpp"
+#include "zones/zone_buffer.hpp"
+
+namespace tachk {
+
+// The edges that fire together: one internal edge; a sender and a receiver; or a broadcast sender and its receivers in
+// process order. `guard` is the conjunction of their clock guards in this discrete state.
+struct Action {
+  std::vector<std::uint32_t> edges;
+  std::vector<Atom> guard;
+};
+
+// What an action does to the discrete state: all that is known before the zone is looked at.
+struct Effect {
+  std::vector<std::int32_t> slots;  // all slots, frame slots included
+  SlotSet written;                  // holds every slot of the state that differs from the source
+  std::vector<ClockReset> resets;
+  std::vector<Atom> invariant;  // of the target, over the values after the resets
+};
+
+class Semantics {
+ public:
+  Semantics(const Program& program, const ZoneOperations& operations);
+
+  const Program& program() const { return program_; }
+
+  // Calls visit(action, guarded) for each action that is enabled somewhere in the zone; `guarded` is that part of the
+  // zone. Priorities and the invariants of the targets are not considered. Both arguments are only valid during the
+  // call. Receivers are asked only where the guard of a sender holds, channel codes only where that of their edge does
+  // (docs/semantics.md, run-time errors). Throws ModelFault.
+  template <class Visit>
+  void for_each_action(std::int32_t* slots, const void* zone, Visit&& visit);
+
+  // Runs the updates of an action. False if an integer condition of a target invariant is violated: then the action is
+  // not possible. Throws ModelFault.
+  bool apply(const std::vector<std::uint32_t>& edges, const std::int32_t* slots, Effect& effect);
+
+  // The constraints on the source valuation under which the effect's invariant holds after its resets, appended to
+  // `atoms`; false if it never holds.
+  bool weakest_precondition(const Effect& effect, std::vector<Atom>& atoms) const;
+
+  // Whether time may pass in a discrete state: no urgent or committed location, no enabled urgent synchronisation.
+  bool time_passes(std::int32_t* slots);
+
+  // Which clocks stand still; null if none can in this program.
+  const std::uint8_t* stopped_clocks(std::int32_t* slots);
+
+  // Tests and code of a condition.
+  bool holds(const Condition& condition, std::int32_t* slots);
+
+  // Appends the clock constraints of a condition. Throws ModelFault.
+  void resolve(const Condition& condition, std::int32_t* slots, std::vector<Atom>& atoms);
+
+  // Channel priority, then process priority (the largest of the participants).
+  std::pair<std::int32_t, std::int32_t> priority(const std::vector<std::uint32_t>& edges, std::int32_t* slots);
+
+  // Collects the invariant of a discrete state; false if its integer part is violated.
+  bool invariant(std::int32_t* slots, std::vector<Atom>& atoms);
+
+  const Location& location(std::size_t process, const std::int32_t* slots) const {
+    return program_.processes[process].locations[static_cast<std::size_t>(slots[process])];
+  }
+  // A number for each location of each process, counted through.
+  std::size_t location_number(std::size_t process, std::int32_t location) const {
+    return first_location_[process] + static_cast<std::size_t>(location);
+  }
+  std::size_t location_count() const { return outgoing_.size(); }
+
+ private:
+  struct Outgoing {
+    std::vector<std::uint32_t> internal;
+    std::vector<std::uint32_t> sends;
+    std::vector<std::uint32_t> receives;
+  };
+  // A test without a branch: whether the slot lies in [low, low + span], or outside of it.
+  struct RangeTest {
+    explicit RangeTest(const Test& test);
+    bool passes(const std::int32_t* slots) const {
+      return (static_cast<std::uint32_t>(slots[slot]) - low <= span) != outside;
+    }
+
+    std::uint32_t slot;
+    std::uint32_t low;
+    std::uint32_t span;
+    bool outside;
+  };
+  // The integer part of a guard, side by side with those of other edges: most guards are only ever asked this.
+  struct IntegerGuard {
+    std::uint32_t first_test;
+    std::uint32_t last_test;
+    std::int32_t code;
+  };
+  const Outgoing& outgoing(std::size_t process, const std::int32_t* slots) const {
+    return outgoing_[location_number(process, slots[process])];
+  }
+  std::int32_t channel_of(const Edge& edge, std::int32_t* slots);
+  // Whether a receiving edge may name the channel and the integer part of its guard holds.
+  bool may_hear(std::uint32_t number, std::int32_t channel, std::int32_t* slots) {
+    return program_.edges[number].may_name(channel) && offers(number, slots);
+  }
+  // Whether an edge that may name the channel does so now. Only to be asked where its guard holds.
+  bool names(const Edge& edge, std::int32_t channel, std::int32_t* slots) {
+    return edge.channel_code == no_code || channel_of(edge, slots) == channel;
+  }
+  // Whether a sending edge names an urgent channel in some state.
+  bool may_be_urgent(const Edge& edge) const;
+  // As `names`, asked only if the guard of the edge holds somewhere in the zone; uses the buffer of this level.
+  bool names_within(const Edge& edge, std::int32_t channel, std::int32_t* slots, const void* zone, std::size_t level);
+  // Whether the integer part of an edge's guard holds.
+  bool offers(std::uint32_t number, std::int32_t* slots) {
+    const IntegerGuard& guard = integer_guards_[number];
+    for (std::uint32_t n = guard.first_test; n < guard.last_test; ++n)
+      if (!guard_tests_[n].passes(slots)) return false;
+    return guard.code == no_code || machine_.value(guard.code, slots) != 0;
+  }
+  template <class Visit>
+  void broadcast(std::size_t receiver, std::int32_t channel, bool committed, bool participates, std::int32_t* slots,
+                 const void* zone, std::size_t level, Visit&& visit);
+  template <class Visit>
+  void stay_out(const std::vector<std::vector<Atom>>& guards, std::size_t next, const void* zone, std::size_t level,
+                Visit&& visit);
+  // The zone and the atoms, in the buffer of this level unless there is nothing to do; null if that is empty.
+  const void* narrowed(const void* zone, std::size_t level, std::span<const Atom> atoms);
+  // Adds the clock guard of an edge to the action; gives the zone within it as `narrowed` does.
+  const void* guarded(const Edge& edge, std::int32_t* slots, const void* zone, std::size_t level);
+
+  const Program& program_;
+  ZoneOperations operations_;
+  Machine machine_;
+  std::vector<std::size_t> first_location_;
+  std::vector<Outgoing> outgoing_;
+  std::vector<IntegerGuard> integer_guards_;  // of each edge
+  std::vector<RangeTest> guard_tests_;
+  std::vector<std::uint32_t> listeners_;  // receiving edges of the broadcasts under way
+  std::vector<std::uint32_t> meta_slots_;
+  std::vector<std::uint8_t> stopped_;
+  bool has_urgent_channels_ = false;
+  bool has_urgent_locations_ = false;  // urgent or committed
+  bool has_committed_locations_ = false;
+  Action action_;
+  std::deque<ZoneBuffer> levels_;
+};
+
+// ---- the templates --------------------------------------------------------------------------------------------------
+
+template <class Visit>
+void Semantics::for_each_action(std::int32_t* slots, const void* zone, Visit&& visit) {
+  const std::size_t processes = program_.processes.size();
+  listeners_.clear();
+  bool committed = false;
+  if (has_committed_locations_)
+    for (std::size_t p = 0; p < processes; ++p) committed |= location(p, slots).committed;
+
+  for (std::size_t p = 0; p < processes; ++p) {
+    const bool from_committed = location(p, slots).committed;
+    const Outgoing& out = outgoing(p, slots);
+    if (!committed || from_committed) {
+      for (const std::uint32_t number : out.internal) {
+        const Edge& edge = program_.edges[number];
+        if (!offers(number, slots)) continue;
+        action_.edges.assign(1, number);
+        action_.guard.clear();
+        if (const void* rest = guarded(edge, slots, zone, 0)) visit(std::as_const(action_), rest);
+      }
+    }
+    for (const std::uint32_t number : out.sends) {
+      const Edge& sender = program_.edges[number];
+      if (!offers(number, slots)) continue;
+      action_.edges.assign(1, number);
+      action_.guard.clear();
+      const void* sent = guarded(sender, slots, zone, 0);
+      if (sent == nullptr) continue;
+      const std::int32_t channel = channel_of(sender, slots);
+      if (program_.channels[static_cast<std::size_t>(channel)].broadcast) {
+        broadcast(0, channel, committed, from_committed, slots, sent, 1, visit);
+        continue;
+      }
+      const std::size_t sender_atoms = action_.guard.size();
+      for (std::size_t q = 0; q < processes; ++q) {
+        if (q == p || (committed && !from_committed && !location(q, slots).committed)) continue;
+        for (const std::uint32_t other : outgoing(q, slots).receives) {
+          if (!may_hear(other, channel, slots)) continue;
+          const Edge& partner = program_.edges[other];
+          action_.edges.resize(1);
+          action_.edges.push_back(other);
+          action_.guard.resize(sender_atoms);
+          const void* rest = guarded(partner, slots, sent, 1);
+          if (rest != nullptr && names(partner, channel, slots)) visit(std::as_const(action_), rest);
+        }
+      }
+    }
+  }
+}
+
+// Extends the broadcast action by the receivers in process `receiver` and behind it. A process with an enabled
+// receiving edge must take part; where that depends on clocks the valuations are split. `zone` is what the guards so
+// far leave, so combinations that exclude each other are given up at once. `participates`: a participant leaves a
+// committed location.
+template <class Visit>
+void Semantics::broadcast(std::size_t receiver, std::int32_t channel, bool committed, bool participates,
+                          std::int32_t* slots, const void* zone, std::size_t level, Visit&& visit) {
+  const std::size_t sender = program_.edges[action_.edges.front()].process;
+  const std::size_t first = listeners_.size();
+  bool must_join = false;  // some listener asks nothing of the clocks
+  for (; receiver < program_.processes.size() && listeners_.size() == first; ++receiver) {
+    if (receiver == sender) continue;
+    for (const std::uint32_t number : outgoing(receiver, slots).receives) {
+      if (!may_hear(number, channel, slots)) continue;
+      const Edge& listener = program_.edges[number];
+      if (listener.channel_code != no_code && !names_within(listener, channel, slots, zone, level)) continue;
+      listeners_.push_back(number);
+      must_join |= !listener.guard.constrains_clocks();
+    }
+  }
+  const std::size_t last = listeners_.size();
+  if (first == last) {
+    if (!committed || participates) visit(std::as_const(action_), zone);
+    return;
+  }
+  const std::size_t atoms = action_.guard.size();
+  const bool joined = participates || location(receiver - 1, slots).committed;
+  std::vector<std::vector<Atom>> guards;
+  for (std::size_t n = first; n < last; ++n) {
+    const std::uint32_t number = listeners_[n];
+    action_.edges.push_back(number);
+    const void* rest = guarded(program_.edges[number], slots, zone, level);
+    if (!must_join)
+      guards.emplace_back(action_.guard.begin() + static_cast<std::ptrdiff_t>(atoms), action_.guard.end());
+    if (rest != nullptr) broadcast(receiver, channel, committed, joined, slots, rest, level + 1, visit);
+    action_.edges.pop_back();
+    action_.guard.resize(atoms);
+  }
+  if (!must_join)
+    stay_out(guards, 0, zone, level, [&](const void* rest, std::size_t next_level) {
+      broadcast(receiver, channel, committed, participates, slots, rest, next_level, visit);
+    });
+  listeners_.resize(first);
+}
+
+// Calls visit(rest, level) for each of the disjoint parts of the zone that together make up where none of the guards
+// holds.
+template <class Visit>
+void Semantics::stay_out(const std::vector<std::vector<Atom>>& guards, std::size_t next, const void* zone,
+                         std::size_t level, Visit&& visit) {
+  if (next == guards.size()) {
+    visit(zone, level);
+    return;
+  }
+  const std::size_t atoms = action_.guard.size();
+  const void* inside = zone;  // where the atoms before the current one hold
+  for (const Atom& atom : guards[next]) {
+    const Atom outside = negated(atom);
+    action_.guard.push_back(outside);
+    if (const void* rest = narrowed(inside, level, {&outside, 1})) stay_out(guards, next + 1, rest, level + 1, visit);
+    action_.guard.back() = atom;
+    inside = narrowed(inside, level, {&atom, 1});
+    if (inside == nullptr) break;
+    ++level;
+  }
+  action_.guard.resize(atoms);
+}
+
+}  // namespace tachk

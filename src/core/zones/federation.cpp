@@ -1,0 +1,27 @@
+#include "zones/federation.hpp"
+
+#include <utility>
+
+namespace tachk {
+
+void Federation::add(const void* zone) {
+  if (count_ == zones_.size()) zones_.emplace_back(operations_);
+  zones_[count_++].assign(zone);
+}
+
+void Federation::subtract(const std::vector<Atom>& atoms) {
+  // From the back, so that a zone that takes the place of one used up has been dealt with.
+  for (std::size_t number = count_; number-- > 0;) {
+    if (!operations_.meets_each(zones_[number].get(), dimension_, atoms.data(), atoms.size())) continue;
+    for (const Atom& atom : atoms) {
+      if (operations_.entry(zones_[number].get(), dimension_, atom.left, atom.right) <= atom.raw) continue;
+      const Atom outside = negated(atom);
+      add(zones_[number].get());
+      if (!operations_.intersect(zones_[count_ - 1].get(), dimension_, &outside, 1)) --count_;
+      if (!operations_.intersect(zones_[number].get(), dimension_, &atom, 1)) break;
+    }
+    std::swap(zones_[number], zones_[--count_]);
+  }
+}
+
+}  // namespace tachk

@@ -1,0 +1,79 @@
+// Zones: canonical, non-empty difference bound matrices in flat memory, and the operations on them.
+//
+// A zone of dimension n (n - 1 clocks and the reference clock 0) is n rows of `stride` entries; entry (i, j) bounds
+// x_i - x_j. Rows are padded to whole vectors; the padding always holds `infinity`, so that equal zones are equal
+// bytes. The operations are compiled once for each instruction set and reached through a table chosen at run time; one
+// call does as much as possible, so the indirection does not matter.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "zones/bound.hpp"
+#include "zones/extent.hpp"
+
+namespace tachk {
+
+struct ZoneOperations {
+  const char* name;
+  int stride;            // entries in a row
+  int lanes;             // entries in a vector
+  std::size_t bytes;     // of a whole zone
+  Raw largest_constant;  // that may occur in an atom, a reset or a bound
+  Raw legal;             // all finite entries lie below this and above its negation
+
+  // All clocks are zero.
+  void (*make_zero)(void* zone, int dimension);
+  // The zone and the atoms; false, and an unusable zone, if that is empty.
+  bool (*intersect)(void* zone, int dimension, const Atom* atoms, std::size_t count);
+  // Whether each atom by itself leaves something of the zone; cheap, and necessary for `intersect`.
+  bool (*meets_each)(const void* zone, int dimension, const Atom* atoms, std::size_t count);
+  // Assigns constants to clocks, in order.
+  void (*reset)(void* zone, int dimension, const ClockReset* resets, std::size_t count);
+  // All clocks run for any time, except where `stopped` (may be null) is nonzero. With stopped clocks the result is the
+  // smallest zone that contains the reached valuations.
+  void (*up)(void* zone, int dimension, const std::uint8_t* stopped);
+  // `up` within the atoms, which must hold of some valuation of the zone: what `up` and then `intersect` give.
+  void (*up_within)(void* zone, int dimension, const std::uint8_t* stopped, const Atom* atoms, std::size_t count);
+  // All valuations from which the zone is reached by letting time pass.
+  void (*down)(void* zone, int dimension);
+  // Whether `outer` contains `inner`.
+  bool (*includes)(const void* outer, const void* inner, int dimension);
+  // Extra+LU (Behrmann, Bouyer, Larsen, Pelanek 2006, definition 7), closed again. `lower[i]` and `upper[i]` hold
+  // L(x_i) and U(x_i), -1 for minus infinity, in the entry type of the zone; `stride` entries, entry 0 and the padding
+  // are `no_bound`.
+  void (*extrapolate_lu_plus)(void* zone, int dimension, const void* lower, const void* upper);
+  // Extra_M of the same paper with M(x_i) in `bound[i]`, closed again.
+  void (*extrapolate_max)(void* zone, int dimension, const void* bound);
+  // target[i] = the largest rows[k][i] over all rows of bounds; count > 0.
+  void (*maximise_bounds)(void* target, const void* const* rows, std::size_t count, int dimension);
+  std::uint64_t (*hash)(const void* zone, int dimension);
+  // The largest absolute value of a finite entry.
+  Raw (*largest_entry)(const void* zone, int dimension);
+  Extent (*extent)(const void* zone, int dimension, const ExtentScale& scale);
+  // Reads entry (i, j); infinity is reported as `unbounded_entry`.
+  Raw (*entry)(const void* zone, int dimension, int i, int j);
+  // The part of a zone that `count` clocks, in ascending order and 0 first, have in common, as a zone of that
+  // dimension.
+  void (*gather)(void* target, const void* zone, int dimension, const std::uint16_t* clocks, int count, int length);
+  // The largest zone with this part.
+  void (*scatter)(void* target, const void* part, int dimension, const std::uint16_t* clocks, int count, int length);
+  // Writes one value into a row of bounds.
+  void (*set_bound)(void* row, int clock, Raw value);
+};
+
+inline constexpr Raw no_bound = 4095;  // larger than any lower bound that can be asked of clock 0 or the padding
+
+inline constexpr Raw unbounded_entry = INT64_MAX;
+
+// Of the entries: 16, 32 or 64 bits.
+enum class Width { narrow, wide, widest };
+
+// For zones with finite entries up to this one, whose extents tell as much as they can; those of others tell less.
+ExtentScale choose_scale(const ZoneOperations& operations, int dimension, Raw largest_entry);
+
+// The operations for a dimension. `vector` asks for the widest instruction set of this machine instead of portable
+// code.
+ZoneOperations select_operations(int dimension, Width width, bool vector);
+
+}  // namespace tachk

@@ -1,0 +1,490 @@
+// The zone operations, written with vector types and compiled once for each instruction set. Included by
+// zone_portable.cpp and zone_avx2.cpp, which define TACHK_INSTRUCTION_SET. Uses no library templates: whatever the
+// linker merges with other translation units must run on any machine.
+//
+// Whole rows are loaded and stored; a single entry is never stored into a row that is loaded as a vector right after,
+// because that stalls the store buffer.
+
+#include <cstring>
+
+#include "zones/zone.hpp"
+
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+namespace tachk::TACHK_INSTRUCTION_SET {
+
+template <class T, int Bytes>
+struct Lanes;
+template <class T>
+struct Lanes<T, 16> {
+  typedef T Vector __attribute__((vector_size(16), may_alias));
+  typedef std::uint64_t Words __attribute__((vector_size(16), may_alias));
+};
+template <class T>
+struct Lanes<T, 32> {
+  typedef T Vector __attribute__((vector_size(32), may_alias));
+  typedef std::uint64_t Words __attribute__((vector_size(32), may_alias));
+};
+
+// Stride 0 stands for a stride known only at run time.
+template <class T, int Stride>
+struct Kernel {
+  using Limits = BoundLimits<T>;
+  static constexpr int row_bytes = Stride * static_cast<int>(sizeof(T));
+  static constexpr int vector_bytes = row_bytes % 32 == 0 ? 32 : 16;
+  static_assert(row_bytes % vector_bytes == 0);
+  using Vector = typename Lanes<T, vector_bytes>::Vector;
+  using Words = typename Lanes<T, vector_bytes>::Words;
+  static constexpr int lanes = vector_bytes / static_cast<int>(sizeof(T));
+  static constexpr T infinity = Limits::infinity;
+  static constexpr T zero = 1;
+
+  static int stride(int dimension) {
+    if constexpr (Stride != 0) return Stride;
+    return (dimension + lanes - 1) / lanes * lanes;
+  }
+  static int vectors(int dimension) { return stride(dimension) / lanes; }
+
+  static T* row(void* zone, int dimension, int i) { return static_cast<T*>(zone) + i * stride(dimension); }
+  static const T* row(const void* zone, int dimension, int i) {
+    return static_cast<const T*>(zone) + i * stride(dimension);
+  }
+  static Vector& vector(T* row, int v) { return reinterpret_cast<Vector*>(row)[v]; }
+  static const Vector& vector(const T* row, int v) { return reinterpret_cast<const Vector*>(row)[v]; }
+
+  static Vector all(T value) { return Vector{} + value; }
+  static Vector minimum(Vector a, Vector b) { return a < b ? a : b; }
+  static Vector maximum(Vector a, Vector b) { return a > b ? a : b; }
+  static bool any(Vector mask) {
+    const Words words = reinterpret_cast<const Words&>(mask);
+    std::uint64_t all_words = words[0] | words[1];
+    if constexpr (vector_bytes == 32) all_words |= words[2] | words[3];
+    return all_words != 0;
+  }
+  static Vector lane_numbers(int v) {
+    Vector numbers{};
+    for (int lane = 0; lane < lanes; ++lane) numbers[lane] = static_cast<T>(v * lanes + lane);
+    return numbers;
+  }
+
+  static T add(T a, T b) {
+    if (a == infinity || b == infinity) return infinity;
+    return static_cast<T>(a + b - ((a | b) & 1));
+  }
+
+  // A row prepared for being added to many scalars: to add `a`, add it to `weak` if a is odd, else to `strict`.
+  // Infinite entries become `beyond`, so that the sum is never below infinity and a minimum ignores it.
+  static Vector prepared_weak(Vector r) { return r == all(infinity) ? all(Limits::beyond) : r - 1; }
+  static Vector prepared_strict(Vector r) { return r == all(infinity) ? all(Limits::beyond) : r - (r & 1); }
+
+  static void make_zero(void* zone, int dimension) {
+    for (int i = 0; i < dimension; ++i)
+      for (int j = 0; j < stride(dimension); ++j) row(zone, dimension, i)[j] = j < dimension ? zero : infinity;
+  }
+
+  // Adds x_i - x_j ~ bound to a canonical zone; false if that empties it. O(n^2).
+  static bool tighten(void* zone, int dimension, int i, int j, T bound) {
+    if (bound >= row(zone, dimension, i)[j]) return true;
+    if (add(bound, row(zone, dimension, j)[i]) < zero) return false;
+    constexpr int fixed = Stride == 0 ? 1 : Stride / lanes;
+    const int count = vectors(dimension);
+    if constexpr (Stride != 0) {
+      Vector weak[fixed];
+      Vector strict[fixed];
+      const T* row_j = row(zone, dimension, j);
+      for (int v = 0; v < fixed; ++v) {
+        const Vector r = vector(row_j, v);
+        Vector sum = all(bound) + r - ((all(bound) | r) & 1);
+        sum = r == all(infinity) ? all(infinity) : sum;
+        weak[v] = prepared_weak(sum);
+        strict[v] = prepared_strict(sum);
+      }
+      for (int r = 0; r < dimension; ++r) {
+        T* row_r = row(zone, dimension, r);
+        const T to_i = row_r[i];
+        if (to_i == infinity) continue;
+        const Vector* prepared = (to_i & 1) != 0 ? weak : strict;
+        for (int v = 0; v < fixed; ++v) vector(row_r, v) = minimum(vector(row_r, v), all(to_i) + prepared[v]);
+      }
+    } else {
+      for (int v = 0; v < count; ++v) {
+        const Vector r = vector(row(zone, dimension, j), v);
+        Vector sum = all(bound) + r - ((all(bound) | r) & 1);
+        sum = r == all(infinity) ? all(infinity) : sum;
+        const Vector weak = prepared_weak(sum);
+        const Vector strict = prepared_strict(sum);
+        // Column i and row j are read while they are written; both keep their values: a shorter way through (i, j)
+        // to i, or from j, would be a negative cycle.
+        for (int k = 0; k < dimension; ++k) {
+          T* row_k = row(zone, dimension, k);
+          const T to_i = row_k[i];
+          if (to_i == infinity) continue;
+          vector(row_k, v) = minimum(vector(row_k, v), all(to_i) + ((to_i & 1) != 0 ? weak : strict));
+        }
+      }
+    }
+    return true;
+  }
+
+  static bool intersect(void* zone, int dimension, const Atom* atoms, std::size_t count) {
+    for (std::size_t a = 0; a < count; ++a)
+      if (!tighten(zone, dimension, atoms[a].left, atoms[a].right, static_cast<T>(atoms[a].raw))) return false;
+    return true;
+  }
+
+  static void reset(void* zone, int dimension, const ClockReset* resets, std::size_t count) {
+    for (std::size_t n = 0; n < count; ++n) {
+      const int clock = resets[n].clock;
+      const T up = static_cast<T>(raw_bound(resets[n].value, false));
+      const T down = static_cast<T>(raw_bound(-Raw{resets[n].value}, false));
+      const int number = vectors(dimension);
+      for (int v = 0; v < number; ++v) {
+        const Vector here = lane_numbers(v) == all(static_cast<T>(clock));
+        for (int r = 0; r < dimension; ++r) {
+          if (r == clock) continue;
+          T* row_r = row(zone, dimension, r);
+          vector(row_r, v) = here ? all(add(row_r[0], down)) : vector(row_r, v);
+        }
+        const Vector first = vector(row(zone, dimension, 0), v);
+        Vector sum = first + all(static_cast<T>(up - 1));
+        sum = first == all(infinity) ? first : sum;
+        vector(row(zone, dimension, clock), v) = here ? all(zero) : sum;
+      }
+    }
+  }
+
+  static void up(void* zone, int dimension, const std::uint8_t* stopped) {
+    const int number = vectors(dimension);
+    for (int v = 0; v < number; ++v) {
+      const Vector lane = lane_numbers(v);
+      Vector freed = lane == all(0);
+      if (stopped != nullptr)
+        for (int j = 1; j < dimension; ++j)
+          if (stopped[j] != 0) freed |= lane == all(static_cast<T>(j));
+      for (int i = 1; i < dimension; ++i) {
+        if (stopped != nullptr && stopped[i] != 0) continue;
+        T* row_i = row(zone, dimension, i);
+        vector(row_i, v) = freed ? all(infinity) : vector(row_i, v);
+      }
+    }
+  }
+
+  // Upper bounds x_i <= b, the usual invariants, are added all at once: after `up` no other way leads to 0 than through
+  // one of them, so the new distance of r to 0 is the smallest of D[r][i] + b, and one pass over the rows closes the
+  // matrix again.
+  static void up_within(void* zone, int dimension, const std::uint8_t* stopped, const Atom* atoms, std::size_t count) {
+    up(zone, dimension, stopped);
+    bool simple = stopped == nullptr && Stride != 0;
+    for (std::size_t a = 0; a < count; ++a) simple &= atoms[a].right == 0;
+    if (!simple || count == 0) {
+      intersect(zone, dimension, atoms, count);
+      return;
+    }
+    if constexpr (Stride != 0) {
+      Vector weak[Stride / lanes];
+      Vector strict[Stride / lanes];
+      const T* first = row(zone, dimension, 0);
+      for (int v = 0; v < Stride / lanes; ++v) {
+        weak[v] = prepared_weak(vector(first, v));
+        strict[v] = prepared_strict(vector(first, v));
+      }
+      for (int r = 1; r < dimension; ++r) {
+        T* row_r = row(zone, dimension, r);
+        T to_zero = infinity;
+        for (std::size_t a = 0; a < count; ++a) {
+          const T way = add(row_r[atoms[a].left], static_cast<T>(atoms[a].raw));
+          if (way < to_zero) to_zero = way;
+        }
+        if (to_zero == infinity) continue;
+        const Vector* prepared = (to_zero & 1) != 0 ? weak : strict;
+        for (int v = 0; v < Stride / lanes; ++v)
+          vector(row_r, v) = minimum(vector(row_r, v), all(to_zero) + prepared[v]);
+      }
+    }
+  }
+
+  static void down(void* zone, int dimension) {
+    // x_0 - x_j: the least value of x_j is lowered to 0, but not below what the differences to other clocks ask for.
+    T* first = row(zone, dimension, 0);
+    for (int j = 1; j < dimension; ++j) {
+      T bound = zero;
+      for (int i = 1; i < dimension; ++i) {
+        const T entry = row(zone, dimension, i)[j];
+        if (entry < bound) bound = entry;
+      }
+      first[j] = bound;
+    }
+  }
+
+  static bool includes(const void* outer, const void* inner, int dimension) {
+    const int number = vectors(dimension);
+    for (int i = 0; i < dimension; ++i) {
+      const T* row_outer = row(outer, dimension, i);
+      const T* row_inner = row(inner, dimension, i);
+      Vector violated{};
+      for (int v = 0; v < number; ++v) violated |= vector(row_inner, v) > vector(row_outer, v);
+      if (any(violated)) return false;
+    }
+    return true;
+  }
+
+  // Floyd-Warshall; the zone must not be empty. `relevant(k)` is false for a clock that no shorter way leads through.
+  template <class Relevant>
+  static void close(void* zone, int dimension, Relevant relevant) {
+    const int number = vectors(dimension);
+    for (int k = 0; k < dimension; ++k) {
+      if (!relevant(k)) continue;
+      const T* row_k = row(zone, dimension, k);
+      if constexpr (Stride != 0) {
+        Vector weak[Stride / lanes];
+        Vector strict[Stride / lanes];
+        for (int v = 0; v < Stride / lanes; ++v) {
+          weak[v] = prepared_weak(vector(row_k, v));
+          strict[v] = prepared_strict(vector(row_k, v));
+        }
+        for (int i = 0; i < dimension; ++i) {
+          T* row_i = row(zone, dimension, i);
+          const T to_k = row_i[k];
+          if (to_k == infinity || i == k) continue;
+          const Vector* prepared = (to_k & 1) != 0 ? weak : strict;
+          for (int v = 0; v < Stride / lanes; ++v)
+            vector(row_i, v) = minimum(vector(row_i, v), all(to_k) + prepared[v]);
+        }
+      } else {
+        for (int i = 0; i < dimension; ++i) {
+          T* row_i = row(zone, dimension, i);
+          const T to_k = row_i[k];
+          if (to_k == infinity || i == k) continue;
+          for (int v = 0; v < number; ++v) {
+            const Vector r = vector(row_k, v);
+            const Vector prepared = (to_k & 1) != 0 ? prepared_weak(r) : prepared_strict(r);
+            vector(row_i, v) = minimum(vector(row_i, v), all(to_k) + prepared);
+          }
+        }
+      }
+    }
+  }
+
+  static void extrapolate_lu_plus(void* zone, int dimension, const void* lower, const void* upper) {
+    const T* lower_bounds = static_cast<const T*>(lower);
+    const T* upper_bounds = static_cast<const T*>(upper);
+    const int number = vectors(dimension);
+    T* first = row(zone, dimension, 0);
+    bool changed = false;
+    std::uint64_t freed_rows = 0;  // these rows lose every finite entry
+    for (int i = 1; i < dimension; ++i) {
+      T* row_i = row(zone, dimension, i);
+      const bool above_lower = first[i] < -2 * lower_bounds[i];
+      if (above_lower && i < 64) freed_rows |= std::uint64_t{1} << i;
+      const T limit = static_cast<T>(2 * lower_bounds[i] + 1);
+      Vector difference{};
+      for (int v = 0; v < number; ++v) {
+        const Vector old = vector(row_i, v);
+        const Vector u = vector(upper_bounds, v);
+        Vector raised = (old > all(limit)) | (vector(first, v) < u * -2);
+        if (above_lower) raised = all(-1);
+        Vector fresh = raised ? all(infinity) : old;
+        fresh = lane_numbers(v) == all(static_cast<T>(i)) ? all(zero) : fresh;
+        difference |= fresh ^ old;
+        vector(row_i, v) = fresh;
+      }
+      changed |= any(difference);
+    }
+    Vector difference{};
+    for (int v = 0; v < number; ++v) {
+      const Vector old = vector(first, v);
+      const Vector limit = vector(upper_bounds, v) * -2;
+      const Vector fresh = old < limit ? minimum(limit, all(zero)) : old;
+      difference |= fresh ^ old;
+      vector(first, v) = fresh;
+    }
+    if (!changed && !any(difference)) return;
+    close(zone, dimension, [freed_rows](int k) { return k >= 64 || (freed_rows >> k & 1) == 0; });
+  }
+
+  static void extrapolate_max(void* zone, int dimension, const void* bound) {
+    const T* bounds = static_cast<const T*>(bound);
+    const int number = vectors(dimension);
+    bool changed = false;
+    for (int i = 0; i < dimension; ++i) {
+      T* row_i = row(zone, dimension, i);
+      const T limit = static_cast<T>(i == 0 ? 1 : 2 * bounds[i] + 1);
+      Vector difference{};
+      for (int v = 0; v < number; ++v) {
+        const Vector old = vector(row_i, v);
+        const Vector least = vector(bounds, v) * -2;
+        Vector fresh = old < least ? minimum(least, all(zero)) : old;
+        fresh = old > all(limit) ? all(infinity) : fresh;
+        fresh = lane_numbers(v) == all(static_cast<T>(i)) ? all(zero) : fresh;
+        difference |= fresh ^ old;
+        vector(row_i, v) = fresh;
+      }
+      changed |= any(difference);
+    }
+    if (changed) close(zone, dimension, [](int) { return true; });
+  }
+
+  static bool meets_each(const void* zone, int dimension, const Atom* atoms, std::size_t count) {
+    for (std::size_t a = 0; a < count; ++a)
+      if (add(static_cast<T>(atoms[a].raw), row(zone, dimension, atoms[a].right)[atoms[a].left]) < zero) return false;
+    return true;
+  }
+
+  static Raw largest_entry(const void* zone, int dimension) {
+    const int number = vectors(dimension);
+    Vector largest{};
+    for (int i = 0; i < dimension; ++i)
+      for (int v = 0; v < number; ++v) {
+        const Vector entry = vector(row(zone, dimension, i), v);
+        largest = maximum(largest, maximum(entry == all(infinity) ? all(0) : entry, -entry));
+      }
+    T result = 0;
+    for (int lane = 0; lane < lanes; ++lane) result = largest[lane] > result ? largest[lane] : result;
+    return result;
+  }
+
+  static Extent extent(const void* zone, int dimension, const ExtentScale& scale) {
+    const int number = vectors(dimension);
+    const auto limit = static_cast<T>(scale.limit);
+    std::int64_t columns[8]{};
+    Extent result{};
+    for (int k = 0; k < 8 && k < dimension; ++k) {
+      Vector sums{};
+      for (int i = k; i < dimension; i += 8)
+        for (int v = 0; v < number; ++v)
+          sums += maximum(minimum(vector(row(zone, dimension, i), v), all(limit)), all(static_cast<T>(-limit))) >>
+                  scale.entry_shift;
+      std::int64_t sum = 0;
+      for (int lane = 0; lane < lanes; ++lane) {
+        sum += sums[lane];
+        columns[lane % 8] += sums[lane];
+      }
+      result.sums[k] = static_cast<std::int16_t>(sum >> scale.sum_shift);
+    }
+    for (int k = 0; k < 8; ++k) result.sums[8 + k] = static_cast<std::int16_t>(columns[k] >> scale.sum_shift);
+    return result;
+  }
+
+  static void gather(void* target, const void* zone, int dimension, const std::uint16_t* clocks, int count,
+                     int length) {
+    for (int i = 0; i < count; ++i) {
+      const T* from = row(zone, dimension, clocks[i]);
+      T* to = static_cast<T*>(target) + i * length;
+      for (int j = 0; j < count; ++j) to[j] = from[clocks[j]];
+      for (int j = count; j < length; ++j) to[j] = infinity;
+    }
+  }
+
+  static void scatter(void* target, const void* part, int dimension, const std::uint16_t* clocks, int count,
+                      int length) {
+    for (int i = 0, next = 0; i < dimension; ++i) {
+      T* to = row(target, dimension, i);
+      if (next == count || clocks[next] != i) {
+        for (int j = 0; j < stride(dimension); ++j) to[j] = infinity;
+        to[i] = zero;
+        continue;
+      }
+      const T* from = static_cast<const T*>(part) + next * length;
+      ++next;
+      for (int j = 0; j < dimension; ++j) to[j] = from[0];
+      for (int j = dimension; j < stride(dimension); ++j) to[j] = infinity;
+      for (int j = 0; j < count; ++j) to[clocks[j]] = from[j];
+    }
+  }
+
+  static std::uint64_t hash(const void* zone, int dimension) {
+    const int number = vectors(dimension) * dimension;
+    const Words* words = static_cast<const Words*>(zone);
+    Words sum;
+    if constexpr (vector_bytes == 32)
+      sum = Words{0x9E3779B97F4A7C15u, 0xC2B2AE3D27D4EB4Fu, 0x165667B19E3779F9u, 0x27D4EB2F165667C5u};
+    else
+      sum = Words{0x9E3779B97F4A7C15u, 0xC2B2AE3D27D4EB4Fu};
+    for (int n = 0; n < number; ++n) {
+      sum ^= words[n];
+      sum += (sum << 21) + (sum << 3);
+      sum ^= sum >> 29;
+    }
+    std::uint64_t result = 0;
+    for (int lane = 0; lane < vector_bytes / 8; ++lane) {
+      result = (result ^ sum[lane]) * 0x9E3779B97F4A7C15u;
+      result ^= result >> 32;
+    }
+    return result;
+  }
+};
+
+template <class T, int Stride>
+struct Table {
+  using K = Kernel<T, Stride>;
+  static ZoneOperations make(const char* name, int dimension) {
+    ZoneOperations table{};
+    table.name = name;
+    table.stride = K::stride(dimension);
+    table.lanes = K::lanes;
+    table.bytes = static_cast<std::size_t>(table.stride) * static_cast<std::size_t>(dimension) * sizeof(T);
+    table.largest_constant = BoundLimits<T>::largest_constant;
+    table.legal = BoundLimits<T>::legal;
+    table.make_zero = K::make_zero;
+    table.intersect = K::intersect;
+    table.meets_each = K::meets_each;
+    table.reset = K::reset;
+    table.up = K::up;
+    table.up_within = K::up_within;
+    table.down = K::down;
+    table.includes = K::includes;
+    table.extrapolate_lu_plus = K::extrapolate_lu_plus;
+    table.extrapolate_max = K::extrapolate_max;
+    table.maximise_bounds = [](void* target, const void* const* rows, std::size_t count, int dim) {
+      for (int v = 0; v < K::vectors(dim); ++v) {
+        auto largest = K::vector(static_cast<const T*>(rows[0]), v);
+        for (std::size_t k = 1; k < count; ++k)
+          largest = K::maximum(largest, K::vector(static_cast<const T*>(rows[k]), v));
+        K::vector(static_cast<T*>(target), v) = largest;
+      }
+    };
+    table.hash = K::hash;
+    table.gather = K::gather;
+    table.scatter = K::scatter;
+    table.largest_entry = K::largest_entry;
+    table.extent = K::extent;
+    table.entry = [](const void* zone, int dim, int i, int j) -> Raw {
+      const T value = K::row(zone, dim, i)[j];
+      return value == K::infinity ? unbounded_entry : Raw{value};
+    };
+    table.set_bound = [](void* row, int clock, Raw value) { static_cast<T*>(row)[clock] = static_cast<T>(value); };
+    return table;
+  }
+};
+
+// Rows of these lengths have code of their own, others are handled by loops over a length known only at run time.
+inline ZoneOperations operations(int dimension, Width width) {
+#define TACHK_ROWS(type, name, length) \
+  if (dimension <= length) return Table<type, length>::make(TACHK_INSTRUCTION_NAME " " name "x" #length, dimension);
+  switch (width) {
+    case Width::narrow:
+      TACHK_ROWS(std::int16_t, "int16", 8)
+      TACHK_ROWS(std::int16_t, "int16", 16)
+      TACHK_ROWS(std::int16_t, "int16", 24)
+      TACHK_ROWS(std::int16_t, "int16", 32)
+      TACHK_ROWS(std::int16_t, "int16", 48)
+      TACHK_ROWS(std::int16_t, "int16", 64)
+      return Table<std::int16_t, 0>::make(TACHK_INSTRUCTION_NAME " int16", dimension);
+    case Width::wide:
+      TACHK_ROWS(std::int32_t, "int32", 8)
+      TACHK_ROWS(std::int32_t, "int32", 16)
+      TACHK_ROWS(std::int32_t, "int32", 24)
+      TACHK_ROWS(std::int32_t, "int32", 32)
+      TACHK_ROWS(std::int32_t, "int32", 48)
+      TACHK_ROWS(std::int32_t, "int32", 64)
+      return Table<std::int32_t, 0>::make(TACHK_INSTRUCTION_NAME " int32", dimension);
+    case Width::widest:
+      break;
+  }
+  TACHK_ROWS(std::int64_t, "int64", 8)
+  TACHK_ROWS(std::int64_t, "int64", 16)
+#undef TACHK_ROWS
+  return Table<std::int64_t, 0>::make(TACHK_INSTRUCTION_NAME " int64", dimension);
+}
+
+}  // namespace tachk::TACHK_INSTRUCTION_SET

@@ -1,0 +1,196 @@
+// Long antichains against plain lists: the same answers, the same members removed.
+#include "states/antichain.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <new>
+#include <random>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "check.hpp"
+#include "states/store.hpp"
+#include "zones/zone_buffer.hpp"
+
+namespace {
+
+using namespace tachk;
+
+struct Random {
+  std::mt19937 engine;
+
+  int below(int limit) { return static_cast<int>(engine() % static_cast<std::uint32_t>(limit)); }
+};
+
+std::set<std::uint32_t> numbers(const Antichain& antichain) {
+  std::set<std::uint32_t> result;
+  antichain.for_each([&](std::uint32_t number) { CHECK(result.insert(number).second); });
+  return result;
+}
+
+// Random points near a plane, where few dominate others, of which some components vary; each third number takes no part
+// in a comparison.
+void test_extents(int components, int range, std::uint32_t steps) {
+  Random random{std::mt19937(static_cast<std::uint32_t>(components))};
+  std::vector<std::pair<Extent, std::uint32_t>> plain;
+  Antichain antichain;
+  const std::size_t empty_bytes = antichain.bytes();
+  std::size_t longest = 0;
+  for (std::uint32_t step = 0; step < steps; ++step) {
+    Extent extent{};
+    int rest = random.below(range / 40 + 2);
+    for (int k = 1; k < components; ++k) {
+      const int sum = random.below(range) - range / 2;
+      extent.sums[k] = static_cast<std::int16_t>(sum);
+      rest -= sum;
+    }
+    extent.sums[0] = static_cast<std::int16_t>(rest);
+    const auto takes_part = [](std::uint32_t number) { return number % 3 != 0; };
+    const bool above = std::any_of(plain.begin(), plain.end(), [&](const auto& member) {
+      return member.first.may_include(extent) && takes_part(member.second);
+    });
+    CHECK(antichain.any_above(extent, takes_part) == above);
+    if (above) continue;
+    std::set<std::uint32_t> removed;
+    antichain.remove_below(extent, [&](std::uint32_t number) {
+      if (!takes_part(number)) return false;
+      CHECK(removed.insert(number).second);
+      return true;
+    });
+    const std::size_t before = plain.size();
+    std::erase_if(plain, [&](const auto& member) {
+      if (!extent.may_include(member.first) || !takes_part(member.second)) return false;
+      CHECK(removed.contains(member.second));
+      return true;
+    });
+    CHECK(before - plain.size() == removed.size());
+    antichain.add(extent, step);
+    plain.push_back({extent, step});
+    longest = std::max(longest, plain.size());
+    CHECK(antichain.bytes() > empty_bytes + plain.size() * sizeof(Extent));
+    if (step % 500 != 0) continue;
+    const std::set<std::uint32_t> present = numbers(antichain);
+    CHECK(present.size() == plain.size());
+    for (const auto& member : plain) CHECK(present.contains(member.second));
+  }
+  CHECK(longest > 500);
+  Extent all{};
+  std::fill_n(all.sums, Extent::count, INT16_MAX);
+  antichain.remove_below(all, [](std::uint32_t) { return true; });
+  CHECK(numbers(antichain).empty());
+  antichain.add(all, 7);
+  CHECK(numbers(antichain) == std::set<std::uint32_t>{7});
+}
+
+struct Zone {
+  std::byte* data;
+
+  explicit Zone(const ZoneOperations& operations) : data(new (std::align_val_t{64}) std::byte[operations.bytes]) {}
+  Zone(const Zone&) = delete;
+  Zone& operator=(const Zone&) = delete;
+  ~Zone() { ::operator delete[](data, std::align_val_t{64}); }
+};
+
+// A box of about the same size as the others, mostly, somewhere within a range that grows, cut off along a diagonal.
+void draw(Random& random, const ZoneOperations& operations, int dimension, int range, void* zone) {
+  const Zone bounds(operations);
+  for (int clock = 0; clock < operations.stride; ++clock)
+    operations.set_bound(bounds.data, clock, clock == 0 || clock >= dimension ? no_bound : -1);
+  std::vector<Atom> atoms;
+  int size = range / (random.below(20) == 0 ? 1 : 4);
+  for (int clock = 1; clock < dimension; ++clock) {
+    const int width = clock + 1 == dimension ? size : random.below(size + 1);
+    const int start = random.below(range);
+    const auto c = static_cast<std::uint16_t>(clock);
+    atoms.push_back({0, c, raw_bound(-start, random.below(2) == 0)});
+    if (random.below(30) != 0) atoms.push_back({c, 0, raw_bound(start + width + 1, random.below(2) == 0)});
+    size -= width;
+  }
+  if (dimension > 2 && random.below(2) == 0) atoms.push_back({1, 2, raw_bound(random.below(range), false)});
+  do {
+    operations.make_zero(zone, dimension);
+    operations.up(zone, dimension, nullptr);
+    operations.extrapolate_lu_plus(zone, dimension, bounds.data, bounds.data);
+    if (operations.intersect(zone, dimension, atoms.data(), atoms.size())) return;
+    atoms.pop_back();
+  } while (true);
+}
+
+void test_zones(int dimension, Width width, int range, std::uint32_t steps, bool subsumption) {
+  Random random{std::mt19937(static_cast<std::uint32_t>(dimension + range))};
+  Program program;
+  program.clocks = dimension - 1;
+  program.state_slots = 1;
+  program.slots = {Slot{0, 1, 0, false}};
+  const ZoneOperations operations = select_operations(dimension, width, true);
+  PassedList passed(program, operations, 8, true);
+  const std::int32_t slots[] = {0};
+  passed.announce(slots, SlotSet::all());
+  const std::uint32_t discrete = passed.locate();
+  struct Member {
+    std::uint32_t number;
+    ZoneBuffer zone;  // a copy, for the moment when it has just been covered
+  };
+  std::vector<Member> plain;
+  std::size_t longest = 0;
+  int removals = 0;
+  const auto includes = [&](const void* outer, const void* inner) {
+    return subsumption ? operations.includes(outer, inner, dimension)
+                       : std::memcmp(outer, inner, operations.bytes) == 0;
+  };
+  const Zone zone(operations);
+  for (std::uint32_t step = 0; step < steps; ++step) {
+    const int reach = 4 + static_cast<int>(static_cast<std::uint32_t>(range) * step / steps);
+    draw(random, operations, dimension, reach, zone.data);
+    if (!plain.empty() && random.below(4) == 0) {
+      // One that is likely to contain a stored zone, or to be contained.
+      const int place = random.below(static_cast<int>(plain.size()));
+      std::memcpy(zone.data, plain[static_cast<std::size_t>(place)].zone.get(), operations.bytes);
+      const auto clock = static_cast<std::uint16_t>(1 + random.below(dimension - 1));
+      const Atom atom{0, clock, raw_bound(-random.below(reach), false)};
+      if (random.below(2) == 0)
+        operations.up(zone.data, dimension, nullptr);
+      else if (operations.meets_each(zone.data, dimension, &atom, 1))
+        CHECK(operations.intersect(zone.data, dimension, &atom, 1));
+    }
+    const bool covered = std::any_of(plain.begin(), plain.end(),
+                                     [&](const Member& member) { return includes(member.zone.get(), zone.data); });
+    if (subsumption) CHECK(passed.covers(discrete, {zone.data, dimension}) == covered);
+    const std::uint32_t fresh = passed.add(discrete, {zone.data, dimension}, no_node, subsumption);
+    CHECK((fresh == no_node) == covered);
+    if (covered) continue;
+    std::erase_if(plain, [&](const Member& member) {
+      const bool smaller = includes(zone.data, member.zone.get());
+      CHECK(passed.covered(member.number) == smaller);
+      if (!smaller)
+        CHECK(std::memcmp(passed.zone(passed.node(member.number)), member.zone.get(), operations.bytes) == 0);
+      if (smaller) ++removals;
+      return smaller;
+    });
+    plain.push_back({fresh, ZoneBuffer(operations)});
+    plain.back().zone.assign(zone.data);
+    longest = std::max(longest, plain.size());
+    CHECK(passed.stored() == plain.size());
+  }
+  CHECK(longest > 100);
+  CHECK(removals > (subsumption ? 50 : -1));
+}
+
+}  // namespace
+
+int main() {
+  test_extents(2, 60000, 20000);
+  test_extents(3, 50, 6000);
+  test_extents(5, 100, 6000);
+  test_extents(16, 1000, 4000);
+  for (const int dimension : {3, 6, 8, 9, 17, 33}) {
+    test_zones(dimension, Width::narrow, 390, 4000, true);
+    test_zones(dimension, Width::wide, 30000, 4000, true);
+    test_zones(dimension, Width::wide, 300, 2000, false);
+  }
+  std::puts("long antichains are those of a plain list");
+}

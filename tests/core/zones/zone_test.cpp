@@ -1,0 +1,333 @@
+// Every zone operation of every kernel against a textbook matrix, on random walks through zones.
+#include "zones/zone.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <new>
+#include <random>
+#include <vector>
+
+#include "check.hpp"
+
+namespace {
+
+using tachk::Atom;
+using tachk::ClockReset;
+using tachk::Raw;
+using tachk::ZoneOperations;
+
+constexpr std::int64_t infinity = INT64_MAX;
+
+std::int64_t add(std::int64_t a, std::int64_t b) {
+  return a == infinity || b == infinity ? infinity : a + b - ((a | b) & 1);
+}
+
+// A difference bound matrix with none of the tricks.
+struct Matrix {
+  int n;
+  std::vector<std::int64_t> entries;
+
+  explicit Matrix(int dimension) : n(dimension), entries(static_cast<std::size_t>(n * n), 1) {}
+  std::int64_t& at(int i, int j) { return entries[static_cast<std::size_t>(i * n + j)]; }
+  std::int64_t at(int i, int j) const { return entries[static_cast<std::size_t>(i * n + j)]; }
+
+  bool close() {
+    for (int k = 0; k < n; ++k)
+      for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < n; ++j) at(i, j) = std::min(at(i, j), add(at(i, k), at(k, j)));
+        if (at(i, i) < 1) return false;
+      }
+    return true;
+  }
+  bool intersect(const std::vector<Atom>& atoms) {
+    for (const Atom& a : atoms) at(a.left, a.right) = std::min(at(a.left, a.right), std::int64_t{a.raw});
+    return close();
+  }
+  void reset(const ClockReset& r) {
+    for (int j = 0; j < n; ++j) {
+      if (j == r.clock) continue;
+      at(r.clock, j) = add(tachk::raw_bound(r.value, false), at(0, j));
+      at(j, r.clock) = add(at(j, 0), tachk::raw_bound(-Raw{r.value}, false));
+    }
+    at(r.clock, r.clock) = 1;
+  }
+  void up(const std::vector<std::uint8_t>& stopped) {
+    for (int i = 1; i < n; ++i) {
+      if (stopped[static_cast<std::size_t>(i)] != 0) continue;
+      at(i, 0) = infinity;
+      for (int j = 1; j < n; ++j)
+        if (stopped[static_cast<std::size_t>(j)] != 0) at(i, j) = infinity;
+    }
+    CHECK(close());
+  }
+  void down() {
+    for (int j = 1; j < n; ++j) at(0, j) = 1;
+    CHECK(close());
+  }
+  bool includes(const Matrix& inner) const {
+    for (std::size_t k = 0; k < entries.size(); ++k)
+      if (inner.entries[k] > entries[k]) return false;
+    return true;
+  }
+  std::int64_t largest_entry() const {
+    std::int64_t largest = 0;
+    for (const std::int64_t entry : entries)
+      if (entry != infinity) largest = std::max(largest, std::abs(entry));
+    return largest;
+  }
+  static std::int64_t value(std::int64_t raw) { return raw >> 1; }
+  // Definition 7 of the paper, entry by entry from the old matrix.
+  void extrapolate_lu_plus(const std::vector<Raw>& lower, const std::vector<Raw>& upper) {
+    const Matrix old = *this;
+    const auto l = [&](int i) { return i == 0 ? 0 : lower[static_cast<std::size_t>(i)]; };
+    const auto u = [&](int i) { return i == 0 ? 0 : upper[static_cast<std::size_t>(i)]; };
+    const auto above = [&](int i, Raw bound) { return bound < 0 ? i != 0 : -value(old.at(0, i)) > bound; };
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        if (i == j) continue;
+        const std::int64_t c = old.at(i, j);
+        if (i != 0 && c != infinity && value(c) > l(i)) at(i, j) = infinity;
+        if (i != 0 && above(i, l(i))) at(i, j) = infinity;
+        if (above(j, u(j))) at(i, j) = i != 0 ? infinity : u(j) < 0 ? 1 : std::min<std::int64_t>(-2 * u(j), 1);
+      }
+    CHECK(close());
+  }
+  void extrapolate_max(const std::vector<Raw>& bound) {
+    const Matrix old = *this;
+    const auto m = [&](int i) { return i == 0 ? 0 : bound[static_cast<std::size_t>(i)]; };
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        const std::int64_t c = old.at(i, j);
+        if (i == j || c == infinity) continue;
+        if (value(c) > m(i))
+          at(i, j) = infinity;
+        else if (j != 0 && (m(j) < 0 || value(c) < -m(j)))
+          at(i, j) = std::max(c, std::min<std::int64_t>(-2 * m(j), 1));
+      }
+    CHECK(close());
+  }
+};
+
+struct Zone {
+  ZoneOperations ops;
+  int n;
+  std::byte* data;
+
+  Zone(const ZoneOperations& operations, int dimension)
+      : ops(operations), n(dimension), data(new (std::align_val_t{64}) std::byte[operations.bytes]) {
+    ops.make_zero(data, n);
+  }
+  Zone(const Zone& other) : Zone(other.ops, other.n) { std::copy_n(other.data, ops.bytes, data); }
+  Zone& operator=(const Zone& other) {
+    std::copy_n(other.data, ops.bytes, data);
+    return *this;
+  }
+  ~Zone() { ::operator delete[](data, std::align_val_t{64}); }
+
+  bool equals(const Matrix& m) const {
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        const Raw raw = ops.entry(data, n, i, j);
+        if ((raw == tachk::unbounded_entry ? infinity : std::int64_t{raw}) != m.at(i, j)) return false;
+      }
+    return true;
+  }
+};
+
+std::vector<std::byte> bound_row(const ZoneOperations& ops, int n, const std::vector<Raw>& bounds) {
+  std::vector<std::byte> row(ops.bytes / static_cast<std::size_t>(n) + 64);
+  for (int c = 0; c < ops.stride; ++c)
+    ops.set_bound(row.data(), c, c == 0 || c >= n ? tachk::no_bound : bounds[static_cast<std::size_t>(c)]);
+  return row;
+}
+
+struct AlignedRow {
+  std::byte* data;
+  AlignedRow(const ZoneOperations& ops, int n, const std::vector<Raw>& bounds)
+      : data(new (std::align_val_t{64}) std::byte[ops.bytes]) {
+    const auto row = bound_row(ops, n, bounds);
+    std::copy_n(row.begin(), ops.bytes / static_cast<std::size_t>(n), data);
+  }
+  AlignedRow(const AlignedRow&) = delete;
+  AlignedRow& operator=(const AlignedRow&) = delete;
+  ~AlignedRow() { ::operator delete[](data, std::align_val_t{64}); }
+};
+
+// A part of the clocks has their entries; the zone with this part has no others but those that follow.
+void check_parts(const Zone& zone, tachk::Width width, bool vector, std::uint32_t chosen) {
+  std::vector<std::uint16_t> clocks{0};
+  for (int c = 1; c < zone.n; ++c)
+    if ((chosen >> (c % 32) & 1) != 0) clocks.push_back(static_cast<std::uint16_t>(c));
+  const auto count = static_cast<int>(clocks.size());
+  const Zone part(tachk::select_operations(count, width, vector), count);
+  zone.ops.gather(part.data, zone.data, zone.n, clocks.data(), count, part.ops.stride);
+  const auto place = [&](int clock) {
+    return static_cast<int>(std::find(clocks.begin(), clocks.end(), clock) - clocks.begin());
+  };
+  const Zone whole(zone.ops, zone.n);
+  zone.ops.scatter(whole.data, part.data, zone.n, clocks.data(), count, part.ops.stride);
+  for (int i = 0; i < zone.n; ++i)
+    for (int j = 0; j < zone.n; ++j) {
+      const int row = place(i);
+      const int column = place(j);
+      const Raw entry = zone.ops.entry(whole.data, zone.n, i, j);
+      if (row == count) CHECK(entry == (i == j ? 1 : tachk::unbounded_entry));
+      if (row == count) continue;
+      CHECK(entry == zone.ops.entry(zone.data, zone.n, i, column == count ? 0 : j));
+      if (column != count) CHECK(entry == part.ops.entry(part.data, count, row, column));
+    }
+  for (int i = 0; i < count; ++i)  // the padding counts in comparisons of bytes
+    for (int j = count; j < part.ops.stride; ++j)
+      CHECK(part.ops.entry(part.data, count, i, j) == tachk::unbounded_entry);
+}
+
+void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps, Raw constant) {
+  std::mt19937 random(seed);
+  const auto below = [&](Raw limit) { return static_cast<int>(static_cast<Raw>(random()) % limit); };
+  const ZoneOperations ops = tachk::select_operations(n, width, vector);
+  const tachk::ExtentScale scale = tachk::choose_scale(ops, n, 2 * constant);
+  Zone zone(ops, n);
+  Matrix matrix(n);
+  Zone other_zone(zone);
+  Matrix other_matrix(matrix);
+  for (int step = 0; step < steps; ++step) {
+    const auto clock = [&] { return n == 1 ? 0 : 1 + below(n - 1); };
+    switch (n == 1 ? 0 : below(8)) {
+      case 0: {
+        std::vector<Atom> atoms;
+        for (int k = below(3); k >= 0; --k) {
+          const int i = below(n);
+          const int j = below(n);
+          if (i == j) continue;
+          const int c = (below(2) == 0 ? 1 : -1) * below(constant + 1);
+          atoms.push_back(
+              {static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), tachk::raw_bound(c, below(2) == 0)});
+        }
+        Matrix trial(matrix);
+        Zone fast(zone);
+        const bool some = trial.intersect(atoms);
+        if (!ops.meets_each(zone.data, n, atoms.data(), atoms.size())) CHECK(!some);
+        CHECK(ops.intersect(fast.data, n, atoms.data(), atoms.size()) == some);
+        if (some) {
+          matrix = trial;
+          zone = fast;
+        }
+        break;
+      }
+      case 1: {
+        const ClockReset r{static_cast<std::uint16_t>(clock()), below(constant + 1)};
+        ops.reset(zone.data, n, &r, 1);
+        matrix.reset(r);
+        break;
+      }
+      case 2:
+      case 3: {
+        std::vector<std::uint8_t> stopped(static_cast<std::size_t>(n), 0);
+        const bool some = below(4) == 0;
+        if (some)
+          for (int c = 1; c < n; ++c) stopped[static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(below(2));
+        // An invariant that the zone satisfies already somewhere: its own upper bounds, made a little looser.
+        std::vector<Atom> invariant;
+        for (int c = 1; c < n; ++c) {
+          if (below(3) != 0) continue;
+          const Raw least = -tachk::raw_value(ops.entry(zone.data, n, 0, c));
+          const Raw bound = std::min(constant, least + 1 + below(4));
+          if (bound > least)
+            invariant.push_back({static_cast<std::uint16_t>(c), 0, tachk::raw_bound(bound, below(2) == 0)});
+        }
+        if (n > 2 && below(4) == 0) {
+          const auto c = static_cast<std::uint16_t>(clock());
+          const auto d = static_cast<std::uint16_t>(clock());
+          if (c != d) invariant.push_back({c, d, tachk::raw_bound(below(3), below(2) == 0)});
+        }
+        Matrix before(matrix);
+        if (!before.intersect(invariant)) invariant.clear();
+        if (!invariant.empty()) CHECK(ops.intersect(zone.data, n, invariant.data(), invariant.size()));
+        matrix.intersect(invariant);
+        Zone within(zone);
+        ops.up(zone.data, n, some ? stopped.data() : nullptr);
+        ops.intersect(zone.data, n, invariant.data(), invariant.size());
+        ops.up_within(within.data, n, some ? stopped.data() : nullptr, invariant.data(), invariant.size());
+        CHECK(std::equal(zone.data, zone.data + ops.bytes, within.data));
+        matrix.up(stopped);
+        matrix.intersect(invariant);
+        break;
+      }
+      case 4:
+        if (below(4) == 0) {
+          ops.down(zone.data, n);
+          matrix.down();
+        }
+        break;
+      case 5: {
+        std::vector<Raw> lower(static_cast<std::size_t>(n), -1);
+        std::vector<Raw> upper(static_cast<std::size_t>(n), -1);
+        for (std::size_t c = 1; c < static_cast<std::size_t>(n); ++c) {
+          lower[c] = below(constant + 2) - 1;
+          upper[c] = below(constant + 2) - 1;
+        }
+        const AlignedRow l(ops, n, lower);
+        const AlignedRow u(ops, n, upper);
+        ops.extrapolate_lu_plus(zone.data, n, l.data, u.data);
+        matrix.extrapolate_lu_plus(lower, upper);
+        break;
+      }
+      case 6: {
+        std::vector<Raw> bound(static_cast<std::size_t>(n), static_cast<Raw>(below(constant + 1)));
+        for (std::size_t c = 1; c < static_cast<std::size_t>(n); ++c) bound[c] = below(constant + 2) - 1;
+        const AlignedRow b(ops, n, bound);
+        const Zone before(zone);
+        ops.extrapolate_max(zone.data, n, b.data);
+        matrix.extrapolate_max(bound);
+        CHECK(ops.includes(zone.data, before.data, n));
+        break;
+      }
+      default:
+        other_zone = zone;
+        other_matrix = matrix;
+        break;
+    }
+    CHECK(zone.equals(matrix));
+    CHECK(ops.includes(zone.data, other_zone.data, n) == matrix.includes(other_matrix));
+    CHECK(ops.includes(other_zone.data, zone.data, n) == other_matrix.includes(matrix));
+    const tachk::Extent extent = ops.extent(zone.data, n, scale);
+    const tachk::Extent other_extent = ops.extent(other_zone.data, n, scale);
+    CHECK(ops.largest_entry(zone.data, n) == matrix.largest_entry());
+    if (matrix.includes(other_matrix)) CHECK(extent.may_include(other_extent));
+    if (other_matrix.includes(matrix)) CHECK(other_extent.may_include(extent));
+    const bool same = zone.equals(other_matrix);
+    if (same) CHECK(ops.hash(zone.data, n) == ops.hash(other_zone.data, n));
+    if (same) CHECK(extent == other_extent);
+    CHECK(same == std::equal(zone.data, zone.data + ops.bytes, other_zone.data));
+    check_parts(zone, width, vector, static_cast<std::uint32_t>(random()));
+    // Keeps the constants within what extrapolation would guarantee in a search.
+    if (step % 6 == 5) {
+      const std::vector<Raw> bound(static_cast<std::size_t>(n), constant);
+      const AlignedRow b(ops, n, bound);
+      ops.extrapolate_lu_plus(zone.data, n, b.data, b.data);
+      matrix.extrapolate_lu_plus(bound, bound);
+      CHECK(zone.equals(matrix));
+    }
+  }
+}
+
+}  // namespace
+
+int main() {
+  // The largest constants each width takes.
+  for (const bool vector : {false, true})
+    for (const int n : {3, 8, 20}) {
+      walk(n, tachk::Width::narrow, vector, 7, 2000, 800);
+      walk(n, tachk::Width::wide, vector, 8, 2000, (1 << 26) - 1);
+      walk(n, tachk::Width::widest, vector, 9, 2000, INT32_MAX - 1);
+    }
+  for (const tachk::Width width : {tachk::Width::narrow, tachk::Width::wide, tachk::Width::widest})
+    for (const bool vector : {false, true}) {
+      std::uint32_t seed = 1;
+      for (const int n : {1, 2, 3, 4, 7, 8, 9, 15, 16, 17, 23, 33, 47, 64, 65, 70})
+        for (const Raw constant : {2, 20, 400})
+          walk(n, width, vector, seed++, n < 10 ? 2000 : n < 20 ? 300 : 30, constant);
+    }
+  std::puts("zone operations agree with the textbook");
+}

@@ -1,0 +1,53 @@
+"""The rooms of src/core: small, built and tested as a whole, and each above those it uses."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+CORE, TESTS = ROOT / "src" / "core", ROOT / "tests" / "core"
+
+FLOORS = ("zones", "program", "machine", "states", "symbolic", "reachability")
+"""From the lowest up."""
+
+if not CORE.is_dir():
+    pytest.skip("needs a checkout", allow_module_level=True)
+
+SOURCES = sorted(path.relative_to(CORE).as_posix() for path in CORE.rglob("*.?pp"))
+
+
+def included(source: str) -> list[str]:
+    return re.findall(r'^#include "(.+)"', (CORE / source).read_text(encoding="utf-8"), re.MULTILINE)
+
+
+def test_a_room_has_at_most_twenty_sources() -> None:
+    rooms = [Path(source).parent for source in SOURCES]
+    assert Path(".") not in rooms
+    assert {str(room): rooms.count(room) for room in rooms if rooms.count(room) > 20} == {}
+
+
+def test_every_source_is_built() -> None:
+    for room in (CORE, CORE / "bind"):
+        listed = set(
+            re.findall(r"^  (\S+\.cpp)\)?$", (room / "CMakeLists.txt").read_text(encoding="utf-8"), re.MULTILINE)
+        )
+        there = {path.relative_to(room).as_posix() for path in room.rglob("*.cpp")}
+        assert listed == {source for source in there if not source.startswith("bind/")}
+
+
+def test_every_test_is_run_and_stands_in_the_room_that_it_tests() -> None:
+    text = (TESTS / "CMakeLists.txt").read_text(encoding="utf-8")
+    there = {path.relative_to(TESTS).as_posix() for path in TESTS.rglob("*.cpp")}
+    assert set(re.findall(r"^tachk_test\((\S+)\)", text, re.MULTILINE)) == there
+    assert {str(Path(test).parent) for test in there} <= {str(Path(source).parent) for source in SOURCES}
+
+
+@pytest.mark.parametrize("source", [source for source in SOURCES if not source.startswith("bind/")])
+def test_a_source_uses_only_its_own_room_and_those_below(source: str) -> None:
+    room = source.split("/")[0]
+    below = FLOORS[: FLOORS.index(room)] if room in FLOORS else ()
+    assert {header.split("/")[0] for header in included(source)} <= {room, *below}
+    assert "Python.h" not in (CORE / source).read_text(encoding="utf-8")
