@@ -68,13 +68,58 @@ template <bool Fused>
   return {inexact == 0, falling == 0};
 }
 
-using CountBlock = Counting (*)(const double*, std::size_t, double, double, std::int64_t, std::int64_t*);
+// What is not finite has all bits of its exponent set. Integers can be joined in any order, so vectors are used.
+[[gnu::always_inline]] inline bool all_finite_as(const double* values, std::size_t count) {
+  constexpr std::uint64_t exponent = 0x7ff0'0000'0000'0000;
+  constexpr std::size_t block = 1024;
+  for (std::size_t first = 0; first < count; first += block) {
+    const std::size_t end = std::min(first + block, count);
+    std::uint64_t infinite = 0;
+    for (std::size_t n = first; n < end; ++n)
+      infinite |= (std::bit_cast<std::uint64_t>(values[n]) & exponent) + (exponent & -exponent);
+    if (infinite >> 63) return false;
+  }
+  return true;
+}
+
+// Products that do not fit are wrong, but defined.
+[[gnu::always_inline]] inline bool scale_as(const std::int64_t* times, std::size_t count, std::int64_t factor,
+                                            std::int64_t start, std::int64_t* ticks) {
+  const auto parts = static_cast<std::uint64_t>(factor);
+  const auto first = static_cast<std::uint64_t>(times[0]);
+  const auto from = static_cast<std::uint64_t>(start);
+  std::uint64_t falling = 0;
+  ticks[0] = start;
+  for (std::size_t n = 1; n < count; ++n) {
+    falling |= times[n - 1] <= times[n] ? 0 : ~std::uint64_t{0};
+    ticks[n] = static_cast<std::int64_t>((static_cast<std::uint64_t>(times[n]) - first) * parts + from);
+  }
+  return falling == 0;
+}
+
+// What there is in two forms, for the vectors that every machine has and for wider ones.
+struct Loops {
+  Counting (*count_block)(const double*, std::size_t, double, double, std::int64_t, std::int64_t*);
+  bool (*all_finite)(const double*, std::size_t);
+  bool (*scale)(const std::int64_t*, std::size_t, std::int64_t, std::int64_t, std::int64_t*);
+};
 
 #if defined(__x86_64__)
 [[gnu::target("avx2,fma")]] Counting count_block_wide(const double* times, std::size_t count, double before,
                                                       double power, std::int64_t first, std::int64_t* ticks) {
   return count_block_as<true>(times, count, before, power, first, ticks);
 }
+
+[[gnu::target("avx2")]] bool all_finite_wide(const double* values, std::size_t count) {
+  return all_finite_as(values, count);
+}
+
+[[gnu::target("avx2")]] bool scale_wide(const std::int64_t* times, std::size_t count, std::int64_t factor,
+                                        std::int64_t start, std::int64_t* ticks) {
+  return scale_as(times, count, factor, start, ticks);
+}
+
+constexpr Loops wide = {count_block_wide, all_finite_wide, scale_wide};
 #endif
 
 Counting count_block_plain(const double* times, std::size_t count, double before, double power, std::int64_t first,
@@ -82,11 +127,21 @@ Counting count_block_plain(const double* times, std::size_t count, double before
   return count_block_as<false>(times, count, before, power, first, ticks);
 }
 
-CountBlock chosen_count_block() {
+bool all_finite_plain(const double* values, std::size_t count) { return all_finite_as(values, count); }
+
+bool scale_plain(const std::int64_t* times, std::size_t count, std::int64_t factor, std::int64_t start,
+                 std::int64_t* ticks) {
+  return scale_as(times, count, factor, start, ticks);
+}
+
+constexpr Loops plain = {count_block_plain, all_finite_plain, scale_plain};
+
+const Loops& loops() {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return count_block_wide;
+  static const bool has_wide = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  if (has_wide) return wide;
 #endif
-  return count_block_plain;
+  return plain;
 }
 
 CountedTimes faulty(CountedTimes::Fault fault, std::size_t row) { return {0, 0, fault, row}; }
@@ -136,18 +191,11 @@ CountedTimes rounded(std::span<const double> times, int usual, std::int64_t* tic
 
 }  // namespace
 
-// What is not finite has all bits of its exponent set. Integers can be joined in any order, so vectors are used.
-bool all_finite(const double* values, std::size_t count) {
-  constexpr std::uint64_t exponent = 0x7ff0'0000'0000'0000;
-  constexpr std::size_t block = 1024;
-  for (std::size_t first = 0; first < count; first += block) {
-    const std::size_t end = std::min(first + block, count);
-    std::uint64_t infinite = 0;
-    for (std::size_t n = first; n < end; ++n)
-      infinite |= (std::bit_cast<std::uint64_t>(values[n]) & exponent) + (exponent & -exponent);
-    if (infinite >> 63) return false;
-  }
-  return true;
+bool all_finite(const double* values, std::size_t count) { return loops().all_finite(values, count); }
+
+bool scaled(const std::int64_t* times, std::size_t count, std::int64_t factor, std::int64_t start,
+            std::int64_t* ticks) {
+  return loops().scale(times, count, factor, start, ticks);
 }
 
 std::size_t first_backwards(const std::int64_t* times, std::size_t count) {
@@ -195,7 +243,7 @@ std::optional<int128> TickScale::tick(double time) {
 
 CountedTimes counted(std::span<const double> times, int usual, std::int64_t* ticks) {
   constexpr std::size_t block = 1024;
-  static const CountBlock count_block = chosen_count_block();
+  const auto count_block = loops().count_block;
   CountedTimes result;
   if (times.empty()) return result;
   if (!std::isfinite(times.front()) || !std::isfinite(times.back())) return disordered(times);

@@ -47,6 +47,10 @@ CountedTimes counted(std::span<const double> times, int usual, std::int64_t* tic
 // The first row with an earlier time than the row before; `count` if there is none.
 std::size_t first_backwards(const std::int64_t* times, std::size_t count);
 
+// Writes the ticks of whole times of which each is `factor` ticks, the first at `start`. Returns whether no time lies
+// before the one above. There is a time; ticks that do not fit into 64 bits are wrong.
+bool scaled(const std::int64_t* times, std::size_t count, std::int64_t factor, std::int64_t start, std::int64_t* ticks);
+
 bool all_finite(const double* values, std::size_t count);
 
 }  // namespace tachk

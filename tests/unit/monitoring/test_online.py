@@ -267,6 +267,28 @@ def test_refusals_say_row_and_column() -> None:
         monitor.update(10, x=1)
 
 
+@pytest.mark.parametrize("row", [1, 2, 63, 1024, 1025, 2999])
+@pytest.mark.parametrize(("begin", "decimals"), [(0, 9), (5, 9), (-7, 3), (10**12, 6)])
+def test_a_fault_in_a_long_chunk_is_found_in_its_row(row: int, begin: int, decimals: int) -> None:
+    """Whether times are ticks already, from 0 on, or are counted, and wherever blocks of them end."""
+    values = {"x": np.ones(3000)}
+    times = begin + np.arange(3000)
+    monitor = tachk.Monitor("G x < 5", unit="s")
+    backwards = times.copy()
+    backwards[row:] -= 2
+    with pytest.raises(UsageError, match=f"row {row}, .* lies before the one given last"):
+        monitor.push(backwards, values, decimals)
+    far = times.copy()
+    far[row:] += 2**58 // 10 ** (9 - decimals)
+    with pytest.raises(UsageError, match=f"row {row}, .* too far from the beginning"):
+        monitor.push(far, values, decimals)
+    assert monitor.rows == 0
+    values["x"][row] = 5
+    monitor.push(times, values, decimals)
+    violated = monitor.finish()[0].violated
+    assert violated is not None and violated[0] == Fraction(int(times[row]), 10**decimals)
+
+
 def test_a_violation_in_a_long_chunk_is_explained() -> None:
     monitor = tachk.Monitor("G (p -> F[0, 3] q)", unit="s", robustness=True)
     times = np.arange(5000)

@@ -94,26 +94,20 @@ RowFault MonitorGroup::push(const std::int64_t* times, std::int64_t factor, std:
   if (count == 0) return RowFault::none;
   const auto tick = [&](std::size_t n) { return int128{times[n]} * factor; };
   if (const RowFault fault = check(tick(0)); fault != RowFault::none) return fault;
-  bool ordered = true;
-  for (std::size_t n = 1; n < count; ++n) ordered &= times[n - 1] <= times[n];
-  if (!ordered) {
-    for (row = 1; times[row - 1] <= times[row];) ++row;
+  const int128 origin = begun_ ? origin_ : tick(0);
+  const bool counted = factor == 1 && origin == 0;
+  if (!counted && ticks_.size() < count) ticks_.resize(count);
+  // Differences fit although the times themselves may not.
+  const auto start = static_cast<std::int64_t>(tick(0) - origin);
+  if (counted ? first_backwards(times, count) < count : !scaled(times, count, factor, start, ticks_.data())) {
+    row = first_backwards(times, count);
     return RowFault::backwards;
   }
-  const int128 origin = begun_ ? origin_ : tick(0);
   if (tick(count - 1) - origin >= furthest) {
     while (tick(row) - origin < furthest) ++row;
     return RowFault::too_far;
   }
-  const std::int64_t* ticks = times;
-  if (factor != 1 || origin != 0) {
-    if (ticks_.size() < count) ticks_.resize(count);
-    // Differences fit although the times themselves may not.
-    const std::int64_t first = times[0];
-    const auto start = static_cast<std::int64_t>(tick(0) - origin);
-    for (std::size_t n = 0; n < count; ++n) ticks_[n] = (times[n] - first) * factor + start;
-    ticks = ticks_.data();
-  }
+  const std::int64_t* const ticks = counted ? times : ticks_.data();
   reach(tick(0));
   now_ = last_row_ = ticks[count - 1];
   last_time_.reset();
