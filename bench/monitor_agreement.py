@@ -18,7 +18,7 @@ from collections import Counter
 from functools import partial
 from random import Random
 
-from tachk.syntax.formula_printer import print_formula
+from tachk.syntax.formulas.printer import print_formula
 from tachk.testing.exact_monitor import verdict
 from tachk.testing.formulas import FormulaShape, MonitoringCase, random_monitoring_case
 from tachk.testing.monitor_input import always, truth_of

@@ -33,12 +33,12 @@ import monitor_shapes as shapes
 import numpy as np
 
 import tachk
+from tachk.monitoring.compiler import compile as compile_formula
 from tachk.monitoring.formulas import in_trace_units, read_formulas
-from tachk.properties.monitoring import compile as compile_formula
 from tachk.runtime.core_monitor import monitor_robustness, monitor_truth
+from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.online_monitor import OnlineMonitor
 from tachk.runtime.trace import Trace
-from tachk.semantics.monitor_program import MonitorProgram
 
 COLUMNS = ("x", "y", "z")
 REFERENCE_LOOP = 0.55

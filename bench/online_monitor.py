@@ -13,7 +13,7 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.properties.monitoring import compile as compile_formula
+from tachk.monitoring.compiler import compile as compile_formula
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.online_monitor import OnlineMonitor
 from tachk.testing.tricky import read_formula

@@ -19,7 +19,7 @@ import rtamt
 from tachk.diagnostics.span import NOWHERE
 from tachk.syntax import ast
 from tachk.syntax import formula as syntax
-from tachk.syntax.expression_printer import print_expression
+from tachk.syntax.printing.expression_printer import print_expression
 from tachk.testing.exact_monitor import satisfaction
 from tachk.testing.exact_trace import ExactTrace
 from tachk.testing.formulas import FLAGS, NUMBERS, FormulaShape, random_formula, random_trace

@@ -14,9 +14,9 @@ from pathlib import Path
 from tachk.diagnostics.span import Source
 from tachk.logic.patterns import CATALOGUE, Pattern, patterns
 from tachk.logic.sentences import meaning
-from tachk.syntax.formula_printer import print_formula
-from tachk.syntax.sentence_parser import parse_sentence
-from tachk.syntax.sentence_printer import print_sentence
+from tachk.syntax.formulas.printer import print_formula
+from tachk.syntax.sentences.parser import parse_sentence
+from tachk.syntax.sentences.printer import print_sentence
 
 DOCS = Path(__file__).resolve().parent
 PAGE = DOCS / "sentences.md"

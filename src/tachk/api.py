@@ -25,8 +25,8 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, TachkError, Uns
 from tachk.diagnostics.span import Source
 from tachk.diagnostics.suggestion import closest, unknown_key
 from tachk.engines.protocol import Extrapolation, Limits, Options, SearchOrder
-from tachk.frontend.load import LoadedModel, UncheckedQuery, elaborate_query_file, load_model, other_readings_of
 from tachk.frontend.priority_readings import FIRST
+from tachk.loading.load import LoadedModel, UncheckedQuery, elaborate_query_file, load_model, other_readings_of
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.readings import agreed
@@ -36,10 +36,10 @@ from tachk.syntax.source_files import read_source
 from tachk.time_limit import time_limit
 
 if TYPE_CHECKING:
-    from tachk.formats.svg import Picture
+    from tachk.drawing.svg import Picture
     from tachk.properties.verify import VerifyProgress
     from tachk.report.json_report import Json
-    from tachk.report.told_run import Run
+    from tachk.report.run.told_run import Run
 
 __all__ = [
     "Answer",
@@ -90,22 +90,22 @@ def loads(text: str, /, **constants: int | bool | str) -> Model:
 def diff(before: Model, after: Model) -> str:
     """What is different in the behaviour of two models, as `tachk diff` tells it; empty if nothing is."""
     from tachk.formats.difference import least_difference, print_difference
-    from tachk.formats.expansion import expand
+    from tachk.formats.plain.expansion import expand
 
     first, second = (expand(model._written, repair_names=False) for model in (before, after))
     return print_difference(least_difference(first, second))
 
 
 def draw(model: Model | str | os.PathLike[str], template: str | None = None) -> Picture:
-    """The picture of one template of a model, or of all of them together; see `tachk.formats.pictures`.
+    """The picture of one template of a model, or of all of them together; see `tachk.report.pictures`.
 
     Raises:
         InputError: the text is wrong; carries every finding.
         UsageError: the file cannot be read, or has no such template.
     """
-    from tachk.formats.pictures import draw as draw_path
-    from tachk.formats.pictures import draw_document
-    from tachk.syntax.layout_json import read_layout_beside
+    from tachk.formats.layout_json import read_layout_beside
+    from tachk.report.pictures import draw as draw_path
+    from tachk.report.pictures import draw_document
 
     if isinstance(model, Model):
         loaded = model._written
@@ -288,8 +288,8 @@ class Model:
     def zone_graph(self, limit: int = 10_000) -> Any:
         """The symbolic states that are reachable and what leads from one to the other, as a `networkx.DiGraph`.
 
-        Its nodes are `tachk.report.zone_view.ZoneState`; see `tachk.report.zone_view.as_networkx` for what edges and
-        the graph itself have. It is made in Python, for graphs that one can look at.
+        Its nodes are `tachk.report.run.zone_view.ZoneState`; see `tachk.report.run.zone_view.as_networkx` for what
+        edges and the graph itself have. It is made in Python, for graphs that one can look at.
 
         Args:
             limit: of the number of nodes. If there are more, ``graph.graph["reason"]`` is ``"state limit"``.
@@ -298,10 +298,10 @@ class Model:
             InputError: the initial state violates an invariant.
             UnsupportedError: the model uses a feature that cannot be checked.
         """
+        from tachk.compiler.features import check_selections
         from tachk.engines.zone_graph import zone_graph
         from tachk.properties.verify import check_initial_state
-        from tachk.report.zone_view import as_networkx
-        from tachk.semantics.features import check_selections
+        from tachk.report.run.zone_view import as_networkx
 
         check_selections(self.network)
         check_initial_state(self.network)
@@ -400,7 +400,7 @@ class Report(Sequence[Verdict]):
 
     def run(self, index: int | str) -> Run | None:
         """The run that shows why an answer is as it is, None where there is none: it can be printed and looked at."""
-        from tachk.report.told_run import Run
+        from tachk.report.run.told_run import Run
 
         verdict = self[index]
         return None if verdict.trace is None else Run(self.record.network, verdict)

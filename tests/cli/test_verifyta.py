@@ -18,7 +18,7 @@ from random import Random
 
 import pytest
 
-import tachk.cli.verifyta
+import tachk.cli.actions.verifyta
 from tachk.cli.commands.verifyta import run as console_script
 from tachk.cli.main import app
 from tachk.engines.protocol import Extrapolation, Options, SearchOrder
@@ -436,7 +436,9 @@ def test_what_the_engine_is_asked(
     folder: Path, arguments: Sequence[str], expected: Options, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[Options] = []
-    real = tachk.cli.verifyta.verify
-    monkeypatch.setattr(tachk.cli.verifyta, "verify", lambda n, q, how, **k: asked.append(how) or real(n, q, how, **k))
+    real = tachk.cli.actions.verifyta.verify
+    monkeypatch.setattr(
+        tachk.cli.actions.verifyta, "verify", lambda n, q, how, **k: asked.append(how) or real(n, q, how, **k)
+    )
     verifyta(*arguments, "m.xml", "true.q")
     assert asked == [expected]

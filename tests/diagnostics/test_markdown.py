@@ -15,12 +15,12 @@ from pathlib import Path
 
 import pytest
 
-from tachk.diagnostics.codes import CODES
+from tachk.diagnostics.codes.all_codes import CODES
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.diagnostics.span import Source, Span
-from tachk.frontend.load import load_model
+from tachk.loading.load import load_model
 from tachk.syntax.query_files import parse_queries
-from tachk.syntax.sentence_parser import parse_sentence
+from tachk.syntax.sentences.parser import parse_sentence
 
 FOLDER = Path(__file__).parent
 MARK = re.compile(r'// (?:error|warning):((?: \[[EW]\d{4}\] "(?:[^"\\]|\\.)*")+)')

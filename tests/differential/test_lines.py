@@ -9,7 +9,7 @@ from random import Random
 import pytest
 
 from tachk.runtime.core_monitor import time_robustness_ahead, time_robustness_behind
-from tachk.syntax.formula_printer import print_formula
+from tachk.syntax.formulas.printer import print_formula
 from tachk.testing.exact_monitor import verdict
 from tachk.testing.exact_trace import ExactTrace, Scalar
 from tachk.testing.formulas import FormulaShape, MonitoringCase, random_monitoring_case

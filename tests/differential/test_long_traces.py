@@ -22,7 +22,7 @@ from tachk.runtime.core_monitor import (
 )
 from tachk.runtime.explanation import horizon, memory
 from tachk.runtime.online_monitor import OnlineMonitor
-from tachk.syntax.formula_printer import print_formula
+from tachk.syntax.formulas.printer import print_formula
 from tachk.testing.exact_monitor import value_at
 from tachk.testing.exact_trace import ExactTrace
 from tachk.testing.formulas import FormulaShape, MonitoringCase, random_formula, random_trace

@@ -8,6 +8,7 @@ from random import Random
 
 import pytest
 
+from tachk.compiler.lower import lower
 from tachk.engines import zone
 from tachk.engines.protocol import Limits, Status
 from tachk.model.expressions import (
@@ -24,7 +25,6 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Edge, Location, Process
 from tachk.model.types import ClockType
-from tachk.semantics.lower import lower
 from tachk.testing import Case, Shape, random_case
 
 FACTOR = 3

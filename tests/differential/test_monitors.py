@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from tachk.runtime.core_monitor import monitor_truth
 from tachk.runtime.explanation import horizon
 from tachk.runtime.node_signal import Truth
-from tachk.syntax.formula_printer import print_formula
+from tachk.syntax.formulas.printer import print_formula
 from tachk.testing.exact_monitor import satisfaction
 from tachk.testing.formulas import FormulaShape, MonitoringCase, monitoring_cases, random_monitoring_case
 from tachk.testing.monitor_input import always, monitor_input, truth_of

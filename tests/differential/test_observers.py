@@ -10,18 +10,18 @@ from random import Random
 import pytest
 
 from tachk.engines.digitised import _capped, _next_region, _spread
-from tachk.logic.observer import NoObserver, build_observer
+from tachk.logic.observer.construction import NoObserver, build_observer
 from tachk.properties.observed import observed
 from tachk.properties.plan import target_of
 from tachk.semantics.clock_constants import clock_constants
 from tachk.semantics.discrete import Model, prepare
 from tachk.semantics.step import StepError, delay, initial_state, successors
-from tachk.semantics.trace import DiscreteState, TimedState, Transition
-from tachk.syntax.formula_printer import print_formula
+from tachk.semantics.timed_trace import DiscreteState, TimedState, Transition
+from tachk.syntax.formulas.printer import print_formula
 from tachk.testing import Case, Shape, random_case
 from tachk.testing.agreement import VARIANTS, Effort, compare
 from tachk.testing.exact_monitor import verdict
-from tachk.testing.observers import (
+from tachk.testing.observer_agreement import (
     bounded_observer_case,
     query_of,
     random_observer_case,

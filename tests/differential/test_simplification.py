@@ -12,7 +12,7 @@ import pytest
 from tachk.logic.negation import negate, negation_normal_form
 from tachk.logic.simplify import simplify
 from tachk.syntax.formula import Formula, Not
-from tachk.syntax.formula_printer import print_formula
+from tachk.syntax.formulas.printer import print_formula
 from tachk.testing.exact_monitor import satisfaction
 from tachk.testing.exact_trace import Ending, ExactTrace
 from tachk.testing.formulas import FormulaShape, random_monitoring_case, random_trace

@@ -10,8 +10,8 @@ import pytest
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.diagnostics.span import Source
 from tachk.engines.protocol import Limits, Options
-from tachk.formats.tchecker import to_tchecker
-from tachk.frontend.load import load_model
+from tachk.formats.tchecker.writer import to_tchecker
+from tachk.loading.load import load_model
 from tachk.model.expressions import BOOL, Binary, BinaryOperator, Expression, LocationTest
 from tachk.model.network import Network
 from tachk.model.query import Query, QueryKind

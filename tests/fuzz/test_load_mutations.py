@@ -8,11 +8,11 @@ from random import Random
 
 import pytest
 
-from tachk.diagnostics.codes import CODES
+from tachk.diagnostics.codes.all_codes import CODES
 from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.diagnostics.render import render
 from tachk.diagnostics.span import Source
-from tachk.frontend.load import load_model
+from tachk.loading.load import load_model
 from tachk.resources import data_root
 
 MUTANTS = 250

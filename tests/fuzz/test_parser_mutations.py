@@ -12,11 +12,11 @@ from tachk.diagnostics.render import render
 from tachk.diagnostics.render_json import diagnostic_to_json
 from tachk.diagnostics.span import Source
 from tachk.resources import data_root
-from tachk.syntax.canonical import canonical
-from tachk.syntax.formula_parser import parse_formula
-from tachk.syntax.formula_printer import print_formula
-from tachk.syntax.parser import has_errors, parse_document
-from tachk.syntax.printer import print_document
+from tachk.syntax.formulas.parser import parse_formula
+from tachk.syntax.formulas.printer import print_formula
+from tachk.syntax.parsing.parser import has_errors, parse_document
+from tachk.syntax.printing.canonical import canonical
+from tachk.syntax.printing.printer import print_document
 from tachk.syntax.query_files import parse_queries
 from tachk.syntax.source_files import read_source
 

@@ -55,7 +55,13 @@ def prepare(warming: Iterable[Case] = ()) -> None:
     """
     for name in main.COMMANDS:
         import_module(f"tachk.cli.commands.{name.replace('-', '_')}")
-    for name in (*_HEAVY, "tachk.api", "tachk.cli.monitor", "tachk.cli.monitor_online", "tachk.monitoring"):
+    for name in (
+        *_HEAVY,
+        "tachk.api",
+        "tachk.cli.actions.monitor",
+        "tachk.cli.actions.monitor_online",
+        "tachk.monitoring",
+    ):
         try:
             import_module(name)
         except ImportError:

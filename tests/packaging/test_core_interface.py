@@ -10,14 +10,14 @@ from pathlib import Path
 import pytest
 
 from tachk import _core
+from tachk.compiler.bytecode import Opcode
+from tachk.compiler.program import Comparison, DeadlockLiteral
 from tachk.engines import zone
 from tachk.engines.protocol import Extrapolation, SearchOrder
 from tachk.engines.zone import CoreStatus
 from tachk.model.fault import RuntimeErrorKind
+from tachk.runtime.monitor_program import NodeKind, Relation, ValueOperator
 from tachk.runtime.trace_csv import FaultKind as CsvFaultKind
-from tachk.semantics.bytecode import Opcode
-from tachk.semantics.monitor_program import NodeKind, Relation, ValueOperator
-from tachk.semantics.program import Comparison, DeadlockLiteral
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tachk.syntax import tables
+from tachk.syntax.parsing import tables
 
 SOURCES = Path(__file__).parents[2] / "src/tachk"
 HEAVY = {"_core", "certify", "engines", "frontend", "semantics", "syntax"}
@@ -73,11 +73,11 @@ UNUSED = {
     "z3",
     *(f"tachk.{name}" for name in ("formats", "logic", "monitoring", "runtime", "testing")),
     *(f"tachk.report.{name}" for name in ("html_report", "json_report", "junit_report", "signal_plot")),
-    "tachk.frontend.observers",
-    "tachk.properties.monitoring",
-    "tachk.syntax.sentence_parser",
-    "tachk.syntax.tchecker_text",
-    "tachk.syntax.uppaal_xml",
+    "tachk.frontend.queries.observer_processes",
+    "tachk.monitoring.compiler",
+    "tachk.syntax.sentences.parser",
+    "tachk.formats.tchecker.reader",
+    "tachk.formats.uppaal.reader",
 }
 """Of no use to a model in text form whose property is no formula and no sentence."""
 
@@ -108,7 +108,7 @@ def test_check_loads_no_engine(tmp_path: Path) -> None:
     model = tmp_path / "m.ta"
     model.write_text(MODEL, encoding="utf-8")
     loaded = modules_after("check", str(model))
-    assert not loaded & {"rich", "tachk._core", "tachk.engines.zone", "tachk.semantics.lower"}
+    assert not loaded & {"rich", "tachk._core", "tachk.engines.zone", "tachk.compiler.lower"}
 
 
 @pytest.mark.usefixtures("with_tables")

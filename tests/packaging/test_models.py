@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from tachk.cli.actions.fmt import run_fmt
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.fmt import run_fmt
 from tachk.resources import data_root
 
 MODELS = sorted((data_root() / "models").rglob("*.ta"))

@@ -7,11 +7,11 @@ from collections.abc import Callable
 import pytest
 
 from tachk.certify.replay import replay
+from tachk.compiler.lower import lower
 from tachk.engines import digitised, reference, zone
 from tachk.engines.concretise import concretise
 from tachk.engines.protocol import Limits, Status
 from tachk.model.builder import NetworkBuilder, Term
-from tachk.semantics.lower import lower
 
 Reaches = Callable[[NetworkBuilder, Term], bool]
 

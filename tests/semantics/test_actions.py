@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import pytest
 
+from tachk.compiler.lower import lower
 from tachk.engines import reference, zone
 from tachk.engines.protocol import Status
 from tachk.model.builder import NetworkBuilder, bound_variable, deadlock
 from tachk.model.fault import RuntimeErrorKind
 from tachk.model.types import ArrayType, IntType
 from tachk.semantics.discrete import prepare
-from tachk.semantics.lower import lower
 from tachk.semantics.step import initial_state, successors
-from tachk.semantics.trace import Participant, Transition
+from tachk.semantics.timed_trace import Participant, Transition
 
 
 def enabled(network: NetworkBuilder) -> list[tuple[tuple[int, int], ...]]:

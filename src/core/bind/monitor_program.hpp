@@ -1,4 +1,4 @@
-// Reads tachk.semantics.monitor_program.MonitorProgram, and columns as NumPy holds them.
+// Reads tachk.runtime.monitor_program.MonitorProgram, and columns as NumPy holds them.
 #pragma once
 
 #include <nanobind/nanobind.h>

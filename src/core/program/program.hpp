@@ -1,4 +1,4 @@
-// A read-only mirror of tachk.semantics.program: what the names mean is documented there.
+// A read-only mirror of tachk.compiler.program: what the names mean is documented there.
 #pragma once
 
 #include <cstdint>

@@ -7,7 +7,7 @@ from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.semantics.discrete import Model, prepare
 from tachk.semantics.step import StepError, delay, fire, initial_state, satisfies
-from tachk.semantics.trace import TimedState, TimedStep, TimedTrace
+from tachk.semantics.timed_trace import TimedState, TimedStep, TimedTrace
 
 
 class ReplayError(Exception):

@@ -31,7 +31,7 @@ def split_models_and_queries(arguments: Sequence[str]) -> tuple[tuple[str, ...],
         if _is_model(argument):
             models.append(argument)
         else:
-            from tachk.syntax.sentence_parser import with_full_stop
+            from tachk.syntax.sentences.parser import with_full_stop
 
             queries.append(with_full_stop(argument))
     if not models:

@@ -24,7 +24,7 @@ from tachk.semantics.discrete import (
     prepare,
     stopped_clocks,
 )
-from tachk.semantics.trace import DiscreteState, TimedState, TimedStep, TimedTrace, Transition
+from tachk.semantics.timed_trace import DiscreteState, TimedState, TimedStep, TimedTrace, Transition
 
 
 def concretise(network: Network, path: Sequence[Transition], predicate: Expression | None = None) -> TimedTrace | None:

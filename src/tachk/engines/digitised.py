@@ -26,7 +26,7 @@ from tachk.model.types import ClockType
 from tachk.semantics.clock_constants import clock_constants, interval
 from tachk.semantics.discrete import Model, prepare
 from tachk.semantics.step import StepError, delay, initial_state, satisfies, successors
-from tachk.semantics.trace import TimedState, Transition
+from tachk.semantics.timed_trace import TimedState, Transition
 
 Clocks = tuple[Fraction, ...]
 

@@ -10,7 +10,7 @@ from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.span import Span
 from tachk.model.fault import RuntimeErrorKind
 from tachk.records import dataclass
-from tachk.semantics.trace import TimedTrace, Transition
+from tachk.semantics.timed_trace import TimedTrace, Transition
 
 
 class SearchOrder(StrEnum):

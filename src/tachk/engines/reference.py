@@ -22,7 +22,7 @@ from tachk.semantics.clock_constants import ClockConstants, clock_constants
 from tachk.semantics.dbm import Federation, Zone
 from tachk.semantics.discrete import Model, prepare
 from tachk.semantics.symbolic import Move, Situation
-from tachk.semantics.trace import DiscreteState, Transition
+from tachk.semantics.timed_trace import DiscreteState, Transition
 
 
 @dataclass(eq=False, slots=True)

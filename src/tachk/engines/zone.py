@@ -10,6 +10,15 @@ from dataclasses import replace
 from enum import IntEnum
 
 from tachk import _core
+from tachk.compiler.program import (
+    ClockConstraint,
+    Condition,
+    DeadlockLiteral,
+    Goal,
+    Program,
+    ProgramLocation,
+    Update,
+)
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.engines.protocol import (
@@ -28,16 +37,7 @@ from tachk.engines.protocol import (
     Status,
 )
 from tachk.model.fault import RuntimeErrorKind
-from tachk.semantics.program import (
-    ClockConstraint,
-    Condition,
-    DeadlockLiteral,
-    Goal,
-    Program,
-    ProgramLocation,
-    Update,
-)
-from tachk.semantics.trace import Participant, Transition
+from tachk.semantics.timed_trace import Participant, Transition
 
 
 class CoreStatus(IntEnum):
@@ -82,7 +82,7 @@ def explore(
     finds no deadlock has proved that there is none, and it is much smaller than one with MAX, which does preserve it.
     A deadlock found this way is replayed without extrapolation; if that does not confirm it, a search with MAX decides.
     Priorities and broadcast guards also depend on an action being impossible; their bounds are already the maximum (see
-    `tachk.semantics.bounds`).
+    `tachk.compiler.bounds`).
     """
     outcome, doubtful = _search(program, goals, options, limits, progress)
     if not doubtful:

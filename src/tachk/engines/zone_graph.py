@@ -18,7 +18,7 @@ from tachk.semantics import symbolic
 from tachk.semantics.clock_constants import clock_constants
 from tachk.semantics.dbm import Zone
 from tachk.semantics.discrete import prepare
-from tachk.semantics.trace import DiscreteState, Transition
+from tachk.semantics.timed_trace import DiscreteState, Transition
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,19 +10,19 @@ from pathlib import Path
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.formats.dot import to_dot
-from tachk.formats.expansion import expand
-from tachk.formats.network_json import network_to_json
-from tachk.formats.observers import with_observers
-from tachk.formats.plain import PlainModel, PlainQuery, Step
-from tachk.formats.query_file import print_queries
-from tachk.formats.tchecker import to_tchecker
-from tachk.formats.uppaal import print_uppaal
-from tachk.formats.uppaal_limits import refuses_deadlock
-from tachk.formats.xta import print_xta
-from tachk.frontend.load import LoadedModel
+from tachk.formats.layout_json import read_layout_beside
+from tachk.formats.network_json.network import network_to_json
+from tachk.formats.plain.expansion import expand
+from tachk.formats.plain.model import PlainModel, PlainQuery, Step
+from tachk.formats.plain.observer_templates import with_observers
+from tachk.formats.tchecker.writer import to_tchecker
+from tachk.formats.uppaal.limits import refuses_deadlock
+from tachk.formats.uppaal.query_file import print_queries
+from tachk.formats.uppaal.writer import print_uppaal
+from tachk.formats.uppaal.xta import print_xta
+from tachk.loading.load import LoadedModel
 from tachk.syntax import ast
-from tachk.syntax.layout import Layout
-from tachk.syntax.layout_json import read_layout_beside
+from tachk.syntax.picture_layout import Layout
 
 
 class ExportFormat(StrEnum):

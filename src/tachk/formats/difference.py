@@ -12,11 +12,11 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from tachk.formats.expansion import with_repaired_names
-from tachk.formats.plain import PlainModel
+from tachk.formats.plain.expansion import with_repaired_names
+from tachk.formats.plain.model import PlainModel
 from tachk.syntax import ast
-from tachk.syntax.comment_placement import Placement
-from tachk.syntax.expression_printer import (
+from tachk.syntax.printing.comment_placement import Placement
+from tachk.syntax.printing.expression_printer import (
     print_declarator,
     print_expression,
     print_expressions,
@@ -24,10 +24,10 @@ from tachk.syntax.expression_printer import (
     print_synchronisation,
     print_type,
 )
-from tachk.syntax.printer import write_declaration
-from tachk.syntax.query_printer import print_expected, print_query
+from tachk.syntax.printing.printer import write_declaration
+from tachk.syntax.printing.query_printer import print_expected, print_query
+from tachk.syntax.printing.writer import Writer
 from tachk.syntax.rewrite import fresh_name, names_in
-from tachk.syntax.writer import Writer
 
 
 @dataclass(frozen=True, slots=True)

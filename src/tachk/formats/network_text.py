@@ -24,7 +24,7 @@ from tachk.model.expressions import (
 from tachk.model.network import Network
 from tachk.model.types import BoolType, IntType, ScalarType, Type
 from tachk.syntax import ast
-from tachk.syntax.expression_printer import print_expression, print_type
+from tachk.syntax.printing.expression_printer import print_expression, print_type
 
 
 def expression_text(expression: Expression, network: Network, owner: str = "") -> str:

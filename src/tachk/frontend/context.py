@@ -7,6 +7,7 @@ from dataclasses import field
 
 from tachk.diagnostics.span import Span
 from tachk.frontend.findings import Findings
+from tachk.model.cell_layout import CellLayout, cell_bounds
 from tachk.model.evaluate import Cells, Environment, Place, evaluate_cells
 from tachk.model.expressions import (
     Assign,
@@ -22,7 +23,6 @@ from tachk.model.expressions import (
     VariableKind,
 )
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
-from tachk.model.layout import CellLayout, cell_bounds
 from tachk.model.traversal import roots, statement_expressions, walk
 from tachk.model.types import Type, cell_count, clock_count, leaves
 from tachk.records import dataclass

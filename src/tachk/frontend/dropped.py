@@ -13,8 +13,8 @@ from collections.abc import Sequence
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import Span
-from tachk.frontend.builtin_names import BUILTIN_CONSTANTS, BUILTIN_FUNCTIONS, FLOATING_FUNCTIONS
 from tachk.frontend.context import Context
+from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_FUNCTIONS, FLOATING_FUNCTIONS
 from tachk.frontend.scope import DroppedSymbol, Scope, ValueSymbol
 from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind

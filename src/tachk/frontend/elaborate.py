@@ -8,14 +8,14 @@ from dataclasses import dataclass, field, replace
 from tachk.diagnostics.diagnostic import Label
 from tachk.diagnostics.span import Span
 from tachk.diagnostics.suggestion import did_you_mean
-from tachk.frontend.channels import ChannelTable
 from tachk.frontend.context import Context
-from tachk.frontend.declarations import Declared, declare, set_channel_priorities
-from tachk.frontend.impossible_edges import warn_of_impossible_edges
-from tachk.frontend.instances import Instances
-from tachk.frontend.queries import UncheckedQuery, elaborate_properties, elaborate_signals
+from tachk.frontend.declarations.channels import ChannelTable
+from tachk.frontend.declarations.declarations import Declared, declare, set_channel_priorities
+from tachk.frontend.queries.queries import UncheckedQuery, elaborate_properties, elaborate_signals
 from tachk.frontend.scope import Scope, TemplateSymbol
-from tachk.frontend.templates import warn_unreachable
+from tachk.frontend.templates.impossible_edges import warn_of_impossible_edges
+from tachk.frontend.templates.instances import Instances
+from tachk.frontend.templates.templates import warn_unreachable
 from tachk.model.metas import lasting_metas
 from tachk.model.network import Network
 from tachk.model.query import Query

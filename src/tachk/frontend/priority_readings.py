@@ -13,7 +13,7 @@ from dataclasses import replace
 from tachk.diagnostics.span import Span
 from tachk.records import dataclass
 from tachk.syntax import ast
-from tachk.syntax.expression_printer import print_expressions
+from tachk.syntax.printing.expression_printer import print_expressions
 
 FIRST = "below all others"
 """The reading that is taken where only one can be: what is not listed comes last."""

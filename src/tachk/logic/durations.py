@@ -7,10 +7,10 @@ from fractions import Fraction
 from typing import Any
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Label
-from tachk.logic.constants import Evaluate, value_of
-from tachk.syntax.build_formula import unknown_unit
+from tachk.logic.constant_values import Evaluate, value_of
 from tachk.syntax.formula import Duration, Formula, Interval
-from tachk.syntax.formula_printer import print_number
+from tachk.syntax.formulas.build import unknown_unit
+from tachk.syntax.formulas.printer import print_number
 from tachk.syntax.rewrite import rewrite
 from tachk.time_units import length_of
 

@@ -5,7 +5,7 @@
 where c is a condition on one instant (the edges ``rise``, ``fall`` and ``change`` of conditions are ones too), and the
 whole formula may be ``G f``, or a conjunction of such formulas. Every interval begins now: of all responses that are
 waited for, the one asked for first is then the most urgent. With a lower bound above 0 several are open at different
-ages. Observers (`tachk.logic.observer`) exist for formulas beyond this fragment as well.
+ages. Observers (`tachk.logic.observer.construction`) exist for formulas beyond this fragment as well.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from tachk.syntax.formula import (
     WeakUntil,
     operands,
 )
-from tachk.syntax.formula_printer import print_formula, print_interval
+from tachk.syntax.formulas.printer import print_formula, print_interval
 from tachk.syntax.walk import nodes_of_kind
 
 _TEMPORAL = (Eventually, Always, Until, WeakUntil, Once, Historically, Since)

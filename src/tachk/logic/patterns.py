@@ -21,8 +21,8 @@ from functools import cache
 from tachk.diagnostics.span import Source
 from tachk.logic.sentences import meaning
 from tachk.syntax.formula import Formula
-from tachk.syntax.sentence import Sentence
-from tachk.syntax.sentence_parser import parse_sentence
+from tachk.syntax.sentences.parser import parse_sentence
+from tachk.syntax.sentences.tree import Sentence
 
 
 @dataclass(frozen=True, slots=True)

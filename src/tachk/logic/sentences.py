@@ -19,7 +19,6 @@ from typing import assert_never
 
 from tachk.diagnostics.span import Span
 from tachk.logic.connectives import both, conjuncts, either, implies, negation
-from tachk.syntax import sentence as s
 from tachk.syntax.formula import (
     Always,
     And,
@@ -38,6 +37,7 @@ from tachk.syntax.formula import (
     Until,
     WeakUntil,
 )
+from tachk.syntax.sentences import tree as s
 
 
 def meaning(sentence: s.Sentence) -> Formula:

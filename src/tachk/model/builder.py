@@ -19,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import (
     BOOL,
     INT,
@@ -40,7 +41,6 @@ from tachk.model.expressions import (
     Variable,
     VariableKind,
 )
-from tachk.model.layout import default_cells
 from tachk.model.network import (
     DEFAULT_PRIORITY,
     Direction,

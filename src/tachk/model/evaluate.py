@@ -14,6 +14,7 @@ from fractions import Fraction
 from typing import assert_never
 
 from tachk.diagnostics.span import NOWHERE, Span
+from tachk.model.cell_layout import CellLayout, cell_bounds, default_cells
 from tachk.model.expressions import (
     Aggregate,
     Assert,
@@ -47,7 +48,6 @@ from tachk.model.expressions import (
     While,
 )
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
-from tachk.model.layout import CellLayout, cell_bounds, default_cells
 from tachk.model.types import (
     ArrayType,
     BoolType,

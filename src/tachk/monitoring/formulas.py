@@ -14,18 +14,18 @@ from typing import Any
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UsageError
 from tachk.diagnostics.span import Source, Span
 from tachk.frontend.findings import Findings
-from tachk.logic.constants import value_of, whole_quotient
+from tachk.logic.constant_values import value_of, whole_quotient
 from tachk.logic.durations import resolve, scaled
 from tachk.logic.sentences import meaning
-from tachk.monitoring.constants import constants_by_name
-from tachk.properties import monitoring
+from tachk.monitoring import compiler as monitoring
+from tachk.monitoring.given_constants import constants_by_name
 from tachk.runtime.trace_files import TRACE_SUFFIXES
 from tachk.syntax import ast
 from tachk.syntax.formula import Formula
-from tachk.syntax.formula_parser import parse_formula
-from tachk.syntax.formula_printer import print_formula
+from tachk.syntax.formulas.parser import parse_formula
+from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.rewrite import rewrite
-from tachk.syntax.sentence_parser import parse_sentence, with_full_stop
+from tachk.syntax.sentences.parser import parse_sentence, with_full_stop
 from tachk.syntax.source_files import is_xml, read_source
 from tachk.time_units import length_of
 
@@ -245,8 +245,8 @@ def _stated(path: Path) -> tuple[Sequence[ast.Item], str, dict[str, int]]:
     A file without a system line is no model but a part of models, so its names have no meaning yet: it is read only.
     """
     # Imported late: these imports take half of the start-up time of a process that only reads formulas.
-    from tachk.frontend.imports import Importer
-    from tachk.frontend.load import load_model
+    from tachk.loading.imports import Importer
+    from tachk.loading.load import load_model
 
     source = read_source(path)
     if not is_xml(source):

@@ -15,13 +15,13 @@ from rich.console import Console
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.suggestion import unknown_key
+from tachk.monitoring.compiler import compile as compile_formula
+from tachk.monitoring.compiler import ticks_needed
 from tachk.monitoring.formulas import NamedFormula, check_order, in_trace_units, read_formulas
+from tachk.monitoring.line_compiler import line_findings
 from tachk.monitoring.reading import Reading, reading_of
-from tachk.properties.lines import line_findings
-from tachk.properties.monitoring import compile as compile_formula
-from tachk.properties.monitoring import ticks_needed
-from tachk.report.monitor_record import Ending, MonitorRecord, MonitorVerdict, TimeRobustness
-from tachk.report.monitor_text import print_monitor
+from tachk.report.monitor.record import Ending, MonitorRecord, MonitorVerdict, TimeRobustness
+from tachk.report.monitor.text import print_monitor
 from tachk.runtime.core_monitor import (
     LAST_TICK_OF_LINES,
     RobustnessResult,
@@ -30,15 +30,15 @@ from tachk.runtime.core_monitor import (
     time_robustness_behind,
 )
 from tachk.runtime.explanation import never_triggered
+from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Interpolation, Recording, Trace
 from tachk.runtime.trace_files import open_trace
-from tachk.semantics.monitor_program import MonitorProgram
 from tachk.syntax.formula import Formula
 
 if TYPE_CHECKING:
     from tachk.report.json_report import Json
-    from tachk.report.signal_plot import Plot
+    from tachk.report.monitor.signal_plot import Plot
 
 
 @dataclass(frozen=True, slots=True)
@@ -312,7 +312,7 @@ class MonitorReport(Sequence[MonitorVerdict]):
 
     def to_dict(self) -> dict[str, Json]:
         """The record as docs/schema/monitor.schema.json describes it."""
-        from tachk.report.monitor_json import monitor_to_json
+        from tachk.report.monitor.json import monitor_to_json
 
         return monitor_to_json(self.record)
 
@@ -357,7 +357,7 @@ class MonitorReport(Sequence[MonitorVerdict]):
             path: a file to write; its ending says the format (svg, png, pdf).
             begin, end: the part that is drawn, in the units of the trace's clock; None: all of it.
         """
-        from tachk.report.signal_plot import Plot, Span, plot_record
+        from tachk.report.monitor.signal_plot import Plot, Span, plot_record
 
         trace = self.record.trace
         origin, scale = float(trace.origin), trace.ticks_per_unit
@@ -384,6 +384,6 @@ class MonitorReport(Sequence[MonitorVerdict]):
         return f"<MonitorReport on {self.record.trace.name}: {verdicts}>"
 
     def _repr_html_(self) -> str:
-        from tachk.report.monitor_html import monitor_to_html
+        from tachk.report.monitor.html import monitor_to_html
 
         return monitor_to_html(self.record)

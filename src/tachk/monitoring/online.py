@@ -16,19 +16,19 @@ import numpy as np
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.suggestion import unknown_key
+from tachk.monitoring.compiler import compile as compile_formula
+from tachk.monitoring.compiler import ticks_needed
 from tachk.monitoring.formulas import NamedFormula, in_trace_units
 from tachk.monitoring.offline import Measures, counted, ending_of, formulas_of, selected, verdict_on
 from tachk.monitoring.reading import HeldValues
-from tachk.properties.monitoring import compile as compile_formula
-from tachk.properties.monitoring import ticks_needed
-from tachk.report.monitor_record import Ending, MonitorRecord, MonitorVerdict
-from tachk.report.online_record import OnlineRecord, OnlineVerdict
+from tachk.report.monitor.online_record import OnlineRecord, OnlineVerdict
+from tachk.report.monitor.record import Ending, MonitorRecord, MonitorVerdict
 from tachk.runtime.monitor_group import RowFault, open_group
+from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Ticks, Trace, Values
 from tachk.runtime.trace_arrays import held_values
 from tachk.runtime.trace_header import known_unit
-from tachk.semantics.monitor_program import MonitorProgram
 from tachk.syntax.formula import Formula
 from tachk.time_units import usual_decimals
 

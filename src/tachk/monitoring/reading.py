@@ -18,10 +18,10 @@ from tachk.runtime.core_monitor import (
     truth_signals,
 )
 from tachk.runtime.explanation import Explainer
+from tachk.runtime.monitor_program import UNBOUNDED, MonitorProgram, Relation
 from tachk.runtime.node_signal import NodeSignal, Truth
 from tachk.runtime.online_monitor import OnlineMonitor
 from tachk.runtime.trace import Interpolation, Trace
-from tachk.semantics.monitor_program import UNBOUNDED, MonitorProgram, Relation
 
 _ROWS_AT_ONCE = 4096
 

@@ -10,7 +10,7 @@ from tachk.engines.protocol import RunTimeFault
 from tachk.model.network import Network
 from tachk.model.query import Observer, Query
 from tachk.semantics.discrete import has_priorities, prepare
-from tachk.semantics.trace import DiscreteState, TimedState, TimedStep, TimedTrace, Transition
+from tachk.semantics.timed_trace import DiscreteState, TimedState, TimedStep, TimedTrace, Transition
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from tachk.model.expressions import BOOL, Deadlock, Expression, Reference, Unary
 from tachk.model.query import Observer, Query, QueryKind
 from tachk.model.traversal import walk
 from tachk.model.types import ClockType, leaves
-from tachk.semantics.spectators import speaks_of_nothing
+from tachk.reduction.spectators import speaks_of_nothing
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.engines.protocol import RunTimeFault, Statistics
 from tachk.model.query import Expectation, Query
 from tachk.properties.observed import ObserverMove
-from tachk.semantics.trace import TimedTrace
+from tachk.semantics.timed_trace import TimedTrace
 
 
 class Answer(StrEnum):

@@ -10,6 +10,8 @@ from fractions import Fraction
 from functools import partial
 
 from tachk.certify.replay import ReplayError, replay
+from tachk.compiler.features import check_selections, check_supported
+from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, InternalError, UnsupportedError
 from tachk.engines.concretise import concretise
 from tachk.engines.protocol import (
@@ -27,7 +29,7 @@ from tachk.engines.zone import explore
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query, QueryKind
-from tachk.properties.fault import explain
+from tachk.properties.fault_explanation import explain
 from tachk.properties.observed import (
     ObserverMove,
     check_observable,
@@ -36,15 +38,13 @@ from tachk.properties.observed import (
     without_observer,
 )
 from tachk.properties.plan import Search, Task, plan, target_of
+from tachk.properties.unexamined import unexamined
 from tachk.properties.verdict import Answer, Verdict
-from tachk.semantics.bystanders import without_bystanders
+from tachk.reduction.bystanders import without_bystanders
+from tachk.reduction.spectators import every_action_counts, with_spectators, without_spectators
 from tachk.semantics.discrete import initial_discrete, prepare
-from tachk.semantics.features import check_selections, check_supported
-from tachk.semantics.lower import lower
-from tachk.semantics.spectators import every_action_counts, with_spectators, without_spectators
 from tachk.semantics.step import StepError, satisfies_invariant
-from tachk.semantics.trace import TimedState, TimedTrace
-from tachk.semantics.unexamined import unexamined
+from tachk.semantics.timed_trace import TimedState, TimedTrace
 from tachk.time_limit import OutOfTimeError, time_limit
 
 VerifyProgress = Callable[[Statistics, tuple[str, ...]], None]

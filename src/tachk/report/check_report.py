@@ -9,7 +9,7 @@ from typing import Any
 from urllib.parse import quote
 
 import tachk
-from tachk.diagnostics.codes import CODES
+from tachk.diagnostics.codes.all_codes import CODES
 from tachk.diagnostics.diagnostic import Diagnostic, Severity
 from tachk.diagnostics.render_json import diagnostic_to_json
 from tachk.diagnostics.span import Span

@@ -13,9 +13,9 @@ from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.render import render
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.record import NotRead, RunRecord
+from tachk.report.run.trace_text import print_trace
+from tachk.report.run.trace_view import view_trace
 from tachk.report.text_report import print_fault
-from tachk.report.trace_text import print_trace
-from tachk.report.trace_view import view_trace
 
 _NUMBERED = re.compile(r"q\d+")
 """The names of queries that have no name of their own."""

@@ -14,14 +14,14 @@ from tachk.diagnostics.render import render
 from tachk.engines.protocol import RunTimeFault
 from tachk.model.network import Network
 from tachk.model.query import Observer, QueryKind
-from tachk.properties.fault import diagnostic_of
+from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.quantity import bytes_, count, duration, seconds
 from tachk.report.record import RunRecord
-from tachk.report.trace_summary import news_line
-from tachk.report.trace_text import Ends, Telling, event_lines, print_trace
-from tachk.report.trace_view import view_event, view_path, view_trace
-from tachk.semantics.trace import TimedTrace
+from tachk.report.run.trace_summary import news_line
+from tachk.report.run.trace_text import Ends, Telling, event_lines, print_trace
+from tachk.report.run.trace_view import view_event, view_path, view_trace
+from tachk.semantics.timed_trace import TimedTrace
 
 _CONSTANTS_SHOWN = 8
 _FAULT_ENDS = Ends(10, 30)

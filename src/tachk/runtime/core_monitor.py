@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from tachk import _core
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import NodeSignal, Truth
 from tachk.runtime.trace import Ticks, Trace, Values
-from tachk.semantics.monitor_program import MonitorProgram
 
 _SLICE = 1 << 18
 """Rows between two looks at whether Ctrl-C was pressed."""
@@ -225,7 +225,7 @@ def monitor_linear_truth(program: MonitorProgram, trace: Trace, parts: int = MOS
 
     After the last row they keep their values. Instants at which lines cross are rounded to one of so many parts of a
     tick, or of fewer if the trace is too long for them (`parts_of_tick`). Raises ValueError for what is not linear:
-    ``%``, products and quotients of columns (`tachk.properties.lines` finds it before).
+    ``%``, products and quotients of columns (`tachk.monitoring.line_compiler` finds it before).
     """
     core = _linear(program, trace, _SPACE, parts)
     low, high, found, lasting = core.truth()

@@ -8,8 +8,8 @@ from typing import Any
 
 from tachk import _core
 from tachk.runtime.explanation import horizon, memory
+from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
-from tachk.semantics.monitor_program import MonitorProgram
 
 MOST_KEPT = 1 << 16
 """Rows that are kept to explain a violation, where the bounds of the formulas would ask for more."""

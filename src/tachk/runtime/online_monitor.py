@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from tachk import _core
+from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Ticks, Values
-from tachk.semantics.monitor_program import MonitorProgram
 
 _TRUTHS = (Truth.FALSE, Truth.TRUE, Truth.UNDETERMINED)
 

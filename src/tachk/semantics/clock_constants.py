@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
+from tachk.model.cell_layout import CellLayout, cell_layout
 from tachk.model.expressions import (
     Binary,
     BinaryOperator,
@@ -19,7 +20,6 @@ from tachk.model.expressions import (
     UnaryOperator,
     Variable,
 )
-from tachk.model.layout import CellLayout, cell_layout
 from tachk.model.network import Network
 from tachk.model.traversal import walk
 from tachk.model.types import CONSTANT_HIGH, CONSTANT_LOW, BoolType, ClockType, IntType, ScalarType, bounds, cell_count

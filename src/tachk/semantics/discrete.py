@@ -12,13 +12,13 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import product
 
+from tachk.compiler.fold import fold_place, known_cell, known_values
+from tachk.model.cell_layout import CellLayout, cell_layout
 from tachk.model.evaluate import Environment, channel_number, clock_number, evaluate, execute
 from tachk.model.expressions import Expression, Field, Index, Reference
-from tachk.model.layout import CellLayout, cell_layout
 from tachk.model.network import Direction, Edge, Location, Network
 from tachk.model.types import ChannelType, bounds, cell_count
-from tachk.semantics.fold import fold_place, known_cell, known_values
-from tachk.semantics.trace import DiscreteState, Participant, Transition
+from tachk.semantics.timed_trace import DiscreteState, Participant, Transition
 from tachk.time_limit import check_time
 
 Priority = tuple[int, int]

@@ -35,7 +35,7 @@ from tachk.semantics.discrete import (
     stopped_clocks,
     transitions_with,
 )
-from tachk.semantics.trace import DiscreteState, Participant, TimedState, Transition
+from tachk.semantics.timed_trace import DiscreteState, Participant, TimedState, Transition
 
 
 class StepError(ValueError):

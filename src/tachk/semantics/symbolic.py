@@ -37,7 +37,7 @@ from tachk.semantics.discrete import (
     stopped_clocks,
     transitions_with,
 )
-from tachk.semantics.trace import DiscreteState, Participant, Transition
+from tachk.semantics.timed_trace import DiscreteState, Participant, Transition
 
 
 @dataclass(frozen=True, slots=True)

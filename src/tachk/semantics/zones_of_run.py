@@ -10,7 +10,7 @@ from tachk.semantics import dbm
 from tachk.semantics.dbm import Zone
 from tachk.semantics.discrete import prepare
 from tachk.semantics.symbolic import elapse, fire, situation
-from tachk.semantics.trace import TimedTrace
+from tachk.semantics.timed_trace import TimedTrace
 
 
 def zones_of_run(network: Network, run: TimedTrace) -> tuple[Zone, ...]:

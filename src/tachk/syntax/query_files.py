@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Source, Span
 from tachk.syntax import ast
-from tachk.syntax.parser import parse_query
+from tachk.syntax.parsing.parser import parse_query
 
 _PIECE = re.compile(
     r"(?P<comment>//[^\n]*|/\*[\s\S]*?(?:\*/|\Z))|(?P<continued>\\[ \t]*\r?\n)|(?P<end>\n)|(?P<blank>[ \t\r\ufeff]+)|."

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 
 from tachk.certify.replay import ReplayError, replay
+from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import InternalError, UnsupportedError
 from tachk.engines import digitised, reference, zone
 from tachk.engines.concretise import concretise
@@ -14,7 +15,6 @@ from tachk.engines.protocol import BoundScope, Extrapolation, Limits, Options, O
 from tachk.model.query import Query, QueryKind
 from tachk.properties.verdict import Answer
 from tachk.properties.verify import verify
-from tachk.semantics.lower import lower
 from tachk.testing.networks import Case
 
 VARIANTS = (

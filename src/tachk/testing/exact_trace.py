@@ -12,7 +12,7 @@ from enum import Enum
 from fractions import Fraction
 
 from tachk.syntax import ast
-from tachk.syntax.expression_printer import print_expression
+from tachk.syntax.printing.expression_printer import print_expression
 
 Number = Fraction | float
 """A rational number, or an infinity."""

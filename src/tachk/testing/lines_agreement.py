@@ -20,7 +20,7 @@ from tachk.runtime.core_monitor import (
     time_robustness_behind,
     time_robustness_signal,
 )
-from tachk.semantics.monitor_program import MonitorAtom, ValueOperator
+from tachk.runtime.monitor_program import MonitorAtom, ValueOperator
 from tachk.testing.exact_lines import InTime, OnLines, Worth, above, is_worth
 from tachk.testing.exact_trace import Number
 from tachk.testing.formulas import MonitoringCase

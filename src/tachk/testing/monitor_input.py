@@ -15,10 +15,10 @@ from random import Random
 import numpy as np
 
 from tachk.diagnostics.span import NOWHERE
-from tachk.properties import monitoring
+from tachk.monitoring import compiler as monitoring
+from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Ticks, Trace, Values
-from tachk.semantics.monitor_program import MonitorProgram
 from tachk.syntax import formula as syntax
 from tachk.testing.exact_monitor import satisfaction
 from tachk.testing.exact_trace import ExactTrace, Value

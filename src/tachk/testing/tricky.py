@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from tachk.diagnostics.span import Source
 from tachk.syntax import formula as syntax
-from tachk.syntax.formula_parser import parse_formula
+from tachk.syntax.formulas.parser import parse_formula
 from tachk.testing.exact_trace import ExactTrace, pulses
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from tachk.certify.replay import ReplayError, replay
 from tachk.model.builder import NetworkBuilder, deadlock
-from tachk.semantics.trace import DiscreteState, Participant, TimedState, TimedStep, TimedTrace, Transition
+from tachk.semantics.timed_trace import DiscreteState, Participant, TimedState, TimedStep, TimedTrace, Transition
 
 GO = Transition((Participant(0, 0),))
 

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from tachk.cli.draw import run_draw
+from tachk.cli.actions.draw import run_draw
 from tachk.cli.exit_status import ExitStatus
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.formats.pictures import draw, draw_file
-from tachk.formats.placement import place
-from tachk.syntax.layout_json import layout_path, layout_to_json
-from tachk.syntax.parser import parse_document
+from tachk.drawing.placement.template import place
+from tachk.formats.layout_json import layout_path, layout_to_json
+from tachk.report.pictures import draw, draw_file
+from tachk.syntax.parsing.parser import parse_document
 from tachk.syntax.source_files import read_source
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 import tachk
+from tachk.cli.actions.models import run_copy, run_list
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.models import run_copy, run_list
 from tachk.diagnostics.diagnostic import UsageError
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from tachk.cli import monitor_online
+from tachk.cli.actions import monitor_online
+from tachk.cli.actions.monitor import run_monitor
+from tachk.cli.actions.monitor_request import MonitorRequest, exit_status
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.monitor import run_monitor
-from tachk.cli.monitor_request import MonitorRequest, exit_status
 from tachk.diagnostics.diagnostic import InputError
 from tachk.runtime.node_signal import Truth
 

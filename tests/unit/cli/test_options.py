@@ -11,8 +11,8 @@ import pytest
 from tachk.cli.main import COMMANDS, app
 from tachk.engines.protocol import Extrapolation, SearchOrder
 from tachk.formats.catalogue import ExportFormat
-from tachk.formats.portability import Version
-from tachk.report.monitor_record import Ending
+from tachk.formats.uppaal.portability import Version
+from tachk.report.monitor.record import Ending
 from tachk.runtime.trace import Interpolation
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from tachk.cli.actions.verify import VerifyRequest, run_verify
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.verify import VerifyRequest, run_verify
 
 MODEL = "int n = 0; process P() { init location A { to B { assign n = 1; } } location B; } system P;"
 

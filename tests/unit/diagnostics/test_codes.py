@@ -7,7 +7,7 @@ from collections import Counter
 from pathlib import Path
 
 import tachk.diagnostics
-from tachk.diagnostics.codes import CODES
+from tachk.diagnostics.codes.all_codes import CODES
 
 FOLDER = Path(tachk.diagnostics.__file__).parent
 

@@ -9,7 +9,7 @@ import pytest
 from tachk.certify.replay import replay
 from tachk.engines.concretise import concretise
 from tachk.model.builder import NetworkBuilder, Term, deadlock
-from tachk.semantics.trace import Participant, TimedTrace, Transition
+from tachk.semantics.timed_trace import Participant, TimedTrace, Transition
 
 
 def path(*edges: int, process: int = 0) -> list[Transition]:

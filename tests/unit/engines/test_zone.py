@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
+from tachk.compiler.lower import lower
 from tachk.diagnostics.span import Source
 from tachk.engines import zone
 from tachk.engines.protocol import BoundScope, Extrapolation, Limits, Options
-from tachk.frontend.load import load_model
+from tachk.loading.load import load_model
 from tachk.properties.verdict import Answer
 from tachk.properties.verify import verify
-from tachk.semantics.lower import lower
 
 
 def kernel(declarations: str, guard: str, update: str, options: Options = Options()) -> str:

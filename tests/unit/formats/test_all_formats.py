@@ -13,10 +13,10 @@ from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.diagnostics.span import Source
 from tachk.formats.catalogue import ExportFormat, export_model
 from tachk.formats.dot import to_dot
-from tachk.formats.network_json import network_from_json, network_to_json, same_network
-from tachk.formats.tchecker import to_tchecker
-from tachk.formats.uppaal_intermediate import network_to_intermediate
-from tachk.frontend.load import load_model
+from tachk.formats.network_json.network import network_from_json, network_to_json, same_network
+from tachk.formats.tchecker.writer import to_tchecker
+from tachk.formats.uppaal.intermediate import network_to_intermediate
+from tachk.loading.load import load_model
 from tachk.testing.networks import random_case
 
 MODELS = Path(__file__).parents[3] / "models"

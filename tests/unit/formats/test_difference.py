@@ -6,10 +6,10 @@ import pytest
 
 from tachk.diagnostics.span import Source
 from tachk.formats.difference import difference, print_difference
-from tachk.formats.expansion import expand, expand_document
-from tachk.formats.plain import PlainModel
-from tachk.frontend.load import load_model
-from tachk.syntax.parser import parse_document
+from tachk.formats.plain.expansion import expand, expand_document
+from tachk.formats.plain.model import PlainModel
+from tachk.loading.load import load_model
+from tachk.syntax.parsing.parser import parse_document
 
 MODEL = """\
 const int N = 3, M = 1;

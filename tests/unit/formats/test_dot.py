@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tachk.diagnostics.span import Source
 from tachk.formats.dot import to_dot
-from tachk.frontend.load import load_model
+from tachk.loading.load import load_model
 
 MODEL = """\
 chan c[2];

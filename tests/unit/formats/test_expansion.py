@@ -6,11 +6,11 @@ import pytest
 
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.diagnostics.span import Source
-from tachk.formats.expansion import expand
-from tachk.formats.network_json import network_to_json
-from tachk.formats.query_file import print_queries
-from tachk.formats.xta import print_xta
-from tachk.frontend.load import LoadedModel, load_model
+from tachk.formats.network_json.network import network_to_json
+from tachk.formats.plain.expansion import expand
+from tachk.formats.uppaal.query_file import print_queries
+from tachk.formats.uppaal.xta import print_xta
+from tachk.loading.load import LoadedModel, load_model
 from tachk.syntax.query_files import parse_queries
 
 

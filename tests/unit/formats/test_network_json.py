@@ -12,8 +12,8 @@ from hypothesis import given, settings
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.span import Source
-from tachk.formats.network_json import network_from_json, network_to_json, same_network
-from tachk.frontend.load import load_model
+from tachk.formats.network_json.network import network_from_json, network_to_json, same_network
+from tachk.loading.load import load_model
 from tachk.model.network import Network
 from tachk.testing.networks import Case, Shape, cases, random_case
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tachk.diagnostics.span import Source
 from tachk.formats.catalogue import Exported, ExportFormat, export_model
-from tachk.frontend.load import load_model
+from tachk.loading.load import load_model
 from tachk.properties.verify import verify
 
 MODEL = """

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.diagnostics.codes import CODES
+from tachk.diagnostics.codes.all_codes import CODES
 from tachk.diagnostics.span import Source
-from tachk.formats.expansion import expand
-from tachk.formats.portability import Version, portability
-from tachk.formats.xta import print_xta
-from tachk.frontend.load import load_model
+from tachk.formats.plain.expansion import expand
+from tachk.formats.uppaal.portability import Version, portability
+from tachk.formats.uppaal.xta import print_xta
+from tachk.loading.load import load_model
 
 PLAIN = "process P() { state a; init a; }\nsystem P;"
 

@@ -8,8 +8,8 @@ from tachk import api
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.diagnostics.span import Source
 from tachk.engines.protocol import Limits, Options
-from tachk.formats.tchecker import TCheckerModel, to_tchecker
-from tachk.frontend.load import load_model
+from tachk.formats.tchecker.writer import TCheckerModel, to_tchecker
+from tachk.loading.load import load_model
 
 
 def export(text: str) -> TCheckerModel:

@@ -11,17 +11,17 @@ from hypothesis import strategies as st
 
 from tachk.diagnostics.span import Source
 from tachk.engines.protocol import Limits
-from tachk.formats.expansion import expand
-from tachk.formats.network_json import same_network
-from tachk.formats.uppaal import print_uppaal
-from tachk.frontend.load import LoadedModel, load_model
+from tachk.formats.layout_json import layout_from_json, layout_to_json
+from tachk.formats.network_json.network import same_network
+from tachk.formats.plain.expansion import expand
+from tachk.formats.uppaal.writer import print_uppaal
+from tachk.loading.load import LoadedModel, load_model
 from tachk.properties.verify import verify
 from tachk.syntax import ast
-from tachk.syntax.canonical import canonical
-from tachk.syntax.layout import EdgeKey, Layout, Point, TemplateLayout
-from tachk.syntax.layout_json import layout_from_json, layout_to_json
-from tachk.syntax.parser import parse_document
-from tachk.syntax.printer import print_document
+from tachk.syntax.parsing.parser import parse_document
+from tachk.syntax.picture_layout import EdgeKey, Layout, Point, TemplateLayout
+from tachk.syntax.printing.canonical import canonical
+from tachk.syntax.printing.printer import print_document
 
 
 def load(text: str, name: str = "m") -> LoadedModel:

@@ -18,15 +18,15 @@ from tachk import api
 from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
 from tachk.engines.protocol import Limits
-from tachk.formats.trace_xml import run_to_trace_xml
-from tachk.formats.uppaal_intermediate import network_to_intermediate
-from tachk.formats.xtr import run_to_xtr
-from tachk.frontend.load import load_model
+from tachk.formats.uppaal.intermediate import network_to_intermediate
+from tachk.formats.uppaal.trace_xml import run_to_trace_xml
+from tachk.formats.uppaal.xtr import run_to_xtr
+from tachk.loading.load import load_model
 from tachk.model.network import Network
 from tachk.model.query import Query, QueryKind
 from tachk.properties.verify import verify
 from tachk.semantics.dbm import contains
-from tachk.semantics.trace import TimedTrace
+from tachk.semantics.timed_trace import TimedTrace
 from tachk.semantics.zones_of_run import zones_of_run
 from tachk.testing.networks import Shape, random_case
 

@@ -9,7 +9,7 @@ import pytest
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.diagnostics.span import Source
-from tachk.frontend.load import LoadedModel, load_model
+from tachk.loading.load import LoadedModel, load_model
 
 
 def complete(text: str) -> str:

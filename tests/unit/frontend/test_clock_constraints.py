@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import (
     Binary,
@@ -18,7 +19,6 @@ from tachk.model.expressions import (
     Unary,
 )
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
-from tachk.model.layout import cell_layout
 
 DECLARATIONS = "clock x, y, z[2]; int n; bool b, d[2]; struct { clock c; int k; } r; const int N = 2;"
 

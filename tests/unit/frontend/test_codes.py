@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from tachk.diagnostics.codes.model_codes import MODEL_CODES
+from tachk.diagnostics.codes.observer_codes import OBSERVER_CODES
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
-from tachk.diagnostics.model_codes import MODEL_CODES
-from tachk.diagnostics.observer_codes import OBSERVER_CODES
 from tachk.diagnostics.span import Source
-from tachk.frontend.load import load_model
+from tachk.loading.load import load_model
 
 FRONTEND = Path(__file__).resolve().parents[3] / "src" / "tachk" / "frontend"
 

@@ -6,7 +6,7 @@ import pytest
 
 from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
-from tachk.frontend.load import load_model
+from tachk.loading.load import load_model
 
 
 def messages(text: str) -> list[str]:

@@ -6,7 +6,7 @@ import pytest
 
 from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
-from tachk.frontend.load import elaborate_queries, load_model
+from tachk.loading.load import elaborate_queries, load_model
 
 MODEL = """
 %s

@@ -9,13 +9,13 @@ import pytest
 
 from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
-from tachk.formats.expansion import expand
-from tachk.formats.query_file import print_queries
-from tachk.formats.uppaal import print_uppaal
-from tachk.frontend.load import LoadedModel, elaborate_queries, load_model
+from tachk.formats.plain.expansion import expand
+from tachk.formats.uppaal.query_file import print_queries
+from tachk.formats.uppaal.writer import print_uppaal
+from tachk.loading.load import LoadedModel, elaborate_queries, load_model
 from tachk.model.query import Expectation
-from tachk.syntax.parser import parse_document
-from tachk.syntax.printer import print_document
+from tachk.syntax.parsing.parser import parse_document
+from tachk.syntax.printing.printer import print_document
 
 MODEL = """\
 const int WAIT = 9;

@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 
 from tachk.diagnostics.span import Source
-from tachk.frontend.load import LoadedModel
+from tachk.loading.load import LoadedModel
+from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate, execute
 from tachk.model.expressions import Constant
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
-from tachk.model.layout import cell_layout
 
 DECLARATIONS = """
 const int N = 3;

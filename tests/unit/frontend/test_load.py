@@ -9,7 +9,7 @@ import pytest
 
 from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.diagnostics.span import Source
-from tachk.frontend.load import load_model
+from tachk.loading.load import load_model
 
 PROCESS = "process P() { state s; init s; }\n"
 

@@ -9,10 +9,10 @@ import pytest
 
 from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
-from tachk.frontend.load import elaborate_queries, load_model
+from tachk.loading.load import elaborate_queries, load_model
+from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, holds
 from tachk.model.expressions import LocationTest
-from tachk.model.layout import cell_layout
 from tachk.model.query import Expectation, QueryKind
 
 MODEL = """
@@ -191,7 +191,7 @@ def test_the_inside_of_a_process_is_hidden_from_the_model(find: Any) -> None:
 
 
 def test_nested_quantifiers_over_processes_are_bounded(load: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tachk.frontend.load.INSTANCES", 1000)
+    monkeypatch.setattr("tachk.loading.load.INSTANCES", 1000)
     loaded = load("process T(int[0,1] k) { state s; init s; }\nsystem T;")
     shallow = "".join(f"forall (i{j} : int[0,0]) " for j in range(200))
     deep = "".join(f"forall (i{j} : int[0,1]) " for j in range(30))

@@ -8,14 +8,14 @@ from typing import Any
 import pytest
 
 import tachk
-from tachk.cli.check import run_check
-from tachk.cli.convert import run_convert
+from tachk.cli.actions.check import run_check
+from tachk.cli.actions.convert import run_convert
+from tachk.cli.actions.verify import VerifyRequest, run_verify
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.verify import VerifyRequest, run_verify
 from tachk.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.diagnostics.span import Source
 from tachk.formats.catalogue import ExportFormat, export_model
-from tachk.frontend.load import elaborate_queries, load_model
+from tachk.loading.load import elaborate_queries, load_model
 
 MODEL = """int n;
 const int N = 3;

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tachk.diagnostics.span import Source
-from tachk.formats.network_json import same_network
-from tachk.frontend.load import LoadedModel, load_model
+from tachk.formats.network_json.network import same_network
+from tachk.loading.load import LoadedModel, load_model
 from tachk.resources import data_root
-from tachk.syntax.printer import print_document
+from tachk.syntax.printing.printer import print_document
 
 SYSTEMS = [
     path for path in sorted((data_root() / "models").rglob("*.ta")) if "\nsystem " in path.read_text(encoding="utf-8")

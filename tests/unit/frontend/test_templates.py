@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
+from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate, execute
-from tachk.model.layout import cell_layout
 from tachk.model.network import Direction
 from tachk.model.types import ArrayType, IntType, RecordType
 

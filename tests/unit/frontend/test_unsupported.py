@@ -6,9 +6,9 @@ import pytest
 
 from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
-from tachk.frontend.load import load_model
-from tachk.syntax.parser import parse_document
-from tachk.syntax.printer import print_document
+from tachk.loading.load import load_model
+from tachk.syntax.parsing.parser import parse_document
+from tachk.syntax.printing.printer import print_document
 
 PROCESS = "process P() { init location s; }\nsystem P;\n"
 

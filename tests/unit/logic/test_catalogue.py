@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 from tachk.logic.durations import resolve
-from tachk.logic.observer import NoObserver, build_observer
+from tachk.logic.observer.construction import NoObserver, build_observer
 from tachk.logic.patterns import CATALOGUE, Pattern, patterns
 from tachk.syntax.formula import Formula
 from tachk.testing.exact_monitor import verdict

@@ -9,7 +9,7 @@ import pytest
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.logic.durations import resolve
 from tachk.syntax import ast
-from tachk.syntax.formula_printer import print_formula
+from tachk.syntax.formulas.printer import print_formula
 from tachk.testing.tricky import read_formula
 from tachk.time_units import length_of
 

@@ -9,8 +9,8 @@ import pytest
 
 from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
-from tachk.frontend.load import load_model
-from tachk.syntax.formula_parser import parse_formula
+from tachk.loading.load import load_model
+from tachk.syntax.formulas.parser import parse_formula
 
 DOCUMENT = (Path(__file__).resolve().parents[3] / "docs" / "logic.md").read_text("utf-8")
 SECTIONS = dict(re.findall(r"^## ([^\n]+)\n(.*?)(?=^## |\Z)", DOCUMENT, re.MULTILINE | re.DOTALL))

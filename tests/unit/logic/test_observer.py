@@ -9,11 +9,11 @@ import pytest
 
 from tachk.diagnostics.span import Source
 from tachk.logic.durations import resolve
-from tachk.logic.observer import BAD, NoObserver, build_observer
+from tachk.logic.observer.construction import BAD, NoObserver, build_observer
 from tachk.syntax import ast
-from tachk.syntax.expression_printer import print_expression
 from tachk.syntax.formula import Formula
-from tachk.syntax.parser import parse_query
+from tachk.syntax.parsing.parser import parse_query
+from tachk.syntax.printing.expression_printer import print_expression
 
 
 def formula(text: str) -> Formula:

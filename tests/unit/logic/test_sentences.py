@@ -12,10 +12,10 @@ from tachk.diagnostics.span import Source
 from tachk.logic.patterns import patterns
 from tachk.logic.sentences import meaning
 from tachk.syntax.formula import Formula
-from tachk.syntax.formula_parser import parse_formula
-from tachk.syntax.formula_printer import print_formula
-from tachk.syntax.sentence_parser import parse_sentence
-from tachk.syntax.sentence_printer import print_sentence
+from tachk.syntax.formulas.parser import parse_formula
+from tachk.syntax.formulas.printer import print_formula
+from tachk.syntax.sentences.parser import parse_sentence
+from tachk.syntax.sentences.printer import print_sentence
 from tachk.testing.exact_monitor import verdict
 from tachk.testing.exact_trace import ExactTrace, pulses
 

@@ -6,7 +6,7 @@ import pytest
 
 from tachk.logic.negation import negate, negation_normal_form
 from tachk.logic.simplify import simplify
-from tachk.syntax.formula_printer import print_formula
+from tachk.syntax.formulas.printer import print_formula
 from tachk.testing.tricky import read_formula
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from tachk.model.builder import NetworkBuilder, Term, bound_variable, conditional, quantifier
+from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import Binary, QuantifierKind, Reference, VariableKind
-from tachk.model.layout import cell_layout
 from tachk.model.network import Direction
 from tachk.model.types import ArrayType, ClockType, IntType, RecordType
 

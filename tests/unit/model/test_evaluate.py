@@ -7,6 +7,7 @@ from fractions import Fraction
 import pytest
 
 from tachk.model import evaluate as ev
+from tachk.model.cell_layout import cell_layout
 from tachk.model.expressions import (
     BOOL,
     INT,
@@ -39,7 +40,6 @@ from tachk.model.expressions import (
     While,
 )
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
-from tachk.model.layout import cell_layout
 from tachk.model.network import Network, Process
 from tachk.model.types import ArrayType, ChannelType, ClockType, IntType, RecordType, VoidType
 

@@ -8,7 +8,7 @@ import pytest
 
 import tachk
 from tachk.diagnostics.span import Source
-from tachk.frontend.load import load_model
+from tachk.loading.load import load_model
 
 DECLARATIONS = """
 typedef struct { int a; int b; } pair_t;

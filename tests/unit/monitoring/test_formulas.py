@@ -8,7 +8,7 @@ import pytest
 
 from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.monitoring.formulas import check_order, in_trace_units, read_formulas
-from tachk.syntax.formula_printer import print_formula
+from tachk.syntax.formulas.printer import print_formula
 
 FILE = """\
 # what the plant is judged by

@@ -14,9 +14,9 @@ import pytest
 import tachk
 from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.monitoring.offline import MonitorReport
-from tachk.report.monitor_words import explain_verdict
-from tachk.report.plot_rows import line
-from tachk.report.signal_plot import draw_record
+from tachk.report.monitor.plot_rows import line
+from tachk.report.monitor.signal_plot import draw_record
+from tachk.report.monitor.words import explain_verdict
 
 SCHEMA = Path(__file__).parents[3] / "docs/schema/monitor.schema.json"
 

@@ -19,14 +19,14 @@ import pytest
 import tachk
 from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.monitoring.offline import MonitorReport
-from tachk.report.monitor_junit import monitor_to_junit
-from tachk.report.monitor_record import cell_text
-from tachk.report.monitor_words import explain_verdict
+from tachk.report.monitor.junit import monitor_to_junit
+from tachk.report.monitor.record import cell_text
+from tachk.report.monitor.words import explain_verdict
 from tachk.runtime.core_monitor import truth_signals
 from tachk.runtime.explanation import Finding
+from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import NodeSignal
 from tachk.runtime.trace import Trace
-from tachk.semantics.monitor_program import MonitorProgram
 
 SCHEMA = Path(__file__).parents[3] / "docs/schema/monitor.schema.json"
 

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 import tachk
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.report.monitor_words import explain_verdict
-from tachk.report.online_report import decided_to_text
+from tachk.report.monitor.online_report import decided_to_text
+from tachk.report.monitor.words import explain_verdict
 from tachk.time_units import usual_decimals
 
 EVENTS = [(0, 0, 0, 1), (1, 1, 0, 2), (2, 1, 0, 3), (4, 0, 0, 5), (6.5, 0, 0, 2), (9, 0, 1, 1)]

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from tachk.diagnostics.span import Source
-from tachk.frontend.load import load_model
+from tachk.loading.load import load_model
 from tachk.properties.verdict import Verdict
 from tachk.properties.verify import verify
 

@@ -7,11 +7,11 @@ from types import SimpleNamespace
 
 import pytest
 
+from tachk.compiler.lower import lower
 from tachk.diagnostics.span import Source
 from tachk.engines import zone
 from tachk.engines.protocol import Limits, Status
-from tachk.frontend.load import load_model
-from tachk.semantics.lower import lower
+from tachk.loading.load import load_model
 
 Answers = Callable[..., dict[str, str]]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tachk.diagnostics.span import Source
-from tachk.frontend.load import load_model
+from tachk.loading.load import load_model
 from tachk.model.query import Query
 from tachk.properties.plan import plan, target_of
 

@@ -8,7 +8,7 @@ import tachk
 from tachk import api
 from tachk.diagnostics.span import Source
 from tachk.formats.catalogue import ExportFormat, export_model
-from tachk.frontend.load import load_model, other_readings_of
+from tachk.loading.load import load_model, other_readings_of
 from tachk.report.verifyta_report import run_to_verifyta
 
 MODEL = """\

@@ -8,7 +8,7 @@ import pytest
 
 from tachk.diagnostics.span import Source
 from tachk.engines.protocol import Limits, Options
-from tachk.frontend.load import load_model
+from tachk.loading.load import load_model
 from tachk.model.fault import RuntimeErrorKind
 from tachk.model.query import Query, QueryKind
 from tachk.properties.verdict import Answer, Verdict

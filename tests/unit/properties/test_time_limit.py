@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 
 from tachk import time_limit as module
+from tachk.cli.actions.verify import VerifyRequest, run_verify
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.verify import VerifyRequest, run_verify
 from tachk.diagnostics.span import Source
 from tachk.engines.protocol import TIME_LIMIT, GoalOutcome, Limits, Outcome, Statistics, Status
-from tachk.frontend.load import load_model
+from tachk.loading.load import load_model
 from tachk.properties import verify as verifying
 from tachk.properties.verdict import Answer, Verdict
 from tachk.properties.verify import verify

@@ -15,7 +15,7 @@ from tachk.model.query import Expectation, Query, QueryKind
 from tachk.model.types import ArrayType, BoolType, ChannelType, ClockType, IntType
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.record import NotChecked, RunRecord
-from tachk.semantics.trace import DiscreteState, Participant, TimedState, TimedStep, TimedTrace, Transition
+from tachk.semantics.timed_trace import DiscreteState, Participant, TimedState, TimedStep, TimedTrace, Transition
 
 SOURCE = Source("lamp.ta", "line one\n  n = n + 1;\nline three\n")
 

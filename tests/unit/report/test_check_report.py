@@ -7,7 +7,7 @@ from typing import Any
 import jsonschema
 import pytest
 
-from tachk.cli.check import run_check
+from tachk.cli.actions.check import run_check
 from tachk.cli.exit_status import ExitStatus
 
 SCHEMA = Path(__file__).parents[3] / "docs/schema/check.schema.json"

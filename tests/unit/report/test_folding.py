@@ -5,8 +5,8 @@ from fractions import Fraction
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tachk.report.folding import Round, Single, fold
-from tachk.report.trace_view import Event, Move, Snapshot, ViewStep
+from tachk.report.run.folding import Round, Single, fold
+from tachk.report.run.trace_view import Event, Move, Snapshot, ViewStep
 
 EMPTY = Snapshot((), ())
 

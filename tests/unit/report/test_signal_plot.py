@@ -12,8 +12,8 @@ from matplotlib.image import imread
 import tachk
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.monitoring.offline import MonitorReport
-from tachk.report.plot_rows import Band, bands_of, formula_rows, steps, thresholds
-from tachk.report.signal_plot import draw_record
+from tachk.report.monitor.plot_rows import Band, bands_of, formula_rows, steps, thresholds
+from tachk.report.monitor.signal_plot import draw_record
 from tachk.runtime.node_signal import NodeSignal, Truth
 from tachk.runtime.trace import Trace
 

@@ -9,9 +9,9 @@ from rich.console import Console
 from tachk.model.query import Expectation
 from tachk.properties.verdict import Answer
 from tachk.report.record import RunRecord
+from tachk.report.run.trace_text import print_trace
+from tachk.report.run.trace_view import Snapshot, TraceView, ViewStep
 from tachk.report.text_report import print_run
-from tachk.report.trace_text import print_trace
-from tachk.report.trace_view import Snapshot, TraceView, ViewStep
 
 
 def printed(record: RunRecord, **options: bool) -> str:

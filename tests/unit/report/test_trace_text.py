@@ -7,13 +7,13 @@ from io import StringIO
 from rich.console import Console
 
 from tachk.diagnostics.span import Source
-from tachk.frontend.load import load_model
+from tachk.loading.load import load_model
 from tachk.properties.verify import verify
 from tachk.report.json_report import trace_to_json
+from tachk.report.run.trace_summary import news_line
+from tachk.report.run.trace_text import Telling, print_trace
+from tachk.report.run.trace_view import TraceView, view_trace
 from tachk.report.text_report import print_fault
-from tachk.report.trace_summary import news_line
-from tachk.report.trace_text import Telling, print_trace
-from tachk.report.trace_view import TraceView, view_trace
 
 LINK = """
 const int DATA = 0;

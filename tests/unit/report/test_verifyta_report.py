@@ -9,12 +9,12 @@ import pytest
 from tachk import api
 from tachk.diagnostics.span import Source
 from tachk.engines.protocol import Limits, Statistics
-from tachk.frontend.load import load_model
+from tachk.loading.load import load_model
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.process_memory import peak_memory
 from tachk.report.record import RunRecord
+from tachk.report.run.verifyta_trace import concrete_trace, symbolic_trace
 from tachk.report.verifyta_report import note, run_to_verifyta, verdict_lines
-from tachk.report.verifyta_trace import concrete_trace, symbolic_trace
 
 MODEL = """\
 process P() { clock x; int n; init location A { to B { guard x > 1; assign n = 2, x = 0; } } location B; }

@@ -7,7 +7,7 @@ import networkx
 import pytest
 
 import tachk
-from tachk.report.zone_view import constraint_texts
+from tachk.report.run.zone_view import constraint_texts
 from tachk.semantics import dbm
 from tachk.semantics.dbm import Zone
 from tachk.testing.networks import random_case

@@ -10,9 +10,7 @@ import pytest
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime import core_monitor
 from tachk.runtime.core_monitor import LinearViolation, RobustnessMonitor, RobustnessResult, TruthMonitor, Violation
-from tachk.runtime.node_signal import Truth
-from tachk.runtime.trace import Trace
-from tachk.semantics.monitor_program import (
+from tachk.runtime.monitor_program import (
     MonitorAtom,
     MonitorNode,
     MonitorProgram,
@@ -21,6 +19,8 @@ from tachk.semantics.monitor_program import (
     ValueInstruction,
     ValueOperator,
 )
+from tachk.runtime.node_signal import Truth
+from tachk.runtime.trace import Trace
 
 
 def column(number: int) -> tuple[ValueInstruction, ...]:

@@ -9,17 +9,17 @@ from random import Random
 import numpy as np
 import pytest
 
+from tachk.monitoring.compiler import compile as compile_formula
+from tachk.monitoring.compiler import ticks_needed
 from tachk.monitoring.formulas import NamedFormula
 from tachk.monitoring.offline import Measures, MonitorReport, verdict_on
 from tachk.monitoring.reading import HeldValues
-from tachk.properties.monitoring import compile as compile_formula
-from tachk.properties.monitoring import ticks_needed
-from tachk.report.monitor_record import Ending, MonitorRecord
+from tachk.report.monitor.record import Ending, MonitorRecord
 from tachk.runtime.explanation import Reason, horizon, memory
+from tachk.runtime.monitor_program import MonitorNode, MonitorProgram, NodeKind
 from tachk.runtime.node_signal import NodeSignal, Truth
 from tachk.runtime.online_monitor import OnlineMonitor
 from tachk.runtime.trace import Trace
-from tachk.semantics.monitor_program import MonitorNode, MonitorProgram, NodeKind
 from tachk.testing.exact_trace import ExactTrace
 from tachk.testing.formulas import FormulaShape, random_formula, random_trace
 

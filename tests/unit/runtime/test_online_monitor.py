@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from tachk.properties.monitoring import compile as compile_formula
+from tachk.monitoring.compiler import compile as compile_formula
 from tachk.runtime.core_monitor import monitor_truth
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.online_monitor import OnlineMonitor, Stretch

@@ -10,7 +10,7 @@ import pytest
 
 from tachk.semantics import dbm, step, symbolic
 from tachk.semantics.discrete import prepare
-from tachk.semantics.trace import TimedState
+from tachk.semantics.timed_trace import TimedState
 from tachk.testing import Shape, random_case
 
 SHAPES = [

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from tachk.diagnostics.span import NOWHERE, Source
 from tachk.syntax import ast
 from tachk.syntax.chains import ASSOCIATIVE, LONGEST_FROM_LEFT, chain, operands_of
-from tachk.syntax.expression_printer import print_expression
-from tachk.syntax.parser import parse_expression
+from tachk.syntax.parsing.parser import parse_expression
+from tachk.syntax.printing.expression_printer import print_expression
 
 
 def parse(text: str) -> ast.Expression:

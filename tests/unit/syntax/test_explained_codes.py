@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk.diagnostics.codes import CODES, explain
+from tachk.diagnostics.codes.all_codes import CODES, explain
+from tachk.diagnostics.codes.syntax_codes import SYNTAX_CODES
 from tachk.diagnostics.span import Source
-from tachk.diagnostics.syntax_codes import SYNTAX_CODES
-from tachk.syntax.parser import parse_document
+from tachk.syntax.parsing.parser import parse_document
 
 SHOWN = sorted(code for code, explanation in SYNTAX_CODES.items() if explanation.bad)
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from tachk.diagnostics.span import NOWHERE, Source, Span
 from tachk.syntax import ast
 from tachk.syntax import formula as f
-from tachk.syntax.formula_parser import parse_formula
-from tachk.syntax.formula_printer import print_formula, print_number
+from tachk.syntax.formulas.parser import parse_formula
+from tachk.syntax.formulas.printer import print_formula, print_number
 from tachk.syntax.walk import nodes_of_kind
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tachk.diagnostics.span import Source
-from tachk.syntax.parser import parse_document
+from tachk.syntax.parsing.parser import parse_document
 
 
 def warned(guard: str, assign: str = "a := 1", first: str = "const N 5;") -> list[str]:

@@ -7,9 +7,10 @@ from typing import Any
 import pytest
 
 from tachk.diagnostics.span import NOWHERE, Source
-from tachk.syntax import ast, parser
-from tachk.syntax.contextual import SPELLING
-from tachk.syntax.expression_printer import print_expression
+from tachk.syntax import ast
+from tachk.syntax.parsing import parser
+from tachk.syntax.parsing.contextual import SPELLING
+from tachk.syntax.printing.expression_printer import print_expression
 
 
 def document(text: str) -> ast.Document:

@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from tachk.diagnostics.span import NOWHERE, Source
 from tachk.resources import data_root
 from tachk.syntax import ast
-from tachk.syntax.canonical import canonical
-from tachk.syntax.expression_printer import BINARY_LEVEL, print_expression
-from tachk.syntax.parser import has_errors, parse_document, parse_expression, parse_query
-from tachk.syntax.printer import print_document
-from tachk.syntax.query_printer import print_query
-from tachk.syntax.tables import lexer
+from tachk.syntax.parsing.parser import has_errors, parse_document, parse_expression, parse_query
+from tachk.syntax.parsing.tables import lexer
+from tachk.syntax.printing.canonical import canonical
+from tachk.syntax.printing.expression_printer import BINARY_LEVEL, print_expression
+from tachk.syntax.printing.printer import print_document
+from tachk.syntax.printing.query_printer import print_query
 
 
 def read(text: str) -> ast.Document:

@@ -6,8 +6,8 @@ import pytest
 
 from tachk.diagnostics.span import Source
 from tachk.syntax import ast
-from tachk.syntax.parser import parse_document, parse_query
-from tachk.syntax.printer import print_document
+from tachk.syntax.parsing.parser import parse_document, parse_query
+from tachk.syntax.printing.printer import print_document
 from tachk.syntax.query_files import parse_queries
 
 SENTENCE = "whenever T(1).sleeping, within 50 s, it's not - at all: must be true."

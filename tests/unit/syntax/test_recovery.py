@@ -6,8 +6,8 @@ import pytest
 
 from tachk.diagnostics.span import Source
 from tachk.syntax import ast
-from tachk.syntax.driver import MOST_ERRORS
-from tachk.syntax.parser import parse_document, parse_query
+from tachk.syntax.parsing.driver import MOST_ERRORS
+from tachk.syntax.parsing.parser import parse_document, parse_query
 
 
 def errors(text: str) -> list[tuple[int, str]]:

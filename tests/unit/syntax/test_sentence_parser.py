@@ -6,14 +6,14 @@ from fractions import Fraction
 
 import pytest
 
+from tachk.diagnostics.codes.sentence_codes import SENTENCE_CODES
 from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.diagnostics.sentence_codes import SENTENCE_CODES
 from tachk.diagnostics.span import NOWHERE, Source, Span
 from tachk.syntax import ast
-from tachk.syntax import sentence as s
 from tachk.syntax.formula import Atom, Duration, Formula, Not, Rise
-from tachk.syntax.sentence_parser import parse_sentence, with_full_stop
-from tachk.syntax.sentence_printer import print_sentence
+from tachk.syntax.sentences import tree as s
+from tachk.syntax.sentences.parser import parse_sentence, with_full_stop
+from tachk.syntax.sentences.printer import print_sentence
 
 
 def read(text: str) -> s.Sentence:

@@ -12,12 +12,12 @@ from tachk.diagnostics.span import NOWHERE, Source
 from tachk.logic.sentences import meaning
 from tachk.syntax import ast
 from tachk.syntax import formula as f
-from tachk.syntax import sentence as s
-from tachk.syntax.formula_parser import parse_formula
-from tachk.syntax.formula_printer import print_formula
-from tachk.syntax.sentence_order import assemble
-from tachk.syntax.sentence_parser import parse_sentence
-from tachk.syntax.sentence_printer import print_sentence
+from tachk.syntax.formulas.parser import parse_formula
+from tachk.syntax.formulas.printer import print_formula
+from tachk.syntax.sentences import tree as s
+from tachk.syntax.sentences.order import assemble
+from tachk.syntax.sentences.parser import parse_sentence
+from tachk.syntax.sentences.printer import print_sentence
 
 NAMES = st.sampled_from(["p", "q", "s", "ms", "after", "until", "must", "true_", "then", "G", "between", "later", "is"])
 UNITS = st.sampled_from(["", "ns", "us", "ms", "s", "min", "h", "d"])

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from tachk.diagnostics.span import Source
-from tachk.syntax import compile_grammar, tables
-from tachk.syntax.driver import drive
+from tachk.syntax.parsing import compile_grammar, tables
+from tachk.syntax.parsing.driver import drive
 
 
 @pytest.fixture

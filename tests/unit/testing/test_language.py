@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from random import Random
 
+from tachk.compiler.failures import edge_can_fail
+from tachk.compiler.fold import known_values
+from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.engines import zone
 from tachk.engines.protocol import Limits
@@ -11,9 +14,6 @@ from tachk.model.expressions import BOOL, Assign, Call, Conditional, Constant, F
 from tachk.model.network import Network
 from tachk.model.traversal import process_expressions, walk
 from tachk.model.types import ChannelType, ClockType
-from tachk.semantics.failures import edge_can_fail
-from tachk.semantics.fold import known_values
-from tachk.semantics.lower import lower
 from tachk.testing import Shape, random_case
 
 SAFE = Shape(language=True, processes=2, locations=3, clocks=2, constant=3)

@@ -6,7 +6,7 @@ from fractions import Fraction
 from random import Random
 
 from tachk.syntax.formula import Until
-from tachk.syntax.formula_printer import print_formula
+from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.walk import nodes_of_kind
 from tachk.testing.exact_trace import ExactTrace
 from tachk.testing.formulas import MonitoringCase, random_monitoring_case

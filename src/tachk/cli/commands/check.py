@@ -36,6 +36,6 @@ def command(
     strict_xta: bool,
 ) -> None:
     """Read models and report every mistake and warning, without checking a property."""
-    from tachk.cli.check import run_check
+    from tachk.cli.actions.check import run_check
 
     options.finish(lambda: run_check(models, definitions, version, format, output, strict_xta))

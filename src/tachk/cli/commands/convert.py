@@ -23,6 +23,6 @@ def command(source: str, output: Path, query_files: tuple[Path, ...], fix: bool,
     Formats but .ta are written in full: imports are followed, and what tachk adds to UPPAAL's language is expanded.
     A file that exists and says something else is not overwritten without --force.
     """
-    from tachk.cli.convert import run_convert
+    from tachk.cli.actions.convert import run_convert
 
     options.finish(lambda: run_convert(source, output, query_files, fix, force))

@@ -15,6 +15,6 @@ def command(before: str, after: str) -> None:
 
     Exit status: 0 nothing, 1 something.
     """
-    from tachk.cli.diff import run_diff
+    from tachk.cli.actions.diff import run_diff
 
     options.finish(lambda: run_diff(before, after))

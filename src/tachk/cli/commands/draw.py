@@ -28,6 +28,6 @@ def command(model: str, output: Path, template: str | None, definitions: tuple[s
 
     With -D a constant is shown as its value.
     """
-    from tachk.cli.draw import run_draw
+    from tachk.cli.actions.draw import run_draw
 
     options.finish(lambda: run_draw(model, output, template, definitions))

@@ -20,6 +20,6 @@ def command(what: str) -> None:
     Of a message: what it means, an example, how to mend it. Of a property: its formula in canonical form, how far it
     looks ahead, and whether all its intervals begin at 0.
     """
-    from tachk.cli.explain import run_explain
+    from tachk.cli.actions.explain import run_explain
 
     options.finish(lambda: run_explain(what))

@@ -36,6 +36,6 @@ def command(
     observers: bool,
 ) -> None:
     """Write a model for UPPAAL, TChecker, Graphviz or other programs, with its queries beside it."""
-    from tachk.cli.export import run_export
+    from tachk.cli.actions.export import run_export
 
     options.finish(lambda: run_export(model, output, format, definitions, explain, keep_names, observers))

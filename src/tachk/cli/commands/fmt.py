@@ -17,6 +17,6 @@ from tachk.cli import options
 @click.option("to_stdout", "--stdout", is_flag=True, help="Print the result instead of changing the file.")
 def command(files: tuple[Path, ...], check_only: bool, to_stdout: bool) -> None:
     """Rewrite models in canonical form."""
-    from tachk.cli.fmt import run_fmt
+    from tachk.cli.actions.fmt import run_fmt
 
     options.finish(lambda: run_fmt(files, check_only, to_stdout))

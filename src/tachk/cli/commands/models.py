@@ -17,7 +17,7 @@ def command(ctx: click.Context) -> None:
     Without a subcommand: list them.
     """
     if ctx.invoked_subcommand is None:
-        from tachk.cli.models import run_list
+        from tachk.cli.actions.models import run_list
 
         options.finish(run_list)
 
@@ -25,7 +25,7 @@ def command(ctx: click.Context) -> None:
 @command.command(name="list")
 def list_command() -> None:
     """List the models, with what each is about."""
-    from tachk.cli.models import run_list
+    from tachk.cli.actions.models import run_list
 
     options.finish(run_list)
 
@@ -36,6 +36,6 @@ def list_command() -> None:
 @click.option("--force", is_flag=True, help="Write over files that are different.")
 def copy_command(name: str, folder: Path, force: bool) -> None:
     """Copy a model with every file that it imports."""
-    from tachk.cli.models import run_copy
+    from tachk.cli.actions.models import run_copy
 
     options.finish(lambda: run_copy(name, folder, force))

@@ -45,8 +45,8 @@ def command(**given: Any) -> None:
 
     Exit status: 0 all are true, 10 some are false, 20 nothing worse than undetermined, 2 bad input.
     """
-    from tachk.cli.monitor import run_monitor
-    from tachk.cli.monitor_request import MonitorRequest
+    from tachk.cli.actions.monitor import run_monitor
+    from tachk.cli.actions.monitor_request import MonitorRequest
 
     request = MonitorRequest(**given)
     options.finish(lambda: run_monitor(request))

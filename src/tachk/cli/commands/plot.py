@@ -36,6 +36,6 @@ def command(
     interpolation: str,
 ) -> None:
     """Draw a trace with what formulas and their parts are worth on it, and where they are violated."""
-    from tachk.cli.plot import run_plot
+    from tachk.cli.actions.plot import run_plot
 
     options.finish(lambda: run_plot(formula, trace, output, time, unit, names, begin, end, interpolation))

@@ -11,6 +11,6 @@ from tachk.cli import options
 @click.argument("words", metavar="WORD...", nargs=-1, help="Only patterns with these words.")
 def command(words: tuple[str, ...]) -> None:
     """List the sentences in which properties can be written, each with its formula and its meaning."""
-    from tachk.cli.sentences import run_sentences
+    from tachk.cli.actions.sentences import run_sentences
 
     options.finish(lambda: run_sentences(words))

@@ -82,7 +82,7 @@ def command(trace: str | None, every_trace: bool, **given: Any) -> None:
 
     Without a query, a query file or --property, every property that a model states is checked.
     """
-    from tachk.cli.verify import VerifyRequest, run_verify
+    from tachk.cli.actions.verify import VerifyRequest, run_verify
 
     request = VerifyRequest(trace=trace or "some", every_trace=every_trace or trace is not None, **given)
     options.finish(lambda: run_verify(request))

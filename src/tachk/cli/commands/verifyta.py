@@ -33,7 +33,7 @@ def command(arguments: tuple[str, ...]) -> None:
 
 
 def _answer(arguments: tuple[str, ...], program: str) -> ExitStatus:
-    from tachk.cli.verifyta_options import help_text, parse_arguments
+    from tachk.cli.actions.verifyta_options import help_text, parse_arguments
 
     given = parse_arguments(arguments)
     if given.wants_help:
@@ -43,7 +43,7 @@ def _answer(arguments: tuple[str, ...], program: str) -> ExitStatus:
     elif not given.model:
         raise UsageError("no model is given", f"{program} [OPTION]... MODEL [QUERIES]; the options are listed by -h")
     else:
-        from tachk.cli.verifyta import run_verifyta
+        from tachk.cli.actions.verifyta import run_verifyta
 
         return run_verifyta(given)
     return ExitStatus.AS_EXPECTED

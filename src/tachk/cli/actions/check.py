@@ -1,0 +1,108 @@
+"""`tachk check`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TextIO
+
+from tachk import api
+from tachk.cli.arguments import parse_definitions
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus, worst
+from tachk.cli.guard import complain, print_diagnostics
+from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
+from tachk.formats.uppaal.portability import Version, portability
+from tachk.loading.load import load_model
+from tachk.report.check_report import Checked, Size, checks_to_github, checks_to_json, checks_to_sarif
+
+
+def run_check(
+    models: tuple[str, ...],
+    definitions: tuple[str, ...],
+    version: str | None = None,
+    format: str = "text",
+    output: Path | None = None,
+    strict_xta: bool = False,
+) -> ExitStatus:
+    """Reads every model and tells what is wrong or odd about each.
+
+    Args:
+        version: of UPPAAL; report also what it would refuse or treat otherwise.
+        format: ``text`` for people, one line about each model that has no error, the rest on standard error; or
+            ``json``, ``sarif`` or ``github``, with everything in one report.
+        output: the file of the report, standard output without.
+        strict_xta: refuse what tachk adds to the language of UPPAAL.
+    """
+    constants = parse_definitions(definitions)
+    wanted = None if version is None else Version(version)
+    checks: list[Checked] = []
+    with destination(output) as out:
+        assert out is not None
+        for path in models:
+            checks.append(_check(path, constants, wanted, strict_xta))
+            if format == "text":
+                _tell(checks[-1], wanted, len(models) > 1, out)
+        match format:
+            case "json":
+                print(json.dumps(checks_to_json(checks), indent=2), file=out)
+            case "sarif":
+                print(json.dumps(checks_to_sarif(checks), indent=2), file=out)
+            case "github":
+                out.writelines(f"{line}\n" for line in checks_to_github(checks))
+    return worst(_status(check) for check in checks)
+
+
+def _check(path: str, constants: dict[str, str], version: Version | None, strict_xta: bool) -> Checked:
+    try:
+        model = api.Model(load_model(path, constants, strict_xta), path, tuple(constants))
+    except InputError as error:
+        return Checked(path, findings=error.diagnostics)
+    except UnsupportedError as error:
+        return Checked(path, findings=(error.diagnostic,))
+    except UsageError as error:
+        return Checked(path, complaint=error.message, help=error.help)
+    if model.refusals:
+        return Checked(path, findings=(*model.refusals, *model.warnings))
+    processes = model.network.processes
+    size = Size(
+        len(processes),
+        sum(len(process.locations) for process in processes),
+        sum(len(process.edges) for process in processes),
+        len(model.properties),
+    )
+    return Checked(path, size, model.warnings, None if version is None else portability(model.loaded, version))
+
+
+def _tell(check: Checked, version: Version | None, named: bool, out: TextIO) -> None:
+    """The report for people: a line for each model that can be used, and the findings on standard error."""
+    print_diagnostics(check.findings)
+    if check.complaint is not None:
+        complain(f"{check.model}: {check.complaint}" if named else check.complaint, check.help)
+    size = check.size
+    if size is None:
+        return
+    counts = (
+        (size.processes, "process", "processes"),
+        (size.locations, "location", "locations"),
+        (size.edges, "edge", "edges"),
+        (size.properties, "property", "properties"),
+        (len(check.findings), "warning", "warnings"),
+    )
+    print(f"{check.model}: " + ", ".join(f"{n} {one if n == 1 else many}" for n, one, many in counts), file=out)
+    if version is not None and check.portability is not None:
+        print_diagnostics(check.portability)
+        refused = sum(found.severity is Severity.ERROR for found in check.portability)
+        otherwise = len(check.portability) - refused
+        print(f"{check.model}: {version.full_name} would refuse {refused}, treat otherwise {otherwise}", file=out)
+
+
+def _status(check: Checked) -> ExitStatus:
+    errors = [found for found in check.findings if found.severity is Severity.ERROR]
+    if check.complaint is not None or any(not found.is_unsupported for found in errors):
+        return ExitStatus.BAD_INPUT
+    if errors:
+        return ExitStatus.UNSUPPORTED
+    if any(found.severity is Severity.ERROR for found in check.portability or ()):
+        return ExitStatus.NOT_AS_EXPECTED
+    return ExitStatus.AS_EXPECTED

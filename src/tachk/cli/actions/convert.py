@@ -1,0 +1,131 @@
+"""`tachk convert`."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from tachk import api
+from tachk.cli.actions.export import files_of, write_files
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.guard import print_diagnostics
+from tachk.diagnostics.diagnostic import InputError, TachkError, UsageError
+from tachk.diagnostics.span import Span
+from tachk.formats.catalogue import export_model, format_of
+from tachk.formats.layout_json import layout_path, layout_to_json
+from tachk.formats.plain.expansion import document_repairs
+from tachk.formats.plain.model import PlainQuery, Step
+from tachk.formats.uppaal.query_file import print_queries
+from tachk.formats.uppaal.query_reader import without_properties, wrong_query
+from tachk.loading.load import UncheckedQuery, load_model
+from tachk.loading.model_files import read_model
+from tachk.syntax import ast
+from tachk.syntax.parsing.parser import has_errors
+from tachk.syntax.printing.printer import print_document
+from tachk.syntax.query_files import parse_queries
+from tachk.syntax.source_files import read_source
+
+
+def run_convert(source: str, output: Path, query_files: tuple[Path, ...], fix: bool, force: bool = False) -> ExitStatus:
+    """Writes a file in another form.
+
+    To tachk's own language nothing but the text is read, so an incomplete model can be converted too; ``-`` as output
+    prints canonical text, for `git diff` and the like. Files that say something else already are overwritten only by
+    ``force``: they may have been edited.
+    """
+    target = output.suffix.lower()
+    to_text = str(output) == "-" or target == ".ta"
+    if source.endswith(".q"):
+        files = _convert_queries(Path(source), output)
+    elif to_text:
+        files = _convert_to_text(Path(source), output, query_files, fix)
+    else:
+        if query_files:
+            raise UsageError("-q goes with a .ta file as output", "convert to .ta first, then to the other format")
+        model = api.load(source)
+        print_diagnostics(model.warnings)
+        exported = export_model(model.loaded, format_of(output, (".ta",)), (), fix)
+        _tell([step for step in exported.steps if step.kind == "name"])
+        files = files_of(exported, output)
+    if str(output) == "-":
+        sys.stdout.write(files[output])
+    else:
+        _keep_edited(files, force)
+        write_files(files)
+    return ExitStatus.AS_EXPECTED
+
+
+def _keep_edited(files: Mapping[Path, str], force: bool) -> None:
+    """Raises UsageError if a file exists that does not hold what is to be written."""
+    for path, text in files.items():
+        if not force and path.is_file() and path.read_text(encoding="utf-8", errors="replace") != text:
+            raise UsageError(
+                f"{path} exists and says something else; it may have been edited", "--force overwrites it all the same"
+            )
+
+
+def _convert_to_text(source: Path, output: Path, query_files: tuple[Path, ...], fix: bool) -> dict[Path, str]:
+    read = read_model(read_source(source))
+    print_diagnostics(read.warnings)
+    document, layout = read.document, read.layout
+    wrong = () if layout is None else _wrong_queries(source)
+    aside = [*(query.text for query in read.broken), *(query.text for query in wrong)]
+    if layout is not None and wrong:
+        layout = without_properties(layout, document, {query.name for query in wrong})
+        names = {query.name for query in wrong}
+        kept = (i for i in document.items if not (isinstance(i, ast.PropertyDeclaration) and i.name.name in names))
+        document = replace(document, items=tuple(kept))
+    properties = [item for path in query_files for item in _properties(path, document.span)]
+    if properties:
+        document = replace(document, items=(*document.items, *properties))
+    if fix:
+        document, steps = document_repairs(document)
+        _tell(steps)
+    text = print_document(document) + "".join(f"\n{wrong_query(query)}\n" for query in aside)
+    return {output: text} | ({} if layout is None else {layout_path(output): layout_to_json(layout)})
+
+
+def _wrong_queries(source: Path) -> tuple[UncheckedQuery, ...]:
+    """The readable queries of an XML file that are wrong, as far as its model can be loaded."""
+    try:
+        loaded = load_model(source)
+    except TachkError:
+        return ()
+    named = {item.name.name for item in loaded.items if isinstance(item, ast.PropertyDeclaration)}
+    return tuple(query for query in loaded.unchecked if query.is_wrong and query.name in named)
+
+
+def _tell(steps: list[Step]) -> None:
+    for step in steps:
+        print(step, file=sys.stderr)
+
+
+def _properties(path: Path, at: Span) -> list[ast.PropertyDeclaration]:
+    """The queries of a file as properties named after it."""
+    source = read_source(path)
+    entries, diagnostics = parse_queries(source)
+    if has_errors(diagnostics):
+        raise InputError(diagnostics)
+    return [
+        ast.PropertyDeclaration(
+            entry.span,
+            ast.Identifier(at, f"q{number}"),
+            " ".join(entry.comment.replace('"', "'").split()),
+            entry.formula,
+            entry.expectation,
+        )
+        for number, entry in enumerate(entries, 1)
+    ]
+
+
+def _convert_queries(source: Path, output: Path) -> dict[Path, str]:
+    if output.suffix.lower() != ".q" and str(output) != "-":
+        raise UsageError(
+            f"{source} is a file of queries", "give it with -q beside a model, or convert it to another .q"
+        )
+    entries, diagnostics = parse_queries(read_source(source))
+    if has_errors(diagnostics):
+        raise InputError(diagnostics)
+    return {output: print_queries([PlainQuery("", e.formula, e.comment, e.expectation) for e in entries])}

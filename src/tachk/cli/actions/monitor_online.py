@@ -1,0 +1,111 @@
+"""`tachk monitor` row by row: from standard input, with --online, or on a file that grows with --follow."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Iterator
+from io import BufferedReader
+from pathlib import Path
+from typing import cast
+
+from tachk.cli.actions.monitor_request import MonitorRequest, exit_status
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.monitoring.formulas import NamedFormula
+from tachk.monitoring.online import Monitor
+from tachk.report.monitor.online_record import OnlineVerdict
+from tachk.report.monitor.online_report import decided_to_text, online_to_json, online_to_text
+from tachk.runtime.node_signal import Truth
+from tachk.runtime.trace_csv import CsvRecording, open_csv, open_csv_stream
+from tachk.runtime.trace_files import is_csv
+
+_PATIENCE = 0.2
+"""Seconds between two looks at a file that may grow."""
+
+
+class _GrowingFile:
+    """A file read beyond its end: whoever reads waits for more."""
+
+    def __init__(self, path: Path) -> None:
+        self._stream = path.open("rb")
+        self._line = b""
+
+    def readline(self, size: int = -1, /) -> bytes:
+        while True:
+            self._line += self._stream.readline(size)
+            if self._line.endswith(b"\n"):
+                line, self._line = self._line, b""
+                return line
+            time.sleep(_PATIENCE)
+
+    def read1(self, size: int = -1, /) -> bytes:
+        while True:
+            piece = self._stream.read1(size)
+            if piece:
+                return piece
+            time.sleep(_PATIENCE)
+
+    def close(self) -> None:
+        self._stream.close()
+
+
+def run_online(request: MonitorRequest, formulas: tuple[NamedFormula, ...]) -> ExitStatus:
+    """Judges rows as they come, and says each verdict when it is decided. Ctrl-C ends the trace."""
+    if request.format == "junit":
+        raise UsageError("junit reports are written about whole traces", "leave out --online, or take --format json")
+    recording = _open(request)
+    monitor = Monitor(
+        formulas,
+        unit=recording.unit,
+        decimals=request.decimals,
+        end=request.end,
+        robustness=request.robustness,
+    )
+    with destination(request.output, request.quiet) as out:
+        live = out if request.format == "text" else None
+        # A file that is there to its end is read to its end where bounds go on after the decision.
+        whole = request.robustness and request.trace != "-" and not request.follow
+        for verdict in _decisions(monitor, recording, whole):
+            if live is not None:
+                live.write(decided_to_text(verdict, monitor.unit) + "\n")
+                live.flush()
+        verdicts = monitor.finish()
+        if out is not None and request.format == "json":
+            json.dump(online_to_json(monitor.record(request.trace)), out, indent=2)
+            out.write("\n")
+        elif out is not None:
+            out.write(online_to_text(monitor.record(request.trace)))
+    return exit_status({verdict.truth for verdict in verdicts})
+
+
+def _open(request: MonitorRequest) -> CsvRecording:
+    if request.trace == "-":
+        return open_csv_stream(cast("BufferedReader", sys.stdin.buffer), "-", request.time, request.unit)
+    path = Path(request.trace)
+    if not is_csv(path):
+        raise UsageError(f"{path}: row by row only CSV can be read", "leave out --online")
+    if not request.follow:
+        return open_csv(path, request.time, request.unit)
+    if not path.is_file():
+        raise UsageError(f"there is no file {path}")
+    return open_csv_stream(_GrowingFile(path), str(path), request.time, request.unit)
+
+
+def _decisions(monitor: Monitor, recording: CsvRecording, whole: bool) -> Iterator[OnlineVerdict]:
+    """Feeds the monitor until the rows end or, unless the whole is wanted, everything is decided; yields each verdict
+    when it is."""
+    told: set[str] = set()
+    try:
+        for rows in recording.blocks(monitor.columns, monitor.decimals):
+            monitor.push(rows.times, rows.columns, rows.decimals)
+            for verdict in monitor.verdicts:
+                if verdict.measured is not Truth.UNDETERMINED and verdict.name not in told:
+                    told.add(verdict.name)
+                    yield verdict
+            if monitor.decided and not whole:
+                return
+    except KeyboardInterrupt:
+        return

@@ -1,0 +1,199 @@
+"""`tachk-verifyta` and `tachk verifyta`: UPPAAL's verifyta as scripts know it, answered by tachk.
+
+What scripts read is where UPPAAL writes it: verdicts on standard output, traces and errors on standard error, which
+stays empty otherwise; programs around verifyta take anything there for a failure. A query without an answer is an
+error there, never an empty place, and the exit status says so.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TextIO
+
+from tachk import api
+from tachk.cli.actions.verifyta_options import Trace, VerifytaOptions
+from tachk.cli.exit_status import ExitStatus, worst
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
+from tachk.diagnostics.span import Source
+from tachk.engines.protocol import INTERRUPTED, Options
+from tachk.formats.uppaal.intermediate import network_to_intermediate
+from tachk.formats.uppaal.trace_xml import run_to_trace_xml
+from tachk.formats.uppaal.xtr import run_to_xtr
+from tachk.frontend.priority_readings import FIRST
+from tachk.loading.load import LoadedModel, UncheckedQuery, elaborate_query_file, other_readings_of
+from tachk.model.fault import EvaluationFault
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.properties.readings import agreed
+from tachk.properties.verdict import Answer, Verdict
+from tachk.properties.verify import refused, verify
+from tachk.report.run.verifyta_trace import concrete_trace, symbolic_trace
+from tachk.report.verifyta_report import (
+    evidence,
+    heading_lines,
+    note,
+    option_lines,
+    place_of,
+    summary_lines,
+    verdict_lines,
+)
+from tachk.syntax.source_files import read_source
+
+Formula = Query | UncheckedQuery
+
+
+def run_verifyta(options: VerifytaOptions) -> ExitStatus:
+    """Checks what a command line asks for. Raises UsageError, OSError."""
+    try:
+        return _check(options)
+    except InputError as error:
+        errors = [found for found in error.diagnostics if found.severity is Severity.ERROR]
+        _print_errors(errors)
+        return ExitStatus.UNSUPPORTED if all(found.is_unsupported for found in errors) else ExitStatus.BAD_INPUT
+    except UnsupportedError as error:
+        _print_errors([error.diagnostic])
+        return ExitStatus.UNSUPPORTED
+
+
+def _check(options: VerifytaOptions) -> ExitStatus:
+    model = api.load(options.model)
+    if os.environ.get("UPPAAL_COMPILE_ONLY"):
+        sys.stdout.write(network_to_intermediate(model.network))
+        return ExitStatus.AS_EXPECTED
+    source = _source(options)
+    formulas = _formulas(model.loaded, source)
+    wanted = [(n, f) for n, f in enumerate(formulas, 1) if options.only in (None, n)]
+    if not wanted:
+        missing = f"there is no query {options.only - 1}, they count from 0" if options.only else "there are no queries"
+        raise UsageError(missing, "give a file of queries behind the model")
+    notes = [*options.notes, *(f"{found.span}: warning: {found.message}" for found in model.warnings)]
+    if options.show_options:
+        trace = "no" if options.trace is Trace.NONE else options.trace.value
+        _print(option_lines(trace, options.order, options.seed, notes))
+    else:
+        _print(map(note, notes[len(options.notes) :]))
+    if model.refusals:
+        _print_errors(model.refusals)
+        network = model.loaded.heading
+    else:
+        network = model.network
+
+    def verdicts_on(asked: Sequence[tuple[int, Formula]]) -> dict[int, Verdict]:
+        checked = [(number, formula) for number, formula in asked if isinstance(formula, Query)]
+        queries = tuple(query for _, query in checked)
+        found = refused(queries, model.refusals[0]) if model.refusals else _verdicts(network, queries, options)
+        others = []
+        for place, reading in readings:
+            meant = _formulas(reading, source)
+            also = [formula for formula in (meant[number - 1] for number, _ in checked) if isinstance(formula, Query)]
+            others.append((place, _verdicts(reading.network, also, options)))
+        return {
+            number: agreed(verdict, FIRST, [(place, verdicts[at]) for place, verdicts in others])
+            for at, ((number, _), verdict) in enumerate(zip(checked, found, strict=True))
+        }
+
+    readings = tuple(other_readings_of(model.loaded))
+
+    known = verdicts_on(wanted) if options.reuse else {}
+    statuses = []
+    for number, formula in wanted:
+        _print(heading_lines(number, formula.span))
+        if isinstance(formula, UncheckedQuery):
+            statuses.append(_report_unchecked(formula))
+        else:
+            verdict = known.get(number) or verdicts_on([(number, formula)])[number]
+            statuses.append(_report(number, verdict, network, options))
+    return worst(statuses)
+
+
+def _source(options: VerifytaOptions) -> Source | None:
+    """The file of queries, if one is given."""
+    if not options.queries:
+        return None
+    return Source("<stdin>", sys.stdin.read()) if options.queries == "-" else read_source(options.queries)
+
+
+def _formulas(loaded: LoadedModel, source: Source | None) -> tuple[Formula, ...]:
+    """What is to be checked, in the order in which UPPAAL counts."""
+    if source is None:
+        return loaded.formulas
+    queries, unchecked = elaborate_query_file(loaded, source)
+    return tuple(sorted((*queries, *unchecked), key=lambda formula: formula.span.start))
+
+
+def _verdicts(network: Network, queries: Sequence[Query], options: VerifytaOptions) -> tuple[Verdict, ...]:
+    shortest = options.trace is Trace.SHORTEST
+    how = Options(options.order, options.seed % 2**32, options.extrapolation, shortest=shortest)
+    found = verify(network, queries, how, trace=options.trace is not Trace.NONE)
+    if any(verdict.reason == INTERRUPTED for verdict in found):
+        raise KeyboardInterrupt
+    return found
+
+
+def _report(number: int, verdict: Verdict, network: Network, options: VerifytaOptions) -> ExitStatus:
+    """Prints the answer to a formula, with its trace."""
+    _print(verdict_lines(verdict))
+    if verdict.trace is not None:
+        _write_trace(number, verdict, network, options)
+    if options.summary:
+        _print(summary_lines(verdict))
+    if verdict.unsupported is not None:
+        _print_errors([verdict.unsupported])
+        return ExitStatus.UNSUPPORTED
+    if verdict.answer is Answer.UNKNOWN and verdict.exact:
+        _error(place_of(verdict.query.span), f"no answer: {verdict.reason}")
+        return ExitStatus.UNKNOWN
+    return ExitStatus.AS_EXPECTED
+
+
+def _report_unchecked(formula: UncheckedQuery) -> ExitStatus:
+    if formula.diagnostics:
+        _print([note(f"not checked: {formula.diagnostics[0].message}")])
+        _print_errors(formula.diagnostics)
+        return ExitStatus.BAD_INPUT if formula.is_wrong else ExitStatus.UNSUPPORTED
+    reason = f"{formula.family} queries are not checked by tachk"
+    _print([note(f"not checked: {reason}")])
+    _error(place_of(formula.span), reason)
+    return ExitStatus.UNSUPPORTED
+
+
+def _write_trace(number: int, verdict: Verdict, network: Network, options: VerifytaOptions) -> None:
+    run, shows = verdict.trace, evidence(verdict)
+    assert run is not None
+    try:
+        if options.xtr:
+            _write(f"{options.xtr}-{number}.xtr", run_to_xtr(network, run), f"Writing {shows} to ", sys.stderr)
+        if options.xml:
+            _write(f"{options.xml}{number}.xml", run_to_trace_xml(network, run), "XMLTrace outputted to: ", sys.stdout)
+        if not options.xtr and not options.xml:
+            _print([f"Showing {shows}."])
+            print((symbolic_trace if options.symbolic else concrete_trace)(network, run), file=sys.stderr, flush=True)
+    except EvaluationFault as fault:
+        _error(place_of(verdict.query.span), f"no symbolic trace: {fault}")
+
+
+def _write(path: str, text: str, announced: str, stream: TextIO) -> None:
+    Path(path).write_text(text, encoding="utf-8")
+    print(f"{announced}{path}", file=stream, flush=True)
+
+
+def _print(lines: Iterable[str]) -> None:
+    """Writes lines at once, so that a script sees what is known when it ends the program."""
+    for line in lines:
+        print(line)
+    sys.stdout.flush()
+
+
+def _print_errors(diagnostics: Iterable[Diagnostic]) -> None:
+    for found in diagnostics:
+        _error(str(found.span), f"{found.message} [{found.code}]")
+        if found.help:
+            print(f"    {found.help}", file=sys.stderr)
+
+
+def _error(place: str, message: str) -> None:
+    """A line as UPPAAL writes it; scripts look for the word in brackets."""
+    print(f"{place}: [error] {message}.", file=sys.stderr, flush=True)

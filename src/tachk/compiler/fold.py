@@ -1,0 +1,342 @@
+"""Constant folding that keeps every run-time error.
+
+An operation that would fail is left in place, so that it fails when the model runs, with the place in the text.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import assert_never
+
+from tachk.model.cell_layout import default_cells
+from tachk.model.expressions import (
+    BOOL,
+    NEGATED_COMPARISON,
+    Aggregate,
+    Assign,
+    Binary,
+    BinaryOperator,
+    Call,
+    Comma,
+    Conditional,
+    Constant,
+    Deadlock,
+    Expression,
+    Field,
+    Increment,
+    Index,
+    LocationTest,
+    Quantifier,
+    QuantifierKind,
+    Reference,
+    Unary,
+    UnaryOperator,
+    Variable,
+    VariableKind,
+)
+from tachk.model.network import Network
+from tachk.model.traversal import process_expressions, walk, written_variables
+from tachk.model.types import (
+    ArrayType,
+    BoolType,
+    IntType,
+    RecordType,
+    ScalarType,
+    Type,
+    cell_count,
+    leaves,
+    wrapped,
+)
+from tachk.time_limit import check_time
+
+COMPARISONS: Mapping[BinaryOperator, Callable[[int, int], bool]] = {
+    BinaryOperator.EQUAL: lambda a, b: a == b,
+    BinaryOperator.NOT_EQUAL: lambda a, b: a != b,
+    BinaryOperator.LESS: lambda a, b: a < b,
+    BinaryOperator.LESS_EQUAL: lambda a, b: a <= b,
+    BinaryOperator.GREATER: lambda a, b: a > b,
+    BinaryOperator.GREATER_EQUAL: lambda a, b: a >= b,
+}
+CONNECTIVES = frozenset({BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY, BinaryOperator.XOR})
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """What is known before the model runs.
+
+    Attributes:
+        values: the cells of variables that nothing writes.
+        bound: the values of select, quantifier and iteration variables that are being expanded.
+    """
+
+    values: Mapping[Variable, tuple[int, ...]] = field(default_factory=dict)
+    bound: Mapping[Variable, int] = field(default_factory=dict)
+
+    def with_bound(self, variable: Variable, value: int) -> Known:
+        return replace(self, bound={**self.bound, variable: value})
+
+
+def known_values(network: Network, predicates: Sequence[Expression]) -> Known:
+    """The integer variables of a network that neither it nor the predicates ever write."""
+    written = written_variables([*network_expressions(network), *predicates])
+    return Known(
+        {
+            v: v.initial or default_cells(v.type)
+            for v in network.all_variables()
+            if v not in written and all(is_integer(t) for _, t in leaves(v.type))
+        }
+    )
+
+
+def network_expressions(network: Network) -> Iterator[Expression]:
+    """Every outermost expression of the processes, function bodies excluded."""
+    for process in network.processes:
+        yield from process_expressions(process)
+
+
+def is_integer(type_: Type) -> bool:
+    """Whether the type is a single cell that holds a number."""
+    return isinstance(type_, IntType | BoolType | ScalarType)
+
+
+def is_aggregate(type_: Type) -> bool:
+    return isinstance(type_, ArrayType | RecordType)
+
+
+def apply_binary(operator: BinaryOperator, left: int, right: int) -> int | None:
+    """The value of ``left operator right`` on numbers, None where that is a run-time error."""
+    result: int
+    match operator:
+        case (
+            BinaryOperator.EQUAL
+            | BinaryOperator.NOT_EQUAL
+            | BinaryOperator.LESS
+            | BinaryOperator.LESS_EQUAL
+            | BinaryOperator.GREATER
+            | BinaryOperator.GREATER_EQUAL
+        ):
+            result = int(COMPARISONS[operator](left, right))
+        case BinaryOperator.ADD:
+            result = left + right
+        case BinaryOperator.SUBTRACT:
+            result = left - right
+        case BinaryOperator.MULTIPLY:
+            result = left * right
+        case BinaryOperator.DIVIDE | BinaryOperator.MODULO:
+            if right == 0:
+                return None
+            quotient = abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1)
+            result = quotient if operator is BinaryOperator.DIVIDE else left - quotient * right
+        case BinaryOperator.POWER:
+            if right < 0:
+                return None
+            result = pow(left, right, 2**32)
+        case BinaryOperator.BIT_AND:
+            result = left & right
+        case BinaryOperator.BIT_OR:
+            result = left | right
+        case BinaryOperator.BIT_XOR:
+            result = left ^ right
+        case BinaryOperator.SHIFT_LEFT | BinaryOperator.SHIFT_RIGHT:
+            if not 0 <= right <= 31:
+                return None
+            result = left << right if operator is BinaryOperator.SHIFT_LEFT else left >> right
+        case BinaryOperator.MINIMUM:
+            result = min(left, right)
+        case BinaryOperator.MAXIMUM:
+            result = max(left, right)
+        case BinaryOperator.AND:
+            result = int(left != 0 and right != 0)
+        case BinaryOperator.OR:
+            result = int(left != 0 or right != 0)
+        case BinaryOperator.IMPLY:
+            result = int(left == 0 or right != 0)
+        case BinaryOperator.XOR:
+            result = int((left != 0) != (right != 0))
+        case _ as never:
+            assert_never(never)
+    return wrapped(result)
+
+
+def negate(expression: Expression) -> Expression:
+    """The logical negation, without double negations and with comparisons turned round."""
+    match expression:
+        case Constant(value):
+            return Constant(int(value == 0), BOOL, expression.span)
+        case Unary(UnaryOperator.NOT, operand):
+            return operand
+        case Binary(operator, left, right) if operator in NEGATED_COMPARISON:
+            return Binary(NEGATED_COMPARISON[operator], left, right, BOOL, expression.span)
+    return Unary(UnaryOperator.NOT, expression, BOOL, expression.span)
+
+
+def truth(expression: Expression) -> Expression:
+    """The expression as 0 or 1."""
+    if isinstance(expression, Constant):
+        return Constant(int(expression.value != 0), BOOL, expression.span)
+    if isinstance(expression, LocationTest | Deadlock) or isinstance(expression.type, BoolType):
+        return expression
+    return Binary(BinaryOperator.NOT_EQUAL, expression, Constant(0), BOOL, expression.span)
+
+
+_TOTAL = frozenset(
+    {
+        BinaryOperator.ADD,
+        BinaryOperator.SUBTRACT,
+        BinaryOperator.MULTIPLY,
+        BinaryOperator.BIT_AND,
+        BinaryOperator.BIT_OR,
+        BinaryOperator.BIT_XOR,
+        BinaryOperator.MINIMUM,
+        BinaryOperator.MAXIMUM,
+    }
+)
+"""The arithmetic that has a value for all operands."""
+
+
+def cannot_fail(expression: Expression) -> bool:
+    """Whether the expression has neither a run-time error nor an effect, whatever the state. Conservative."""
+    for node in walk(expression):
+        match node:
+            case Constant() | LocationTest() | Deadlock() | Field() | Conditional() | Aggregate() | Comma():
+                pass
+            case Reference(variable):
+                if variable.reference:
+                    return False
+            case Index(base, Constant(value)):
+                if not isinstance(base.type, ArrayType) or not 0 <= value - base.type.low < base.type.size:
+                    return False
+            case Unary():
+                pass
+            case Binary(operator) if operator in COMPARISONS or operator in CONNECTIVES or operator in _TOTAL:
+                pass
+            case Quantifier(QuantifierKind.FORALL | QuantifierKind.EXISTS):
+                pass
+            case _:
+                return False
+    return True
+
+
+def known_cell(place: Expression) -> tuple[Variable, int] | None:
+    """The variable and cell a place denotes, if that does not depend on the state."""
+    match place:
+        case Reference(variable):
+            return None if variable.reference else (variable, 0)
+        case Field(base, name):
+            inner = known_cell(base)
+            if inner is None or not isinstance(base.type, RecordType):
+                return None
+            return inner[0], inner[1] + base.type.offset(name)
+        case Index(base, Constant(value)):
+            inner = known_cell(base)
+            if inner is None or not isinstance(base.type, ArrayType) or not 0 <= value - base.type.low < base.type.size:
+                return None
+            return inner[0], inner[1] + (value - base.type.low) * cell_count(base.type.element)
+    return None
+
+
+def fold(expression: Expression, known: Known) -> Expression:
+    """An equal expression in which everything that is known is a constant."""
+    check_time()
+    match expression:
+        case Constant() | LocationTest() | Deadlock():
+            return expression
+        case Reference() | Index() | Field():
+            return _fold_read(fold_place(expression, known), known)
+        case Aggregate(items):
+            return replace(expression, items=tuple(fold(i, known) for i in items))
+        case Comma(items):
+            return replace(expression, items=tuple(fold(i, known) for i in items))
+        case Unary(operator, operand):
+            inner = fold(operand, known)
+            if not isinstance(inner, Constant):
+                return replace(expression, operand=inner)
+            match operator:
+                case UnaryOperator.NOT:
+                    return negate(inner)
+                case UnaryOperator.MINUS:
+                    return Constant(wrapped(-inner.value), expression.type, expression.span)
+                case _ as never:
+                    assert_never(never)
+        case Binary():
+            return _fold_binary(expression, known)
+        case Conditional(condition, then, otherwise):
+            test = fold(condition, known)
+            if isinstance(test, Constant):
+                return fold(then if test.value else otherwise, known)
+            return replace(expression, condition=test, then=fold(then, known), otherwise=fold(otherwise, known))
+        case Quantifier(kind, _, body):
+            inner = fold(body, known)
+            if isinstance(inner, Constant) and kind is not QuantifierKind.SUM:
+                return truth(inner)
+            return replace(expression, body=inner)
+        case Assign(target, value):
+            return replace(expression, target=fold_place(target, known), value=fold(value, known))
+        case Increment(target):
+            return replace(expression, target=fold_place(target, known))
+        case Call(function, arguments):
+            pairs = zip(function.parameters, arguments, strict=True)
+            return replace(
+                expression,
+                arguments=tuple(fold_place(a, known) if p.reference else fold(a, known) for p, a in pairs),
+            )
+
+
+def fold_place(place: Expression, known: Known) -> Expression:
+    """The same place, with its indices and conditions folded."""
+    match place:
+        case Index(base, index):
+            return replace(place, base=fold_place(base, known), index=fold(index, known))
+        case Field(base):
+            return replace(place, base=fold_place(base, known))
+        case Conditional(condition, then, otherwise):
+            test = fold(condition, known)
+            if isinstance(test, Constant):
+                return fold_place(then if test.value else otherwise, known)
+            return replace(place, condition=test, then=fold_place(then, known), otherwise=fold_place(otherwise, known))
+        case Reference():
+            return place
+        case _:
+            return fold(place, known)
+
+
+def _fold_read(place: Expression, known: Known) -> Expression:
+    if not is_integer(place.type):
+        return place
+    if isinstance(place, Reference) and place.variable.kind is VariableKind.BOUND and place.variable in known.bound:
+        return Constant(known.bound[place.variable], place.type, place.span)
+    cell = known_cell(place)
+    if cell is not None and cell[0] in known.values:
+        return Constant(known.values[cell[0]][cell[1]], place.type, place.span)
+    return place
+
+
+def _fold_binary(expression: Binary, known: Known) -> Expression:
+    operator = expression.operator
+    left = fold(expression.left, known)
+    right = fold(expression.right, known)
+    if operator is BinaryOperator.IMPLY and isinstance(left, Constant):
+        operator, left = BinaryOperator.OR, negate(left)
+    if isinstance(left, Constant):
+        if isinstance(right, Constant):
+            value = apply_binary(operator, left.value, right.value)
+            if value is not None:
+                return Constant(value, expression.type, expression.span)
+        if operator is BinaryOperator.AND:
+            return truth(right) if left.value else Constant(0, BOOL, expression.span)
+        if operator is BinaryOperator.OR:
+            return Constant(1, BOOL, expression.span) if left.value else truth(right)
+    elif isinstance(right, Constant):
+        if operator in (BinaryOperator.AND, BinaryOperator.OR):
+            neutral = (right.value != 0) == (operator is BinaryOperator.AND)
+            if neutral:
+                return truth(left)
+            if cannot_fail(left):
+                return Constant(int(operator is BinaryOperator.OR), BOOL, expression.span)
+        if operator is BinaryOperator.IMPLY:
+            if right.value == 0:
+                return negate(left)
+            if cannot_fail(left):
+                return Constant(1, BOOL, expression.span)
+    return replace(expression, operator=operator, left=left, right=right)

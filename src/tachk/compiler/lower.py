@@ -1,0 +1,349 @@
+"""Compilation of a network to the integers the core runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from math import gcd
+
+from tachk.compiler.bounds import (
+    BoundEdge,
+    ConstraintRange,
+    LocationBounds,
+    collect,
+    diagonal_bounds,
+    process_bounds,
+)
+from tachk.compiler.codegen import CodeGenerator
+from tachk.compiler.condition_code import ConditionCompiler, check_bound
+from tachk.compiler.conditions import Conjunction, split_conjunction
+from tachk.compiler.divisors import divisor
+from tachk.compiler.features import rate_of
+from tachk.compiler.fold import Known, fold, fold_place, is_integer, known_values, network_expressions
+from tachk.compiler.goal import Observed, compile_goal
+from tachk.compiler.intervals import interval
+from tachk.compiler.program import (
+    NO_CODE,
+    Condition,
+    Goal,
+    Program,
+    ProgramEdge,
+    ProgramLocation,
+    Update,
+)
+from tachk.compiler.slot_layout import Layout, cell_range
+from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
+from tachk.diagnostics.span import Span
+from tachk.model.expressions import Assign, Constant, Expression, Field, Index, Reference
+from tachk.model.network import Direction, Edge, Location, Network, Process
+from tachk.model.traversal import called_functions, statement_expressions, walk
+from tachk.model.types import ChannelType, ClockType, leaves
+
+MAXIMAL_EDGES = 1_000_000
+MAXIMAL_DIAGONALS = 1024
+
+
+def lower(network: Network, predicates: Sequence[Expression] = ()) -> tuple[Program, tuple[Goal, ...]]:
+    """The program of a network, and for each predicate the goal of reaching a state where it is true.
+
+    The clock bounds of the program cover all the predicates. Raises InputError for an initial value outside its range
+    and UnsupportedError for what the engine cannot represent.
+    """
+    known = known_values(network, predicates)
+    layout = Layout(network, known)
+    generator = CodeGenerator(layout, known)
+    lowering = _Lowering(network, layout, generator)
+    lowering.find_reset_values(known)
+    for number, process in enumerate(network.processes):
+        lowering.add_process(number, process, known)
+    goals = []
+    observed: list[Observed] = []
+    for predicate in predicates:
+        goal, compared = compile_goal(predicate, known, lowering.compiler)
+        goals.append(goal)
+        observed.extend(compared)
+    generator.finish()
+    return lowering.program(observed), tuple(goals)
+
+
+class _Lowering:
+    """The program under construction."""
+
+    def __init__(self, network: Network, layout: Layout, generator: CodeGenerator) -> None:
+        self.network = network
+        self.layout = layout
+        self.generator = generator
+        self.compiler = ConditionCompiler(layout, generator)
+        self.locations: list[list[ProgramLocation]] = []
+        self.invariants: list[list[tuple[ConstraintRange, ...]]] = []
+        self.edges: list[ProgramEdge] = []
+        self.reset_values: dict[int, int] = {}
+        self.reset_unit = 0
+        self.bound_edges: list[list[BoundEdge]] = []
+
+    # ---- processes --------------------------------------------------------------------------------------------------
+
+    def add_process(self, number: int, process: Process, known: Known) -> None:
+        compiled = [self._location(location, known) for location in process.locations]
+        self.locations.append([location for location, _ in compiled])
+        self.invariants.append([ranges for _, ranges in compiled])
+        self.bound_edges.append([])
+        for edge_number, edge in enumerate(process.edges):
+            for selects, bound in self._instances(edge, known):
+                self._edge(number, edge_number, edge, selects, bound)
+                if len(self.edges) > MAXIMAL_EDGES:
+                    raise _too_many_edges(edge.spans[0])
+
+    def _location(self, location: Location, known: Known) -> tuple[ProgramLocation, tuple[ConstraintRange, ...]]:
+        invariant, ranges = Condition(), tuple[ConstraintRange, ...]()
+        if location.invariant is not None:
+            compiled = self.compiler.compile(split_conjunction(location.invariant, known), known)
+            invariant, ranges = compiled if compiled is not None else (self.compiler.never(), ())
+        stopped = []
+        for place, rate in location.rates:
+            code = self._rate_code(rate, known)
+            if code is not None:
+                slot = self.layout.known_slot(fold_place(place, known))
+                if slot is None:
+                    raise _rate_of_computed_clock(place.span)
+                stopped.append((self.layout.slots[slot].initial, code))
+        return ProgramLocation(invariant, location.urgent, location.committed, tuple(stopped)), ranges
+
+    def _rate_code(self, rate: Expression, known: Known) -> int | None:
+        """Code for a rate that may be 0; None if it is always 1."""
+        folded = rate_of(rate, known)
+        if isinstance(folded, Constant):
+            return NO_CODE if folded.value == 0 else None
+        return self.generator.value_code(folded)
+
+    # ---- edges ------------------------------------------------------------------------------------------------------
+
+    def _instances(self, edge: Edge, known: Known) -> Iterator[tuple[tuple[int, ...], Known]]:
+        """The values of the select variables for which the guard is not false at once."""
+        guard = None if edge.guard is None else fold(edge.guard, known)
+
+        def expand(
+            chosen: tuple[int, ...], guard: Expression | None, bound: Known
+        ) -> Iterator[tuple[tuple[int, ...], Known]]:
+            if isinstance(guard, Constant) and guard.value == 0:
+                return
+            if len(chosen) == len(edge.selects):
+                yield chosen, bound
+                return
+            variable = edge.selects[len(chosen)]
+            low, high = cell_range(variable.type)
+            if high - low >= MAXIMAL_EDGES:
+                raise _too_many_edges(edge.spans[0])
+            for value in range(low, high + 1):
+                inner = bound.with_bound(variable, value)
+                yield from expand((*chosen, value), None if guard is None else fold(guard, inner), inner)
+
+        yield from expand((), guard, known)
+
+    def _edge(self, process: int, number: int, edge: Edge, selects: tuple[int, ...], known: Known) -> None:
+        conjunction = Conjunction() if edge.guard is None else split_conjunction(edge.guard, known)
+        compiled = self.compiler.compile(conjunction, known)
+        if compiled is None:
+            return
+        guard, ranges = compiled
+        channel, channels, channel_code, sends, broadcast = -1, 0, NO_CODE, False, False
+        if edge.synchronisation is not None:
+            place = fold_place(edge.synchronisation.channel, known)
+            sends = edge.synchronisation.direction is Direction.SEND
+            broadcast = isinstance(place.type, ChannelType) and place.type.broadcast
+            slot = self.layout.known_slot(place)
+            if slot is not None:
+                channel, channels = self.layout.slots[slot].initial, 1
+            else:
+                channel, channels = self._possible_channels(place)
+                channel_code = self.generator.number_code(place, known)
+        updates = tuple(fold(update, known) for update in edge.updates)
+        self.edges.append(
+            ProgramEdge(
+                process,
+                number,
+                selects,
+                edge.source,
+                edge.target,
+                guard,
+                channel,
+                channels,
+                channel_code,
+                sends,
+                self._update(updates),
+            )
+        )
+        self.bound_edges[process].append(
+            BoundEdge(
+                edge.source,
+                edge.target,
+                frozenset(self._resets(updates)),
+                ranges,
+                both_directions=broadcast and not sends,
+            )
+        )
+
+    def _possible_channels(self, place: Expression) -> tuple[int, int]:
+        """The first of the channels that a place may denote, and their number: all of the variable it is built on."""
+        match place:
+            case Index(base) | Field(base):
+                return self._possible_channels(base)
+            case Reference(variable):
+                first = self.layout.first_slot(variable)
+                of_channels = [isinstance(leaf, ChannelType) for _, leaf in leaves(variable.type)]
+                return self.layout.slots[first + of_channels.index(True)].initial, sum(of_channels)
+            case _:
+                return 0, len(self.layout.channels)
+
+    def _update(self, updates: tuple[Expression, ...]) -> Update:
+        stores: dict[int, int] = {}
+        resets: dict[int, int] = {}
+        for update in updates:
+            match update:
+                case Assign(target, Constant(value), _, None) if is_integer(target.type):
+                    slot = self.layout.known_slot(target)
+                    if slot is None or not self.layout.slots[slot].low <= value <= self.layout.slots[slot].high:
+                        return Update(code=self.generator.update_code(updates))
+                    stores[slot] = value
+                case Assign(target, Constant(value), _, None) if isinstance(target.type, ClockType) and value >= 0:
+                    slot = self.layout.known_slot(target)
+                    if slot is None:
+                        return Update(code=self.generator.update_code(updates))
+                    resets[self.layout.slots[slot].initial] = value
+                case _:
+                    return Update(code=self.generator.update_code(updates))
+        return Update(tuple(stores.items()), tuple(resets.items()))
+
+    def _resets(self, updates: tuple[Expression, ...]) -> Iterator[int]:
+        """The clocks that the updates set in every case; their new values depend on the discrete state only."""
+        for update in updates:
+            if isinstance(update, Assign) and isinstance(update.target.type, ClockType):
+                slot = self.layout.known_slot(update.target)
+                if slot is not None:
+                    yield self.layout.slots[slot].initial
+
+    def find_reset_values(self, known: Known) -> None:
+        """Notes what clocks may be set to: the largest value of each, and what divides all of them. Raises
+        UnsupportedError for one that is too large."""
+        expressions = list(network_expressions(self.network))
+        expressions += [e for f in called_functions(expressions) for e in statement_expressions(f.body)]
+        for expression in expressions:
+            for node in walk(expression):
+                if isinstance(node, Assign) and isinstance(node.target.type, ClockType):
+                    low, high = interval(fold(node.value, known), known)
+                    check_bound(max(low, 0), max(high, 0), node.span)
+                    self.reset_unit = gcd(self.reset_unit, divisor(fold(node.value, known), known))
+                    for clock in self.compiler.possible_clocks(fold_place(node.target, known), known):
+                        self.reset_values[clock] = max(self.reset_values.get(clock, 0), high)
+
+    # ---- the whole --------------------------------------------------------------------------------------------------
+
+    def program(self, observed: Sequence[Observed]) -> Program:
+        """The finished program, with the clock bounds filled in."""
+        network = self.network
+        priorities = {network.default_priority, *(c.priority for c in self.layout.channels)}
+        has_priorities = len(priorities) > 1 or len({p.priority for p in network.processes}) > 1
+        model_ranges = [r for process in self.invariants for ranges in process for r in ranges]
+        model_ranges += [r for process in self.bound_edges for edge in process for r in edge.constraints]
+        diagonals = _diagonals([*model_ranges, *(o.constraint for o in observed)])
+        bounds = self._bounds(observed, diagonals, has_priorities)
+        maximum = [-1] * (len(self.layout.clock_names) + 1)
+        for process in bounds:
+            for location in process:
+                for clock, constant in (*location.lower, *location.upper):
+                    maximum[clock] = max(maximum[clock], constant)
+        locations = tuple(
+            tuple(replace(l, lower=b.lower, upper=b.upper) for l, b in zip(process, found, strict=True))
+            for process, found in zip(self.locations, bounds, strict=True)
+        )
+        return Program(
+            process_priorities=tuple(p.priority for p in network.processes),
+            locations=locations,
+            edges=tuple(self.edges),
+            channels=tuple(self.layout.channels),
+            clock_names=tuple(self.layout.clock_names),
+            slots=tuple(self.layout.slots),
+            state_slots=self.layout.state_slots,
+            code=tuple(self.generator.assembler.code),
+            sites=tuple(self.generator.assembler.sites),
+            default_priority=network.default_priority,
+            maximum_constants=tuple(maximum),
+            diagonals=diagonals,
+            has_priorities=has_priorities,
+            has_stopwatches=any(l.stopped for process in self.locations for l in process),
+            largest_reset=max(self.reset_values.values(), default=0),
+            computed_unit=gcd(self.reset_unit, self.compiler.computed_unit),
+        )
+
+    def _bounds(
+        self,
+        observed: Sequence[Observed],
+        diagonals: tuple[tuple[int, int, int], ...],
+        has_priorities: bool,
+    ) -> list[tuple[LocationBounds, ...]]:
+        of_diagonals = diagonal_bounds(diagonals, self.reset_values)
+        lower, upper = dict(of_diagonals), dict(of_diagonals)
+        at_location = [[list(ranges) for ranges in process] for process in self.invariants]
+        for constraint, place in ((o.constraint, self._place(o)) for o in observed):
+            if place is None:
+                collect(constraint, lower, upper)
+            else:
+                at_location[place[0]][place[1]].append(constraint)
+        symmetric = None if has_priorities else frozenset(of_diagonals)
+        return [
+            process_bounds(invariants, edges, (lower, upper), symmetric)
+            for invariants, edges in zip(at_location, self.bound_edges, strict=True)
+        ]
+
+    def _place(self, observed: Observed) -> tuple[int, int] | None:
+        """A location where the constraint can be counted instead of everywhere: the predicate looks at it only there,
+        and the process resets the clocks itself, so that they are free on the way there."""
+        constraint = observed.constraint
+        clocks = {*constraint.lefts, *constraint.rights} - {0}
+        for process, location in observed.places:
+            if clocks <= {clock for edge in self.bound_edges[process] for clock in edge.resets}:
+                return process, location
+        return None
+
+
+def _diagonals(ranges: Sequence[ConstraintRange]) -> tuple[tuple[int, int, int], ...]:
+    """The difference constraints between two clocks, each value of a variable bound on its own."""
+    found: dict[tuple[int, int, int], None] = {}
+    for constraint in ranges:
+        if not constraint.is_diagonal:
+            continue
+        pairs = [(x, y) for x in constraint.lefts for y in constraint.rights if x != y]
+        if len(pairs) * (constraint.high - constraint.low + 1) > MAXIMAL_DIAGONALS:
+            raise _too_many_diagonals(constraint.span)
+        for left, right in pairs:
+            for bound in range(constraint.low, constraint.high + 1):
+                found[left, right, 2 * bound + (0 if constraint.strict else 1)] = None
+    return tuple(found)
+
+
+def _too_many_edges(span: Span) -> UnsupportedError:
+    return UnsupportedError(
+        Diagnostic(
+            "E0708",
+            f"expanding the select labels gives more than {MAXIMAL_EDGES} edges",
+            span,
+            "select from smaller ranges, or replace a select by a variable that is set step by step",
+        )
+    )
+
+
+def _too_many_diagonals(span: Span) -> UnsupportedError:
+    return UnsupportedError(
+        Diagnostic(
+            "E0709",
+            f"the bound of this clock difference may have more than {MAXIMAL_DIAGONALS} values",
+            span,
+            "declare a smaller range for the variables of the bound",
+        )
+    )
+
+
+def _rate_of_computed_clock(span: Span) -> UnsupportedError:
+    return UnsupportedError(
+        Diagnostic("E0710", "the clock of a rate must not depend on variables", span, "write one rate for each clock")
+    )

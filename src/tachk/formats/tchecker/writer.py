@@ -1,0 +1,534 @@
+"""A network as TChecker's text format (.tck).
+
+TChecker has one flat name space, processes and vectors of synchronised events. Each process of the network is one of
+TChecker's; each binary channel gives one vector for each pair of a sender and a receiver, each broadcast channel one
+vector for each sender with the receivers in weak synchronisation. ``select`` is expanded.
+
+An assignment outside a variable's range ends tachk's search with an error; TChecker takes the edge to be disabled.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+
+from tachk.compiler.conditions import split_conjunction
+from tachk.compiler.fold import Known, fold, fold_place, is_integer, known_cell, known_values, negate
+from tachk.compiler.slot_layout import cell_range
+from tachk.diagnostics.diagnostic import Diagnostic, Label, UnsupportedError
+from tachk.diagnostics.span import Span
+from tachk.formats.tchecker.expression_writer import TermPrinter, cell_name, cells, initial_cells, refused, written_out
+from tachk.formats.tchecker.label_writer import QueryLabels, query_labels
+from tachk.frontend.declarations.channels import channel_variable
+from tachk.model.expressions import (
+    BOOL,
+    Binary,
+    BinaryOperator,
+    Constant,
+    Expression,
+    Field,
+    Index,
+    Reference,
+    Variable,
+)
+from tachk.model.network import Direction, Edge, Network, Process
+from tachk.model.query import Query
+from tachk.model.traversal import walk
+from tachk.model.types import ArrayType, ChannelType, ClockType, RecordType, Type, cell_count
+
+MAXIMUM_EDGES = 2**17
+"""Edges of one file after the expansion of ``select``."""
+
+_WORDS = frozenset(
+    {"clock", "edge", "event", "int", "location", "process", "sync", "system", "if", "then", "else", "end", "while"}
+    | {"do", "nop", "local"}
+)
+
+
+@dataclass(frozen=True, slots=True)
+class FlatEdge:
+    """An edge after expansion.
+
+    Attributes:
+        guard: parts of a conjunction, as text.
+        channel: the variable and cell of its channel, and the direction; None for an internal edge.
+    """
+
+    source: int
+    target: int
+    guard: tuple[str, ...]
+    updates: tuple[str, ...]
+    channel: tuple[Variable, int] | None
+    direction: Direction | None
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class TCheckerModel:
+    """Attributes:
+    text: the content of the .tck file.
+    labels: which labels to search for each query, or why labels cannot ask it.
+    """
+
+    text: str
+    labels: tuple[QueryLabels, ...]
+
+
+def to_tchecker(network: Network, queries: Sequence[Query] = (), name: str = "network") -> TCheckerModel:
+    """The network in TChecker's words.
+
+    Raises:
+        UnsupportedError: E0802, with the place of everything that TChecker cannot say.
+    """
+    return _Exporter(network, known_values(network, [])).run(queries, name)
+
+
+@dataclass(slots=True)
+class _Exporter:
+    network: Network
+    known: Known
+    refusals: list[UnsupportedError] = field(default_factory=list)
+    taken: set[str] = field(default_factory=lambda: set(_WORDS))
+    names: dict[tuple[Variable, tuple[str, ...]], str] = field(default_factory=dict)
+    lines: list[str] = field(default_factory=list)
+
+    def run(self, queries: Sequence[Query], name: str) -> TCheckerModel:
+        self._check_features()
+        self._raise_refusals()
+        processes = [self._fresh(process.name) for process in self.network.processes]
+        arrays = {v for e in self._expressions() for v in _computed(e)}
+        for variable in self.network.all_variables():
+            self._name_leaves(variable)
+        printer = TermPrinter(self.names, arrays, self.known.values)
+        labels = [query_labels(query, self.network, self.known, f"q{i}") for i, query in enumerate(queries, 1)]
+        body: list[str] = []
+        edges = [self._flat_edges(process, printer) for process in self.network.processes]
+        self._raise_refusals()
+        vectors, events, kept = self._synchronise(edges, processes)
+        for number, process in enumerate(self.network.processes):
+            body += ["", f"process:{processes[number]}"]
+            body += self._locations(number, processes[number], printer, labels)
+            for edge, event in kept[number]:
+                body.append(self._edge(process, processes[number], edge, event))
+        self._raise_refusals()
+        head = [f"system:{_sanitised(name)}", "", *(f"event:{event}" for event in events)]
+        head += ["", *self._declarations(printer)]
+        self._raise_refusals()
+        remarks = [f"# {line}" for found in labels for line in found.remarks()]
+        text = "\n".join([*head, *body, "", *vectors, *([""] if remarks else []), *remarks])
+        return TCheckerModel(re.sub(r"\n{3,}", "\n\n", text).strip() + "\n", tuple(labels))
+
+    # ---- refusals ---------------------------------------------------------------------------------------------------
+
+    def _check_features(self) -> None:
+        network = self.network
+        for variable in network.all_variables():
+            for leaf in _leaf_types(variable.type):
+                if isinstance(leaf, ChannelType) and leaf.urgent:
+                    help_ = "make a location urgent where nothing else may happen before the synchronisation"
+                    self._refuse("urgent channels", variable.span, help_)
+                    break
+            if any(p != network.default_priority for p in variable.priorities):
+                self._refuse("priorities of channels", variable.span)
+        for process in network.processes:
+            if process.priority != network.processes[0].priority:
+                self._refuse("priorities of processes", process.span)
+                break
+        for process in network.processes:
+            for location in process.locations:
+                if location.rates:
+                    self._refuse("clocks that stand still", location.rates[0][0].span)
+
+    def _refuse(self, what: str, span: Span, help_: str | None = None) -> None:
+        self.refusals.append(refused(what, span, help_))
+
+    def _raise_refusals(self) -> None:
+        """Raises the first refusal; the others are labels of it."""
+        if not self.refusals:
+            return
+        first, *others = dict.fromkeys(refusal.diagnostic for refusal in self.refusals)
+        labels = tuple(Label(other.span, other.message) for other in others if other.span.source is first.span.source)
+        raise UnsupportedError(Diagnostic(first.code, first.message, first.span, first.help, labels))
+
+    # ---- names and declarations -------------------------------------------------------------------------------------
+
+    def _fresh(self, name: str) -> str:
+        wanted = _sanitised(name)
+        result, number = wanted, 1
+        while result in self.taken:
+            number += 1
+            result = f"{wanted}_{number}"
+        self.taken.add(result)
+        return result
+
+    def _name_leaves(self, variable: Variable) -> None:
+        for path in _field_paths(variable.type):
+            if path[1] is not None:
+                self.names[variable, path[0]] = self._fresh("_".join((variable.name, *path[0])))
+
+    def _declarations(self, printer: TermPrinter) -> Iterator[str]:
+        for variable in self.network.all_variables():
+            if variable in self.known.values:
+                continue
+            for fields, leaf in _field_paths(variable.type):
+                if leaf is not None:
+                    yield from self._declaration(variable, fields, leaf, printer)
+
+    def _declaration(
+        self, variable: Variable, fields: tuple[str, ...], leaf: Type, printer: TermPrinter
+    ) -> Iterator[str]:
+        name = self.names[variable, fields]
+        values = list(_leaf_values(variable, fields))
+        if variable in printer.arrays:
+            if isinstance(leaf, ClockType):
+                yield f"clock:{len(values)}:{name}"
+                return
+            low, high = cell_range(leaf)
+            if len({value for _, value in values}) > 1:
+                self._refuse(
+                    f"arrays with different initial values: `{variable.name}`",
+                    variable.span,
+                    "assign them on a first edge",
+                )
+                return
+            yield f"int:{len(values)}:{low}:{high}:{values[0][1]}:{name}"
+            return
+        for indices, value in values:
+            cell = cell_name(name, indices) if indices else name
+            if isinstance(leaf, ClockType):
+                yield f"clock:1:{cell}"
+            else:
+                low, high = cell_range(leaf)
+                yield f"int:1:{low}:{high}:{value}:{cell}"
+
+    # ---- edges ------------------------------------------------------------------------------------------------------
+
+    def _expressions(self) -> Iterator[Expression]:
+        for process in self.network.processes:
+            for location in process.locations:
+                if location.invariant is not None:
+                    yield written_out(location.invariant, self.known)
+            for edge in process.edges:
+                for known in self._choices(edge):
+                    if edge.guard is not None:
+                        yield written_out(edge.guard, known)
+                    yield from (written_out(update, known) for update in edge.updates)
+                    if edge.synchronisation is not None:
+                        channel = fold_place(edge.synchronisation.channel, known)
+                        yield from (node.index for node in walk(channel) if isinstance(node, Index))
+
+    def _choices(self, edge: Edge) -> Iterator[Known]:
+        ranges = [range(low, high + 1) for low, high in (cell_range(v.type) for v in edge.selects)]
+        total = 1
+        for values in ranges:
+            total *= len(values)
+        if total > MAXIMUM_EDGES:
+            raise refused(f"select, and this one stands for {total} edges", edge.spans[0])
+        for chosen in product(*ranges):
+            yield Known(self.known.values, {**self.known.bound, **dict(zip(edge.selects, chosen, strict=True))})
+
+    def _flat_edges(self, process: Process, printer: TermPrinter) -> list[FlatEdge]:
+        result: list[FlatEdge] = []
+        for edge in process.edges:
+            try:
+                for known in self._choices(edge):
+                    result += self._instances(edge, known, printer)
+            except UnsupportedError as error:
+                self.refusals.append(error)
+        return result
+
+    def _instances(self, edge: Edge, known: Known, printer: TermPrinter) -> Iterator[FlatEdge]:
+        statements = tuple(text for update in edge.updates for text in printer.statements(written_out(update, known)))
+        for channel, tests in self._channels(edge, known):
+            before, after = self._resets(edge, channel, printer)
+            updates = (*before, *statements, *after)
+            for guard in self._guards(edge, known, tests, printer):
+                if "0 == 1" in guard:
+                    continue
+                kept = tuple(part for part in guard if part != "1 == 1")
+                direction = None if edge.synchronisation is None else edge.synchronisation.direction
+                yield FlatEdge(edge.source, edge.target, kept, updates, channel, direction, edge.spans[0])
+
+    def _channels(
+        self, edge: Edge, known: Known
+    ) -> Iterator[tuple[tuple[Variable, int] | None, tuple[Expression, ...]]]:
+        """The channels an edge may synchronise over, each with the conditions under which it is that one."""
+        if edge.synchronisation is None:
+            yield None, ()
+            return
+        pending: list[tuple[Expression, tuple[Expression, ...]]] = [
+            (fold_place(edge.synchronisation.channel, known), ())
+        ]
+        while pending:
+            place, tests = pending.pop()
+            cell = known_cell(place)
+            if cell is not None:
+                yield cell, tests
+                continue
+            computed = next(
+                (n for n in walk(place) if isinstance(n, Index) and not isinstance(n.index, Constant)), None
+            )
+            if computed is None or not isinstance(computed.base.type, ArrayType):
+                raise refused("such choice of a channel", edge.synchronisation.span)
+            low, size = computed.base.type.low, computed.base.type.size
+            for value in reversed(range(low, low + size)):
+                test = Binary(BinaryOperator.EQUAL, computed.index, Constant(value), BOOL, computed.span)
+                pending.append((_with_index(place, computed, value), (*tests, test)))
+
+    def _guards(
+        self, edge: Edge, known: Known, tests: tuple[Expression, ...], printer: TermPrinter
+    ) -> Iterator[tuple[str, ...]]:
+        """The guard as conjunctions: a clock condition behind a disjunction gives two edges."""
+        parts = [printer.condition(fold(test, known)) for test in tests]
+        if edge.guard is None:
+            yield tuple(parts)
+            return
+        at_rest = Known({**known.values, **self._metas()}, known.bound)
+        split = split_conjunction(written_out(edge.guard, at_rest), at_rest)
+        parts += [printer.condition(written_out(condition, known)) for condition in split.integers]
+        parts += [printer.atom(atom) for condition, atom in split.clocks if condition is None]
+        conditional = [(condition, atom) for condition, atom in split.clocks if condition is not None]
+        for chosen in product((True, False), repeat=len(conditional)):
+            more = []
+            for wanted, (condition, atom) in zip(chosen, conditional, strict=True):
+                more.append(printer.condition(condition if wanted else negate(condition)))
+                if wanted:
+                    more.append(printer.atom(atom))
+            yield (*parts, *more)
+
+    # ---- meta variables ---------------------------------------------------------------------------------------------
+
+    def _metas(self) -> dict[Variable, tuple[int, ...]]:
+        """The meta variables with the values they have whenever a transition begins."""
+        return {v: initial_cells(v) for v in self.network.all_variables() if v.meta}
+
+    def _resets(
+        self, edge: Edge, channel: tuple[Variable, int] | None, printer: TermPrinter
+    ) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """What an edge does before and after its updates so that meta variables begin every transition afresh.
+
+        The last edge of a transition restores them. Of a broadcast no edge is the last for certain, so what a broadcast
+        uses is restored by the first edge of every transition as well.
+        """
+        touched = self._touched(edge if channel is None else channel[0])
+        if not touched:
+            return (), ()
+        direction = None if edge.synchronisation is None else edge.synchronisation.direction
+        broadcast = {m for c in self._broadcasts() for m in self._touched(c)}
+        before = [m for m in touched if m in broadcast and direction is not Direction.RECEIVE]
+        ends = channel is None or (direction is Direction.RECEIVE and channel[0] not in self._broadcasts())
+        after = touched if ends else []
+        return tuple(self._restored(before, printer)), tuple(self._restored(after, printer))
+
+    def _restored(self, metas: Iterable[Variable], printer: TermPrinter) -> Iterator[str]:
+        for variable in metas:
+            for cell, value in zip(cells(Reference(variable)), initial_cells(variable), strict=True):
+                yield f"{printer.place(cell)} = {value}"
+
+    def _broadcasts(self) -> set[Variable]:
+        return {
+            v
+            for v in self.network.all_variables()
+            if any(isinstance(t, ChannelType) and t.broadcast for t in _leaf_types(v.type))
+        }
+
+    def _touched(self, by: Edge | Variable) -> list[Variable]:
+        """The meta variables in the updates of an edge, or of all edges that synchronise over a channel."""
+        if isinstance(by, Edge):
+            updates = [*by.updates]
+        else:
+            updates = [
+                update
+                for process in self.network.processes
+                for edge in process.edges
+                if edge.synchronisation is not None and channel_variable(edge.synchronisation.channel) is by
+                for update in edge.updates
+            ]
+        found = (n.variable for u in updates for n in walk(u) if isinstance(n, Reference) and n.variable.meta)
+        return [variable for variable in dict.fromkeys(found) if variable not in self.known.values]
+
+    # ---- synchronisation --------------------------------------------------------------------------------------------
+
+    def _synchronise(
+        self, edges: Sequence[Sequence[FlatEdge]], processes: Sequence[str]
+    ) -> tuple[list[str], list[str], list[list[tuple[FlatEdge, str]]]]:
+        """The vectors, the events, and the edges that can ever be taken, each with its event."""
+        internal = self._fresh("tau")
+        used: dict[tuple[Variable, int], dict[Direction, list[int]]] = {}
+        for number, own in enumerate(edges):
+            for edge in own:
+                if edge.channel is not None and edge.direction is not None:
+                    users = used.setdefault(edge.channel, {Direction.SEND: [], Direction.RECEIVE: []})
+                    if number not in users[edge.direction]:
+                        users[edge.direction].append(number)
+        vectors: list[str] = []
+        events: dict[tuple[Variable, int, Direction], str] = {}
+        active: set[tuple[Variable, int, Direction, int]] = set()
+        for (variable, cell), users in used.items():
+            broadcast = any(isinstance(t, ChannelType) and t.broadcast for t in _leaf_types(variable.type))
+            base = cell_name(variable.name, _indices(variable.type, cell))
+            send = events[variable, cell, Direction.SEND] = self._fresh(f"{base}_send")
+            receive = events[variable, cell, Direction.RECEIVE] = self._fresh(f"{base}_receive")
+            for sender in users[Direction.SEND]:
+                others = [r for r in users[Direction.RECEIVE] if r != sender]
+                if others or broadcast:
+                    active.add((variable, cell, Direction.SEND, sender))
+                active |= {(variable, cell, Direction.RECEIVE, r) for r in others}
+                if broadcast and others:
+                    weak = ":".join(f"{processes[r]}@{receive}?" for r in others)
+                    vectors.append(f"sync:{processes[sender]}@{send}:{weak}")
+                elif not broadcast:
+                    vectors += [f"sync:{processes[sender]}@{send}:{processes[r]}@{receive}" for r in others]
+            if broadcast and users[Direction.SEND]:
+                self._check_weak(edges, (variable, cell))
+        kept = [
+            [
+                (edge, internal if edge.channel is None else events[(*edge.channel, _direction(edge))])
+                for edge in own
+                if edge.channel is None or (*edge.channel, _direction(edge), number) in active
+            ]
+            for number, own in enumerate(edges)
+        ]
+        names = list(dict.fromkeys(event for own in kept for _, event in own))
+        return vectors, names, kept
+
+    def _check_weak(self, edges: Sequence[Sequence[FlatEdge]], channel: tuple[Variable, int]) -> None:
+        for own in edges:
+            for edge in own:
+                if edge.channel == channel and edge.direction is Direction.RECEIVE and edge.guard:
+                    self._refuse(
+                        f"guards on edges that receive a broadcast, here over `{channel[0].name}`",
+                        edge.span,
+                        "receive in any case, and decide on an edge behind a committed location",
+                    )
+
+    # ---- text -------------------------------------------------------------------------------------------------------
+
+    def _locations(self, number: int, name: str, printer: TermPrinter, labels: Iterable[QueryLabels]) -> Iterator[str]:
+        process = self.network.processes[number]
+        for index, location in enumerate(process.locations):
+            attributes = []
+            if index == process.initial:
+                attributes.append("initial:")
+            if location.committed:
+                attributes.append("committed:")
+            elif location.urgent:
+                attributes.append("urgent:")
+            if location.invariant is not None:
+                text = self._invariant(location.invariant, printer)
+                if text:
+                    attributes.append(f"invariant: {text}")
+            own = [label for found in labels for label in found.of(number, index)]
+            if own:
+                attributes.append(f"labels: {','.join(own)}")
+            yield f"location:{name}:{_location_name(location.name)}{{{' : '.join(attributes)}}}"
+
+    def _invariant(self, invariant: Expression, printer: TermPrinter) -> str:
+        try:
+            split = split_conjunction(written_out(invariant, self.known), self.known)
+            parts = [printer.condition(written_out(c, self.known)) for c in split.integers]
+            for condition, atom in split.clocks:
+                if condition is not None:
+                    raise refused("invariants in which a clock condition depends on variables", atom.span)
+                parts.append(printer.atom(atom))
+            return " && ".join(part for part in parts if part != "1 == 1")
+        except UnsupportedError as error:
+            self.refusals.append(error)
+            return ""
+
+    def _edge(self, process: Process, name: str, edge: FlatEdge, event: str) -> str:
+        attributes = []
+        if edge.guard:
+            attributes.append(f"provided: {' && '.join(edge.guard)}")
+        if edge.updates:
+            attributes.append(f"do: {'; '.join(edge.updates)}")
+        source, target = (_location_name(process.locations[i].name) for i in (edge.source, edge.target))
+        return f"edge:{name}:{source}:{target}:{event}{{{' : '.join(attributes)}}}"
+
+
+def _direction(edge: FlatEdge) -> Direction:
+    assert edge.direction is not None
+    return edge.direction
+
+
+def _sanitised(name: str) -> str:
+    text = re.sub(r"[^A-Za-z0-9_]+", "_", name).strip("_")
+    return text if text and not text[0].isdigit() else f"_{text}"
+
+
+def _location_name(name: str) -> str:
+    text = _sanitised(name)
+    return f"{text}_" if text in _WORDS else text
+
+
+def _leaf_types(type_: Type) -> Iterator[Type]:
+    for _, leaf in _field_paths(type_, channels=True):
+        if leaf is not None:
+            yield leaf
+
+
+def _field_paths(
+    type_: Type, path: tuple[str, ...] = (), channels: bool = False
+) -> Iterator[tuple[tuple[str, ...], Type | None]]:
+    """The field paths to the leaves of a type, indices left out, each with its leaf type.
+
+    Args:
+        channels: whether to list channels, which are no variables in TChecker; otherwise their leaf is None.
+    """
+    match type_:
+        case ArrayType(element):
+            yield from _field_paths(element, path, channels)
+        case RecordType(_, fields):
+            for name, inner in fields:
+                yield from _field_paths(inner, (*path, name), channels)
+        case _:
+            listed = channels or is_integer(type_) or isinstance(type_, ClockType)
+            yield path, type_ if listed else None
+
+
+def _leaf_values(variable: Variable, fields: tuple[str, ...]) -> Iterator[tuple[list[int], int]]:
+    """The cells at one field path, each with its indices and its initial value."""
+    values = initial_cells(variable)
+
+    def inner(type_: Type, rest: tuple[str, ...], first: int, indices: list[int]) -> Iterator[tuple[list[int], int]]:
+        match type_:
+            case ArrayType(element):
+                for i in range(type_.size):
+                    yield from inner(element, rest, first + i * cell_count(element), [*indices, type_.low + i])
+            case RecordType(_, listed):
+                yield from inner(dict(listed)[rest[0]], rest[1:], first + type_.offset(rest[0]), indices)
+            case _:
+                yield indices, values[first]
+
+    yield from inner(variable.type, fields, 0, [])
+
+
+def _indices(type_: Type, cell: int) -> list[int]:
+    """The indices of one element of an array of arrays."""
+    result = []
+    while isinstance(type_, ArrayType):
+        size = cell_count(type_.element)
+        result.append(type_.low + cell // size)
+        cell, type_ = cell % size, type_.element
+    return result
+
+
+def _computed(expression: Expression) -> Iterator[Variable]:
+    """The variables that are indexed by something the state decides."""
+    for node in walk(expression):
+        if isinstance(node, Index) and not isinstance(node.index, Constant):
+            base: Expression = node
+            while isinstance(base, Index | Field):
+                base = base.base
+            if isinstance(base, Reference):
+                yield base.variable
+
+
+def _with_index(place: Expression, computed: Index, value: int) -> Expression:
+    if place is computed:
+        return Index(computed.base, Constant(value), computed.type, computed.span)
+    if isinstance(place, Index):
+        return Index(_with_index(place.base, computed, value), place.index, place.type, place.span)
+    return place

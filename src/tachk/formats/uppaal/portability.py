@@ -1,0 +1,233 @@
+"""What a version of UPPAAL would refuse in a model, or treat otherwise than tachk does.
+
+The rules come from UPPAAL's documentation and from its open parser UTAP 2.1.1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from enum import StrEnum
+
+from tachk.compiler.features import Feature, network_features
+from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.diagnostics.span import Span
+from tachk.formats.plain.free_names import DECLARED_5, QUERY_WORDS, WORDS_4_1, WORDS_5, declared_names
+from tachk.formats.uppaal.portability_constants import open_constants
+from tachk.formats.uppaal.portability_queries import query_findings
+from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_TYPES
+from tachk.loading.load import LoadedModel
+from tachk.model.types import ArrayType, ClockType
+from tachk.syntax import ast
+from tachk.syntax.parsing.strict import additions
+from tachk.syntax.rewrite import names_in
+from tachk.syntax.walk import nodes_of_kind
+
+
+class Version(StrEnum):
+    UPPAAL_4_1 = "uppaal-4.1"
+    UPPAAL_5_0 = "uppaal-5.0"
+
+    @property
+    def full_name(self) -> str:
+        return self.value.replace("uppaal-", "UPPAAL ")
+
+
+def portability(model: LoadedModel, version: Version) -> tuple[Diagnostic, ...]:
+    """Everything that the version would refuse (errors) or treat otherwise (warnings), in the order of the text."""
+    found = [
+        *_additions(model, version),
+        *_names(model, version),
+        *_newer(model.items, version),
+        *_types(model.items, version),
+        *_invariants(model, version),
+        *open_constants(model.items, version.full_name),
+        *_written_names(model, version),
+        *query_findings(model, version.full_name),
+        *_other_treatment(model, version),
+    ]
+    unique = {(d.code, d.span.start, d.message): d for d in found}
+    return tuple(sorted(unique.values(), key=lambda d: (d.span.source.name, d.span.start, d.code)))
+
+
+def _additions(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
+    mend = "`tachk export` writes the model without it"
+    document = ast.Document(model.document.span, (*model.document.items, *model.items))
+    if model.layout is not None:
+        return  # properties are how a query of XML is held
+    for found in additions(document):
+        what = found.message.removesuffix(" is not part of XTA")
+        yield Diagnostic("E0810", f"{what}: {version.full_name} does not know it", found.span, mend)
+
+
+def _names(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
+    mend = "`tachk convert --fix` renames it everywhere"
+    reserved = WORDS_4_1 if version is Version.UPPAAL_4_1 else WORDS_5
+    properties = [item.formula for item in model.items if isinstance(item, ast.PropertyDeclaration)]
+    asked = names_in(tuple(properties))
+    declared = declared_names(tuple(item for item in model.items if not isinstance(item, ast.PropertyDeclaration)))
+    for name, identifier in declared.items():
+        if name in reserved:
+            yield Diagnostic("E0811", f"`{name}` is a word of {version.full_name}", identifier.span, mend)
+        elif version is Version.UPPAAL_5_0 and name in DECLARED_5:
+            yield Diagnostic("E0811", f"`{name}` is declared by {version.full_name} itself", identifier.span, mend)
+        elif name in QUERY_WORDS and name in asked:
+            message = f"`{name}` is a word of {version.full_name} in queries"
+            yield Diagnostic("E0811", message, identifier.span, mend)
+    if version is Version.UPPAAL_4_1:
+        for name, span in names_in(model.items).items():
+            if name not in declared and (name in BUILTIN_TYPES or name in BUILTIN_CONSTANTS):
+                yield Diagnostic(
+                    "E0812", f"`{name}` is not declared in {version.full_name}", span, "`tachk export` writes it out"
+                )
+
+
+def _newer(items: Sequence[ast.Item], version: Version) -> Iterator[Diagnostic]:
+    """What came with version 5."""
+    if version is not Version.UPPAAL_4_1:
+        return
+    for node in nodes_of_kind(items, ast.AssertStatement, ast.BinaryExpression, ast.ForeignImport):
+        match node:
+            case ast.AssertStatement(span):
+                yield _too_new("`assert`", span, version, "leave it out, or test it in a query")
+            case ast.BinaryExpression(operator="xor", span=span):
+                yield _too_new("`xor`", span, version, "compare two boolean values with `!=`")
+            case ast.BinaryExpression(operator="**", span=span):
+                yield _too_new("`**`", span, version, "multiply, or write a function")
+            case ast.ForeignImport(span=span):
+                yield _too_new("functions of foreign libraries", span, version, None)
+            case _:
+                pass
+
+
+def _too_new(what: str, span: Span, version: Version, mend: str | None) -> Diagnostic:
+    return Diagnostic("E0813", f"{version.full_name} does not know {what}", span, mend)
+
+
+def _types(items: Sequence[ast.Item], version: Version) -> Iterator[Diagnostic]:
+    for type_ in nodes_of_kind(items, ast.TypeExpression):
+        if len(type_.prefixes) > 1 and type_.prefixes != ("urgent", "broadcast"):
+            written = " ".join(type_.prefixes)
+            yield Diagnostic(
+                "E0814",
+                f"{version.full_name} does not read `{written}`",
+                type_.span,
+                "`tachk export` writes it as it must be",
+            )
+    everywhere = _type_names(items)
+    for item in items:
+        names: tuple[ast.Identifier, ...]
+        if isinstance(item, ast.Template):
+            visible = everywhere | _type_names(item.declarations)
+            places = (*(l.name for l in item.locations), *(b.name for b in item.branchpoints))
+            names = (item.name, *(parameter.name for parameter in item.parameters), *places)
+        elif isinstance(item, ast.Instantiation):
+            visible, names = everywhere, (item.name,)
+        else:
+            continue
+        for name in names:
+            if name.name in visible:
+                yield Diagnostic(
+                    "E0816",
+                    f"`{name.name}` is a type, which {version.full_name} does not take here",
+                    name.span,
+                    "rename one",
+                )
+
+
+def _type_names(items: Iterable[object]) -> frozenset[str]:
+    return frozenset(
+        declarator.name.name
+        for item in items
+        if isinstance(item, ast.TypedefDeclaration)
+        for declarator in item.declarators
+    )
+
+
+def _written_names(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
+    """The names in a XML file that were put right when it was read."""
+    pictures = model.layout.templates if model.layout is not None else {}
+    for template in (item for item in model.items if isinstance(item, ast.Template)):
+        nodes = pictures[template.name.name].nodes if template.name.name in pictures else {}
+        for location in template.locations:
+            written = nodes[location.name.name].written_name if location.name.name in nodes else None
+            if written:
+                yield Diagnostic(
+                    "E0819",
+                    f"{version.full_name} refuses a second location `{written}`, or a name that is no identifier",
+                    location.name.span,
+                    f"it is called `{location.name.name}` here; `tachk convert` writes it so",
+                )
+
+
+def _invariants(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
+    clocks = {v.name.rpartition(".")[2] for v in model.network.all_variables() if _is_clock(v.type)}
+    for template in (item for item in model.items if isinstance(item, ast.Template)):
+        for location in template.locations:
+            for node in nodes_of_kind(location.invariant, ast.BinaryExpression):
+                if node.operator == "==" and _is_named(node.left, clocks) != _is_named(node.right, clocks):
+                    yield Diagnostic(
+                        "E0818",
+                        f"{version.full_name} does not take a clock that equals something as an invariant",
+                        node.span,
+                        "write `<=`; a lower bound belongs into the guards of the edges that lead here",
+                    )
+
+
+def _other_treatment(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
+    features = network_features(model.network)
+    for use in features.of(Feature.STOPWATCHES):
+        yield _otherwise(
+            use.span, f"with stopped clocks {version.full_name} may answer that a property may be satisfied", None
+        )
+    for use in features.of(Feature.URGENT_CLOCK_GUARDS):
+        verb = "refuses" if version is Version.UPPAAL_4_1 else "warns about"
+        yield _otherwise(
+            use.span,
+            f"{version.full_name} {verb} a clock guard on an urgent channel",
+            "wait for the clock in a location of its own",
+        )
+    for template in (item for item in model.items if isinstance(item, ast.Template)):
+        for location in template.locations:
+            if location.invariant is not None:
+                yield from _invariant(location.invariant, version, model)
+    if model.document.legacy:
+        yield _otherwise(
+            model.document.span,
+            f"{version.full_name} reads this text only as UPPAAL 3.x",
+            "`tachk convert` writes it in today's syntax",
+        )
+
+
+def _invariant(invariant: ast.Expression, version: Version, model: LoadedModel) -> Iterator[Diagnostic]:
+    clocks = {v.name.rpartition(".")[2] for v in model.network.all_variables() if _is_clock(v.type)}
+    for node in nodes_of_kind(invariant, ast.BinaryExpression):
+        if node.operator not in ("<", ">", ">="):
+            continue
+        left, right = _is_named(node.left, clocks), _is_named(node.right, clocks)
+        if left == right:
+            continue
+        upper = (node.operator == "<") == left
+        if not upper:
+            yield _otherwise(
+                node.span,
+                f"the documentation of {version.full_name} wants upper bounds in invariants, this is a lower one",
+                "put it into the guards of the edges that lead here",
+            )
+        elif node.operator != ">=" and version is Version.UPPAAL_5_0:
+            yield _otherwise(node.span, f"{version.full_name} warns about a strict bound in an invariant", None)
+
+
+def _is_named(expression: ast.Expression, names: set[str]) -> bool:
+    while isinstance(expression, ast.IndexExpression | ast.MemberExpression):
+        expression = expression.base
+    return isinstance(expression, ast.NameExpression) and expression.name in names
+
+
+def _is_clock(type_: object) -> bool:
+    while isinstance(type_, ArrayType):
+        type_ = type_.element
+    return isinstance(type_, ClockType)
+
+
+def _otherwise(span: Span, message: str, mend: str | None) -> Diagnostic:
+    return Diagnostic("W0501", message, span, mend)

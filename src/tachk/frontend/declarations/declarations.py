@@ -1,0 +1,311 @@
+"""Declarations of variables, clocks, channels and constants, global and local."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+
+from tachk.frontend.context import Context
+from tachk.frontend.declarations.functions import declare_function, declare_types
+from tachk.frontend.dropped import declare_dropped, declare_foreign_functions, dropped_kind
+from tachk.frontend.expressions.initialisers import initialiser
+from tachk.frontend.expressions.places import converted
+from tachk.frontend.expressions.typed_expressions import expression, type_reader
+from tachk.frontend.expressions.typing import WIDE, describe, is_data, is_integral
+from tachk.frontend.priority_readings import FIRST, says_default
+from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
+from tachk.model.cell_layout import cell_bounds, default_cells
+from tachk.model.expressions import Constant, Expression, Index, Reference, Variable, VariableKind
+from tachk.model.types import (
+    ArrayType,
+    ChannelType,
+    ClockType,
+    IntType,
+    RecordType,
+    ScalarType,
+    Type,
+    VoidType,
+    cell_count,
+    element_type,
+    leaves,
+)
+from tachk.syntax import ast
+
+
+@dataclass(slots=True)
+class Declared:
+    """What a level declares.
+
+    Attributes:
+        owner: the name of the process, or "" for the globals.
+        overrides: values of global constants given from outside, by name.
+        variables: what becomes part of the network, in order.
+        constants: the integer constants with their values.
+    """
+
+    owner: str = ""
+    overrides: Mapping[str, ast.Expression] = field(default_factory=dict)
+    variables: list[Variable] = field(default_factory=list)
+    constants: list[tuple[str, int]] = field(default_factory=list)
+
+    @property
+    def kind(self) -> VariableKind:
+        return VariableKind.LOCAL if self.owner else VariableKind.GLOBAL
+
+    def full_name(self, name: str) -> str:
+        return f"{self.owner}.{name}" if self.owner else name
+
+
+def declare(
+    items: Iterable[ast.Declaration], scope: Scope, declared: Declared, context: Context
+) -> list[ast.ChannelPriorityDeclaration]:
+    """Elaborates declarations in order; returns the channel priorities for later."""
+    priorities = []
+    for item in items:
+        match item:
+            case ast.VariableDeclaration():
+                _declare_variables(item, scope, declared, context)
+            case ast.TypedefDeclaration():
+                declare_types(item, scope, context)
+            case ast.FunctionDeclaration():
+                declare_function(item, scope, context)
+            case ast.ChannelPriorityDeclaration(span):
+                if declared.owner:
+                    context.error("E0405", span, "channel priorities are global", "move this line out of the template")
+                else:
+                    priorities.append(item)
+            case ast.UpdateHook(span, kind):
+                context.error("E0750", span, f"`{kind}` is not supported", "add the updates to the edges")
+            case ast.ForeignImport():
+                declare_foreign_functions(item, scope, context)
+            case ast.SignalDeclaration(name=name):
+                # Global signals are elaborated after the processes, which they may mention.
+                context.error("E0502", name.span, "a signal is global", "move this line out of the template")
+    return priorities
+
+
+def _declare_variables(node: ast.VariableDeclaration, scope: Scope, declared: Declared, context: Context) -> None:
+    left_out = None if node.type is None else dropped_kind(node.type)
+    if left_out is not None:
+        declare_dropped(node, left_out, scope, context)
+        return
+    reader = type_reader(scope, context)
+    constant = node.type is None or "const" in node.type.prefixes
+    base: Type | None = IntType() if node.type is None else reader.type(node.type)
+    for declarator in node.declarators:
+        type_ = None if base is None else reader.dimensions(base, declarator.dimensions)
+        symbol: Symbol | None = None
+        if type_ is not None:
+            if constant:
+                symbol = _constant(declarator, type_, scope, declared, context)
+            else:
+                meta = node.type is not None and "meta" in node.type.prefixes
+                symbol = _variable(declarator, type_, meta, scope, declared, context)
+        scope.declare(declarator.name, symbol or BrokenSymbol(declarator.name.span), context.findings)
+
+
+def _variable(
+    node: ast.Declarator, type_: Type, meta: bool, scope: Scope, declared: Declared, context: Context
+) -> Symbol | None:
+    name = node.name.name
+    if isinstance(type_, VoidType):
+        context.error("E0315", node.span, "a variable cannot be void")
+        return None
+    if meta and not is_data(type_):
+        context.error("E0315", node.span, f"a {describe(type_)} cannot be meta")
+        meta = False
+    if node.name.span in context.lasting:
+        context.error(
+            "W0408",
+            node.name.span,
+            f"the meta variable `{name}` may be read before its transition has written it, so the state holds it",
+            "drop `meta`, or write the variable first wherever it is used",
+        )
+        meta = False
+    if not context.allow_variable(type_, node.span):
+        return None
+    cells = default_cells(type_)
+    if node.initialiser is not None:
+        if _has_channel(type_):
+            context.error("E0318", node.initialiser.span, "a channel has no value")
+            return None
+        value = _initial_cells(node.initialiser, type_, f"the initial value of `{name}`", scope, context)
+        if value is None:
+            return None
+        cells = value
+    variable = Variable(declared.full_name(name), type_, declared.kind, cells, meta=meta, span=node.name.span)
+    declared.variables.append(variable)
+    if isinstance(type_, ClockType):
+        description = "clock"
+    else:
+        description = "channel" if _has_channel(type_) else "variable"
+    return ValueSymbol(Reference(variable), True, description, node.name.span)
+
+
+def _has_channel(type_: Type) -> bool:
+    return isinstance(element_type(type_), ChannelType)
+
+
+def _initial_cells(
+    node: ast.Expression, type_: Type, what: str, scope: Scope, context: Context
+) -> tuple[int, ...] | None:
+    value = initialiser(node, type_, scope, context)
+    if value is None:
+        return None
+    return checked_cells(value, type_, what, context)
+
+
+def checked_cells(value: Expression, type_: Type, what: str, context: Context) -> tuple[int, ...] | None:
+    """The cells of a constant of the given type, checked against its ranges."""
+    cells = context.constant_cells(value, what)
+    if cells is None or isinstance(type_, ClockType):
+        return cells
+    for (path, leaf), cell in zip(leaves(type_), cells, strict=True):
+        if isinstance(leaf, ClockType):
+            continue
+        low, high = cell_bounds(leaf)
+        if not low <= cell <= high:
+            at = f" at {path}" if path else ""
+            context.error(
+                "E0603",
+                value.span,
+                f"{what}{at} is {cell}, outside the range [{low}, {high}]",
+                "change the value or the declared range",
+            )
+            return None
+    return cells
+
+
+def widened(type_: Type) -> Type:
+    """The type with plain ``int`` replaced by the full 32 bits, which constants may use."""
+    match type_:
+        case IntType():
+            return WIDE if type_ == IntType() else type_
+        case ArrayType(element, index):
+            return ArrayType(widened(element), index)
+        case RecordType(name, fields):
+            return RecordType(name, tuple((f, widened(t)) for f, t in fields))
+        case _:
+            return type_
+
+
+def _constant(node: ast.Declarator, type_: Type, scope: Scope, declared: Declared, context: Context) -> Symbol | None:
+    name = node.name.name
+    if not is_data(type_):
+        context.error("E0315", node.span, f"a {describe(type_)} cannot be const")
+        return None
+    override = None if declared.owner else declared.overrides.get(name)
+    if override is not None:
+        if not is_integral(type_):
+            context.error(
+                "E0608",
+                override.span,
+                f"`{name}` is a {describe(type_)}; only boolean and integer constants can be set from outside",
+            )
+            return None
+    given = node.initialiser if override is None else override
+    if given is None:
+        context.error("E0607", node.name.span, f"constant `{name}` needs a value")
+        return None
+    wide = widened(type_)
+    cells = _initial_cells(given, wide, f"the value of `{name}`", scope, context)
+    if cells is None:
+        return None
+    if is_integral(type_) and not declared.owner:
+        declared.constants.append((name, cells[0]))
+    return constant_symbol(name, wide, cells, "constant", node.name, declared, context)
+
+
+def constant_symbol(
+    name: str,
+    type_: Type,
+    cells: tuple[int, ...],
+    description: str,
+    identifier: ast.Identifier,
+    declared: Declared,
+    context: Context,
+) -> ValueSymbol:
+    """The meaning of a constant: its value, or for arrays and structs a variable that nothing changes."""
+    if is_integral(type_) or isinstance(type_, ScalarType):
+        return ValueSymbol(Constant(cells[0], type_), False, description, identifier.span)
+    variable = Variable(declared.full_name(name), type_, declared.kind, cells, span=identifier.span)
+    declared.variables.append(variable)
+    context.constants.add(variable)
+    return ValueSymbol(Reference(variable), False, description, identifier.span)
+
+
+# ---- channel priorities ---------------------------------------------------------------------------------------------
+
+
+def set_channel_priorities(
+    nodes: list[ast.ChannelPriorityDeclaration], scope: Scope, declared: Declared, context: Context
+) -> int:
+    """Gives the global channels their priorities, in place; returns the default priority."""
+    if not nodes:
+        return 0
+    for extra in nodes[1:]:
+        context.error("E0405", extra.span, "channel priorities are declared twice", "join the two declarations")
+    node = nodes[0]
+    default = 0
+    cells: dict[Variable, dict[int, int]] = {}
+    for level, group in enumerate(node.groups, start=0 if says_default(node) else 1):
+        for channel in group:
+            if isinstance(channel, ast.NameExpression) and channel.name == "default":
+                default = level
+                continue
+            value = expression(channel, scope, context)
+            if value is None:
+                continue
+            found = _channel_cells(value, context)
+            if found is None:
+                context.error("E0405", channel.span, "a priority needs a global channel", None)
+                continue
+            variable, positions = found
+            for position in positions:
+                if position in cells.setdefault(variable, {}):
+                    context.error("E0405", channel.span, f"`{channel.span.text}` already has a priority")
+                cells[variable][position] = level
+    if not says_default(node):
+        context.findings.add(
+            "W0409",
+            node.span,
+            "where is `default`? UPPAAL's manual does not say where internal edges and other channels belong then",
+            f"every place is tried; where answers differ, it is taken to be {FIRST}; write it to say what is meant",
+        )
+    for position, variable in enumerate(declared.variables):
+        if variable in cells:
+            count = len(variable.initial)
+            levels = tuple(cells[variable].get(i, default) for i in range(count))
+            declared.variables[position] = _replace_variable(variable, levels, scope)
+    return default
+
+
+def _channel_cells(value: Expression, context: Context) -> tuple[Variable, range] | None:
+    """The channel variable and the cells of it that an expression with constant indices denotes."""
+    offset = 0
+    current = value
+    while isinstance(current, Index):
+        base = current.base.type
+        if not isinstance(base, ArrayType):
+            return None
+        number = context.constant_cells(current.index, "the index of a channel with a priority")
+        if number is None or not 0 <= number[0] - base.low < base.size:
+            return None
+        offset += (number[0] - base.low) * cell_count(base.element)
+        current = current.base
+    if not isinstance(current, Reference) or not _has_channel(current.type):
+        return None
+    return current.variable, range(offset, offset + cell_count(value.type))
+
+
+def _replace_variable(variable: Variable, priorities: tuple[int, ...], scope: Scope) -> Variable:
+    changed = replace(variable, priorities=priorities)
+    symbol = scope.symbols[variable.name]
+    assert isinstance(symbol, ValueSymbol)
+    scope.symbols[variable.name] = replace(symbol, expression=Reference(changed))
+    return changed
+
+
+def argument_value(value: Expression, type_: Type, what: str, context: Context) -> tuple[int, ...] | None:
+    """The cells of a compile-time argument."""
+    return checked_cells(converted(value, type_), type_, what, context)

@@ -1,0 +1,67 @@
+"""Parameters passed by value that the template assigns to: every process has a variable of its own instead."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from tachk.frontend.context import Context
+from tachk.frontend.declarations.declarations import Declared, argument_value
+from tachk.frontend.expressions.typing import WIDE
+from tachk.frontend.scope import Scope, ValueSymbol
+from tachk.model.expressions import Constant, Reference, Variable, VariableKind
+from tachk.model.types import IntType
+from tachk.syntax import ast
+from tachk.syntax.walk import nodes_of_kind
+
+
+def as_variables(template: ast.Template, parameters: Scope, declared: Declared, context: Context) -> Scope:
+    """The parameters of a process with variables in place of the values that the template changes.
+
+    UPPAAL treats them so; they start at the value of the argument.
+
+    Args:
+        parameters: what the parameters mean; stays as it is.
+        declared: gets the variables.
+    """
+    symbols = dict(parameters.symbols)
+    changed = set(_assigned(template))
+    for parameter in template.parameters:
+        name = parameter.name.name
+        symbol = symbols.get(name)
+        constant = parameter.reference or "const" in parameter.type.prefixes
+        if name not in changed or constant or not isinstance(symbol, ValueSymbol):
+            continue
+        value = symbol.expression
+        if not isinstance(value, Constant):
+            continue
+        type_ = IntType() if value.type == WIDE else value.type
+        cells = argument_value(value, type_, f"the argument for `{name}`", context)
+        if cells is not None:
+            variable = Variable(declared.full_name(name), type_, VariableKind.LOCAL, cells, span=parameter.name.span)
+            declared.variables.append(variable)
+            symbols[name] = ValueSymbol(Reference(variable), True, "parameter", symbol.span)
+    return Scope(parameters.parent, parameters.label, symbols, parameters.below)
+
+
+def _assigned(template: ast.Template) -> Iterator[str]:
+    """The names that a template assigns to, those aside that mean something else in the same function or edge."""
+    for function in template.declarations:
+        if isinstance(function, ast.FunctionDeclaration):
+            yield from _targets(function.body) - set(_local_names(function))
+    for edge in nodes_of_kind((template.locations, template.branchpoints, template.edges), ast.EdgeDeclaration):
+        yield from _targets(edge) - {binding.name.name for binding in edge.selects}
+
+
+def _targets(tree: ast.Node) -> set[str]:
+    found: set[str] = set()
+    for node in nodes_of_kind(tree, ast.AssignmentExpression, ast.IncrementExpression):
+        if isinstance(node.target, ast.NameExpression):
+            found.add(node.target.name)
+    return found
+
+
+def _local_names(function: ast.FunctionDeclaration) -> Iterator[str]:
+    for parameter in function.parameters:
+        yield parameter.name.name
+    for declarator in nodes_of_kind(function.body, ast.Declarator):
+        yield declarator.name.name

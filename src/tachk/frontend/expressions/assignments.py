@@ -1,0 +1,55 @@
+"""The typing rules of assignments."""
+
+from __future__ import annotations
+
+from tachk.frontend.context import Context
+from tachk.frontend.expressions.places import converted
+from tachk.frontend.expressions.typing import CHANNEL_HELP, can_assign, describe, is_integral
+from tachk.model.expressions import Assign, BinaryOperator, Expression
+from tachk.model.types import ChannelType, ClockType, ScalarType, Type, element_type
+from tachk.syntax import ast
+
+
+def assignment(
+    target: Expression, value: Expression, node: ast.AssignmentExpression, context: Context
+) -> Expression | None:
+    """A value stored in a place; None after a report."""
+    operator = None if node.operator == "=" else BinaryOperator(node.operator[:-1])
+    if isinstance(target.type, ClockType):
+        if not (is_integral(value.type) or isinstance(value.type, ClockType)):
+            context.error("E0302", node.span, f"a clock cannot be set to {describe(value.type)}")
+            return None
+        if operator is not None or isinstance(value.type, ClockType):
+            context.error(
+                "E0750",
+                node.span,
+                "setting a clock to the value of a clock is not supported",
+                "write `x = e` with an integer expression `e`; tachk cannot copy or advance clocks",
+            )
+            return None
+        return Assign(target, value, target.type, None, node.span)
+    if operator is not None:
+        for side in (target, value):
+            if not is_integral(side.type):
+                context.error("E0301", side.span, f"`{node.operator}` needs integers, not {describe(side.type)}")
+                return None
+        return Assign(target, value, target.type, operator, node.span)
+    if not can_assign(target.type, value.type):
+        context.error(
+            "E0302",
+            node.span,
+            f"{describe(value.type)} cannot be assigned to {describe(target.type)}",
+            _cannot_assign_help(target.type, value.type),
+        )
+        return None
+    return Assign(target, converted(value, target.type), target.type, None, node.span)
+
+
+def _cannot_assign_help(target: Type, value: Type) -> str | None:
+    if isinstance(target, ScalarType):
+        return "values of a scalar type can only be copied"
+    if isinstance(element_type(target), ChannelType):
+        return CHANNEL_HELP
+    if isinstance(value, ClockType):
+        return "the value of a clock cannot be stored; compare the clock in a guard"
+    return None

@@ -1,0 +1,266 @@
+"""Comparisons of clocks, and what conditions over clocks may look like.
+
+Every comparison is brought into the form ``x ~ e`` or ``x - y ~ e`` with clocks x, y and an integer expression e.
+A guard or invariant must describe a convex set of clock values in every discrete state: a conjunction of comparisons
+and clock-free conditions, with disjunctions of which at most one side has clocks. Negations, implications,
+conditional expressions and quantifiers over clock comparisons are rewritten into that form where it is possible.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from tachk.diagnostics.span import Span
+from tachk.frontend.context import Context
+from tachk.frontend.expressions import folding as fold
+from tachk.frontend.expressions.folding import substitute
+from tachk.model.expressions import (
+    BOOL,
+    INT,
+    MIRRORED_COMPARISON,
+    Binary,
+    BinaryOperator,
+    Conditional,
+    Constant,
+    Expression,
+    Quantifier,
+    QuantifierKind,
+    Unary,
+    UnaryOperator,
+)
+from tachk.model.traversal import children, walk
+from tachk.model.types import BoolType, ClockType, IntType, ScalarType, bounds
+
+COMPARISONS = {
+    BinaryOperator.EQUAL,
+    BinaryOperator.NOT_EQUAL,
+    BinaryOperator.LESS,
+    BinaryOperator.LESS_EQUAL,
+    BinaryOperator.GREATER,
+    BinaryOperator.GREATER_EQUAL,
+}
+_NEGATED = {
+    BinaryOperator.LESS: BinaryOperator.GREATER_EQUAL,
+    BinaryOperator.LESS_EQUAL: BinaryOperator.GREATER,
+    BinaryOperator.GREATER: BinaryOperator.LESS_EQUAL,
+    BinaryOperator.GREATER_EQUAL: BinaryOperator.LESS,
+}
+_SPLIT_HELP = "a zone cannot be split by one {where}; use two edges, one for each case"
+
+
+@dataclass(frozen=True, slots=True)
+class _Sum:
+    """Clocks that are added, clocks that are subtracted, and an integer (None for 0)."""
+
+    plus: tuple[Expression, ...]
+    minus: tuple[Expression, ...]
+    rest: Expression | None
+
+
+def _add(left: Expression | None, right: Expression | None, operator: BinaryOperator, span: Span) -> Expression | None:
+    if right is None:
+        return left
+    if left is None:
+        if operator is BinaryOperator.ADD:
+            return right
+        return fold.unary(UnaryOperator.MINUS, right, INT, span)
+    return fold.binary(operator, left, right, INT, span)
+
+
+def _sum(term: Expression) -> _Sum:
+    match term:
+        case Binary(BinaryOperator.ADD | BinaryOperator.SUBTRACT as operator, left, right, ClockType(), span):
+            first, second = _sum(left), _sum(right)
+            rest = _add(first.rest, second.rest, operator, span)
+            if operator is BinaryOperator.ADD:
+                return _Sum(first.plus + second.plus, first.minus + second.minus, rest)
+            return _Sum(first.plus + second.minus, first.minus + second.plus, rest)
+        case Unary(UnaryOperator.MINUS, operand, ClockType(), span):
+            inner = _sum(operand)
+            return _Sum(inner.minus, inner.plus, _add(None, inner.rest, BinaryOperator.SUBTRACT, span))
+        case _ if isinstance(term.type, ClockType):
+            return _Sum((term,), (), None)
+        case _:
+            return _Sum((), (), term)
+
+
+def compare(
+    operator: BinaryOperator, left: Expression, right: Expression, span: Span, context: Context
+) -> Expression | None:
+    """The comparison of two terms, of which at least one contains a clock."""
+    first, second = _sum(left), _sum(right)
+    if not (first.plus or first.minus):
+        first, second, operator = second, first, MIRRORED_COMPARISON[operator]
+    plus, minus = [*first.plus, *second.minus], [*first.minus, *second.plus]
+    for clock in tuple(plus):
+        if clock in minus:
+            plus.remove(clock)
+            minus.remove(clock)
+    if len(plus) > 1 or len(minus) > 1:
+        context.error(
+            "E0335",
+            span,
+            "a comparison can contain one clock, or the difference of two",
+            "write it as `x <= e` or `x - y <= e` with an integer expression `e`",
+        )
+        return None
+    if not plus:
+        first, second, operator = second, first, MIRRORED_COMPARISON[operator]
+        plus, minus = minus, plus
+    constant = _add(second.rest, first.rest, BinaryOperator.SUBTRACT, span) or Constant(0, span=span)
+    if not plus:
+        return fold.binary(operator, Constant(0, span=span), constant, BOOL, span)
+    clocks: Expression = plus[0]
+    if minus:
+        clocks = Binary(BinaryOperator.SUBTRACT, plus[0], minus[0], ClockType(), span)
+    if operator is not BinaryOperator.NOT_EQUAL:
+        return Binary(operator, clocks, constant, BOOL, span)
+    if context.in_query:
+        below = Binary(BinaryOperator.LESS, clocks, constant, BOOL, span)
+        above = Binary(BinaryOperator.GREATER, clocks, constant, BOOL, span)
+        return Binary(BinaryOperator.OR, below, above, BOOL, span)
+    context.error(
+        "E0332",
+        span,
+        "clocks cannot be compared with `!=`: the result is not convex",
+        "write `<` or `>`; where a guard means both, use two edges",
+    )
+    return None
+
+
+def mentions_comparison(expression: Expression) -> bool:
+    """Whether clocks are compared anywhere in an expression."""
+    return any(isinstance(node, Binary) and _is_comparison(node) for node in walk(expression))
+
+
+def compares_clocks(expression: Expression, known: dict[int, bool]) -> bool:
+    """Whether the value depends on a comparison of clocks; ``known`` keeps the answers by the identity of nodes."""
+    answer = known.get(id(expression))
+    if answer is None:
+        answer = (isinstance(expression, Binary) and _is_comparison(expression)) or any(
+            compares_clocks(child, known) for child in children(expression)
+        )
+        known[id(expression)] = answer
+    return answer
+
+
+def _is_comparison(expression: Binary) -> bool:
+    return expression.operator in COMPARISONS and isinstance(expression.left.type, ClockType)
+
+
+def forbid(expression: Expression, where: str, context: Context) -> bool:
+    """Reports a comparison of clocks where none may stand; ``where`` reads like "an update"."""
+    if not mentions_comparison(expression):
+        return True
+    known: dict[int, bool] = {}
+    node = expression
+    while True:
+        inner = next((child for child in children(node) if compares_clocks(child, known)), None)
+        if inner is None:
+            break
+        node = inner
+    context.error(
+        "E0330",
+        node.span,
+        f"{where} cannot compare clocks",
+        "clocks can be compared in guards, invariants and queries only",
+    )
+    return False
+
+
+def convex(condition: Expression, where: str, context: Context) -> Expression | None:
+    """The condition of a guard or invariant in convex form, or None after a report; ``where`` is "guard" or
+    "invariant"."""
+    if not mentions_comparison(condition):
+        return condition
+    return _convex(condition, True, where, {}, context)
+
+
+def _convex(
+    node: Expression, positive: bool, where: str, known: dict[int, bool], context: Context
+) -> Expression | None:
+    if not compares_clocks(node, known):
+        value = fold.truth(node)
+        return value if positive else fold.negation(value, node.span)
+    match node:
+        case Unary(UnaryOperator.NOT, operand):
+            return _convex(operand, not positive, where, known, context)
+        case Binary(operator, left, _) if isinstance(left.type, ClockType):
+            if positive:
+                return node
+            if operator is BinaryOperator.EQUAL:
+                context.error(
+                    "E0332",
+                    node.span,
+                    "the negation of a clock equality is not convex",
+                    _SPLIT_HELP.format(where=where),
+                )
+                return None
+            return Binary(_NEGATED[operator], left, node.right, BOOL, node.span)
+        case Binary(BinaryOperator.AND, left, right):
+            return _connect(left, positive, right, positive, positive, node.span, where, known, context)
+        case Binary(BinaryOperator.OR, left, right):
+            return _connect(left, positive, right, positive, not positive, node.span, where, known, context)
+        case Binary(BinaryOperator.IMPLY, left, right):
+            return _connect(left, not positive, right, positive, not positive, node.span, where, known, context)
+        case Conditional(condition, then, otherwise) if not compares_clocks(condition, known):
+            first = _connect(condition, False, then, positive, False, node.span, where, known, context)
+            second = _connect(condition, True, otherwise, positive, False, node.span, where, known, context)
+            if first is None or second is None:
+                return None
+            return fold.binary(BinaryOperator.AND, first, second, BOOL, node.span)
+        case Quantifier(QuantifierKind.FORALL | QuantifierKind.EXISTS as kind, variable, body):
+            conjunctive = (kind is QuantifierKind.FORALL) is positive
+            assert isinstance(variable.type, IntType | BoolType | ScalarType)
+            low, high = bounds(variable.type)
+            if not context.allow_instances(high - low + 1, node.span):
+                return None
+            parts: list[Expression] = []
+            for number in range(low, high + 1):
+                instance = substitute(body, {variable: Constant(number, variable.type)}, context.constants)
+                part = _convex(instance, positive, where, {}, context)
+                if part is None:
+                    return None
+                if parts and not conjunctive:
+                    _not_convex(node.span, where, context)
+                    return None
+                parts.append(part)
+            return fold.joined(BinaryOperator.AND, parts, BOOL, node.span)
+        case _:
+            context.error(
+                "E0331",
+                node.span,
+                "a comparison of clocks cannot be used as a value",
+                "combine comparisons of clocks with `&&` only, or with `||` and a condition without clocks",
+            )
+            return None
+
+
+def _connect(
+    left: Expression,
+    left_positive: bool,
+    right: Expression,
+    right_positive: bool,
+    conjunctive: bool,
+    span: Span,
+    where: str,
+    known: dict[int, bool],
+    context: Context,
+) -> Expression | None:
+    if not conjunctive and compares_clocks(left, known) and compares_clocks(right, known):
+        _not_convex(span, where, context)
+        return None
+    first = _convex(left, left_positive, where, known, context)
+    second = _convex(right, right_positive, where, known, context)
+    if first is None or second is None:
+        return None
+    return fold.binary(BinaryOperator.AND if conjunctive else BinaryOperator.OR, first, second, BOOL, span)
+
+
+def _not_convex(span: Span, where: str, context: Context) -> None:
+    context.error(
+        "E0331",
+        span,
+        "clocks on both sides of a disjunction: the condition is not convex",
+        _SPLIT_HELP.format(where=where),
+    )

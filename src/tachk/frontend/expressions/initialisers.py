@@ -1,0 +1,76 @@
+"""Initial values: expressions, and lists in braces for arrays and structs."""
+
+from __future__ import annotations
+
+from tachk.diagnostics.suggestion import did_you_mean
+from tachk.frontend.context import Context
+from tachk.frontend.expressions.places import converted
+from tachk.frontend.expressions.typed_expressions import expression
+from tachk.frontend.expressions.typing import can_assign, describe
+from tachk.frontend.scope import Scope
+from tachk.model.expressions import Aggregate, Constant, Expression
+from tachk.model.types import ArrayType, ClockType, RecordType, Type
+from tachk.syntax import ast
+
+
+def initialiser(node: ast.Expression, type_: Type, scope: Scope, context: Context) -> Expression | None:
+    """The initial value of a variable of the given type."""
+    if isinstance(node, ast.InitialiserList):
+        return _list(node, type_, scope, context)
+    value = expression(node, scope, context)
+    if value is None:
+        return None
+    if isinstance(type_, ClockType):
+        if isinstance(value, Constant) and value.value == 0:
+            return value
+        context.error("E0318", node.span, "clocks start at 0", "set the clock in an update to start from another value")
+        return None
+    if not can_assign(type_, value.type):
+        context.error("E0302", node.span, f"{describe(value.type)} cannot initialise {describe(type_)}")
+        return None
+    return converted(value, type_)
+
+
+def _list(node: ast.InitialiserList, type_: Type, scope: Scope, context: Context) -> Expression | None:
+    wanted: list[Type]
+    ordered: list[ast.Expression | None]
+    match type_:
+        case ArrayType():
+            wanted = [type_.element] * type_.size
+            for designator, _ in node.items:
+                if designator is not None:
+                    context.error("E0318", designator.span, "the elements of an array have no names")
+                    return None
+            ordered = [item for _, item in node.items]
+        case RecordType(_, fields):
+            wanted = [t for _, t in fields]
+            names = [name for name, _ in fields]
+            ordered = [None] * len(fields)
+            for position, (designator, item) in enumerate(node.items):
+                if designator is not None and designator.name not in names:
+                    context.error(
+                        "E0205",
+                        designator.span,
+                        f"{describe(type_)} has no field `{designator.name}`",
+                        did_you_mean(designator.name, names),
+                    )
+                    return None
+                place = position if designator is None else names.index(designator.name)
+                if place >= len(fields):
+                    ordered.append(item)
+                elif ordered[place] is not None:
+                    context.error("E0318", item.span, f"field `{names[place]}` is initialised twice")
+                    return None
+                else:
+                    ordered[place] = item
+        case _:
+            context.error("E0318", node.span, f"{describe(type_)} cannot be initialised with a list")
+            return None
+    given = [item for item in ordered if item is not None]
+    if len(given) != len(wanted):
+        context.error("E0318", node.span, f"{describe(type_)} needs {len(wanted)} initial values, not {len(given)}")
+        return None
+    items = [initialiser(item, t, scope, context) for item, t in zip(given, wanted, strict=True)]
+    if None in items:
+        return None
+    return Aggregate(tuple(item for item in items if item is not None), type_, node.span)

@@ -1,0 +1,95 @@
+"""The typing rules of operators."""
+
+from __future__ import annotations
+
+from tachk.diagnostics.span import Span
+from tachk.frontend.context import Context
+from tachk.frontend.expressions import folding as fold
+from tachk.frontend.expressions.clock_constraints import COMPARISONS, compare
+from tachk.frontend.expressions.typing import (
+    CHANNEL_HELP,
+    CLOCK_VALUE_HELP,
+    describe,
+    is_aggregate,
+    is_data,
+    is_integral,
+    same_shape,
+)
+from tachk.model.expressions import BOOL, INT, Binary, BinaryOperator, Expression
+from tachk.model.types import ChannelType, ClockType, ScalarType, Type, element_type
+
+
+def combine(
+    operator: BinaryOperator, left: Expression, right: Expression, span: Span, context: Context
+) -> Expression | None:
+    """An arithmetic operation or comparison; None after a report."""
+    clocks = isinstance(left.type, ClockType) or isinstance(right.type, ClockType)
+    for side in (left, right):
+        if not (is_integral(side.type) or (clocks and isinstance(side.type, ClockType))) and (
+            clocks or operator not in (BinaryOperator.EQUAL, BinaryOperator.NOT_EQUAL)
+        ):
+            context.error("E0301", side.span, f"`{operator}` cannot be applied to {describe(side.type)}")
+            return None
+    if clocks and operator in COMPARISONS:
+        if context.in_function:
+            context.error(
+                "E0333",
+                span,
+                "a function cannot compare clocks",
+                "compare them in the guard or invariant that calls the function",
+            )
+            return None
+        return compare(operator, left, right, span, context)
+    if clocks:
+        if operator in (BinaryOperator.ADD, BinaryOperator.SUBTRACT):
+            return Binary(operator, left, right, ClockType(), span)
+        context.error("E0750", span, f"`{operator}` on the value of a clock is not supported", CLOCK_VALUE_HELP)
+        return None
+    if operator in COMPARISONS:
+        return _comparison(operator, left, right, span, context)
+    return fold.binary(operator, left, right, INT, span)
+
+
+def _comparison(
+    operator: BinaryOperator, left: Expression, right: Expression, span: Span, context: Context
+) -> Expression | None:
+    if is_integral(left.type) and is_integral(right.type):
+        return fold.binary(operator, left, right, BOOL, span)
+    if not (is_data(left.type) and same_shape(left.type, right.type)):
+        context.error(
+            "E0304",
+            span,
+            f"{describe(left.type)} and {describe(right.type)} cannot be compared",
+            _cannot_compare_help(left.type, right.type),
+        )
+        return None
+    if is_aggregate(left.type):
+        return Binary(operator, left, right, BOOL, span)
+    return fold.binary(operator, left, right, BOOL, span)
+
+
+def _cannot_compare_help(*types: Type) -> str | None:
+    if any(isinstance(type_, ScalarType) for type_ in types):
+        return "values of a scalar type can only be compared with each other"
+    if any(isinstance(element_type(type_), ChannelType) for type_ in types):
+        return CHANNEL_HELP
+    return None
+
+
+def choose(
+    test: Expression, then: Expression, otherwise: Expression, span: Span, context: Context
+) -> Expression | None:
+    """A conditional expression; None after a report."""
+    type_: Type
+    if is_integral(then.type) and is_integral(otherwise.type):
+        type_ = then.type if then.type == otherwise.type else INT
+    elif same_shape(then.type, otherwise.type):
+        type_ = then.type
+    else:
+        context.error(
+            "E0304",
+            span,
+            f"the two sides of `?:` have different types, {describe(then.type)} and {describe(otherwise.type)}",
+        )
+        return None
+    return fold.conditional(test, then, otherwise, type_, span)

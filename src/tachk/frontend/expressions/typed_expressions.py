@@ -1,0 +1,412 @@
+"""Typing and resolving expressions.
+
+Every function here returns None where it has reported a finding, or where a part of the expression is broken already;
+so one mistake gives one message.
+"""
+
+from __future__ import annotations
+
+from typing import assert_never
+
+from tachk.diagnostics.span import Span
+from tachk.frontend.context import Context
+from tachk.frontend.dropped import refuse_call, refuse_use
+from tachk.frontend.expressions import folding as fold
+from tachk.frontend.expressions.assignments import assignment
+from tachk.frontend.expressions.builtin_names import (
+    BUILTIN_FUNCTIONS,
+    DYNAMIC_FUNCTIONS,
+    DYNAMIC_HELP,
+    FLOATING_FUNCTIONS,
+)
+from tachk.frontend.expressions.name_expressions import misuse_help, named
+from tachk.frontend.expressions.operator_types import choose, combine
+from tachk.frontend.expressions.places import assignable, converted, element, field, is_place
+from tachk.frontend.expressions.process_names import mentions_family, select_member, select_process
+from tachk.frontend.expressions.type_expressions import TypeReader
+from tachk.frontend.expressions.typing import (
+    WIDE,
+    can_assign,
+    describe,
+    is_integral,
+    same_shape,
+)
+from tachk.frontend.findings import count, wrong_arguments
+from tachk.frontend.scope import (
+    BrokenSymbol,
+    DroppedSymbol,
+    FunctionSymbol,
+    LocationSymbol,
+    ProcessSymbol,
+    Scope,
+    Symbol,
+    ValueSymbol,
+)
+from tachk.model.expressions import (
+    BOOL,
+    INT,
+    BinaryOperator,
+    Call,
+    Comma,
+    Constant,
+    Deadlock,
+    Expression,
+    Function,
+    Increment,
+    LocationTest,
+    Quantifier,
+    QuantifierKind,
+    Reference,
+    UnaryOperator,
+    Variable,
+    VariableKind,
+)
+from tachk.model.types import (
+    CONSTANT_HIGH,
+    BoolType,
+    ClockType,
+    IntType,
+    Type,
+    bounds,
+)
+from tachk.syntax import ast
+from tachk.time_limit import check_time
+
+_CONNECTIVES = {
+    QuantifierKind.FORALL: BinaryOperator.AND,
+    QuantifierKind.EXISTS: BinaryOperator.OR,
+    QuantifierKind.SUM: BinaryOperator.ADD,
+}
+_LOGICAL = {BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY, BinaryOperator.XOR}
+
+
+def type_reader(scope: Scope, context: Context) -> TypeReader:
+    """Resolves types in a scope; sizes and bounds are evaluated there."""
+    return TypeReader(scope, context, lambda node, what: constant_integer(node, what, scope, context))
+
+
+def constant_integer(node: ast.Expression, what: str, scope: Scope, context: Context) -> int | None:
+    """The value of an integral expression that must be a constant."""
+    value = integral(node, scope, context)
+    if value is None:
+        return None
+    cells = context.constant_cells(value, what)
+    return None if cells is None else cells[0]
+
+
+def condition(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
+    """An expression that is true or false; it may compare clocks."""
+    value = expression(node, scope, context)
+    if value is None:
+        return None
+    if isinstance(node, ast.AssignmentExpression) and isinstance(value.type, ClockType):
+        context.error("E0313", node.span, "a condition must not change anything", "`=` assigns; write `==` to compare")
+        return None
+    if not is_integral(value.type):
+        context.error(
+            "E0305",
+            node.span,
+            f"a condition must be boolean or integer, not {describe(value.type)}",
+            "compare the clock with a bound, as in `x <= 5`" if isinstance(value.type, ClockType) else None,
+        )
+        return None
+    return value
+
+
+def integral(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
+    """An expression with an integer or boolean value."""
+    value = expression(node, scope, context)
+    if value is None:
+        return None
+    if not is_integral(value.type):
+        context.error("E0301", node.span, f"expected an integer, found {describe(value.type)}")
+        return None
+    return value
+
+
+def expression(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
+    """The typed expression; comparisons of clocks are in normal form, constants are folded."""
+    check_time()
+    match node:
+        case ast.NameExpression():
+            return named(node, scope, context)
+        case ast.IntegerLiteral(span, value):
+            if value > CONSTANT_HIGH:
+                context.error("E0605", span, f"{value} does not fit 32 bits", f"the largest integer is {CONSTANT_HIGH}")
+                return None
+            return Constant(value, INT if value <= INT.high else WIDE, span)
+        case ast.BooleanLiteral(span, truth):
+            return Constant(int(truth), BOOL, span)
+        case ast.FloatLiteral(span):
+            context.error("E0750", span, "floating point numbers are not supported", "use integers, scaled if need be")
+            return None
+        case ast.StringLiteral(span):
+            context.error("E0750", span, "strings are not supported")
+            return None
+        case ast.UnaryExpression():
+            return _unary(node, scope, context)
+        case ast.BinaryExpression():
+            return _binary(node, scope, context)
+        case ast.AssignmentExpression():
+            return _assignment(node, scope, context)
+        case ast.IncrementExpression(span, operator, prefix, target):
+            place = _target(target, scope, context)
+            if place is None:
+                return None
+            if not isinstance(place.type, IntType | BoolType):
+                context.error("E0301", target.span, f"`{operator}` needs an integer, not {describe(place.type)}")
+                return None
+            return Increment(place, 1 if operator == "++" else -1, prefix, place.type, span)
+        case ast.ConditionalExpression():
+            return _conditional(node, scope, context)
+        case ast.CallExpression():
+            return _call(node, scope, context)
+        case ast.IndexExpression():
+            return _index(node, scope, context)
+        case ast.MemberExpression():
+            return _member(node, scope, context)
+        case ast.RateExpression(span):
+            context.error(
+                "E0334",
+                span,
+                "a rate can only be set as a conjunct of an invariant",
+                "write `x' == 0` (stopped) or `x' == 1` as a part of the location's invariant",
+            )
+            return None
+        case ast.QuantifierExpression():
+            return _quantifier(node, scope, context)
+        case ast.DeadlockExpression(span):
+            if not context.in_query:
+                context.error("E0501", span, "`deadlock` can only be used in queries")
+                return None
+            return Deadlock(span=span)
+        case ast.SpawnExpression(span):
+            context.error("E0750", span, "`spawn` is not supported", DYNAMIC_HELP)
+            return None
+        case ast.InitialiserList(span):
+            context.error("E0318", span, "a list in braces can only initialise an array or a struct")
+            return None
+        case _ as never:
+            assert_never(never)
+
+
+# ---- operators ------------------------------------------------------------------------------------------------------
+
+
+def _unary(node: ast.UnaryExpression, scope: Scope, context: Context) -> Expression | None:
+    if node.operator == "-" and isinstance(node.operand, ast.IntegerLiteral) and node.operand.value == 2**31:
+        return Constant(-(2**31), WIDE, node.span)
+    if node.operator == "!":
+        operand = condition(node.operand, scope, context)
+        return None if operand is None else fold.negation(operand, node.span)
+    value = expression(node.operand, scope, context)
+    if value is None:
+        return None
+    if isinstance(value.type, ClockType) or is_integral(value.type):
+        if node.operator == "+":
+            return value
+        type_ = value.type if isinstance(value.type, ClockType) else INT
+        return fold.unary(UnaryOperator.MINUS, value, type_, node.span)
+    context.error("E0301", node.operand.span, f"`{node.operator}` needs an integer, not {describe(value.type)}")
+    return None
+
+
+def _binary(node: ast.BinaryExpression, scope: Scope, context: Context) -> Expression | None:
+    operator = BinaryOperator(node.operator)
+    if operator in _LOGICAL:
+        first, second = condition(node.left, scope, context), condition(node.right, scope, context)
+        if first is None or second is None:
+            return None
+        return fold.binary(operator, first, second, BOOL, node.span)
+    left, right = expression(node.left, scope, context), expression(node.right, scope, context)
+    if left is None or right is None:
+        return None
+    return combine(operator, left, right, node.span, context)
+
+
+def _conditional(node: ast.ConditionalExpression, scope: Scope, context: Context) -> Expression | None:
+    test = condition(node.condition, scope, context)
+    then, otherwise = expression(node.then, scope, context), expression(node.otherwise, scope, context)
+    if test is None or then is None or otherwise is None:
+        return None
+    return choose(test, then, otherwise, node.span, context)
+
+
+def _quantifier(node: ast.QuantifierExpression, scope: Scope, context: Context) -> Expression | None:
+    if node.kind == "foreach":
+        context.error("E0750", node.span, "`foreach` over dynamic processes is not supported", DYNAMIC_HELP)
+        return None
+    type_ = type_reader(scope, context).bounded(node.type, f"the variable of `{node.kind}`")
+    if type_ is None:
+        return None
+    kind = QuantifierKind(node.kind)
+    result_type: Type = INT if kind is QuantifierKind.SUM else BOOL
+    checked = integral if kind is QuantifierKind.SUM else condition
+    if not (context.in_query and mentions_family(node.body, scope)):
+        variable = Variable(node.variable.name, type_, VariableKind.BOUND, span=node.variable.span)
+        body = checked(node.body, _bound_scope(node, Reference(variable), scope), context)
+        return None if body is None else Quantifier(kind, variable, body, result_type, node.span)
+    # Which process is meant depends on the variable, so the instances are written out.
+    low, high = bounds(type_)
+    if not context.allow_instances(high - low + 1, node.span):
+        return None
+    parts: list[Expression] = []
+    for value in range(low, high + 1):
+        part = checked(node.body, _bound_scope(node, Constant(value, type_), scope), context)
+        if part is None:
+            return None
+        parts.append(part)
+    return fold.joined(_CONNECTIVES[kind], parts, result_type, node.span)
+
+
+def _bound_scope(node: ast.QuantifierExpression, value: Expression, scope: Scope) -> Scope:
+    return Scope(scope, "", {node.variable.name: ValueSymbol(value, False, "bound variable", node.variable.span)})
+
+
+# ---- places ---------------------------------------------------------------------------------------------------------
+
+
+def _index(node: ast.IndexExpression, scope: Scope, context: Context) -> Expression | None:
+    base, number = expression(node.base, scope, context), expression(node.index, scope, context)
+    if base is None or number is None:
+        return None
+    return element(base, number, node, context)
+
+
+def _member(node: ast.MemberExpression, scope: Scope, context: Context) -> Expression | None:
+    found = select_process(node.base, scope, context, _constant_argument)
+    if found is not None:
+        member = select_member(found, node.name, context)
+        match member:
+            case LocationSymbol(number):
+                assert isinstance(found, ProcessSymbol)
+                return LocationTest(found.number, number, span=node.span)
+            case ValueSymbol():
+                return member.use(node.span)
+            case FunctionSymbol():
+                context.error("E0203", node.span, f"`{node.name.name}` is a function", "write parentheses to call it")
+            case DroppedSymbol():
+                refuse_use(node, member, context)
+            case _:
+                pass
+        return None
+    base = expression(node.base, scope, context)
+    if base is None:
+        return None
+    return field(base, node, context)
+
+
+def _constant_argument(node: ast.Expression, scope: Scope, context: Context) -> int | None:
+    value = expression(node, scope, context)
+    if value is None:
+        return None
+    cells = context.constant_cells(value, "an argument that names a process")
+    return None if cells is None else cells[0]
+
+
+def _target(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
+    """A place that may be assigned to."""
+    return expression(node, scope, context) if assignable(node, scope, context) else None
+
+
+def _assignment(node: ast.AssignmentExpression, scope: Scope, context: Context) -> Expression | None:
+    target = _target(node.target, scope, context)
+    value = expression(node.value, scope, context)
+    if target is None or value is None:
+        return None
+    return assignment(target, value, node, context)
+
+
+def comma(nodes: tuple[ast.Expression, ...], span: Span, scope: Scope, context: Context) -> Expression | None:
+    """Expressions separated by commas, the last of which is a condition."""
+    items = [expression(node, scope, context) for node in nodes[:-1]]
+    last = condition(nodes[-1], scope, context)
+    if last is None or None in items:
+        return None
+    if not items:
+        return last
+    return Comma((*(item for item in items if item is not None), last), last.type, span)
+
+
+# ---- calls ----------------------------------------------------------------------------------------------------------
+
+
+def _call(node: ast.CallExpression, scope: Scope, context: Context) -> Expression | None:
+    symbol = _called(node.function, scope, context)
+    if symbol is None:
+        return None
+    if not isinstance(symbol, FunctionSymbol):
+        if isinstance(symbol, DroppedSymbol):
+            refuse_call(node.function, symbol, context)
+        elif not isinstance(symbol, BrokenSymbol):
+            context.error("E0208", node.function.span, f"a {symbol.description} is not a function", misuse_help(symbol))
+        return None
+    function = symbol.function
+    if function is None:
+        context.error("E0310", node.span, "a function cannot call itself", "write a loop instead")
+        return None
+    if len(node.arguments) != len(function.parameters):
+        context.findings.add(
+            "E0308",
+            node.span,
+            f"`{function.name}` takes {count(len(function.parameters), 'argument')}, not {len(node.arguments)}",
+            wrong_arguments([parameter.name for parameter in function.parameters], len(node.arguments)),
+        )
+        return None
+    arguments: list[Expression] = []
+    for parameter, argument in zip(function.parameters, node.arguments, strict=True):
+        value = _argument(function, parameter, argument, scope, context)
+        if value is not None:
+            arguments.append(value)
+    if len(arguments) != len(node.arguments):
+        return None
+    return Call(function, tuple(arguments), function.result, node.span)
+
+
+def _called(node: ast.Expression, scope: Scope, context: Context) -> Symbol | None:
+    if isinstance(node, ast.MemberExpression):
+        process = select_process(node.base, scope, context, _constant_argument)
+        return None if process is None else select_member(process, node.name, context)
+    if not isinstance(node, ast.NameExpression):
+        context.error("E0208", node.span, "only a function can be called")
+        return None
+    symbol = scope.lookup(node.name)
+    if symbol is None:
+        builtin = BUILTIN_FUNCTIONS.get(node.name)
+        if builtin is not None:
+            context.record_function(builtin)
+            return FunctionSymbol(builtin, node.span)
+        if node.name in DYNAMIC_FUNCTIONS:
+            context.error("E0750", node.span, f"`{node.name}` is not supported", DYNAMIC_HELP)
+        elif node.name in FLOATING_FUNCTIONS:
+            context.error("E0750", node.span, f"the function `{node.name}` on floating point numbers is not supported")
+        else:
+            context.error("E0201", node.span, f"unknown function `{node.name}`", scope.suggestion(node.name))
+    return symbol
+
+
+def _argument(
+    function: Function, parameter: Variable, node: ast.Expression, scope: Scope, context: Context
+) -> Expression | None:
+    value = expression(node, scope, context)
+    if value is None:
+        return None
+    what = f"parameter `{parameter.name}` of `{function.name}`"
+    if parameter.reference:
+        if not is_place(value):
+            context.error(
+                "E0317",
+                node.span,
+                f"{what} is passed by reference and needs a variable",
+                "store the value in a variable first",
+            )
+            return None
+        if parameter in context.effects[function].writes and not assignable(node, scope, context):
+            return None
+        fits = same_shape(parameter.type, value.type)
+    else:
+        fits = can_assign(parameter.type, value.type)
+    if not fits:
+        context.error("E0309", node.span, f"{what} needs {describe(parameter.type)}, not {describe(value.type)}")
+        return None
+    return value if parameter.reference else converted(value, parameter.type)

@@ -1,0 +1,71 @@
+"""What is expected of properties: ``expect A, B fails;`` for imported ones, and outcomes that depend on constants."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from tachk.diagnostics.diagnostic import Label
+from tachk.diagnostics.span import Span
+from tachk.diagnostics.suggestion import did_you_mean
+from tachk.frontend.context import Context
+from tachk.frontend.expressions.typed_expressions import condition
+from tachk.frontend.findings import Findings
+from tachk.frontend.scope import Scope
+from tachk.model.query import Expectation
+from tachk.syntax import ast
+
+
+def with_expectations(items: Iterable[ast.Item], findings: Findings) -> list[ast.Item]:
+    """The items without the expectations, which the properties now have; they go before those at the properties."""
+    items = list(items)
+    names = [item.name.name for item in items if isinstance(item, ast.PropertyDeclaration)]
+    expected: dict[str, tuple[ast.Expected, Span]] = {}
+    for item in items:
+        if not isinstance(item, ast.ExpectationDeclaration):
+            continue
+        for identifier in item.names:
+            name = identifier.name
+            if name not in names:
+                help_ = did_you_mean(name, names) or "state the property, or import the file that does"
+                findings.add("E0419", identifier.span, f"there is no property `{name}`", help_)
+            elif name in expected:
+                where = (Label(expected[name][1], "first here"),)
+                message = f"two lines say what is expected of `{name}`"
+                findings.add("E0419", identifier.span, message, "keep one", where)
+            else:
+                expected[name] = item.expectation, identifier.span
+    return [
+        replace(item, expectation=expected[item.name.name][0])
+        if isinstance(item, ast.PropertyDeclaration) and item.name.name in expected
+        else item
+        for item in items
+        if not isinstance(item, ast.ExpectationDeclaration)
+    ]
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """What is expected of one query.
+
+    Attributes:
+        expectation: for the values that the constants have; None if nothing is said.
+        conditional: it depends on constants, so that it speaks of other values, too.
+    """
+
+    expectation: Expectation | None = None
+    conditional: bool = False
+
+
+def claim(expected: ast.Expected | None, scope: Scope, context: Context) -> Claim:
+    """The outcome that is expected with the values of the constants; nothing after a report."""
+    if expected is None:
+        return Claim()
+    if isinstance(expected, str):
+        return Claim(Expectation(expected))
+    otherwise = claim(expected.otherwise, scope, context)
+    value = condition(expected.condition, scope, context)
+    cells = None if value is None else context.constant_cells(value, "the condition of an expectation")
+    if cells is None:
+        return Claim()
+    return Claim(Expectation(expected.outcome) if cells[0] else otherwise.expectation, True)

@@ -1,0 +1,126 @@
+"""Temporal properties: the formula is elaborated through the automaton that watches for its violations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from tachk.frontend.context import Context
+from tachk.frontend.declarations.channels import ChannelTable
+from tachk.frontend.declarations.declarations import Declared
+from tachk.frontend.expressions.typed_expressions import condition, integral
+from tachk.frontend.queries.formula_durations import resolve_durations
+from tachk.frontend.scope import FamilySymbol, ProcessSymbol, Scope
+from tachk.frontend.templates.templates import elaborate_process
+from tachk.logic.observer.construction import BAD, NoObserver, build_observer
+from tachk.logic.sentences import meaning
+from tachk.model.expressions import BOOL, Call, Deadlock, Expression, LocationTest, Unary, UnaryOperator
+from tachk.model.query import Expectation, Observer, Query, QueryKind
+from tachk.model.traversal import called_functions, statement_expressions, walk
+from tachk.model.types import ClockType
+from tachk.syntax import ast
+from tachk.syntax.formula import Atom, Change, Formula, operands
+from tachk.syntax.formulas.printer import print_formula
+from tachk.syntax.rewrite import fresh_name
+from tachk.syntax.sentences.parser import parse_sentence
+
+OBSERVER = "Observer"
+"""The name of the observer's process, where no other has it."""
+
+
+def elaborate_temporal(
+    node: ast.TemporalFormula,
+    name: str,
+    scope: Scope,
+    context: Context,
+    title: str,
+    expectation: Expectation | None,
+) -> Query | None:
+    """The query whether the observer of a formula stays out of its bad location; None after a report."""
+    context = replace(context, in_query=True)
+    formula = temporal_formula(node, scope, context)
+    if formula is None or not _speaks_of_states(formula, scope, context):
+        return None
+    own_name = fresh_name(OBSERVER, set(scope.names()))
+    try:
+        template = build_observer(formula, own_name)
+    except NoObserver as refusal:
+        context.error("E0730", refusal.span, refusal.reason, refusal.help)
+        return None
+    process, _ = elaborate_process(template, own_name, Scope(scope), Declared(own_name), ChannelTable(set()), context)
+    bad = next(number for number, location in enumerate(process.locations) if location.name == BAD)
+    predicate = Unary(UnaryOperator.NOT, LocationTest(_processes(scope), bad, span=node.span), BOOL, node.span)
+    return Query(
+        name,
+        QueryKind.INVARIANTLY,
+        predicate,
+        (),
+        node.sentence or node.span.text,
+        title,
+        expectation,
+        node.span,
+        Observer(process, bad, print_formula(formula)),
+    )
+
+
+def temporal_formula(node: ast.TemporalFormula, scope: Scope, context: Context) -> Formula | None:
+    """What the property says, with bounds in time units of the model; None after a report."""
+    formula = node.formula
+    if formula is None:
+        sentence, diagnostics = parse_sentence(node.span)
+        context.findings.extend(diagnostics)
+        if sentence is None:
+            return None
+        formula = meaning(sentence)
+    return resolve_durations(formula, scope, context)
+
+
+def _speaks_of_states(formula: Formula, scope: Scope, context: Context) -> bool:
+    """Whether every atom is a condition on states without clocks; reports those that are not."""
+    good = True
+    for atom in _atoms(formula):
+        read = condition if isinstance(atom, Atom) else integral
+        value = read(atom.expression, scope, context)
+        if value is None or not context.require_pure(value, "a temporal property"):
+            good = False
+        elif (clock := _clock_in(value)) is not None:
+            good = False
+            context.error(
+                "E0731",
+                clock.span,
+                f"a temporal property cannot look at a clock, here `{clock.span.text or 'a clock'}`",
+                "queries such as `A[] P.x <= 5` look at clocks; in a formula a window such as `F[0,5]` measures time",
+            )
+        elif any(isinstance(inner, Deadlock) for inner in walk(value)):
+            good = False
+            context.error("E0501", atom.span, "`deadlock` has no place in a temporal property", "ask A[] not deadlock")
+    return good
+
+
+def _atoms(formula: Formula) -> Iterator[Atom | Change]:
+    if isinstance(formula, Atom | Change):
+        yield formula
+    for operand in operands(formula):
+        yield from _atoms(operand)
+
+
+def _clock_in(value: Expression) -> Expression | None:
+    """A clock whose value the expression depends on."""
+    inside = list(walk(value))
+    if any(isinstance(node, Call) for node in inside):
+        inside += [e for f in called_functions([value]) for s in statement_expressions(f.body) for e in walk(s)]
+    return next((node for node in inside if isinstance(node.type, ClockType)), None)
+
+
+def _processes(scope: Scope) -> int:
+    """The number of processes that the scope names: the number of the one that comes behind them."""
+    numbers = [-1]
+    for symbol in scope.symbols.values():
+        match symbol:
+            case ProcessSymbol(number=number):
+                numbers.append(number)
+            case FamilySymbol(instances=instances):
+                numbers += [instance.number for instance in instances.values()]
+            case _:
+                pass
+    return max(numbers) + 1

@@ -1,0 +1,130 @@
+"""Invariants: conditions on clocks and variables, and rates ``x' == e``."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+from tachk.frontend.context import Context
+from tachk.frontend.dropped import drop_rate
+from tachk.frontend.expressions import folding as fold
+from tachk.frontend.expressions.clock_constraints import convex, forbid
+from tachk.frontend.expressions.typed_expressions import condition, expression, type_reader
+from tachk.frontend.expressions.typing import describe, is_integral, value_range
+from tachk.frontend.scope import Scope, ValueSymbol
+from tachk.model.expressions import BOOL, BinaryOperator, Block, Call, Constant, Expression, Function, Return
+from tachk.model.types import ClockType, IntType, bounds
+from tachk.syntax import ast
+
+Rates = tuple[tuple[Expression, Expression], ...]
+
+
+def invariant_parts(node: ast.Expression | None, scope: Scope, context: Context) -> tuple[Expression | None, Rates]:
+    """The condition of an invariant (None where there is none, or after a report) and its rates."""
+    if node is None:
+        return None, ()
+    conditions: list[Expression] = []
+    rates: list[tuple[Expression, Expression]] = []
+    for part, inner in _conjuncts(node, scope, context):
+        rate = _rate_sides(part)
+        if rate is not None:
+            if drop_rate(rate[0].clock, rate[1], inner, context):
+                continue
+            pair = _rate(*rate, inner, context)
+            if pair is not None and not (isinstance(pair[1], Constant) and pair[1].value == 1):
+                rates.append(pair)
+            continue
+        value = condition(part, inner, context)
+        if value is None or not context.require_pure(value, "an invariant"):
+            continue
+        checked = convex(value, "invariant", context)
+        if checked is None:
+            continue
+        conditions.append(checked)
+    if len(conditions) > 1:
+        conditions = [fold.joined(BinaryOperator.AND, [*map(fold.truth, conditions)], BOOL, node.span)]
+    return (conditions[0] if conditions else None), tuple(rates)
+
+
+def _conjuncts(node: ast.Expression, scope: Scope, context: Context) -> list[tuple[ast.Expression, Scope]]:
+    """The conjuncts of an invariant, each with the scope to elaborate it in; ``forall`` over rates is expanded."""
+    result: list[tuple[ast.Expression, Scope]] = []
+    pending: list[tuple[ast.Expression, Scope]] = [(node, scope)]
+    while pending:
+        current, inner = pending.pop()
+        match current:
+            case ast.BinaryExpression(operator="&&", left=left, right=right):
+                pending += [(right, inner), (left, inner)]
+            case ast.QuantifierExpression(kind="forall", variable=name, type=type_, body=body) if _has_rate(body):
+                bounded = type_reader(inner, context).bounded(type_, "the variable of `forall`")
+                if bounded is not None:
+                    low, high = bounds(bounded)
+                    if not context.allow_instances(high - low + 1, current.span):
+                        continue
+                    for value in range(high, low - 1, -1):
+                        symbol = ValueSymbol(Constant(value, bounded), False, "bound variable", name.span)
+                        pending.append((body, Scope(inner, "", {name.name: symbol})))
+            case _:
+                result.append((current, inner))
+    return result
+
+
+def _has_rate(node: object) -> bool:
+    if isinstance(node, ast.RateExpression):
+        return True
+    if isinstance(node, tuple):
+        return any(_has_rate(item) for item in node)
+    return isinstance(node, ast.Node) and any(_has_rate(getattr(node, f.name)) for f in fields(node))
+
+
+def _rate_sides(node: ast.Expression) -> tuple[ast.RateExpression, ast.Expression] | None:
+    match node:
+        case ast.BinaryExpression(operator="==", left=ast.RateExpression() as rate, right=value):
+            return rate, value
+        case ast.BinaryExpression(operator="==", left=value, right=ast.RateExpression() as rate):
+            return rate, value
+        case _:
+            return None
+
+
+def _rate(
+    node: ast.RateExpression, written: ast.Expression, scope: Scope, context: Context
+) -> tuple[Expression, Expression] | None:
+    clock = expression(node.clock, scope, context)
+    value = expression(written, scope, context)
+    if clock is not None and not isinstance(clock.type, ClockType):
+        context.error("E0334", node.clock.span, f"only clocks have a rate, not {describe(clock.type)}")
+        return None
+    if clock is None or value is None:
+        return None
+    if isinstance(value.type, ClockType):
+        _other_rate(written, context)
+        return None
+    if not is_integral(value.type):
+        context.error("E0301", written.span, f"expected an integer, found {describe(value.type)}")
+        return None
+    if not context.require_pure(value, "a rate") or not forbid(value, "a rate", context):
+        return None
+    low, high = value_range(value)
+    if high < 0 or low > 1 or (isinstance(value, Constant) and value.value not in (0, 1)):
+        _other_rate(written, context)
+        return None
+    if low < 0 or high > 1:
+        value = _checked(value, context)
+    return clock, value
+
+
+def _other_rate(written: ast.Expression, context: Context) -> None:
+    context.error(
+        "E0750",
+        written.span,
+        "a clock rate other than 0 and 1 is not supported",
+        "let the clock stand still (rate 0) or run (rate 1); other rates belong to statistical checking",
+    )
+
+
+def _checked(value: Expression, context: Context) -> Expression:
+    """The value through a function with the result type ``int[0,1]``, so that another rate is a run-time error."""
+    result = IntType(0, 1)
+    function = Function("rate", (), result, Block((Return(value),)), value.span)
+    context.record_function(function)
+    return Call(function, (), result, value.span)

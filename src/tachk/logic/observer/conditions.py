@@ -1,0 +1,87 @@
+"""Conditions on one state, as conjunctions of expressions that are kept apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import reduce
+
+from tachk.diagnostics.span import Span
+from tachk.syntax import ast
+from tachk.syntax.printing.expression_printer import print_expression
+
+_NEGATED = {"==": "!=", "!=": "==", "<": ">=", ">=": "<", "<=": ">", ">": "<="}
+
+Conjunction = frozenset[ast.Expression]
+"""Expressions that are all true; the empty one is true."""
+
+
+def truth(value: bool, span: Span) -> ast.Expression:
+    return ast.BooleanLiteral(span, value)
+
+
+def negated(expression: ast.Expression) -> ast.Expression:
+    """The opposite, negations moved inwards as far as no operand is evaluated that was not before."""
+    span = expression.span
+    match expression:
+        case ast.BooleanLiteral(value=value):
+            return ast.BooleanLiteral(span, not value)
+        case ast.UnaryExpression(operator="!", operand=operand):
+            return operand
+        case ast.BinaryExpression(operator="&&", left=left, right=right):
+            return ast.BinaryExpression(span, "||", negated(left), negated(right))
+        case ast.BinaryExpression(operator="||", left=left, right=right):
+            return ast.BinaryExpression(span, "&&", negated(left), negated(right))
+        case ast.BinaryExpression(operator="imply", left=left, right=right):
+            return ast.BinaryExpression(span, "&&", left, negated(right))
+        case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in _NEGATED:
+            return ast.BinaryExpression(span, _NEGATED[operator], left, right)
+        case _:
+            return ast.UnaryExpression(span, "!", expression)
+
+
+def all_of(parts: Iterable[ast.Expression], span: Span) -> ast.Expression:
+    """The conjunction as one expression."""
+    found = conjunction(parts)
+    ordered = sorted(found, key=_order)
+    return reduce(lambda a, b: ast.BinaryExpression(span, "&&", a, b), ordered) if ordered else truth(True, span)
+
+
+def any_of(parts: Iterable[ast.Expression], span: Span) -> ast.Expression:
+    """The disjunction as one expression."""
+    kept = [part for part in dict.fromkeys(parts) if part != truth(False, span)]
+    if any(part == truth(True, span) for part in kept):
+        return truth(True, span)
+    return reduce(lambda a, b: ast.BinaryExpression(span, "||", a, b), kept) if kept else truth(False, span)
+
+
+def conjunction(parts: Iterable[ast.Expression]) -> Conjunction:
+    """The parts taken apart at every ``&&``; of contradicting ones, ``false`` alone is left."""
+    found = _conjuncts(parts)
+    for part in found:
+        if isinstance(part, ast.BooleanLiteral) or _conjuncts((negated(part),)) <= found:
+            return frozenset((truth(False, part.span),))
+    return frozenset(found)
+
+
+def _conjuncts(parts: Iterable[ast.Expression]) -> set[ast.Expression]:
+    """The parts taken apart, ``true`` left out."""
+    found: set[ast.Expression] = set()
+    pending = list(parts)
+    while pending:
+        match pending.pop():
+            case ast.BooleanLiteral(value=True):
+                pass
+            case ast.BinaryExpression(operator="&&", left=left, right=right):
+                pending += (left, right)
+            case part:
+                found.add(part)
+    return found
+
+
+def is_false(condition: Conjunction) -> bool:
+    return any(isinstance(part, ast.BooleanLiteral) and not part.value for part in condition)
+
+
+def _order(part: ast.Expression) -> tuple[int, int, str]:
+    """As in the text: what an expression guards against stands in front of it."""
+    return part.span.start, part.span.end, print_expression(part)

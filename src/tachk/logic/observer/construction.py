@@ -1,0 +1,267 @@
+"""Observers: automata beside a model that can reach their location `Bad` exactly if the model can violate a formula.
+
+An observer guesses how the formula is violated and checks its guess; it never keeps the model from doing anything. Its
+locations have requirements. Where one fails, a broadcast over an urgent channel that nobody hears is enabled: time
+stands still until the observer has left, and a requirement that fails for no time, between two updates at one instant,
+does not count. docs/logic.md describes the construction.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from tachk.diagnostics.span import Span
+from tachk.logic.observer.conditions import Conjunction, all_of, is_false, negated, truth
+from tachk.logic.observer.goals import Goal, NoObserver, saved_expressions
+from tachk.logic.observer.names import location_names
+from tachk.logic.observer.states import SHOWN, State
+from tachk.logic.observer.tableau import Step, Tableau
+from tachk.logic.observer.violation import violation
+from tachk.syntax import ast
+from tachk.syntax.formula import Formula
+from tachk.syntax.printing.expression_printer import print_expression
+from tachk.syntax.rewrite import fresh_name, names_in
+
+__all__ = ["BAD", "NoObserver", "build_observer"]
+
+BAD = "Bad"
+"""The location that is reachable if and only if the formula can be violated."""
+
+MAXIMAL_LOCATIONS = 100
+MAXIMAL_CLOCKS = 6
+_CLOCKS = ("x", "y", "z", "u", "v", "w")
+
+
+def build_observer(formula: Formula, name: str, taken: Iterable[str] = ()) -> ast.Template:
+    """The template of an observer, without parameters and with a location ``Bad``.
+
+    Args:
+        formula: durations are numbers of time units.
+        name: of the template.
+        taken: names that the names inside the template must differ from, beside those in the formula.
+
+    Raises:
+        NoObserver: for a formula that no automaton of this kind decides; names the part that is to blame.
+    """
+    goal = violation(formula)
+    used = {*names_in(formula), *taken, name}
+    return _Writer(formula.span, goal, name, used).template()
+
+
+@dataclass(slots=True)
+class _Automaton:
+    """The part of a tableau from which `SHOWN` can be reached."""
+
+    states: list[State] = field(default_factory=list)
+    steps: dict[State, list[Step]] = field(default_factory=dict)
+
+
+class _Writer:
+    def __init__(self, span: Span, goal: Goal, name: str, used: set[str]) -> None:
+        self.span = span
+        self.name = name
+        saved: dict[ast.Expression, str] = {}
+        for expression in saved_expressions(goal):
+            saved[expression] = fresh_name("saved", used)
+            used.add(saved[expression])
+        self.saved = saved
+        self.tableau = Tableau(goal, span, saved)
+        self.automaton = _explored(self.tableau, span)
+        self.clocks = self._clock_names(used)
+        used.update(self.clocks)
+        self.channel = fresh_name("now", used)
+        used.add(self.channel)
+        self.initial = [entry for entry in self.tableau.initial if entry[0] in self.automaton.steps or not entry[0]]
+        first = self.initial[0] if len(self.initial) == 1 else None
+        self.start: State | None = first[0] if first is not None and not first[1] else None
+        """The only state to begin in; None: an urgent location chooses."""
+        idle = self.tableau.idle
+        self.idle = idle if idle in self.automaton.steps else None
+        self.names = location_names(self.automaton.states, self.idle, used)
+        self.bad = BAD
+        self.passed = fresh_name("Passed", used)
+        self.gives_up = False
+
+    def _clock_names(self, used: set[str]) -> list[str]:
+        found = {guard.clock for steps in self.automaton.steps.values() for step in steps for guard in step.clocks}
+        names: list[str] = []
+        for number in range(max(found, default=-1) + 1):
+            if number >= MAXIMAL_CLOCKS:
+                raise NoObserver(self.span, f"its observer would need more than {MAXIMAL_CLOCKS} clocks")
+            names.append(fresh_name(_CLOCKS[number], used | set(names)))
+        return names
+
+    # ---- the template -----------------------------------------------------------------------------------------------
+
+    def template(self) -> ast.Template:
+        locations = [self._location(state) for state in self.automaton.states]
+        if self.start is None and self.initial:
+            locations.insert(0, self._beginning())
+        hopeless = not locations and self.start is None
+        if self.gives_up or hopeless:
+            locations.append(self._plain(self.passed, initial=hopeless))
+        locations.append(self._plain(self.bad, initial=self.start == SHOWN))
+        return ast.Template(
+            self.span, self._identifier(self.name), (), self._declarations(), tuple(locations), classic=False
+        )
+
+    def _declarations(self) -> tuple[ast.VariableDeclaration, ...]:
+        found = []
+        if self.clocks:
+            found.append(self._declaration((), ast.BuiltinType(self.span, "clock"), self.clocks))
+        if self.saved:
+            high = ast.IntegerLiteral(self.span, 2**31 - 1)
+            low = self._binary("-", ast.UnaryExpression(self.span, "-", high), self._number(1))
+            found.append(self._declaration((), ast.RangeType(self.span, low, high), list(self.saved.values())))
+        found.append(self._declaration(("urgent", "broadcast"), ast.BuiltinType(self.span, "chan"), [self.channel]))
+        return tuple(found)
+
+    def _declaration(
+        self, prefixes: tuple[str, ...], base: ast.BuiltinType | ast.RangeType, names: list[str]
+    ) -> ast.VariableDeclaration:
+        type_ = ast.TypeExpression(self.span, prefixes, base)
+        return ast.VariableDeclaration(
+            self.span, type_, tuple(ast.Declarator(self.span, self._identifier(name)) for name in names)
+        )
+
+    def _plain(self, name: str, initial: bool = False) -> ast.LocationDeclaration:
+        return ast.LocationDeclaration(self.span, self._identifier(name), initial=initial)
+
+    def _beginning(self) -> ast.LocationDeclaration:
+        """An urgent location: what the run begins with is guessed before time passes."""
+        edges = [
+            self._edge(self._name_of(state), self._guard((), condition), [], urgent=False)
+            for state, condition in self.initial
+        ]
+        if all(condition for _, condition in self.initial):
+            edges.append(self._edge(self._fallback(), None, [], urgent=False))
+        name = fresh_name("Start", {*self.names.values(), self.channel, *self.clocks, self.passed})
+        return ast.LocationDeclaration(self.span, self._identifier(name), initial=True, urgent=True, edges=tuple(edges))
+
+    def _location(self, state: State) -> ast.LocationDeclaration:
+        requirement = self.tableau.requirement(state)
+        steps = [step for step in self.automaton.steps[state] if not self._is_escape(step, requirement)]
+        edges = [self._step(step) for step in steps]
+        if requirement:
+            guard = None if is_false(requirement) else negated(all_of(requirement, self.span))
+            edges.append(self._edge(self._fallback(), guard, self._forgotten(state, None), urgent=True))
+        limits = []
+        for (clock, value), target in sorted(self.tableau.deadlines(state).items(), key=lambda entry: entry[0]):
+            limits.append(self._compare(clock, "<=", value))
+            where = self._fallback() if target is None else self._name_of(target)
+            edges.append(self._edge(where, self._compare(clock, ">=", value), self._forgotten(state, target), False))
+        return ast.LocationDeclaration(
+            self.span,
+            self._identifier(self.names[state]),
+            all_of(limits, self.span) if limits else None,
+            initial=state == self.start,
+            edges=tuple(edges),
+            doc=self._doc(requirement),
+        )
+
+    def _doc(self, requirement: Conjunction) -> str:
+        if not requirement or is_false(requirement):
+            return ""
+        return f"while {print_expression(all_of(requirement, self.span))}"
+
+    def _is_escape(self, step: Step, requirement: Conjunction) -> bool:
+        """Whether the way out that is taken where the requirement fails does the same."""
+        return (
+            step.target == self.idle
+            and not step.clocks
+            and step.condition == frozenset((negated(all_of(requirement, self.span)),))
+        )
+
+    def _step(self, step: Step) -> ast.EdgeDeclaration:
+        clocks = [self._compare(guard.clock, guard.operator, guard.value) for guard in step.clocks]
+        updates = []
+        if step.reset is not None and step.target != SHOWN and step.reset < len(self.clocks):
+            updates.append(self._assign(self.clocks[step.reset], self._number(0)))
+        if step.saved is not None:
+            updates.append(self._assign(self.saved[step.saved], step.saved))
+        updates += self._forgotten(step.source, step.target)
+        return self._edge(self._name_of(step.target), self._guard(clocks, step.condition), updates, step.forced)
+
+    def _forgotten(self, source: State, target: State | None) -> list[ast.Expression]:
+        """Updates that set saved values back that nobody looks at any more, so that states are not told apart."""
+        kept = set() if target is None else self._saved_in(target)
+        return [self._assign(name, self._number(0)) for name in sorted(self._saved_in(source) - kept)]
+
+    def _saved_in(self, state: State) -> set[str]:
+        return {name for name in names_in(tuple(self.tableau.requirement(state))) if name in self.saved.values()}
+
+    def _name_of(self, state: State) -> str:
+        if state == SHOWN:
+            return self.bad
+        return self.names.get(state) or self._fallback()
+
+    def _fallback(self) -> str:
+        if self.idle is not None:
+            return self.names[self.idle]
+        self.gives_up = True
+        return self.passed
+
+    # ---- pieces of syntax -------------------------------------------------------------------------------------------
+
+    def _edge(
+        self, target: str, guard: ast.Expression | None, updates: list[ast.Expression], urgent: bool
+    ) -> ast.EdgeDeclaration:
+        label = (
+            ast.SynchronisationLabel(self.span, ast.NameExpression(self.span, self.channel), "!") if urgent else None
+        )
+        return ast.EdgeDeclaration(self.span, None, self._identifier(target), (), guard, label, tuple(updates))
+
+    def _guard(self, clocks: Iterable[ast.Expression], condition: Conjunction) -> ast.Expression | None:
+        parts = [*clocks, *([all_of(condition, self.span)] if condition else [])]
+        result: ast.Expression | None = None
+        for part in parts:
+            result = part if result is None else self._binary("&&", result, part)
+        return None if result == truth(True, self.span) else result
+
+    def _compare(self, clock: int, operator: str, value: int) -> ast.Expression:
+        return self._binary(operator, ast.NameExpression(self.span, self.clocks[clock]), self._number(value))
+
+    def _binary(self, operator: str, left: ast.Expression, right: ast.Expression) -> ast.Expression:
+        return ast.BinaryExpression(self.span, operator, left, right)
+
+    def _assign(self, name: str, value: ast.Expression) -> ast.Expression:
+        return ast.AssignmentExpression(self.span, "=", ast.NameExpression(self.span, name), value)
+
+    def _number(self, value: int) -> ast.Expression:
+        return ast.IntegerLiteral(self.span, value)
+
+    def _identifier(self, name: str) -> ast.Identifier:
+        return ast.Identifier(self.span, name)
+
+
+def _explored(tableau: Tableau, span: Span) -> _Automaton:
+    """All states that can be reached and from which `SHOWN` can be reached, in breadth-first order."""
+    initial = [state for state, _ in tableau.initial]
+    steps: dict[State, list[Step]] = {}
+    waiting = deque([*initial, *([tableau.idle] if tableau.idle is not None else [])])
+    seen = set(waiting)
+    while waiting:
+        state = waiting.popleft()
+        if state == SHOWN:
+            continue
+        steps[state] = list(dict.fromkeys(tableau.steps(state)))
+        further = [step.target for step in steps[state]]
+        further += [target for target in tableau.deadlines(state).values() if target is not None]
+        for target in further:
+            if target not in seen:
+                seen.add(target)
+                waiting.append(target)
+        if len(seen) > MAXIMAL_LOCATIONS:
+            raise NoObserver(span, f"its observer would need more than {MAXIMAL_LOCATIONS} locations")
+    useful = {SHOWN}
+    grown = True
+    while grown:
+        more = {
+            state for state, found in steps.items() if state not in useful and any(s.target in useful for s in found)
+        }
+        grown = bool(more)
+        useful |= more
+    kept = [state for state in steps if state in useful]
+    return _Automaton(kept, {state: [step for step in steps[state] if step.target in useful] for state in kept})

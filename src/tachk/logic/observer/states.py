@@ -1,0 +1,196 @@
+"""The states of an observer: what has yet to be shown for a violation.
+
+A state is a set of *items*: tasks that look ahead, conditions that were claimed of the present instant and have to
+last for some time (`Settling`), and pasts that were seen so far.
+
+Clocks are handed out to the items of a state; those that begin at the same instant share one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import chain
+
+from tachk.logic.observer.conditions import Conjunction, truth
+from tachk.logic.observer.goals import (
+    Before,
+    HeldFor,
+    NeverRising,
+    Past,
+    Preceded,
+    Recurring,
+    Sometime,
+    Throughout,
+    Was,
+    Window,
+    parts_of,
+)
+from tachk.records import dataclass
+
+FRESH = -1
+"""The clock that a step sets to 0, before it has a number."""
+
+Lasting = Sometime | Throughout | Recurring | NeverRising
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """Something to be shown from now on.
+
+    Attributes:
+        phase: ``ahead`` of the window; ``on`` inside it; ``gap``: an answer is awaited; ``low``: what must not become
+            true is false.
+        clocks: the time since the task began; in a gap also the time since the gap began.
+    """
+
+    goal: Lasting
+    phase: str
+    clocks: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Settling:
+    """Conditions claimed of an instant: they have to hold until the clock, 0 then, is positive."""
+
+    conditions: Conjunction
+    clock: int
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """A past that is being watched.
+
+    Attributes:
+        phase: ``initial``: since the run began; ``on``; ``since``: what had to be there is over.
+    """
+
+    past: Past
+    phase: str
+    clocks: tuple[int, ...] = ()
+
+
+Item = Task | Settling | Seen
+State = frozenset[Item]
+
+SHOWN: State = frozenset()
+"""Nothing is left to be shown: the formula is violated."""
+
+
+@dataclass(frozen=True, slots=True)
+class ClockGuard:
+    """``clock operator value``"""
+
+    clock: int
+    operator: str
+    value: int
+
+
+# ---- small questions about states ------------------------------------------------------------------------------------
+
+
+def may_pass(task: Task) -> bool:
+    """Whether the task may be exchanged for others at the instant at which it begins, whatever it requires."""
+    return isinstance(task.goal, Sometime) or (isinstance(task.goal, Recurring) and task.phase == "on")
+
+
+def is_there_initially(past: Past) -> bool:
+    """Whether the past is there when the run begins. Values are not saved by then: `branches_of` sees to that."""
+    return isinstance(past, HeldFor) or (isinstance(past, Before) and past.initially)
+
+
+def waits_for_ever(state: State) -> bool:
+    tasks = [item for item in state if isinstance(item, Task)]
+    return (
+        len(tasks) == 1
+        and not any(isinstance(item, Settling) for item in state)
+        and isinstance(tasks[0].goal, Sometime)
+        and tasks[0].goal.window.is_ever
+        and tasks[0].goal.meanwhile == truth(True, tasks[0].goal.meanwhile.span)
+    )
+
+
+def pasts_wanted(items: Iterable[Item]) -> frozenset[Past]:
+    """The pasts that some goal ahead asks for."""
+    found: set[Past] = set()
+    ahead = (item.goal.goal for item in items if isinstance(item, Task) and isinstance(item.goal, Sometime))
+    for part in chain.from_iterable(map(parts_of, ahead)):
+        match part:
+            case Preceded(past=past):
+                found.add(past)
+            case NeverRising(window=Window(low_closed=True), condition=condition, initially=initially):
+                found.add(Before(condition, initially))
+            case _:
+                pass
+    return frozenset(found)
+
+
+def numbered(items: frozenset[Item]) -> tuple[State, int | None]:
+    """The items with the fresh clock replaced by the first one that is free."""
+    clocks = {clock for item in items for clock in _clocks(item)}
+    if FRESH not in clocks:
+        return items, None
+    free = next(number for number in range(len(clocks)) if number not in clocks)
+    return frozenset(_with_clock(item, free) for item in items), free
+
+
+def _clocks(item: Item) -> tuple[int, ...]:
+    return (item.clock,) if isinstance(item, Settling) else item.clocks
+
+
+def _with_clock(item: Item, number: int) -> Item:
+    if isinstance(item, Settling):
+        return replace(item, clock=number) if item.clock == FRESH else item
+    if FRESH not in item.clocks:
+        return item
+    return replace(item, clocks=tuple(number if clock == FRESH else clock for clock in item.clocks))
+
+
+def ordered(state: State) -> list[Item]:
+    return sorted(state, key=repr)
+
+
+# ---- what clocks have to say -----------------------------------------------------------------------------------------
+
+
+def readiness(item: Seen) -> tuple[ClockGuard, ...] | None:
+    """What the clock must say for the past to count."""
+    match item:
+        case Seen(phase="initial"):
+            return ()
+        case Seen(past=HeldFor(length=int(length)), clocks=(clock,)):
+            return (ClockGuard(clock, ">=", length),)
+        case Seen(past=Was(length=int(length)), phase="since", clocks=(clock,)):
+            return (ClockGuard(clock, "<", length),)
+        case Seen(past=Was(), phase="since"):
+            return ()
+        case Seen(clocks=(clock,)):
+            return (ClockGuard(clock, ">", 0),)
+        case _:
+            return None
+
+
+def inside(window: Window, clocks: tuple[int, ...]) -> tuple[ClockGuard, ...]:
+    if not clocks:
+        return ()
+    found = []
+    if window.low > 0 or not window.low_closed:
+        found.append(ClockGuard(clocks[0], ">=" if window.low_closed else ">", window.low))
+    if window.high is not None:
+        found.append(ClockGuard(clocks[0], "<=" if window.high_closed else "<", window.high))
+    return tuple(found)
+
+
+def still(window: Window, clock: int) -> ClockGuard:
+    """The window is not over: another instant of it is to come or is now."""
+    assert window.high is not None
+    return ClockGuard(clock, "<=" if window.high_closed else "<", window.high)
+
+
+def over(window: Window, clock: int) -> ClockGuard:
+    assert window.high is not None
+    return ClockGuard(clock, ">" if window.high_closed else ">=", window.high)
+
+
+def implies_positive(guard: ClockGuard, clock: int) -> bool:
+    return guard.clock == clock and (guard.operator == ">" or (guard.operator in (">=", "==") and guard.value > 0))

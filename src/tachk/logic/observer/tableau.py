@@ -1,0 +1,343 @@
+"""The steps of an observer: its states (`observer_states`) unfolded from its goal (`observer_expansion`).
+
+Time passes in a state only while its requirement holds. What holds at an instant is what lasts for some time from then
+on; values that are overwritten in the same instant are nobody's business. A step happens at one instant, several steps
+may happen at the same one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass, replace
+
+from tachk.diagnostics.span import Span
+from tachk.logic.observer.conditions import Conjunction, all_of, conjunction, is_false, negated
+from tachk.logic.observer.expansion import Branch, SavedNames, branches_of, comparison, looking_back
+from tachk.logic.observer.goals import (
+    Before,
+    Goal,
+    HeldFor,
+    Holds,
+    NeverRising,
+    Past,
+    Recurring,
+    Saved,
+    Sometime,
+    Throughout,
+    Was,
+    Window,
+)
+from tachk.logic.observer.states import (
+    FRESH,
+    SHOWN,
+    ClockGuard,
+    Item,
+    Seen,
+    Settling,
+    State,
+    Task,
+    implies_positive,
+    inside,
+    is_there_initially,
+    may_pass,
+    numbered,
+    ordered,
+    over,
+    pasts_wanted,
+    readiness,
+    still,
+    waits_for_ever,
+)
+from tachk.syntax import ast
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Attributes:
+    reset: the clock that is set to 0, if one is.
+    forced: time does not pass while the condition of the step holds.
+    saved: the expression whose value is saved.
+    """
+
+    source: State
+    target: State
+    clocks: tuple[ClockGuard, ...] = ()
+    condition: Conjunction = frozenset()
+    reset: int | None = None
+    forced: bool = False
+    saved: ast.Expression | None = None
+
+
+class Tableau:
+    """The steps of an observer.
+
+    Args:
+        saved: a variable for each expression whose changes matter.
+    """
+
+    def __init__(self, goal: Goal, span: Span, saved: SavedNames) -> None:
+        self.span = span
+        self.saved = saved
+        goal = looking_back(goal)
+        self.branches = branches_of(goal, self.saved)
+        first = [
+            branch for branch in branches_of(goal, saved, at_start=True) if all(map(is_there_initially, branch.pasts))
+        ]
+        self.initial = [self._begun(branch) for branch in first]
+        """The states that the run may begin in, each with the condition that has to hold then."""
+        ever = [state for state, _ in self.initial if waits_for_ever(state)]
+        self.idle: State | None = None
+        """Where the observer goes when what it was following comes to nothing; None: there it gives up."""
+        if ever:
+            self.idle = frozenset(item for item in ever[0] if isinstance(item, Task))
+
+    def _begun(self, branch: Branch) -> tuple[State, Conjunction]:
+        wanted = pasts_wanted(branch.tasks)
+        pasts = [Seen(past, "initial") for past in wanted if is_there_initially(past)]
+        claims = self._settling(branch.now, FRESH)
+        if not branch.tasks and not claims:
+            return SHOWN, frozenset()
+        return numbered(frozenset((*branch.tasks, *claims, *pasts)))[0], branch.now
+
+    # ---- what a state requires --------------------------------------------------------------------------------------
+
+    def requirement(self, state: State) -> Conjunction:
+        """What must hold while time passes."""
+        return conjunction(part for item in state for part in self._requirement(item))
+
+    def _requirement(self, item: Item) -> Iterator[ast.Expression]:
+        match item:
+            case Settling(conditions=conditions):
+                yield from conditions
+            case Task(goal=Sometime(meanwhile=meanwhile)):
+                yield meanwhile
+            case Task(phase="ahead" | "gap"):
+                pass
+            case Task(goal=Throughout(condition=condition)):
+                yield condition
+            case Task(goal=Recurring(condition=condition, answer=answer)):
+                yield _or(condition, answer)
+            case Task(goal=NeverRising(condition=condition), phase=phase):
+                yield condition if phase == "on" else negated(condition)
+            case Seen(past=Before(condition=condition) | HeldFor(condition=condition)):
+                yield condition
+            case Seen(past=Was(since=since, there=there), phase=phase):
+                yield there if phase == "on" else since
+            case Seen(past=Saved(expression=expression)):
+                yield comparison(expression, True, self.saved)
+
+    def deadlines(self, state: State) -> dict[tuple[int, int], State | None]:
+        """Pairs (clock, value): when a clock has reached its value, the state is of no more use than the one that the
+        pair leads to; None: than giving up."""
+        found: dict[tuple[int, int], State | None] = {}
+        for item in state:
+            match item:
+                case Task(goal=Sometime(window=Window(high=int(high))), clocks=(clock,)):
+                    found[clock, high] = None
+                case Task(goal=goal, phase="ahead", clocks=(clock, *_)):
+                    found[clock, goal.window.low] = None
+                case Task(goal=Recurring(length=length), phase="gap", clocks=(_, clock)):
+                    found[clock, length] = None
+                case Seen(past=Was(length=int(length)), phase="since", clocks=(clock,)):
+                    found.setdefault((clock, length), state - {item})
+                case _:
+                    pass
+        return found
+
+    # ---- steps ------------------------------------------------------------------------------------------------------
+
+    def steps(self, state: State) -> Iterator[Step]:
+        """The steps that lead on from a state."""
+        for item in ordered(state):
+            if isinstance(item, Task):
+                yield from self._task_steps(state, item)
+        yield from self._settled(state)
+        yield from self._past_steps(state)
+
+    def _task_steps(self, state: State, task: Task) -> Iterator[Step]:
+        match task:
+            case Task(goal=Sometime(window=window, goal=goal)):
+                guards = inside(window, task.clocks)
+                for branch in branches_of(goal, self.saved):
+                    for ready in self._ready(state, branch.pasts):
+                        yield from self._step(state, task, branch.tasks, branch.now, (*guards, *ready))
+            case Task(goal=goal, phase="ahead", clocks=(clock, *_)):
+                on = replace(task, phase="on")
+                yield from self._step(state, task, (on,), frozenset(), (ClockGuard(clock, "==", goal.window.low),))
+            case Task(goal=Recurring(window=window, answer=answer, length=length, closed=closed), phase="gap"):
+                window_clock, gap = task.clocks
+                in_time = ClockGuard(gap, "<=" if closed else "<", length)
+                on = Task(task.goal, "on", (window_clock,))
+                now = conjunction((answer,))
+                yield from self._step(state, task, (on,), now, (in_time, still(window, window_clock)))
+                yield from self._step(state, task, (), now, (in_time, over(window, window_clock)))
+            case Task(goal=Throughout() | Recurring() | NeverRising() as goal, clocks=(clock, *_)):
+                yield from self._step(state, task, (), frozenset(), (over(goal.window, clock),))
+                if isinstance(goal, Recurring):
+                    open_ = conjunction((negated(_or(goal.condition, goal.answer)),))
+                    gap_task = Task(goal, "gap", (clock, FRESH))
+                    yield from self._step(
+                        state, task, (gap_task,), frozenset(), (still(goal.window, clock),), guard=open_
+                    )
+                if isinstance(goal, NeverRising) and task.phase == "on":
+                    low = replace(task, phase="low")
+                    yield from self._step(
+                        state, task, (low,), frozenset(), (), guard=conjunction((negated(goal.condition),))
+                    )
+
+    def _ready(self, state: State, pasts: Iterable[Past]) -> Iterator[tuple[ClockGuard, ...]]:
+        """What clocks must say for all pasts to be there; nothing if one is not being watched."""
+        seen = {item.past: item for item in state if isinstance(item, Seen)}
+        if all(past in seen for past in pasts):
+            guards = [readiness(seen[past]) for past in pasts]
+            if None not in guards:
+                yield tuple(guard for found in guards for guard in found or ())
+
+    def _step(
+        self,
+        state: State,
+        done: Task,
+        tasks: Collection[Task],
+        now: Conjunction,
+        clocks: tuple[ClockGuard, ...],
+        guard: Conjunction = frozenset(),
+    ) -> Iterator[Step]:
+        """A step with a task exchanged for others. Claims of the same instant stay open, older ones are settled."""
+        others = [item for item in state if isinstance(item, Task) and item != done]
+        after = frozenset((*others, *tasks))
+        pasts = [item for item in state if isinstance(item, Seen) and item.past in pasts_wanted(after)]
+        new = [part for task in tasks if not may_pass(task) for part in self._requirement(task)]
+        condition = conjunction((*guard, *now, *new))
+        open_ = next((item for item in state if isinstance(item, Settling)), None)
+        stuck = is_false(self.requirement(state))
+        if open_ is None or not stuck:
+            yield from self._made(state, (*after, *pasts, *self._settling(now, FRESH)), clocks, condition, open_)
+        # A window that is over stays over, so that what is claimed may be settled first.
+        ends = not tasks and not now
+        if open_ is not None and not ends and not any(implies_positive(clock, open_.clock) for clock in clocks):
+            kept = self._settling(open_.conditions | now, FRESH if now else open_.clock)
+            condition = conjunction((*condition, *open_.conditions))
+            yield from self._made(state, (*after, *pasts, *kept), clocks, condition, None)
+
+    def _made(
+        self,
+        state: State,
+        items: Iterable[Item],
+        clocks: tuple[ClockGuard, ...],
+        condition: Conjunction,
+        settled: Settling | None,
+    ) -> Iterator[Step]:
+        if is_false(condition):
+            return
+        if settled is not None and not any(implies_positive(clock, settled.clock) for clock in clocks):
+            clocks = (*clocks, ClockGuard(settled.clock, ">", 0))
+        target, reset = numbered(frozenset(items))
+        if not any(isinstance(item, Task | Settling) for item in target):
+            target = SHOWN
+        yield Step(state, target, clocks, condition, reset, forced=self._may_force(state, target, clocks))
+
+    def _may_force(self, state: State, target: State, clocks: tuple[ClockGuard, ...]) -> bool:
+        """Whether nothing is lost if this step is taken as soon as it can be: idle, the observer waits for conditions
+        that then have to last for a given time, and has no other choice."""
+        return (
+            state == self.idle
+            and not clocks
+            and len(self.branches) == 1
+            and len(_first_goals(self, state)) == 1
+            and all(
+                isinstance(item, Settling) or (isinstance(item, Task) and isinstance(item.goal, Throughout))
+                for item in target
+            )
+            and not any(isinstance(item, Task) and item.phase == "ahead" for item in target)
+        )
+
+    def _settling(self, conditions: Conjunction, clock: int) -> tuple[Settling, ...]:
+        return (Settling(conditions, clock),) if conditions else ()
+
+    def _settled(self, state: State) -> Iterator[Step]:
+        """What was claimed of an instant has lasted; a step that waits until it fails, unless nothing else is left."""
+        claim = next((item for item in state if isinstance(item, Settling)), None)
+        if claim is None or is_false(self.requirement(state)):
+            return
+        rest = state - {claim}
+        if not any(isinstance(item, Task) for item in rest):
+            yield Step(state, SHOWN, (ClockGuard(claim.clock, ">", 0),))
+        elif not claim.conditions <= self.requirement(rest):
+            ending = conjunction((negated(all_of(claim.conditions, self.span)),))
+            if not self._is_goal(rest, ending):
+                yield from self._made(state, rest, (), ending, claim)
+
+    def _is_goal(self, state: State, condition: Conjunction) -> bool:
+        """Whether all that is left is to see the condition once from now on: then there is no better moment."""
+        match [item for item in state if isinstance(item, Task)]:
+            case [Task(goal=Sometime(window=window, goal=Holds() as goal))]:
+                return window.low == 0 and window.low_closed and conjunction((goal.condition,)) <= condition
+            case _:
+                return False
+
+    def _past_steps(self, state: State) -> Iterator[Step]:
+        """Pasts begin to be watched as soon as they can be, for an earlier beginning is never worse; and are given up
+        when what has to last does not."""
+        watched = {item.past: item for item in state if isinstance(item, Seen)}
+        claim = next((item for item in state if isinstance(item, Settling)), None)
+        for past in sorted(pasts_wanted(item for item in state if isinstance(item, Task)), key=repr):
+            item = watched.get(past)
+            if item is None:
+                yield from self._begin(state, past, claim)
+                continue
+            without = state - {item}
+            required = self._requirement(item)
+            fails = conjunction((negated(all_of(required, self.span)),))
+            if isinstance(past, Was) and item.phase == "on":
+                follow = Seen(past, "since", (FRESH,) if past.length is not None else ())
+                over = conjunction((past.since, negated(past.there)))
+                yield from self._past_step(state, without | {follow}, over, (ClockGuard(item.clocks[0], ">", 0),))
+            if isinstance(past, Was) and item.phase == "since":
+                again = Seen(past, "on", (FRESH,))
+                found = conjunction((past.there,))
+                yield from self._past_step(state, without | {again}, found, (), forced=True)
+            if not is_false(fails):
+                yield from self._past_step(state, without, fails, ())
+
+    def _begin(self, state: State, past: Past, claim: Settling | None) -> Iterator[Step]:
+        if isinstance(past, HeldFor) and past.length is None:
+            return
+        item = Seen(past, "on", (FRESH,))
+        if not isinstance(past, Saved):
+            condition = conjunction(self._requirement(item))
+            yield from self._past_step(state, state | {item}, condition, (), forced=True)
+            return
+        clocks: tuple[ClockGuard, ...] = ()
+        if claim is not None:
+            state_after, clocks = state - {claim} | {item}, (ClockGuard(claim.clock, ">", 0),)
+        else:
+            state_after = state | {item}
+        for step in self._past_step(state, state_after, frozenset(), clocks, forced=not clocks):
+            yield replace(step, saved=past.expression)
+
+    def _past_step(
+        self,
+        state: State,
+        items: State,
+        condition: Conjunction,
+        clocks: tuple[ClockGuard, ...],
+        forced: bool = False,
+    ) -> Iterator[Step]:
+        if is_false(condition):
+            return
+        target, reset = numbered(items)
+        yield Step(state, target, clocks, condition, reset, forced)
+
+
+# ---- small questions ------------------------------------------------------------------------------------------------
+
+
+def _or(one: ast.Expression, other: ast.Expression) -> ast.Expression:
+    if isinstance(one, ast.BooleanLiteral):
+        return one if one.value else other
+    return ast.BinaryExpression(one.span, "||", one, other)
+
+
+def _first_goals(tableau: Tableau, state: State) -> list[Branch]:
+    goals = [item.goal.goal for item in state if isinstance(item, Task) and isinstance(item.goal, Sometime)]
+    return [branch for goal in goals for branch in branches_of(goal, tableau.saved)]

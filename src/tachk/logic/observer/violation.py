@@ -1,0 +1,330 @@
+"""From formulas to what a run must show to violate them.
+
+Sources: the expansion of timed until of Alur, Feder and Henzinger (1996); the past as deterministic phases of Maler,
+Nickovic and Pnueli (2005).
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from tachk.diagnostics.span import Span
+from tachk.logic.observer.conditions import all_of, any_of, negated, truth
+from tachk.logic.observer.goals import (
+    Before,
+    Both,
+    Differs,
+    Either,
+    Forever,
+    Goal,
+    HeldFor,
+    Holds,
+    NeverRising,
+    NoObserver,
+    Preceded,
+    Recurring,
+    Saved,
+    Sometime,
+    Throughout,
+    Was,
+    Window,
+    both,
+    either,
+)
+from tachk.syntax import ast, formula
+from tachk.syntax.formula import Formula
+from tachk.syntax.formulas.printer import print_number
+
+LARGEST = 2**31 - 2
+"""The largest duration, in time units; one less than the largest constant that clocks are compared with."""
+
+
+def violation(node: Formula) -> Goal:
+    """What an instant must show for the formula to be false there. Raises NoObserver."""
+    return _goal(node, False)
+
+
+def condition_of(node: Formula) -> ast.Expression | None:
+    """The formula as a condition on one state, if it is one."""
+    span = node.span
+    match node:
+        case formula.Truth(value=value):
+            return truth(value, span)
+        case formula.Atom(expression=expression):
+            return expression
+        case formula.Not(operand=operand):
+            inner = condition_of(operand)
+            return None if inner is None else negated(inner)
+        case formula.And(operands=operands) | formula.Or(operands=operands):
+            parts = [condition_of(part) for part in operands]
+            if any(part is None for part in parts):
+                return None
+            join = all_of if isinstance(node, formula.And) else any_of
+            return join([part for part in parts if part is not None], span)
+        case formula.Implies(left=left, right=right):
+            return condition_of(formula.Or(span, (formula.Not(left.span, left), right)))
+        case _:
+            return None
+
+
+def _goal(node: Formula, positive: bool) -> Goal:
+    condition = condition_of(node)
+    if condition is not None:
+        return Holds(condition if positive else negated(condition))
+    match node:
+        case formula.Not(operand=operand):
+            return _goal(operand, not positive)
+        case formula.And(operands=operands):
+            return (both if positive else either)(tuple(_goal(part, positive) for part in operands))
+        case formula.Or(operands=operands):
+            return (either if positive else both)(tuple(_goal(part, positive) for part in operands))
+        case formula.Implies(left=left, right=right):
+            return (either if positive else both)((_goal(left, not positive), _goal(right, positive)))
+        case formula.Eventually(interval=interval, operand=operand):
+            return _ahead(node, interval, operand, positive, sometime=positive)
+        case formula.Always(interval=interval, operand=operand):
+            return _ahead(node, interval, operand, positive, sometime=not positive)
+        case formula.Until(interval=interval, left=left, right=right):
+            window = window_of(interval)
+            return _until(window, left, right) if positive else _not_until(node, window, left, right)
+        case formula.WeakUntil(left=left, right=right):
+            ever = Window(0, None)
+            if positive:
+                return either((_until(ever, left, right), _always(node, ever, Holds(_condition(left)))))
+            reached, kept = _condition(right), _condition(left)
+            return _sometime(ever, negated(reached), Holds(_neither(kept, reached)))
+        case formula.Rise(operand=operand):
+            return _edge(_condition(operand), True, positive)
+        case formula.Fall(operand=operand):
+            return _edge(_condition(operand), False, positive)
+        case formula.Change(expression=expression):
+            return Both((Preceded(Saved(expression, not positive)), Differs(expression, equal=not positive)))
+        case formula.Once(interval=interval, operand=operand):
+            return _past_window(interval, _condition(operand), positive, once=positive)
+        case formula.Historically(interval=interval, operand=operand):
+            return _past_window(interval, _condition(operand), positive, once=not positive)
+        case formula.Since(interval=interval, left=left, right=right):
+            return _since(interval, _condition(left), _condition(right), positive)
+        case _:
+            raise AssertionError(node)
+
+
+def window_of(interval: formula.Interval) -> Window:
+    """The bounds as whole time units. Raises NoObserver for others."""
+    high = None if interval.upper is None else _units(interval.upper)
+    return Window(_units(interval.lower), high, interval.lower_closed, interval.upper_closed)
+
+
+def _units(duration: formula.Duration) -> int:
+    value = duration.value
+    if not isinstance(value, Fraction):
+        raise TypeError("durations have to be numbers")
+    if value.denominator != 1:
+        raise NoObserver(
+            duration.span,
+            f"the bound is {print_number(value)} time units, and clocks are compared with whole numbers",
+            "choose a smaller `time_unit` for the model",
+        )
+    if value > LARGEST:
+        raise NoObserver(duration.span, f"clocks are compared with at most {LARGEST} time units")
+    return int(value)
+
+
+def _condition(node: Formula) -> ast.Expression:
+    found = condition_of(node)
+    if found is None:
+        raise NoObserver(
+            node.span,
+            "a temporal formula cannot stand here: an observer follows conditions on states in this place",
+            "split the requirement, or name a state of the model that stands for this part",
+        )
+    return found
+
+
+def _neither(one: ast.Expression, other: ast.Expression) -> ast.Expression:
+    return all_of((negated(one), negated(other)), one.span)
+
+
+# ---- ahead ----------------------------------------------------------------------------------------------------------
+
+
+def _ahead(
+    node: formula.Eventually | formula.Always,
+    interval: formula.Interval,
+    operand: Formula,
+    positive: bool,
+    sometime: bool,
+) -> Goal:
+    window = window_of(interval)
+    if window.is_empty:
+        return Holds(truth(not sometime, node.span))
+    goal = _goal(operand, positive)
+    if window.is_now:
+        return goal
+    return _sometime(window, truth(True, node.span), goal) if sometime else _always(node, window, goal)
+
+
+def _sometime(window: Window, meanwhile: ast.Expression, goal: Goal) -> Goal:
+    free = truth(True, meanwhile.span)
+    match goal:
+        case Sometime(window=inner, meanwhile=kept, goal=last) if meanwhile == free and kept == free:
+            return Sometime(window.then(inner), meanwhile, last)
+        case _:
+            return Sometime(window, meanwhile, goal)
+
+
+def _until(window: Window, left: Formula, right: Formula) -> Goal:
+    if window.is_empty:
+        return Holds(truth(False, right.span))
+    if window.is_now:
+        return _goal(right, True)
+    return _sometime(window, _condition(left), _goal(right, True))
+
+
+def _not_until(node: Formula, window: Window, left: Formula, right: Formula) -> Goal:
+    """That every instant of the window without ``left`` before it lacks ``right``: until ``left`` fails or the window
+    is over, ``right`` is false."""
+    if window.is_empty:
+        return Holds(truth(True, right.span))
+    if window.is_now:
+        return _goal(right, False)
+    kept, reached = _condition(left), _condition(right)
+    if window.low > 0 or not window.low_closed:
+        if not window.low_closed:
+            raise NoObserver(
+                right.span,
+                "an until with an open lower bound on the side that must not be reached is not followed",
+                "close the bound",
+            )
+        rest = Window(0, None if window.high is None else window.high - window.low, True, window.high_closed)
+        free = truth(True, right.span)
+        return either(
+            (
+                Sometime(Window(0, window.low, True, False), free, Holds(negated(kept))),
+                _always(node, window, Holds(negated(reached))),
+                Sometime(
+                    Window(window.low, window.low),
+                    free,
+                    _sometime(rest, negated(reached), Holds(_neither(kept, reached)))
+                    if not rest.is_now
+                    else Holds(_neither(kept, reached)),
+                ),
+            )
+        )
+    return either(
+        (
+            _always(node, window, Holds(negated(reached))),
+            _sometime(window, negated(reached), Holds(_neither(kept, reached))),
+        )
+    )
+
+
+def _always(node: Formula, window: Window, goal: Goal) -> Goal:
+    """``goal`` at every instant of a window that is neither empty nor only the present; ``node`` asks for it."""
+    span = node.span
+    match goal:
+        case Holds(condition=condition):
+            if condition == truth(True, span):
+                return goal
+            return Forever(condition, span) if window.high is None else Throughout(window, condition)
+        case Both(parts=parts):
+            return both(tuple(_always(node, window, part) for part in parts))
+        case Throughout(window=inner, condition=condition):
+            return _always(node, window.then(inner), Holds(condition))
+        case Forever(condition=condition):
+            return Forever(condition, span)
+        case _ if window.high is None:
+            return Forever(truth(True, span), span)
+        case Sometime():
+            return _recurring(span, window, truth(False, span), goal)
+        case Either(parts=(Holds(condition=condition), Sometime() as answer)):
+            return _recurring(span, window, condition, answer)
+        case Either(
+            parts=(Holds(condition=condition), Preceded(past=Before(condition=before, initially=initially)))
+        ) if condition == negated(before):
+            rest = Window(0, window.high - window.low, window.low_closed, window.high_closed)
+            never = goal if rest.is_now else NeverRising(rest, before, initially)
+            return never if window.low == 0 else Sometime(Window(window.low, window.low), truth(True, span), never)
+        case _:
+            raise NoObserver(
+                span,
+                "to violate this, something temporal would have to hold at every instant of a window, and that "
+                "needs more clocks than an observer has",
+                "name a bounded number of instants: use `rise(...)` in a trigger, or split the requirement",
+            )
+
+
+def _recurring(span: Span, window: Window, condition: ast.Expression, goal: Sometime) -> Goal:
+    inner = goal.window
+    if (
+        isinstance(goal.goal, Holds)
+        and goal.meanwhile == truth(True, span)
+        and inner.low == 0
+        and inner.low_closed
+        and window.low_closed
+    ):
+        if inner.high is None:
+            raise NoObserver(span, "no finite run shows that something without a deadline does not happen")
+        return Recurring(window, condition, goal.goal.condition, inner.high, inner.high_closed)
+    raise NoObserver(
+        span,
+        "at every instant of a window another window begins, and an observer can follow these only if the inner one "
+        "begins at once and asks for a plain condition",
+        "let the inner window begin at 0",
+    )
+
+
+# ---- edges and the past ---------------------------------------------------------------------------------------------
+
+
+def _edge(condition: ast.Expression, rises: bool, positive: bool) -> Goal:
+    """``condition`` becomes true or false at an instant, or does not. Before the run everything is false."""
+    now = condition if rises else negated(condition)
+    if positive:
+        return Both((Holds(now), Preceded(Before(negated(now), rises))))
+    return Either((Holds(negated(now)), Preceded(Before(now, not rises))))
+
+
+def _past_window(interval: formula.Interval, condition: ast.Expression, positive: bool, once: bool) -> Goal:
+    wanted = condition if positive else negated(condition)
+    window = _behind(interval)
+    if window.is_empty:
+        return Holds(truth(not once, condition.span))
+    if window.is_now:
+        return Holds(wanted)
+    if once:
+        return Either((Holds(wanted), Preceded(Was(truth(True, condition.span), wanted, window.high))))
+    return Both((Holds(wanted), Preceded(HeldFor(wanted, window.high))))
+
+
+def _since(interval: formula.Interval, left: ast.Expression, right: ast.Expression, positive: bool) -> Goal:
+    window = _behind(interval)
+    if window.is_empty:
+        return Holds(truth(not positive, right.span))
+    if window.is_now:
+        return Holds(right if positive else negated(right))
+    if positive:
+        there = all_of((left, right), right.span)
+        return Either((Holds(right), Both((Holds(left), Preceded(Was(left, there, window.high))))))
+    # Either the window lacks `right`, or it does so from the end of a time without `left` on, the last instant of which
+    # need not exist; `right` before that end is of no use, as `left` is false between.
+    absent = negated(right)
+    return Either(
+        (
+            Holds(_neither(left, right)),
+            Both((Holds(absent), Preceded(HeldFor(absent, window.high)))),
+            Both((Holds(absent), Preceded(Was(absent, negated(left), None)))),
+        )
+    )
+
+
+def _behind(interval: formula.Interval) -> Window:
+    window = window_of(interval)
+    if not window.is_empty and not (window.low == 0 and window.low_closed):
+        raise NoObserver(
+            interval.span,
+            "an operator about the past whose window does not reach up to the present needs a clock for each time "
+            "the condition changes inside it",
+            "let the window begin at 0",
+        )
+    return window

@@ -1,0 +1,357 @@
+"""From a formula over the columns of a trace to the program that monitors run.
+
+Connectives inside atoms become nodes like those of the formula; implication, exclusive or, comparison of two
+conditions and weak until are written out in simpler operators; what occurs twice is computed once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import lcm
+
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, InternalError
+from tachk.diagnostics.span import Span
+from tachk.diagnostics.suggestion import did_you_mean
+from tachk.runtime.monitor_program import (
+    UNBOUNDED,
+    MonitorAtom,
+    MonitorNode,
+    MonitorProgram,
+    NodeKind,
+    Relation,
+    ValueInstruction,
+    ValueOperator,
+)
+from tachk.syntax import ast
+from tachk.syntax import formula as syntax
+from tachk.syntax.formulas.printer import print_formula
+from tachk.syntax.printing.expression_printer import print_expression
+from tachk.syntax.walk import nodes_of_kind
+
+LAST_TICK = 2**58
+"""The durations of a formula add up to less than this number of ticks."""
+
+RELATIONS = {
+    "<": Relation.LESS,
+    "<=": Relation.LESS_EQUAL,
+    ">": Relation.GREATER,
+    ">=": Relation.GREATER_EQUAL,
+    "==": Relation.EQUAL,
+    "!=": Relation.NOT_EQUAL,
+}
+ARITHMETIC = {
+    "+": ValueOperator.ADD,
+    "-": ValueOperator.SUBTRACT,
+    "*": ValueOperator.MULTIPLY,
+    "/": ValueOperator.DIVIDE,
+    "%": ValueOperator.MODULO,
+    "<?": ValueOperator.MINIMUM,
+    ">?": ValueOperator.MAXIMUM,
+}
+EXTREMES = {"min": ValueOperator.MINIMUM, "max": ValueOperator.MAXIMUM}
+CONNECTIVES = frozenset({"&&", "||", "imply", "xor"})
+_NAMES = (ast.NameExpression, ast.MemberExpression, ast.IndexExpression)
+
+
+def compile(
+    formula: syntax.Formula,
+    columns: Collection[str],
+    ticks_per_unit: int,
+    *,
+    booleans: Collection[str] | None = None,
+) -> MonitorProgram:
+    """The monitor of a formula whose durations are numbers, in time units of the trace.
+
+    Args:
+        columns: the names that the formula may use.
+        ticks_per_unit: how many ticks make one time unit of the trace.
+        booleans: the columns that hold truth values, if that is known: `a == b` of two such columns has infinite
+            robustness, and one of them compared with a number is a number. Without it a column that is compared with a
+            condition is taken for a truth value, any other one for a number.
+
+    Raises:
+        InputError: unknown columns, constructs without meaning on traces, durations that are no whole number of ticks.
+    """
+    compiler = _Compiler(columns, ticks_per_unit, booleans)
+    compiler.formula(formula)
+    if sum(max(node.lower, node.upper) for node in compiler.nodes) >= LAST_TICK:
+        message = f"the durations of this formula add up to more than 2**58 ticks, {ticks_per_unit} to a time unit"
+        compiler.findings.append(Diagnostic("E0903", message, formula.span))
+    if compiler.findings:
+        raise InputError(compiler.findings)
+    return MonitorProgram(
+        tuple(compiler.column_numbers), tuple(compiler.atoms), tuple(compiler.nodes), compiler.ticks_per_unit
+    )
+
+
+def ticks_needed(formula: syntax.Formula) -> int:
+    """The smallest number of ticks in a time unit for which every duration is a whole number of ticks."""
+    durations = nodes_of_kind(formula, syntax.Duration)
+    return lcm(*(_number(duration).denominator for duration in durations))
+
+
+def columns_read(formula: syntax.Formula) -> frozenset[str]:
+    """The names of the columns that a formula speaks about, known or not."""
+    return frozenset(name for atom in nodes_of_kind(formula, syntax.Atom, syntax.Change) for name in _names(atom))
+
+
+def _names(node: object) -> Iterator[str]:
+    """Members and elements count as a whole, so that `P.loc` does not name `P`."""
+    inside: set[int] = set()
+    inside.update(id(call.function) for call in nodes_of_kind(node, ast.CallExpression))
+    for expression in nodes_of_kind(node, *_NAMES):
+        if id(expression) not in inside:
+            inside.update(id(part) for part in nodes_of_kind(expression, *_NAMES))
+            yield column_name(expression)
+
+
+def column_name(expression: ast.NameExpression | ast.MemberExpression | ast.IndexExpression) -> str:
+    """The name of the column that an expression stands for."""
+    return expression.name if isinstance(expression, ast.NameExpression) else print_expression(expression)
+
+
+def _number(duration: syntax.Duration) -> Fraction:
+    if duration.unit or not isinstance(duration.value, Fraction):
+        raise InternalError("durations have to be numbers in the unit of the trace before a formula is compiled")
+    return duration.value
+
+
+class _NotCompiled(Exception):
+    """A part of the formula has been reported."""
+
+
+@dataclass(slots=True)
+class _Compiler:
+    columns: Collection[str]
+    ticks_per_unit: int
+    booleans: Collection[str] | None
+    column_numbers: dict[str, int] = field(default_factory=dict)
+    atoms: dict[MonitorAtom, int] = field(default_factory=dict)
+    nodes: list[MonitorNode] = field(default_factory=list)
+    numbers: dict[tuple[object, ...], int] = field(default_factory=dict)
+    findings: list[Diagnostic] = field(default_factory=list)
+
+    def formula(self, formula: syntax.Formula) -> int:
+        """The number of the node of a formula. After a finding the number of some node."""
+        text = print_formula(formula)
+        match formula:
+            case syntax.Truth(value=value):
+                return self._truth(value)
+            case syntax.Atom(expression=expression):
+                return self._reported(lambda: self.condition(expression))
+            case syntax.Change(expression=expression):
+                return self._reported(lambda: self._change(expression, text))
+            case syntax.Not(operand=operand):
+                return self._node(NodeKind.NOT, text, self.formula(operand))
+            case syntax.And(operands=operands):
+                return self._node(NodeKind.AND, text, *[self.formula(operand) for operand in operands])
+            case syntax.Or(operands=operands):
+                return self._node(NodeKind.OR, text, *[self.formula(operand) for operand in operands])
+            case syntax.Implies(left=left, right=right):
+                return self._implication(text, self.formula(left), self.formula(right))
+            case syntax.Rise(operand=operand):
+                return self._node(NodeKind.RISE, text, self.formula(operand))
+            case syntax.Fall(operand=operand):
+                return self._node(NodeKind.FALL, text, self.formula(operand))
+            case syntax.Eventually(interval=interval, operand=operand):
+                return self._temporal(NodeKind.EVENTUALLY, text, interval, self.formula(operand))
+            case syntax.Always(interval=interval, operand=operand):
+                return self._temporal(NodeKind.ALWAYS, text, interval, self.formula(operand))
+            case syntax.Once(interval=interval, operand=operand):
+                return self._temporal(NodeKind.ONCE, text, interval, self.formula(operand))
+            case syntax.Historically(interval=interval, operand=operand):
+                return self._temporal(NodeKind.HISTORICALLY, text, interval, self.formula(operand))
+            case syntax.Until(interval=interval, left=left, right=right):
+                return self._temporal(NodeKind.UNTIL, text, interval, self.formula(left), self.formula(right))
+            case syntax.Since(interval=interval, left=left, right=right):
+                return self._temporal(NodeKind.SINCE, text, interval, self.formula(left), self.formula(right))
+            case syntax.WeakUntil(left=left, right=right):
+                first, second = self.formula(left), self.formula(right)
+                until = self._node(NodeKind.UNTIL, text, first, second)
+                return self._node(NodeKind.OR, text, until, self._node(NodeKind.ALWAYS, text, first))
+
+    def condition(self, expression: ast.Expression) -> int:
+        """The number of the node of a condition on one state."""
+        text = print_expression(expression)
+        match expression:
+            case ast.BooleanLiteral(value=value):
+                return self._truth(value)
+            case ast.UnaryExpression(operator="!", operand=operand):
+                return self._node(NodeKind.NOT, text, self.condition(operand))
+            case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in CONNECTIVES:
+                first, second = self.condition(left), self.condition(right)
+                if operator == "imply":
+                    return self._implication(text, first, second)
+                if operator == "xor":
+                    return self._negation(self._equivalence(text, first, second))
+                return self._node(NodeKind.AND if operator == "&&" else NodeKind.OR, text, first, second)
+            case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in RELATIONS:
+                if operator in {"==", "!="} and self._compares_truth(left, right):
+                    same = self._equivalence(text, self.condition(left), self.condition(right))
+                    return same if operator == "==" else self._negation(same)
+                self._refuse_chain(expression, left, right)
+                return self._atom(MonitorAtom(RELATIONS[operator], self._value(left), self._value(right), text))
+            case _:
+                return self._atom(MonitorAtom(Relation.TRUTH, self._value(expression), (), text))
+
+    def _change(self, expression: ast.Expression, text: str) -> int:
+        """A condition changes where it or its negation falls; anything else where its value becomes another."""
+        if is_condition(expression):
+            changing = self.condition(expression)
+            return self._node(
+                NodeKind.OR,
+                text,
+                self._node(NodeKind.FALL, text, changing),
+                self._node(NodeKind.FALL, text, self._negation(changing)),
+            )
+        atom = MonitorAtom(Relation.TRUTH, self._value(expression), (), print_expression(expression))
+        return self._node(NodeKind.CHANGE, text, atom=self._atom_number(atom))
+
+    def _compares_truth(self, left: ast.Expression, right: ast.Expression) -> bool:
+        return (is_condition(left) or is_condition(right) or self.booleans is not None) and all(
+            is_condition(side) or self._may_be_boolean(side) for side in (left, right)
+        )
+
+    def _may_be_boolean(self, expression: ast.Expression) -> bool:
+        return isinstance(expression, _NAMES) and (self.booleans is None or column_name(expression) in self.booleans)
+
+    def _refuse_chain(self, whole: ast.Expression, left: ast.Expression, right: ast.Expression) -> None:
+        for side in (left, right):
+            if isinstance(side, ast.BinaryExpression) and side.operator in RELATIONS:
+                message = f"`{print_expression(whole)}` compares the truth of a comparison"
+                help = "join two comparisons with `&&`, as in `0 < x && x < 5`"
+                raise self._report("E0904", message, whole.span, help)
+
+    def _value(self, expression: ast.Expression) -> tuple[ValueInstruction, ...]:
+        """Instructions that leave the value of an expression."""
+        match expression:
+            case ast.NameExpression() | ast.MemberExpression() | ast.IndexExpression():
+                return (ValueInstruction(ValueOperator.COLUMN, float(self._column(expression))),)
+            case ast.IntegerLiteral(value=value) | ast.BooleanLiteral(value=value):
+                return (ValueInstruction(ValueOperator.CONSTANT, float(value)),)
+            case ast.FloatLiteral(text=text):
+                return (ValueInstruction(ValueOperator.CONSTANT, float(text)),)
+            case ast.UnaryExpression(operator="+", operand=operand):
+                return self._value(operand)
+            case ast.UnaryExpression(operator="-", operand=operand):
+                return (*self._value(operand), ValueInstruction(ValueOperator.NEGATE))
+            case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in ARITHMETIC:
+                return (*self._value(left), *self._value(right), ValueInstruction(ARITHMETIC[operator]))
+            case ast.CallExpression(function=ast.NameExpression(name="abs"), arguments=(argument,)):
+                return (*self._value(argument), ValueInstruction(ValueOperator.ABSOLUTE))
+            case ast.CallExpression(
+                function=ast.NameExpression(name="min" | "max" as name), arguments=(first, *others)
+            ):
+                code = list(self._value(first))
+                for other in others:
+                    code += [*self._value(other), ValueInstruction(EXTREMES[name])]
+                return tuple(code)
+            case _ if is_condition(expression):
+                message = f"`{print_expression(expression)}` is a condition, where a number is expected"
+                raise self._report("E0902", message, expression.span, None)
+            case _:
+                message = f"`{print_expression(expression)}` has no meaning on a trace"
+                raise self._report("E0902", message, expression.span, _hint(expression))
+
+    def _column(self, expression: ast.NameExpression | ast.MemberExpression | ast.IndexExpression) -> int:
+        name = column_name(expression)
+        if name not in self.columns:
+            help = did_you_mean(name, self.columns) or f"the columns are: {', '.join(self.columns) or 'none'}"
+            raise self._report("E0901", f"the trace has no column `{name}`", expression.span, help)
+        return self.column_numbers.setdefault(name, len(self.column_numbers))
+
+    def _atom(self, atom: MonitorAtom) -> int:
+        return self._node(NodeKind.ATOM, atom.text, atom=self._atom_number(atom))
+
+    def _atom_number(self, atom: MonitorAtom) -> int:
+        return self.atoms.setdefault(atom, len(self.atoms))
+
+    def _truth(self, value: bool) -> int:
+        return self._node(NodeKind.TRUE if value else NodeKind.FALSE, "true" if value else "false")
+
+    def _negation(self, operand: int) -> int:
+        return self._node(NodeKind.NOT, f"!({self.nodes[operand].text})", operand)
+
+    def _implication(self, text: str, left: int, right: int) -> int:
+        return self._node(NodeKind.OR, text, self._negation(left), right)
+
+    def _equivalence(self, text: str, left: int, right: int) -> int:
+        both = self._node(NodeKind.AND, text, left, right)
+        return self._node(
+            NodeKind.OR, text, both, self._node(NodeKind.AND, text, self._negation(left), self._negation(right))
+        )
+
+    def _temporal(self, kind: NodeKind, text: str, interval: syntax.Interval, *operands: int) -> int:
+        upper = interval.upper
+        return self._node(
+            kind,
+            text,
+            *operands,
+            lower=self._ticks(interval.lower),
+            upper=UNBOUNDED if upper is None else self._ticks(upper),
+            lower_closed=interval.lower_closed,
+            upper_closed=interval.upper_closed or upper is None,
+        )
+
+    def _ticks(self, duration: syntax.Duration) -> int:
+        ticks = _number(duration) * self.ticks_per_unit
+        if ticks.denominator == 1 and ticks >= 0:
+            return int(ticks)
+        message = f"the duration {duration.value} is not representable with {self.ticks_per_unit} ticks in a time unit"
+        self.findings.append(Diagnostic("E0903", message, duration.span))
+        return 0
+
+    def _node(
+        self,
+        kind: NodeKind,
+        text: str,
+        *operands: int,
+        atom: int = -1,
+        lower: int = 0,
+        upper: int = UNBOUNDED,
+        lower_closed: bool = True,
+        upper_closed: bool = True,
+    ) -> int:
+        """The number of the node, which is the one made before if there is one like it."""
+        key = (kind, operands, atom, lower, upper, lower_closed, upper_closed)
+        if key not in self.numbers:
+            self.numbers[key] = len(self.nodes)
+            self.nodes.append(MonitorNode(kind, operands, atom, lower, upper, lower_closed, upper_closed, text))
+        return self.numbers[key]
+
+    def _reported(self, make: Callable[[], int]) -> int:
+        try:
+            return make()
+        except _NotCompiled:
+            return self._truth(False)
+
+    def _report(self, code: str, message: str, span: Span, help: str | None) -> _NotCompiled:
+        self.findings.append(Diagnostic(code, message, span, help))
+        return _NotCompiled()
+
+
+def is_condition(expression: ast.Expression) -> bool:
+    """Whether an expression is true or false by its form."""
+    match expression:
+        case ast.UnaryExpression(operator=operator):
+            return operator == "!"
+        case ast.BinaryExpression(operator=operator):
+            return operator in CONNECTIVES or operator in RELATIONS
+        case _:
+            return isinstance(expression, ast.BooleanLiteral)
+
+
+def _hint(expression: ast.Expression) -> str | None:
+    match expression:
+        case ast.ConditionalExpression():
+            return "write the two cases with `&&` and `||`"
+        case ast.CallExpression():
+            return "the functions are abs, min and max"
+        case ast.BinaryExpression(operator="&"):
+            return "conditions are joined by &&"
+        case ast.BinaryExpression(operator="|"):
+            return "conditions are joined by ||"
+        case _:
+            return None

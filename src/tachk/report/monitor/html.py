@@ -1,0 +1,31 @@
+"""Verdicts on a trace as an HTML table, for notebooks."""
+
+from __future__ import annotations
+
+from jinja2 import Environment, FunctionLoader, StrictUndefined
+
+from tachk.report.monitor.record import MonitorRecord, clock_text
+from tachk.report.monitor.text import answer_text, robustness_text
+from tachk.report.monitor.words import explain_verdict
+from tachk.report.quantity import count
+from tachk.resources import template_text
+from tachk.runtime.node_signal import Truth
+
+_COLOURS = {Truth.TRUE: "green", Truth.FALSE: "firebrick", Truth.UNDETERMINED: "darkorange"}
+
+
+def monitor_to_html(record: MonitorRecord) -> str:
+    """A table with one row for each formula; everything that comes from files is escaped."""
+    environment = Environment(loader=FunctionLoader(template_text), autoescape=True, undefined=StrictUndefined)
+    template = environment.get_template("report/monitor.html.j2")
+    trace = record.trace
+    return template.render(
+        record=record,
+        colours=_COLOURS,
+        rows=count(trace.rows),
+        begin=clock_text(trace, 0),
+        end=clock_text(trace, trace.end),
+        answer=answer_text,
+        robustness=robustness_text,
+        explain=lambda verdict: explain_verdict(record, verdict),
+    )

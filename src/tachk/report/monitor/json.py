@@ -1,0 +1,92 @@
+"""The machine form of a judged trace: plain dictionaries that follow docs/schema/monitor.schema.json."""
+
+from __future__ import annotations
+
+import math
+
+from tachk.report.json_report import Json
+from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, cell_time, value_text
+from tachk.report.monitor.words import explain_verdict
+from tachk.report.quantity import decimal
+from tachk.runtime.explanation import Reason
+from tachk.runtime.node_signal import Truth
+from tachk.runtime.trace import Trace
+
+
+def monitor_to_json(record: MonitorRecord) -> dict[str, Json]:
+    """The record as a dictionary for `json.dumps`. Instants are exact strings such as ``"12.5"`` or ``"7/3"``."""
+    trace = record.trace
+    return {
+        "trace": trace.name,
+        "rows": trace.rows,
+        "begin": exact(trace, 0),
+        "end": exact(trace, 2 * trace.end),
+        "unit": trace.unit or None,
+        "interpolation": trace.interpolation.value,
+        "pending_counts_as": record.ending.value,
+        "results": [verdict_to_json(record, verdict) for verdict in record.verdicts],
+    }
+
+
+def verdict_to_json(record: MonitorRecord, verdict: MonitorVerdict) -> dict[str, Json]:
+    """One verdict."""
+    return {
+        "name": verdict.name,
+        "title": verdict.title,
+        "formula": verdict.formula,
+        "sentence": verdict.sentence or None,
+        "verdict": verdict.truth.word,
+        "measured": verdict.measured.word,
+        "presumably": None if verdict.presumably is None else verdict.presumably.word,
+        "robustness": None if verdict.robustness is None else [number(value) for value in verdict.robustness],
+        "time_robustness": _time_robustness(verdict),
+        "vacuous": verdict.vacuous,
+        "finding": finding_to_json(record, verdict),
+    }
+
+
+def _time_robustness(verdict: MonitorVerdict) -> dict[str, Json] | None:
+    bounds = verdict.time_robustness
+    if bounds is None:
+        return None
+    return {"ahead": [number(value) for value in bounds.ahead], "behind": [number(value) for value in bounds.behind]}
+
+
+def finding_to_json(record: MonitorRecord, verdict: MonitorVerdict) -> dict[str, Json] | None:
+    """First violation, or the position at which the verdict stays open; None where it is true."""
+    finding, trace = verdict.finding, record.trace
+    if finding is None:
+        return None
+    return {
+        "kind": "violation" if verdict.measured is Truth.FALSE else "pending",
+        "from": exact(trace, finding.cell),
+        "until": exact(trace, 2 * ((finding.last + 1) // 2)),
+        "trigger": None if finding.trigger is None else finding.trigger.text,
+        "triggered_from": None if finding.triggered is None else exact(trace, finding.triggered[0]),
+        "deadline": None if finding.deadline is None else exact(trace, finding.deadline),
+        "decided": None if finding.decided is None else exact(trace, finding.decided),
+        "blamed": [_blamed(trace, verdict, reason) for reason in finding.blamed],
+        "explanation": list(explain_verdict(record, verdict)),
+    }
+
+
+def _blamed(trace: Trace, verdict: MonitorVerdict, reason: Reason) -> dict[str, Json]:
+    columns = verdict.explainer.columns(reason)
+    return {
+        "formula": reason.text,
+        "value": reason.value.word,
+        "at": exact(trace, reason.cell),
+        "seen": {column: value_text(trace, column, reason.cell) for column in columns},
+    }
+
+
+def exact(trace: Trace, cell: int) -> str:
+    """The instant of a cell as the clock of the recording shows it; between two ticks the middle."""
+    return decimal(trace.clock(cell_time(cell)), 18)
+
+
+def number(value: float) -> Json:
+    """Infinities as strings, for JSON has none."""
+    if math.isinf(value):
+        return "inf" if value > 0 else "-inf"
+    return value

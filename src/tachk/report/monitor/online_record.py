@@ -1,0 +1,49 @@
+"""What is known about formulas on a trace that is judged as it comes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from tachk.report.monitor.record import Ending, MonitorRecord
+from tachk.runtime.node_signal import Truth
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OnlineVerdict:
+    """Attributes:
+    formula: in canonical form.
+    sentence: as written, if it was a sentence.
+    measured: what has been seen says.
+    truth: the same; after the end, with the meaning that was given to it.
+    decided_at: what the clock showed when the verdict was decided; None before.
+    violated: the earliest known stretch in which what must always hold does not: from, until.
+    robustness: bounds for all continuations; None if it was not asked for.
+    story: the violation explained on the rows that were kept; None for other verdicts, and where too few were kept.
+    """
+
+    name: str
+    title: str
+    formula: str
+    sentence: str
+    measured: Truth
+    truth: Truth
+    decided_at: Fraction | None
+    violated: tuple[Fraction, Fraction] | None
+    robustness: tuple[float, float] | None
+    story: MonitorRecord | None = field(default=None, repr=False)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OnlineRecord:
+    """Attributes:
+    begin, end: what the clock showed at the first row and shows now.
+    """
+
+    trace: str
+    rows: int
+    begin: Fraction
+    end: Fraction
+    unit: str
+    ending: Ending
+    verdicts: tuple[OnlineVerdict, ...]

@@ -1,0 +1,92 @@
+"""Reports of traces that are judged as they come: some lines when a verdict is decided, a summary at the end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+
+from tachk.report.json_report import Json
+from tachk.report.monitor.json import finding_to_json, number
+from tachk.report.monitor.online_record import OnlineRecord, OnlineVerdict
+from tachk.report.monitor.text import robustness_text
+from tachk.report.monitor.words import explain_verdict
+from tachk.report.quantity import count, decimal
+from tachk.runtime.node_signal import Truth
+
+
+def decided_to_text(verdict: OnlineVerdict, unit: str) -> str:
+    """What is printed as soon as a verdict is decided."""
+    at = "" if verdict.decided_at is None else f"{_time(verdict.decided_at, unit)}: "
+    return "\n".join((f"{at}{verdict.name} is {verdict.measured.word}", *_details(verdict, unit))) + "\n"
+
+
+def online_to_text(record: OnlineRecord) -> str:
+    """The summary at the end."""
+    rows = f"{count(record.rows)} {'row' if record.rows == 1 else 'rows'}"
+    lines = [
+        f"{record.trace}: {rows}, from {_time(record.begin, record.unit)} to {_time(record.end, record.unit)}",
+        "",
+    ]
+    width = max(len(verdict.name) for verdict in record.verdicts)
+    words = [_words(verdict) for verdict in record.verdicts]
+    wide = max(len(word) for word in words)
+    for verdict, word in zip(record.verdicts, words, strict=True):
+        robustness = f"  robustness {robustness_text(verdict.robustness)}" if verdict.robustness else ""
+        lines.append(f"  {verdict.name:{width}}  {word:{wide}}  {verdict.formula}{robustness}")
+    totals = [(sum(v.truth is truth for v in record.verdicts), truth.word) for truth in _ORDER]
+    lines += ["", ", ".join(f"{total} {word}" for total, word in totals if total)]
+    return "\n".join(lines) + "\n"
+
+
+def online_to_json(record: OnlineRecord) -> dict[str, Json]:
+    """The record as docs/schema/monitor.schema.json describes it."""
+    return {
+        "trace": record.trace,
+        "rows": record.rows,
+        "begin": decimal(record.begin, 18),
+        "end": decimal(record.end, 18),
+        "unit": record.unit or None,
+        "interpolation": "constant",
+        "pending_counts_as": record.ending.value,
+        "results": [_verdict_to_json(verdict) for verdict in record.verdicts],
+    }
+
+
+def _verdict_to_json(verdict: OnlineVerdict) -> dict[str, Json]:
+    story = verdict.story
+    return {
+        "name": verdict.name,
+        "title": verdict.title,
+        "formula": verdict.formula,
+        "sentence": verdict.sentence or None,
+        "verdict": verdict.truth.word,
+        "measured": verdict.measured.word,
+        "presumably": None,
+        "robustness": None if verdict.robustness is None else [number(value) for value in verdict.robustness],
+        "time_robustness": None,
+        "vacuous": False,
+        "finding": None if story is None else finding_to_json(story, story.verdicts[0]),
+    }
+
+
+_ORDER = (Truth.TRUE, Truth.FALSE, Truth.UNDETERMINED)
+
+
+def _words(verdict: OnlineVerdict) -> str:
+    if verdict.measured is verdict.truth:
+        return verdict.truth.word
+    return f"{verdict.truth.word} (undetermined at the end)"
+
+
+def _details(verdict: OnlineVerdict, unit: str) -> Iterator[str]:
+    if verdict.story is not None:
+        for line in explain_verdict(verdict.story, verdict.story.verdicts[0]):
+            yield f"  {line}"
+    elif verdict.violated is not None:
+        begin, end = verdict.violated
+        yield f"  violated from {_time(begin, unit)} until {_time(end, unit)}"
+
+
+def _time(value: Fraction, unit: str) -> str:
+    number = decimal(value, 18)
+    return f"{number} {unit}" if unit else number

@@ -1,0 +1,142 @@
+"""What a picture of a judged trace shows, in numbers: steps of signals, bands of subformulas. No drawing here."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tachk.report.monitor.record import MonitorVerdict
+from tachk.runtime.monitor_program import MonitorProgram, NodeKind, Relation, ValueOperator
+from tachk.runtime.node_signal import NodeSignal, Truth
+from tachk.runtime.trace import Trace
+
+MOST_ROWS = 9
+"""Subformulas that are shown of one formula, the outer ones first."""
+
+MOST_POINTS = 4000
+"""Points of a line; a longer trace is drawn by the extremes of each of as many pieces."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FormulaRows:
+    """The subformulas that are shown, the whole first."""
+
+    nodes: tuple[int, ...]
+    texts: tuple[str, ...]
+    signals: tuple[NodeSignal, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Band:
+    """From ``begin`` to ``end``, in ticks; ``widened`` if it is narrower in truth."""
+
+    begin: float
+    end: float
+    widened: bool = False
+
+
+def formula_rows(verdict: MonitorVerdict) -> FormulaRows:
+    """The subformulas worth a row: neither what a signal shows already, nor negations that an implication hides."""
+    explainer = verdict.explainer
+    program = verdict.program
+    root = len(program.nodes) - 1
+    order: dict[int, None] = {root: None}
+    pending = [root]
+    while pending:
+        node = pending.pop(0)
+        for operand in program.nodes[node].operands:
+            if operand not in order:
+                order[operand] = None
+                pending.append(operand)
+    kept = [node for node in order if node == root or not _is_plain(program, node)][:MOST_ROWS]
+    texts = tuple(program.nodes[node].text for node in kept)
+    return FormulaRows(tuple(kept), texts, tuple(explainer.signal(node) for node in kept))
+
+
+def _is_plain(program: MonitorProgram, node: int) -> bool:
+    current = program.nodes[node]
+    if current.kind in (NodeKind.TRUE, NodeKind.FALSE):
+        return True
+    if current.kind is NodeKind.NOT:
+        return True
+    if current.kind is NodeKind.ATOM:
+        atom = program.atoms[current.atom]
+        return atom.relation is Relation.TRUTH and len(atom.left) == 1
+    return False
+
+
+def bands_of(signal: NodeSignal, truth: Truth, begin: float, end: float, pixel: float) -> list[Band]:
+    """Where a subformula has a value; what is narrower than a pixel is made that wide, so that no instant is lost."""
+    bands: list[Band] = []
+    for first, last, value in signal.stretches():
+        if value is not truth:
+            continue
+        left = first / 2 if first % 2 == 0 else (first - 1) / 2
+        right = last / 2 if last % 2 == 0 else (last + 1) / 2
+        left, right = max(left, begin), min(right, end)
+        if right < left:
+            continue
+        widened = right - left < pixel
+        if widened:
+            left = max(min(left, end - pixel), begin)
+            right = left + pixel
+        if bands and left - bands[-1].end < pixel / 2:
+            bands[-1] = Band(bands[-1].begin, max(right, bands[-1].end), bands[-1].widened and widened)
+        else:
+            bands.append(Band(left, right, widened))
+    return bands
+
+
+def steps(trace: Trace, column: str, begin: float, end: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The points of a step line within a part of the trace, its last value held to the end of the part."""
+    first = max(int(trace.times.searchsorted(begin, side="right")) - 1, 0)
+    last = int(trace.times.searchsorted(end, side="right"))
+    times = trace.times[first:last].astype(np.float64)
+    values = trace.columns[column][first:last].astype(np.float64)
+    if len(times) > MOST_POINTS:
+        times, values = _extremes(times, values)
+    stop = min(end, float(trace.end))
+    return np.append(times, max(stop, times[-1])), np.append(values, values[-1])
+
+
+def line(trace: Trace, column: str, begin: float, end: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The points of a line from row to row that covers a part of the trace, its last value held to the end of it."""
+    first = max(int(trace.times.searchsorted(begin, side="right")) - 1, 0)
+    last = int(trace.times.searchsorted(end, side="right")) + 1
+    times = trace.times[first:last]
+    kept = np.append(times[1:] != times[:-1], True)  # of several rows for one instant the last one counts
+    points = times[kept].astype(np.float64)
+    values = trace.columns[column][first:last][kept].astype(np.float64)
+    if len(points) > MOST_POINTS:
+        points, values = _extremes(points, values)
+    stop = max(min(end, float(trace.end)), points[-1])
+    return np.append(points, stop), np.append(values, values[-1])
+
+
+def _extremes(
+    times: NDArray[np.float64], values: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The least and the largest value of each of a number of pieces."""
+    edges = np.linspace(0, len(times), MOST_POINTS // 2 + 1).astype(np.int64)[:-1]
+    low, high = np.minimum.reduceat(values, edges), np.maximum.reduceat(values, edges)
+    return np.repeat(times[edges], 2), np.column_stack((low, high)).ravel()
+
+
+def thresholds(verdicts: Sequence[MonitorVerdict], column: str) -> list[float]:
+    """The constants that a column is compared with."""
+    found: set[float] = set()
+    for verdict in verdicts:
+        program = verdict.program
+        for atom in program.atoms:
+            if atom.relation is Relation.TRUTH or len(atom.left) != 1 or len(atom.right) != 1:
+                continue
+            (left,), (right,) = atom.left, atom.right
+            if left.operator is ValueOperator.CONSTANT:
+                left, right = right, left
+            if left.operator is ValueOperator.COLUMN and right.operator is ValueOperator.CONSTANT:
+                if program.columns[int(left.operand)] == column:
+                    found.add(right.operand)
+    return sorted(found)

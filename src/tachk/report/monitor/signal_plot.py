@@ -1,0 +1,296 @@
+"""Pictures of judged traces: signals on top, below them what each subformula is worth, and where a formula is violated.
+
+True, false and undetermined differ in shape, not only in colour: filled, hatched, dotted.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.report.monitor.plot_rows import Band, FormulaRows, bands_of, formula_rows, line, steps, thresholds
+from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, clock_text
+from tachk.report.monitor.text import answer_text, robustness_text
+from tachk.runtime.node_signal import Truth
+from tachk.runtime.trace import Trace
+
+FORMATS = (".svg", ".png", ".pdf")
+
+_WIDTH = 9.0
+_ROW = 0.24
+_GRAPH = 0.85
+_LABEL = 8
+_LEFT, _RIGHT = 0.31, 0.985
+_TOP, _BOTTOM = 0.55, 0.72
+_TITLE, _GAP = 0.4, 0.16
+_LONGEST_LABEL = 43
+_LONGEST_TITLE = 74
+_LABEL_WIDTH = 0.2
+_LARGEST = 1e300
+"""Beyond that margins and ticks are no numbers any more."""
+
+_FACE = {Truth.TRUE: "#5a9367", Truth.FALSE: "#ffffff", Truth.UNDETERMINED: "#f1f1f1"}
+_INK = {Truth.TRUE: "#3d6b48", Truth.FALSE: "#a4161a", Truth.UNDETERMINED: "#777777"}
+_HATCH = {Truth.TRUE: "", Truth.FALSE: "//////", Truth.UNDETERMINED: ".."}
+_SIGNAL = "#22577a"
+_STYLE: dict[Any, Any] = {
+    "font.size": 9,
+    "font.family": "DejaVu Sans",
+    "hatch.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "svg.hashsalt": "tachk",
+    "svg.fonttype": "none",
+}
+
+_METADATA: Any = {"Date": None, "Creator": "tachk"}
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """The part of a trace that is drawn, in ticks."""
+
+    begin: float
+    end: float
+
+
+def plot_record(record: MonitorRecord, path: str | Path, span: Span | None = None) -> None:
+    """Writes the picture of a record whose verdicts have their explainers.
+
+    Args:
+        path: its ending says the format.
+        span: the part that is drawn; None: the whole trace.
+
+    Raises UsageError for an unknown format.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in FORMATS:
+        raise UsageError(f"{path}: pictures are written as {', '.join(FORMATS)}", "the ending of the name decides")
+    with rc_context(_STYLE):
+        figure = draw_record(record, span)
+        metadata = _METADATA if target.suffix.lower() == ".svg" else None
+        figure.savefig(target, dpi=150, metadata=metadata)
+
+
+@dataclass(frozen=True, slots=True)
+class Plot:
+    """A picture that has not been written; a notebook shows it."""
+
+    record: MonitorRecord = field(repr=False)
+    span: Span
+
+    @property
+    def svg(self) -> str:
+        """The text of a file."""
+        out = StringIO()
+        with rc_context(_STYLE):
+            draw_record(self.record, self.span).savefig(out, format="svg", metadata=_METADATA)
+        return out.getvalue()
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+
+def draw_record(record: MonitorRecord, span: Span | None = None) -> Figure:
+    """The picture as a matplotlib figure."""
+    trace = record.trace
+    span = span or Span(0, max(trace.end, 1))
+    groups = [(verdict, formula_rows(verdict)) for verdict in record.verdicts]
+    flags = [name for name, values in trace.columns.items() if values.dtype.kind == "u"]
+    numbers = [name for name in trace.columns if name not in flags]
+    heights = [_GRAPH] * len(numbers)
+    if flags:
+        heights.append(_ROW * len(flags) + 0.1)
+    heights += [_ROW * len(rows.nodes) + 0.1 for _, rows in groups]
+    signals = len(numbers) + bool(flags)
+    height = sum(heights) + _TITLE * len(groups) + _GAP * max(signals - 1, 0) + _TOP + _BOTTOM
+    figure = Figure(figsize=(_WIDTH, height))
+    FigureCanvasAgg(figure)
+    axes = _axes(figure, heights, signals, height)
+    for name, axis in zip(numbers, axes, strict=False):
+        _draw_numbers(axis, trace, name, span, [v for v, _ in groups])
+    if flags:
+        _draw_flags(axes[len(numbers)], trace, flags, span)
+    for (verdict, rows), axis in zip(groups, axes[signals:], strict=True):
+        _draw_formula(axis, trace, verdict, rows, span)
+    for axis in axes:
+        axis.set_xlim(span.begin, span.end)
+    _draw_time(axes, trace, span)
+    figure.text(0.008, 1 - 0.1 / height, _short(trace.name, 60), va="top", fontsize=9)
+    if len(groups) == 1:
+        for axis in axes:
+            _mark(axis, groups[0][0], span, axis is axes[0], trace)
+    else:
+        for (verdict, _), axis in zip(groups, axes[signals:], strict=True):
+            _mark(axis, verdict, span, False, trace)
+    _legend(figure, height)
+    return figure
+
+
+def _axes(figure: Figure, heights: Sequence[float], signals: int, height: float) -> list[Axes]:
+    """One axis for each height, from the top down, with room for a title above each formula."""
+    axes: list[Axes] = []
+    top = height - _TOP
+    for number, size in enumerate(heights):
+        top -= _TITLE if number >= signals else _GAP if number else 0
+        bottom = top - size
+        axis = figure.add_axes((_LEFT, bottom / height, _RIGHT - _LEFT, size / height))
+        axes.append(axis)
+        top = bottom
+    return axes
+
+
+def _draw_numbers(axis: Axes, trace: Trace, name: str, span: Span, verdicts: Sequence[MonitorVerdict]) -> None:
+    moves = trace.moves(name)
+    times, values = (line if moves else steps)(trace, name, span.begin, span.end)
+    levels = thresholds(verdicts, name)
+    if max(map(abs, (*levels, values.min(), values.max()))) > _LARGEST:
+        raise UsageError(
+            f"`{name}` cannot be drawn: there are numbers beyond {_LARGEST:g}",
+            "draw a part of the trace, with --from and --to, or divide the numbers",
+        )
+    (curve,) = axis.plot(times, values, drawstyle="default" if moves else "steps-post", color=_SIGNAL, linewidth=1.2)
+    curve.set_gid(f"signal-{name}")
+    for level in levels:
+        axis.axhline(level, color="#555555", linewidth=0.8, linestyle=(0, (1, 2)))
+    axis.set_ylabel(_short(name), rotation=0, ha="right", va="center", fontsize=_LABEL)
+    axis.margins(y=0.12)
+    axis.locator_params(axis="y", nbins=3)
+
+
+def _draw_flags(axis: Axes, trace: Trace, names: Sequence[str], span: Span) -> None:
+    """One line for each truth value: high and filled where it is true."""
+    for row, name in enumerate(names):
+        times, values = steps(trace, name, span.begin, span.end)
+        base = len(names) - 1 - row
+        levels = base + 0.12 + 0.7 * values
+        axis.fill_between(times, base + 0.12, levels, step="post", color=_SIGNAL, alpha=0.35, linewidth=0)
+        (curve,) = axis.plot(times, levels, drawstyle="steps-post", color=_SIGNAL, linewidth=1.0)
+        curve.set_gid(f"signal-{name}")
+    _rows(axis, [_short(name) for name in names])
+
+
+def _draw_formula(axis: Axes, trace: Trace, verdict: MonitorVerdict, rows: FormulaRows, span: Span) -> None:
+    axis.set_gid(f"formula-{verdict.name}")
+    pixel = (span.end - span.begin) / (_WIDTH * (_RIGHT - _LEFT) * 150)
+    for row, node in enumerate(rows.nodes):
+        base = len(rows.nodes) - 1 - row
+        for truth in Truth:
+            bands = bands_of(rows.signals[row], truth, span.begin, span.end, pixel)
+            name = f"band-{verdict.name}-{node}-{truth.word}"
+            _draw_bands(axis, [band for band in bands if not band.widened], base, truth, name, 1)
+            _draw_bands(axis, [band for band in bands if band.widened], base, truth, f"{name}-instants", 2)
+    _rows(axis, [_short(text) for text in rows.texts])
+    axis.get_yticklabels()[0].set_color(_title_ink(verdict))
+    title = f"{verdict.name}: {answer_text(verdict)}"
+    if any(math.isfinite(bound) for bound in verdict.robustness or ()):
+        title += f", robustness {robustness_text(verdict.robustness)}"
+    axis.set_title(title, loc="left", fontsize=9, fontweight="bold", color=_title_ink(verdict), pad=4)
+    text = verdict.sentence or verdict.title
+    axis.set_title(_short(text, max(_LONGEST_TITLE - len(title), 0)), loc="right", fontsize=_LABEL, pad=4)
+
+
+def _title_ink(verdict: MonitorVerdict) -> str:
+    return "#222222" if verdict.truth is Truth.UNDETERMINED else _INK[verdict.truth]
+
+
+def _draw_bands(axis: Axes, bands: Sequence[Band], base: int, truth: Truth, gid: str, level: int) -> None:
+    if not bands:
+        return
+    low, high = base + 0.14, base + 0.86
+    shapes = [[(b.begin, low), (b.begin, high), (b.end, high), (b.end, low)] for b in bands]
+    collection = PolyCollection(
+        shapes,
+        facecolors=_FACE[truth],
+        edgecolors=_INK[truth],
+        linewidths=0.6 * level,
+        hatch=_HATCH[truth],
+        zorder=level,
+    )
+    collection.set_gid(gid)
+    axis.add_collection(collection)
+
+
+def _rows(axis: Axes, labels: Sequence[str]) -> None:
+    axis.set_ylim(0, len(labels))
+    axis.set_yticks([len(labels) - 0.5 - row for row in range(len(labels))], labels, fontsize=_LABEL)
+    axis.tick_params(axis="y", length=0)
+    axis.spines["left"].set_visible(False)
+
+
+def _draw_time(axes: Sequence[Axes], trace: Trace, span: Span) -> None:
+    """Ticks at round numbers of the recording's clock, with labels below the last axis."""
+    origin, scale = float(trace.origin), trace.ticks_per_unit
+    begin, end = origin + span.begin / scale, origin + span.end / scale
+    marks = [m for m in MaxNLocator(nbins=9, steps=[1, 2, 2.5, 5, 10]).tick_values(begin, end) if begin <= m <= end]
+    for axis in axes:
+        axis.set_xticks([(mark - origin) * scale for mark in marks], [f"{mark:.10g}" for mark in marks])
+        axis.tick_params(labelbottom=axis is axes[-1], labelsize=_LABEL)
+    axes[-1].set_xlabel(f"time [{trace.unit}]" if trace.unit else "time", fontsize=_LABEL)
+
+
+def _mark(axis: Axes, verdict: MonitorVerdict, span: Span, labelled: bool, trace: Trace) -> None:
+    """Lines at the instant of the violation (or of what is pending) and at the deadline."""
+    finding = verdict.finding
+    if finding is None:
+        return
+    begin = finding.cell / 2
+    deadline = None if finding.deadline is None else finding.deadline / 2
+    marks: list[tuple[float, str, Any]] = [(begin, "trigger" if finding.trigger is not None else "violated", "-")]
+    if verdict.measured is Truth.UNDETERMINED and finding.trigger is None:
+        marks = [(begin, "pending from", "-")]
+    if deadline is not None and deadline != begin:
+        marks.append((deadline, "deadline", (0, (4, 2))))
+        axis.axvspan(begin, min(deadline, span.end), color="#ffb703", alpha=0.16, linewidth=0, zorder=0)
+    width = span.end - span.begin
+    close = len(marks) == 2 and marks[1][0] - marks[0][0] < _LABEL_WIDTH * width
+    for number, (place, word, style) in enumerate(marks):
+        if not span.begin <= place <= span.end:
+            continue
+        mark = axis.axvline(place, color="#000000", linewidth=1.1, linestyle=style, zorder=5)
+        mark.set_gid(f"{word.split()[0]}-{verdict.name}")
+        if labelled:
+            leftwards = place > span.end - _LABEL_WIDTH * width or (close and number == 0)
+            fits = not (leftwards and place < span.begin + _LABEL_WIDTH * width)
+            axis.annotate(
+                f"{word} {clock_text(trace, int(place))}",
+                (place, 1.0),
+                xycoords=("data", "axes fraction"),
+                xytext=(-2 if leftwards and fits else 2, 4 if fits else 14),
+                textcoords="offset points",
+                ha="right" if leftwards and fits else "left",
+                fontsize=_LABEL,
+            )
+
+
+def _legend(figure: Figure, height: float) -> None:
+    patches = [
+        Patch(facecolor=_FACE[truth], edgecolor=_INK[truth], hatch=_HATCH[truth], label=truth.word) for truth in Truth
+    ]
+    figure.legend(
+        handles=[patches[1], patches[0], patches[2]],
+        loc="lower left",
+        bbox_to_anchor=(_LEFT - 0.005, 0.0),
+        ncols=3,
+        frameon=False,
+        fontsize=_LABEL,
+        handlelength=2.4,
+        handleheight=1.1,
+    )
+
+
+def _short(text: str, most: int = _LONGEST_LABEL) -> str:
+    return text if len(text) <= most else text[: max(most - 1, 0)] + "…" if most > 8 else ""

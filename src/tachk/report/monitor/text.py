@@ -1,0 +1,102 @@
+"""What a person reads about a judged trace: the table of verdicts, then what happened where one is not true."""
+
+from __future__ import annotations
+
+import math
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from tachk.report.monitor.record import Ending, MonitorRecord, MonitorVerdict, clock_text
+from tachk.report.monitor.words import explain_verdict
+from tachk.report.quantity import count
+from tachk.runtime.node_signal import Truth
+from tachk.runtime.trace import Interpolation
+
+STYLES = {Truth.TRUE: "green", Truth.FALSE: "red", Truth.UNDETERMINED: "yellow"}
+
+
+def print_monitor(record: MonitorRecord, console: Console) -> None:
+    """Prints the verdicts on one trace."""
+    trace = record.trace
+    rows = f"{count(trace.rows)} {'row' if trace.rows == 1 else 'rows'}"
+    console.print(Text(f"{trace.name}: {rows}, from {clock_text(trace, 0)} to {clock_text(trace, trace.end)}"))
+    moving = [name for name in trace.columns if trace.moves(name)]
+    if trace.interpolation is Interpolation.LINEAR:
+        console.print(Text(f"straight lines between rows: {', '.join(moving) or 'no column holds numbers'}"))
+    console.print()
+    console.print(_table(record))
+    for verdict in record.verdicts:
+        lines = explain_verdict(record, verdict)
+        if lines:
+            console.print()
+            console.print(Text(f"{verdict.name} is {verdict.measured.word}", style=f"bold {STYLES[verdict.measured]}"))
+            if verdict.sentence:
+                console.print(Text(f"  {verdict.sentence}", style="dim"))
+            for line in lines:
+                console.print(Text(f"  {line}"))
+    console.print()
+    console.print(_summary(record))
+
+
+def answer_text(verdict: MonitorVerdict) -> str:
+    """The verdict in a few words: ``true``, ``undetermined, presumably false``, ``true (nothing triggered)``."""
+    if verdict.measured is not verdict.truth:
+        return f"{verdict.truth.word} (undetermined at the end)"
+    if verdict.truth is Truth.UNDETERMINED and verdict.presumably is not None:
+        return f"undetermined, presumably {verdict.presumably.word}"
+    return f"{verdict.truth.word} (nothing triggered)" if verdict.vacuous else verdict.truth.word
+
+
+def robustness_text(robustness: tuple[float, float] | None) -> str:
+    """A number where the interval is one, else the interval: ``2.5``, ``-inf .. 0.5``."""
+    if robustness is None:
+        return ""
+    low, high = robustness
+    return _number(low) if low == high else f"{_number(low)} .. {_number(high)}"
+
+
+def _number(value: float) -> str:
+    if math.isinf(value):
+        return "inf" if value > 0 else "-inf"
+    return f"{value:.6g}"
+
+
+def _table(record: MonitorRecord) -> Table:
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), show_header=True, header_style="dim")
+    quantitative = any(v.robustness is not None and not all(map(math.isinf, v.robustness)) for v in record.verdicts)
+    table.add_column("  formula", no_wrap=True)
+    table.add_column("verdict", no_wrap=True)
+    if quantitative:
+        table.add_column("robustness", no_wrap=True)
+    timed = any(verdict.time_robustness is not None for verdict in record.verdicts)
+    if timed:
+        unit = f" [{record.trace.unit}]" if record.trace.unit else ""
+        table.add_column(Text(f"ahead{unit}"), no_wrap=True)
+        table.add_column(Text(f"behind{unit}"), no_wrap=True)
+    table.add_column("meaning", overflow="fold")
+    for verdict in record.verdicts:
+        row = [Text(f"  {verdict.name}"), Text(answer_text(verdict), style=STYLES[verdict.truth])]
+        if quantitative:
+            row.append(Text(robustness_text(verdict.robustness)))
+        if timed:
+            bounds = verdict.time_robustness
+            row.append(Text("" if bounds is None else robustness_text(bounds.ahead)))
+            row.append(Text("" if bounds is None else robustness_text(bounds.behind)))
+        table.add_row(*row, Text(verdict.formula))
+    return table
+
+
+def _summary(record: MonitorRecord) -> Text:
+    parts = []
+    for truth in (Truth.TRUE, Truth.FALSE, Truth.UNDETERMINED):
+        number = sum(verdict.truth is truth for verdict in record.verdicts)
+        if number:
+            parts.append(f"{number} {truth.word}")
+    rule = {
+        Ending.UNDETERMINED: "",
+        Ending.WEAK: "; what is pending at the end counts as satisfied",
+        Ending.STRONG: "; what is pending at the end counts as violated",
+    }[record.ending]
+    return Text(", ".join(parts) + rule)

@@ -1,0 +1,121 @@
+"""Pictures of the templates of a model file, with the layout that it or its side file has or an automatic one."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from tachk.diagnostics.diagnostic import InputError, UsageError
+from tachk.drawing.completion import complete
+from tachk.drawing.svg import Picture, draw_template, together
+from tachk.formats.layout_json import read_layout_beside
+from tachk.frontend.findings import Findings
+from tachk.loading.imports import Importer
+from tachk.loading.load import constant_overrides
+from tachk.loading.model_files import read_model
+from tachk.syntax import ast
+from tachk.syntax.picture_layout import Layout
+from tachk.syntax.rewrite import rewrite
+from tachk.syntax.source_files import read_source
+
+
+def draw_file(path: str | os.PathLike[str], constants: Mapping[str, str] | None = None) -> tuple[Picture, ...]:
+    """A picture of each template of a model file and of what it imports, in order.
+
+    The file need not be a complete model: only its text is read.
+
+    Args:
+        constants: other values for global constants, shown in place of their names.
+
+    Raises:
+        InputError: the text is wrong; carries every finding.
+        UsageError: the file cannot be read, has no template, or no such constant.
+    """
+    source = read_source(path)
+    read = read_model(source)
+    items = read.document.items
+    if any(isinstance(item, ast.ImportDeclaration) for item in items):
+        findings = Findings()
+        _, imported = Importer(findings).read(source)
+        if findings.has_errors:
+            raise InputError(findings.sorted())
+        items = tuple(imported)
+    findings = Findings()
+    values = constant_overrides(constants or {}, items, findings)
+    if findings.has_errors:
+        raise InputError(findings.sorted())
+    drawn = [_with_values(item, values) if isinstance(item, ast.Template) else item for item in items]
+    return draw_items(drawn, read.layout or read_layout_beside(path), source.name)
+
+
+def draw_items(items: Iterable[ast.Item], layout: Layout | None, name: str) -> tuple[Picture, ...]:
+    """A picture of each template among declarations.
+
+    Args:
+        name: what a message calls them.
+
+    Raises:
+        UsageError: there is no template.
+    """
+    templates = [item for item in items if isinstance(item, ast.Template)]
+    if not templates:
+        raise UsageError(f"{name} has no template to draw")
+    known = {} if layout is None else layout.templates
+    return tuple(draw_template(template, complete(template, known.get(template.name.name))) for template in templates)
+
+
+def _with_values(template: ast.Template, values: Mapping[str, ast.Expression]) -> ast.Template:
+    """The template with the values of constants in place of their names; a name that it also declares is kept."""
+    own: set[str] = set()
+
+    def note(node: Any) -> Any:
+        match node:
+            case ast.Parameter(name=name) | ast.Declarator(name=name) | ast.SelectBinding(name=name):
+                own.add(name.name)
+            case ast.QuantifierExpression(variable=name):
+                own.add(name.name)
+        return node
+
+    rewrite(template, note)
+
+    def change(node: Any) -> Any:
+        if isinstance(node, ast.NameExpression) and node.name not in own:
+            return values.get(node.name, node)
+        return node
+
+    return rewrite(template, change) if values else template
+
+
+def draw(path: str | os.PathLike[str], template: str | None = None) -> Picture:
+    """The picture of one template of a model file, or of all of them together.
+
+    Raises:
+        InputError: the text is wrong; carries every finding.
+        UsageError: the file cannot be read, or has no such template.
+    """
+    return _one(draw_file(path), os.path.basename(path), template)
+
+
+def draw_document(items: Iterable[ast.Item], layout: Layout | None, name: str, template: str | None = None) -> Picture:
+    """The same of a model that has been read, or was never written. Raises UsageError as `draw`."""
+    return _one(draw_items(items, layout, name), os.path.basename(name), template)
+
+
+def _one(pictures: tuple[Picture, ...], name: str, template: str | None) -> Picture:
+    if template is None:
+        return pictures[0] if len(pictures) == 1 else together(name, pictures)
+    return named(pictures, template)
+
+
+def named(pictures: tuple[Picture, ...], template: str) -> Picture:
+    """The picture of a template.
+
+    Raises:
+        UsageError: there is none.
+    """
+    for picture in pictures:
+        if picture.name == template:
+            return picture
+    names = ", ".join(picture.name for picture in pictures)
+    raise UsageError(f"there is no template `{template}`", f"the templates are {names}")

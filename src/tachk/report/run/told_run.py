@@ -1,0 +1,63 @@
+"""The run behind an answer as an object that scripts and notebooks show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from html import escape
+
+from tachk.model.network import Network
+from tachk.properties.verdict import Verdict
+from tachk.report.run.trace_view import Snapshot, TraceView, ViewStep, view_trace
+from tachk.report.text_report import evidence_text
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A run by the names of its model: ``print(run)`` tells it as `tachk verify` does, a notebook shows it.
+
+    Attributes:
+        verdict: the answer that the run is about; ``verdict.trace`` is the run in numbers.
+    """
+
+    network: Network = field(repr=False)
+    verdict: Verdict
+
+    @property
+    def view(self) -> TraceView:
+        assert self.verdict.trace is not None
+        return view_trace(self.network, self.verdict.trace)
+
+    @property
+    def steps(self) -> tuple[ViewStep, ...]:
+        """What happens, each step with the state behind it."""
+        return self.view.steps
+
+    @property
+    def states(self) -> tuple[Snapshot, ...]:
+        """The initial state, and the one after each step: locations, variables, clocks and time by name."""
+        view = self.view
+        return (view.initial, *(step.state for step in view.steps))
+
+    def to_text(self, clocks: bool = False, every_step: bool = False) -> str:
+        """The run step by step.
+
+        Args:
+            clocks: print the value of every clock after each step.
+            every_step: tell also repeated rounds step by step, and what the model hides.
+        """
+        return evidence_text(self.network, self.verdict, clocks, every_step)
+
+    def __len__(self) -> int:
+        assert self.verdict.trace is not None
+        return len(self.verdict.trace.steps)
+
+    def __str__(self) -> str:
+        return self.to_text()
+
+    def __repr__(self) -> str:
+        plural = "step" if len(self) == 1 else "steps"
+        return f"<Run of {len(self)} {plural} about {self.verdict.query.name}>"
+
+    def _repr_html_(self) -> str:
+        title, _, text = self.to_text().partition("\n")
+        return f'<p><b>{escape(title)}</b></p>\n<pre style="line-height: 1.25">{escape(text)}</pre>'

@@ -1,0 +1,222 @@
+"""A run as text: what happens, when, and what it changes. Repeated rounds are told once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+
+from rich.console import Console
+from rich.text import Text
+
+from tachk.model.network import Direction
+from tachk.records import dataclass
+from tachk.report.quantity import count, duration
+from tachk.report.run.folding import Round, Single, fold
+from tachk.report.run.trace_view import Event, Move, Snapshot, TraceView
+
+_ARRAY_TOGETHER = 3
+
+_COLUMNS = 120
+"""A line is not made longer than that by putting more into it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ends:
+    """How much of a long run is told.
+
+    Attributes:
+        beginning, end: steps and rounds; without a beginning the initial state is not told either.
+    """
+
+    beginning: int = 200
+    end: int = 100
+
+
+@dataclass(frozen=True, slots=True)
+class Telling:
+    """How a run is told.
+
+    Attributes:
+        clocks: the value of every clock after each step.
+        every_step: each step of repeated rounds and of long runs, and what the model hides.
+        ends: what is told of a run that stays longer when rounds are put together.
+    """
+
+    clocks: bool = False
+    every_step: bool = False
+    ends: Ends = Ends()
+
+
+def print_trace(trace: TraceView, console: Console, time_unit: str = "", telling: Telling = Telling()) -> None:
+    """Prints a run."""
+    told = trace if telling.every_step else trace.without_hidden()
+    items = [Single(number) for number in range(len(told.steps))] if telling.every_step else fold(told.steps)
+    teller = _Teller(told, time_unit, telling.clocks, min(_COLUMNS, console.width))
+    ends = Ends(len(items), 0) if telling.every_step else telling.ends
+    console.print(teller.text(items, ends), end="", soft_wrap=True)
+
+
+def event_lines(event: Event, room: int = 0) -> Iterator[Text]:
+    """Who does what, with the documentation of the edge or else of the location it leads to.
+
+    Args:
+        room: columns of a line; what the documentation says stands in the same line where it fits.
+    """
+    for move in event.moves:
+        line = _move_line(event.channel, move)
+        words = Text(" ".join((move.doc or move.arrival).split()), style="italic")
+        if words and line.cell_len + 3 + words.cell_len <= room:
+            yield line.append(" · ").append_text(words)
+            continue
+        yield line
+        if words:
+            yield Text("  ").append_text(words)
+
+
+class _Teller:
+    """Writes the lines of one run."""
+
+    def __init__(self, trace: TraceView, time_unit: str, clocks: bool, columns: int) -> None:
+        self._trace = trace
+        self._unit = time_unit
+        self._clocks = clocks
+        self._columns = columns
+        self._times = [_when(trace.initial.time, None, time_unit)]
+        self._times += [_when(step.state.time, step.delay, time_unit) for step in trace.steps]
+        self._lines = Text()
+        self._width = 0
+
+    def text(self, items: Sequence[Single | Round], ends: Ends) -> Text:
+        if len(items) <= ends.beginning + ends.end + 1:
+            ends = Ends(len(items) + 1, 0)  # saying that one is left out would save nothing
+        left_out = items[ends.beginning : max(ends.beginning, len(items) - ends.end)]
+        end = items[ends.beginning + len(left_out) :]
+        numbers = [*_numbers(items[: ends.beginning]), *_numbers(end)]
+        self._width = max(len(self._times[0]), *(len(self._times[n + 1]) for n in numbers), 0)
+        if ends.beginning:
+            self._step(0, list(_start_lines(self._trace.initial, self._clocks)))
+        for item in items[: ends.beginning]:
+            self._item(item)
+        if left_out:
+            self._lines.append(f"  ...  ({count(sum(item.length for item in left_out))} steps)\n", style="dim")
+        for item in end:
+            self._item(item)
+        return self._lines
+
+    def _item(self, item: Single | Round) -> None:
+        if isinstance(item, Single):
+            self._single(item.number)
+            return
+        for inner in item.block:
+            self._item(inner)
+        self._repetition(item)
+
+    def _single(self, number: int) -> None:
+        step = self._trace.steps[number]
+        details = (
+            [Text("time passes")]
+            if step.event is None
+            else list(event_lines(step.event, self._columns - self._width - 9))
+        )
+        details += _change_lines(self._state(number), step.state)
+        if self._clocks and step.state.clocks:
+            details.append(_clock_line(step.state.clocks))
+        self._step(number + 1, details)
+
+    def _repetition(self, item: Round) -> None:
+        first, last = item.number + 1, item.number + item.round_length
+        end = item.number + item.length
+        steps = f"step {first} happens" if first == last else f"steps {first} to {last} happen"
+        words = f"↻ {steps} {item.times} times in a row"
+        delays = [step.delay for step in self._trace.steps[item.number : last]]
+        period = sum((delay for delay in delays if delay is not None), Fraction(0))
+        if period:
+            words += f", every {duration(period, self._unit)}"
+        time = self._trace.steps[end - 1].state.time
+        words += f", to step {end}" + (f" at {duration(time, self._unit)}" if period and time is not None else "")
+        self._note(words)
+        for line in _change_lines(self._state(last), self._state(end)):
+            self._lines.append(" " * (self._width + 9)).append_text(line).append("\n")
+
+    def _state(self, number: int) -> Snapshot:
+        """The state after that many steps."""
+        return self._trace.initial if number == 0 else self._trace.steps[number - 1].state
+
+    def _note(self, words: str) -> None:
+        self._lines.append(" " * (self._width + 9)).append(words, style="cyan").append("\n")
+
+    def _step(self, number: int, details: Sequence[Text]) -> None:
+        margin = f"{number:5}  {self._times[number]:<{self._width}}  "
+        for detail in details:
+            self._lines.append(margin, style="cyan").append_text(detail).append("\n")
+            margin = " " * len(margin)
+
+
+def _numbers(items: Sequence[Single | Round]) -> Iterator[int]:
+    for item in items:
+        if isinstance(item, Single):
+            yield item.number
+        else:
+            yield from _numbers(item.block)
+
+
+def _when(time: Fraction | None, delay: Fraction | None, time_unit: str) -> str:
+    if time is None:
+        return ""
+    waited = f" (+{duration(delay, time_unit)})" if delay else ""
+    return duration(time, time_unit) + waited
+
+
+def _start_lines(state: Snapshot, clocks: bool) -> Iterator[Text]:
+    yield Text("start in " + ", ".join(f"{process}.{location}" for process, location in state.locations))
+    variables = [f"{name} = {_value(value)}" for name, value in state.variables if value]
+    if variables:
+        rest = ", all other variables 0" if len(variables) < len(state.variables) else ""
+        yield Text("  " + ", ".join(variables) + rest)
+    if clocks and state.clocks:
+        yield _clock_line(state.clocks)
+
+
+def _move_line(channel: str, move: Move) -> Text:
+    line = Text()
+    if move.direction is not None:
+        mark = "!" if move.direction is Direction.SEND else "?"
+        line.append(f"{channel}{mark}  ", style="bold")
+    line.append(f"{move.process}: {move.source} → {move.target}")
+    selects = [f"{name} = {value}" for name, value in move.selects if name not in move.named_by_channel]
+    if selects:
+        line.append("  [" + ", ".join(selects) + "]")
+    return line
+
+
+def _change_lines(before: Snapshot, after: Snapshot) -> list[Text]:
+    groups: list[list[tuple[str, int | bool, int | bool]]] = []
+    last = ("", -1)
+    pairs = zip(before.variables, after.variables, strict=True)
+    for position, ((name, old), (_, new)) in enumerate(pairs):
+        if old != new:
+            array = name.rpartition("[")[0] if name.endswith("]") else ""
+            if array and last == (array, position - 1):
+                groups[-1].append((name, old, new))
+            else:
+                groups.append([(name, old, new)])
+            last = (array, position)
+    return [Text("  " + ", ".join(map(_group, groups)))] if groups else []
+
+
+def _group(cells: list[tuple[str, int | bool, int | bool]]) -> str:
+    """Changes of one variable, or of neighbouring cells of one array: ``a[0..2]: 1 2 0 → 2 0 0``."""
+    if len(cells) < _ARRAY_TOGETHER:
+        return ", ".join(f"{name}: {_value(old)} → {_value(new)}" for name, old, new in cells)
+    name = f"{cells[0][0][:-1]}..{cells[-1][0].rpartition('[')[2]}"
+    olds = " ".join(_value(old) for _, old, _ in cells)
+    news = " ".join(_value(new) for _, _, new in cells)
+    return f"{name}: {olds} → {news}"
+
+
+def _clock_line(clocks: tuple[tuple[str, Fraction], ...]) -> Text:
+    return Text("  " + ", ".join(f"{name} = {value}" for name, value in clocks), style="dim")
+
+
+def _value(value: int | bool) -> str:
+    return str(value).lower()

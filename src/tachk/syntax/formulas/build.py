@@ -1,0 +1,299 @@
+"""From what the grammar recognises to temporal formulas.
+
+The grammar knows one kind of operand, so that ``(a)`` need not be told from ``(a U b)`` before its end is seen. So
+temporal operators are read as `TemporalExpression` among expressions; when the formula is complete `as_formula` makes
+the tree of it and reports operators that stand where only the value of one instant can stand.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.diagnostics.span import Span
+from tachk.records import dataclass
+from tachk.syntax import ast
+from tachk.syntax.building.build_expressions import Children, span_of
+from tachk.syntax.formula import (
+    Always,
+    And,
+    Atom,
+    Change,
+    Duration,
+    Eventually,
+    Fall,
+    Formula,
+    Historically,
+    Implies,
+    Interval,
+    Not,
+    Once,
+    Or,
+    Rise,
+    Since,
+    Truth,
+    Until,
+    WeakUntil,
+    all_time,
+)
+from tachk.syntax.parsing.depth import DEEPEST, too_deep
+from tachk.syntax.parsing.misplaced import Misplaced
+from tachk.syntax.parsing.tokens import Token
+from tachk.syntax.walk import nodes_of_kind
+from tachk.time_units import SPELLINGS, UNITS
+
+_Prefix = type[Eventually] | type[Always] | type[Once] | type[Historically]
+_PREFIX: dict[str, _Prefix] = {"F": Eventually, "G": Always, "O": Once, "H": Historically}
+
+
+@dataclass(frozen=True, slots=True)
+class TemporalExpression(ast.Node):
+    """``operator`` is the letter or word of an operator; ``interval`` is None where there are no brackets."""
+
+    operator: str
+    interval: Interval | None
+    operands: tuple[Any, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RefusedPart(ast.Node):
+    """In place of an interval that is wrong. It is reported when the whole formula is read, for there reading can go on
+    behind it."""
+
+    diagnostic: Diagnostic
+
+
+@dataclass(frozen=True, slots=True)
+class WholeFormula(ast.Node):
+    """What stands where a formula stands, before `as_formula`."""
+
+    expression: Any
+
+
+class FormulaBuilder:
+    """The callbacks of the rules of stl.lark."""
+
+    def temporal(self, children: Children) -> TemporalExpression:
+        letter, interval, operand = children
+        return TemporalExpression(span_of(children), letter.text, interval, (operand,))
+
+    def edge_operator(self, children: Children) -> TemporalExpression:
+        word, _, operand, _ = children
+        return TemporalExpression(span_of(children), word.text, None, (operand,))
+
+    def until(self, children: Children) -> TemporalExpression:
+        left, letter, interval, right = children
+        return TemporalExpression(span_of(children), letter.text, interval, (left, right))
+
+    def implies(self, children: Children) -> ast.BinaryExpression:
+        return ast.BinaryExpression(span_of(children), "imply", children[0], children[2])
+
+    def interval(self, children: Children) -> Interval | RefusedPart:
+        opening, lower, _, upper, closing = children
+        bound = None if isinstance(upper, Token) else upper
+        for part in (lower, bound):
+            if isinstance(part, RefusedPart):
+                return part
+        for one, other in ((lower, bound), (bound, lower)):
+            if one is not None and other is not None and other.unit and _lacks_unit(one):
+                help_ = f"write {one.span.text} {other.unit}"
+                found = Diagnostic("E0134", "this bound has no unit, the other has one", one.span, help_)
+                return RefusedPart(one.span, found)
+        closed = bound is None or closing.text == "]"
+        return Interval(span_of(children), lower, bound, opening.text == "[", closed)
+
+    def half_interval(self, children: Children) -> RefusedPart:
+        opening, *inside, closing = children
+        span = span_of(children)
+        if not inside:
+            message, help_ = "there are no bounds in these brackets", "leave the brackets out, or write [0, 5]"
+        elif len(inside) == 1:
+            bound = inside[0].span.text
+            message = "an interval has two bounds"
+            help_ = f"write [0, {bound}] for 'within {bound}', [{bound}, {bound}] for 'after exactly {bound}'"
+        else:
+            message = "the bounds of an interval are separated by a comma"
+            help_ = f"write {opening.text}{inside[0].span.text}, {inside[2].span.text}{closing.text}"
+        return RefusedPart(span, Diagnostic("E0130", message, span, help_))
+
+    def duration(self, children: Children) -> Duration | RefusedPart:
+        expression, unit = children
+        if unit is not None and unit.text not in UNITS:
+            return RefusedPart(unit.span, unknown_unit(unit.text, unit.span))
+        return Duration(span_of(children), _number(expression), unit.text if unit is not None else "")
+
+    def temporal_formula(self, children: Children) -> WholeFormula:
+        return WholeFormula(children[1].span, children[1])
+
+    def formula_fragment(self, children: Children) -> Formula:
+        return as_formula(children[0])
+
+
+def unknown_unit(unit: str, span: Span) -> Diagnostic:
+    """The diagnostic for a word that is not a unit of time."""
+    meant = SPELLINGS.get(unit.lower()) or ("min" if unit == "m" else None)
+    help_ = f"did you mean '{meant}'?" if meant else f"the units are {', '.join(UNITS)}"
+    return Diagnostic("E0135", f"'{unit}' is not a unit of time", span, help_)
+
+
+def _lacks_unit(duration: Duration) -> bool:
+    """Whether a bound is a number other than 0 without a unit; a constant of the model is in the model's unit."""
+    return not duration.unit and isinstance(duration.value, Fraction) and duration.value != 0
+
+
+def _number(expression: ast.Expression) -> Fraction | ast.Expression:
+    """The value of a literal; other expressions as they are."""
+    match expression:
+        case ast.IntegerLiteral(value=value):
+            return Fraction(value)
+        case ast.FloatLiteral(text=text):
+            return Fraction(text)
+        case ast.UnaryExpression(operator="-", operand=ast.IntegerLiteral() | ast.FloatLiteral() as operand):
+            number = _number(operand)
+            return -number if isinstance(number, Fraction) else expression
+        case _:
+            return expression
+
+
+def as_formula(expression: Any) -> Formula:
+    """The formula that an expression with temporal operators stands for.
+
+    Raises:
+        Misplaced: something in it cannot be part of a formula, or it is nested too deeply.
+    """
+    _refuse_depth(expression)
+    for part in nodes_of_kind(expression, RefusedPart):
+        raise Misplaced(part.diagnostic)
+    return _formula(expression)
+
+
+def _refuse_depth(expression: Any) -> None:
+    pending = [(expression, 1)]
+    while pending:
+        node, level = pending.pop()
+        if isinstance(node, ast.Node):
+            if level > DEEPEST:
+                raise Misplaced(too_deep(node.span))
+            pending += [(getattr(node, name), level + 1) for name in node.__dataclass_fields__ if name != "span"]
+        elif isinstance(node, tuple):
+            pending += [(item, level) for item in node]
+
+
+def _formula(node: Any) -> Formula:
+    span = node.span
+    match node:
+        case TemporalExpression(operator="rise", operands=(operand,)):
+            return Rise(span, _formula(operand))
+        case TemporalExpression(operator="fall", operands=(operand,)):
+            return Fall(span, _formula(operand))
+        case TemporalExpression(operator="change", operands=(operand,)):
+            return Change(span, _state_expression(operand, "'change' watches the value of an expression"))
+        case TemporalExpression(operator="W", interval=Interval(span=place)):
+            help_ = "write (p U[a, b] q) || G[0, b] p for a bounded one"
+            raise Misplaced(Diagnostic("E0130", "'W' has no interval", place, help_))
+        case TemporalExpression(operator="W", operands=(left, right)):
+            return WeakUntil(span, _formula(left), _formula(right))
+        case TemporalExpression(operator=letter, interval=interval, operands=operands):
+            given = interval or all_time(span)
+            if letter in _PREFIX:
+                return _PREFIX[letter](span, given, _formula(operands[0]))
+            kind = Until if letter == "U" else Since
+            return kind(span, given, _formula(operands[0]), _formula(operands[1]))
+        case ast.BooleanLiteral(value=value):
+            return Truth(span, value)
+        case ast.UnaryExpression(operator="!", operand=operand):
+            return Not(span, _formula(operand))
+        case ast.BinaryExpression(operator="&&"):
+            return And(span, tuple(_parts(node, And)))
+        case ast.BinaryExpression(operator="||"):
+            return Or(span, tuple(_parts(node, Or)))
+        case ast.BinaryExpression(operator="imply", left=left, right=right):
+            return Implies(span, _formula(left), _formula(right))
+        case ast.BinaryExpression(operator="xor", left=left, right=right):
+            return _exclusive(span, left, right)
+        case _:
+            return Atom(span, _state_expression(node, _why(node)))
+
+
+def _parts(node: ast.BinaryExpression, kind: type[And] | type[Or]) -> list[Formula]:
+    """The operands of a chain of ``&&`` or ``||``; parentheses within it mean nothing."""
+    parts: list[Formula] = []
+    pending: list[Any] = [node]
+    while pending:
+        inner = pending.pop()
+        if isinstance(inner, ast.BinaryExpression) and inner.operator == node.operator:
+            pending += [inner.right, inner.left]
+        else:
+            parts.append(_formula(inner))
+    return parts
+
+
+def _exclusive(span: Span, left: Any, right: Any) -> Formula:
+    """``a xor b`` as ``a && !b || !a && b``; chains of it would double at each step."""
+    for operand in (left, right):
+        inner = next((n for n in nodes_of_kind(operand, ast.BinaryExpression) if n.operator == "xor"), None)
+        if inner is not None:
+            raise Misplaced(
+                Diagnostic(
+                    "E0132",
+                    "a formula joins only two conditions by xor",
+                    inner.span,
+                    "name the inner one with a signal",
+                )
+            )
+    one, other = _formula(left), _formula(right)
+    return Or(
+        span,
+        (
+            And(span, (one, Not(one.span, other))),
+            And(span, (Not(one.span, one), other)),
+        ),
+    )
+
+
+def _why(node: ast.Expression) -> str:
+    match node:
+        case ast.QuantifierExpression(kind=kind):
+            return f"the body of '{kind}' is a condition on one instant"
+        case ast.CallExpression():
+            return "the arguments of a call are values of one instant"
+        case ast.BinaryExpression(operator=operator):
+            return f"the operands of '{operator}' are values of one instant"
+        case ast.ConditionalExpression():
+            return "the parts of '? :' are values of one instant"
+        case _:
+            return "this is a value of one instant"
+
+
+def _state_expression(node: Any, why: str) -> ast.Expression:
+    """An expression over one state, which has no temporal operator."""
+    for inner in nodes_of_kind(node, *_REFUSED):
+        match inner:
+            case TemporalExpression(operator=operator):
+                help_ = (
+                    "write the property once for each value"
+                    if isinstance(node, ast.QuantifierExpression)
+                    else f"parentheses may be missing, or `{operator}` in backticks is meant, a signal of that name"
+                )
+                raise Misplaced(
+                    Diagnostic("E0131", f"the operator '{operator}' cannot stand here: {why}", inner.span, help_)
+                )
+            case ast.AssignmentExpression(operator="="):
+                raise Misplaced(Diagnostic("E0132", "'=' assigns a value", inner.span, "compare with =="))
+            case ast.AssignmentExpression() | ast.IncrementExpression():
+                raise Misplaced(Diagnostic("E0132", "a formula does not change variables", inner.span))
+            case ast.DeadlockExpression():
+                raise Misplaced(
+                    Diagnostic(
+                        "E0132",
+                        "'deadlock' is not a condition on a run",
+                        inner.span,
+                        "ask for A[] not deadlock in a query of its own; `deadlock` in backticks is a signal",
+                    )
+                )
+    result: ast.Expression = node
+    return result
+
+
+_REFUSED = (TemporalExpression, ast.AssignmentExpression, ast.IncrementExpression, ast.DeadlockExpression)

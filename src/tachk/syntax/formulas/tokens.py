@@ -1,0 +1,191 @@
+"""The words of temporal formulas, which are ordinary names everywhere else.
+
+``F G O H`` are operators where an operand may begin and something that begins an operand or an interval follows; ``U W
+S`` where an operand has ended. So ``S == 3`` and ``P.F`` name what they name. A name in backticks is never an operator.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+from tachk.syntax.parsing.tokens import END, Token
+
+PREFIX = frozenset("FGOH")
+INFIX = frozenset("UWS")
+EDGES = frozenset({"rise", "fall", "change"})
+INFINITE = frozenset({"inf", "infinity", "oo"})
+
+BOXES = {"[]": "G", "<>": "F"}
+"""How tools for LTL write two of them; before an operand the signs have no other meaning."""
+
+WORDS = {
+    **dict.fromkeys(("always", "globally", "alw", "g_"), "G"),
+    **dict.fromkeys(("eventually", "finally", "future", "ev", "f_"), "F"),
+    **dict.fromkeys(("once", "o_"), "O"),
+    **dict.fromkeys(("historically", "h_"), "H"),
+    **dict.fromkeys(("until", "u_"), "U"),
+    **dict.fromkeys(("since", "s_"), "S"),
+    **dict.fromkeys(("unless", "weak_until"), "W"),
+}
+"""How others write the operators."""
+
+TEMPORAL = frozenset({"FORMULA_PREFIX", "FORMULA_INFIX", "EDGE", "IMPLIES"})
+"""The tokens that only a temporal formula has."""
+
+SENTENCE_WORDS = frozenset(
+    {
+        *("whenever", "globally", "always", "never", "initially", "eventually", "after", "before", "between", "while"),
+        *("must", "within", "delay", "becomes", "stays", "occurs", "holds", "if", "once"),
+    }
+)
+"""Words by which a sentence is known that lacks its full stop."""
+
+_ENDS_OPERAND = frozenset({"NAME", "QUOTED", "INTEGER", "FLOAT", "STRING", "TRUE", "FALSE"})
+_BEGINS_OPERAND = frozenset(
+    {*("NAME", "QUOTED", "INTEGER", "FLOAT", "TRUE", "FALSE", "NOT", "FORALL", "EXISTS", "STRING")}
+)
+_OPENING = frozenset("([{")
+_CLOSING = frozenset(")]}")
+
+
+def resolve_formula(tokens: list[Token]) -> list[Token]:
+    """The tokens of one formula with its words marked; those given stay as they are."""
+    return _Marker([replace(token) for token in tokens]).run()
+
+
+def is_temporal(marked: list[Token]) -> bool:
+    """Whether marked tokens hold anything that only a temporal formula has."""
+    return any(token.type in TEMPORAL for token in marked)
+
+
+def is_sentence(tokens: list[Token]) -> bool:
+    """Whether a text is to be read as a sentence: it ends with a full stop."""
+    return len(tokens) > 1 and tokens[-1].text == "." and tokens[-1].type != "STRING"
+
+
+def lacks_full_stop(tokens: list[Token]) -> bool:
+    """Whether a text that does not end with a full stop can only be meant as a sentence: words follow one another."""
+    words = [_is_word(token) for token in tokens]
+    known = any(word and token.text.lower() in SENTENCE_WORDS for word, token in zip(words, tokens, strict=True))
+    return (known and sum(words) > 3) and any(
+        first and second and not {tokens[place].text, tokens[place + 1].text} & (PREFIX | INFIX)
+        for place, (first, second) in enumerate(pairwise(words))
+    )
+
+
+def _is_word(token: Token) -> bool:
+    return (
+        token.type != "QUOTED" and token.text[:1].isalpha() and token.type not in ("AND", "OR", "NOT", "IMPLY", "XOR")
+    )
+
+
+class _Marker:
+    """One pass over the tokens of a formula, which marks them in place."""
+
+    def __init__(self, tokens: list[Token]) -> None:
+        self.tokens = tokens
+        self.ended = False  # whether the token before ends an operand
+
+    def run(self) -> list[Token]:
+        tokens = self.tokens
+        place = 0
+        while place < len(tokens):
+            place = self.mark(place)
+        for token in tokens:
+            if token.type == "QUOTED":
+                token.text = token.text[1:-1]
+        return tokens
+
+    def mark(self, place: int) -> int:
+        """Mark the token at a place; the place to go on at."""
+        token = self.tokens[place]
+        following = self.text(place + 1)
+        letter = None if self.ended else BOXES.get(token.text + following)
+        if letter is not None and token.span.end == self.tokens[place + 1].span.start:
+            self.tokens[place : place + 2] = [
+                Token("FORMULA_PREFIX", letter, token.span.to(self.tokens[place + 1].span))
+            ]
+            return self.interval(place + 1)
+        if token.text == "->":
+            token.type = "IMPLIES"
+        elif token.type in ("FORALL", "EXISTS") and following == "(":
+            return self.behind_binder(place + 1)
+        elif token.type == "NAME" and not self.after_dot(place):
+            if self.ended:
+                if token.text in INFIX:
+                    token.type = "FORMULA_INFIX"
+                    return self.interval(place + 1)
+            elif token.text in PREFIX and self.begins_operand(place + 1):
+                token.type = "FORMULA_PREFIX"
+                return self.interval(place + 1)
+            elif token.text in EDGES and following == "(":
+                token.type = "EDGE"
+            elif token.text == "deadlock":
+                token.type = "DEADLOCK"
+            elif token.text == "sum" and following == "(" and self.text(place + 3) == ":":
+                token.type = "SUM"
+                return self.behind_binder(place + 1)
+        self.ended = token.type in _ENDS_OPERAND or token.text in (")", "]", "'") or token.type == "DEADLOCK"
+        return place + 1
+
+    def text(self, place: int) -> str:
+        return self.tokens[place].text if place < len(self.tokens) else ""
+
+    def after_dot(self, place: int) -> bool:
+        return place > 0 and self.tokens[place - 1].text == "."
+
+    def begins_operand(self, place: int) -> bool:
+        if place >= len(self.tokens):
+            return False
+        token = self.tokens[place]
+        if token.type == "NAME" and token.text in INFIX:
+            # In `F U q` the letter F is a name, in `F U` it is an operator.
+            return not self.begins_operand(place + 1) and self.text(place + 1) != "["
+        return token.type in _BEGINS_OPERAND or token.text in ("(", "[", "!")
+
+    def behind_binder(self, place: int) -> int:
+        """The place behind the parentheses of a quantifier, where its body begins."""
+        self.ended = False
+        depth = 0
+        for end in range(place, len(self.tokens)):
+            text = self.tokens[end].text
+            depth += (text in _OPENING) - (text in _CLOSING)
+            if depth == 0:
+                return end + 1
+        return place
+
+    def interval(self, place: int) -> int:
+        """Mark an interval that begins at a place, if one does; the place behind it."""
+        self.ended = False
+        opening = self.text(place)
+        if opening not in ("[", "("):
+            return place
+        depth, comma, end = 0, False, place
+        while end < len(self.tokens):
+            text = self.tokens[end].text
+            depth += (text in _OPENING) - (text in _CLOSING)
+            comma = comma or (depth == 1 and text == ",")
+            if depth == 0 or self.tokens[end].type == END:
+                break
+            end += 1
+        if opening == "(" and not comma:
+            return place  # a parenthesised operand
+        self.tokens[place].type = "INTERVAL_OPEN"
+        if end < len(self.tokens) and depth == 0:
+            self.tokens[end].type = "INTERVAL_CLOSE"
+            self.bounds(place + 1, end)
+            return end + 1
+        return place + 1
+
+    def bounds(self, first: int, end: int) -> None:
+        """Mark units and ``inf`` among the tokens of an interval."""
+        for place in range(first, end):
+            token, before, behind = self.tokens[place], self.tokens[place - 1], self.tokens[place + 1]
+            at_end = behind.type == "INTERVAL_CLOSE" or behind.text in (",", ":")
+            if token.type != "NAME" or not at_end:
+                continue
+            if before.text == "," and token.text in INFINITE and behind.type == "INTERVAL_CLOSE":
+                token.type = "INFINITY"
+            elif before.type in _ENDS_OPERAND or (before.text in (")", "]") and before.type != "INTERVAL_OPEN"):
+                token.type = "UNIT"

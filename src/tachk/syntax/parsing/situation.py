@@ -1,0 +1,64 @@
+"""Where the parser stopped: the text, the token that does not fit, and what would."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tachk.records import dataclass
+from tachk.syntax.parsing.tokens import END, Token
+
+CLOSES = {")": "(", "]": "[", "}": "{"}
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """Attributes:
+    tokens: the whole text.
+    index: the token that does not fit.
+    accepted: the terminals that would fit.
+    supplied: the token that was put in because only it is missing.
+    construct: the offset where the enclosing item, statement or clause begins, if it has begun.
+    start: the start symbol of the grammar, such as ``document`` or ``query``.
+    """
+
+    tokens: Sequence[Token]
+    index: int
+    accepted: frozenset[str]
+    supplied: Token | None
+    construct: int | None
+    start: str
+
+    @property
+    def token(self) -> Token:
+        return self.tokens[self.index]
+
+
+def query_start(situation: Situation) -> int | None:
+    """The index where the query begins in which the token stands."""
+    if situation.start == "query":
+        return 0
+    item = item_start(situation)
+    if situation.tokens[item].type != "PROPERTY":
+        return None
+    return next((i + 1 for i in range(item, situation.index) if situation.tokens[i].text == ":"), None)
+
+
+def item_start(situation: Situation) -> int:
+    """The index of the first token of the item of the document in which the token stands."""
+    depth = start = 0
+    for index, token in enumerate(situation.tokens[: situation.index]):
+        depth += (token.text in CLOSES.values()) - (token.text in CLOSES)
+        if depth <= 0 and token.text in (";", "}"):
+            start = index + 1
+            depth = 0
+    return start
+
+
+def until_end(tokens: Sequence[Token], begin: int) -> list[Token]:
+    """The tokens of a query."""
+    found = []
+    for token in tokens[begin:]:
+        if token.type in (END, "EXPECT") or token.text == ";":
+            break
+        found.append(token)
+    return found

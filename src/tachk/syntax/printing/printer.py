@@ -1,0 +1,255 @@
+"""The canonical text of a document, as ``tachk fmt`` writes it.
+
+Every template is written with location blocks, comments stay next to what they stood next to, and blank lines between
+declarations are kept (one at most). Formatting the result again changes nothing, and reading it gives the same model:
+``parse(print(d)) == canonical(d)``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from tachk.syntax import ast
+from tachk.syntax.printing.canonical import canonical
+from tachk.syntax.printing.comment_placement import place_comments
+from tachk.syntax.printing.expression_printer import (
+    print_declarator,
+    print_dimensions,
+    print_expression,
+    print_expressions,
+    print_parameters,
+    print_synchronisation,
+    print_type,
+)
+from tachk.syntax.printing.print_statements import write_block
+from tachk.syntax.printing.query_printer import print_expected, print_query
+from tachk.syntax.printing.writer import Writer
+
+
+def print_document(document: ast.Document) -> str:
+    """The canonical text of a document, with a line break at its end."""
+    settled = canonical(document)
+    writer = Writer(settled, place_comments(settled))
+    previous: ast.Item | None = None
+    for item in settled.items:
+        writer.separate(previous, item, _stands_apart(previous) or _stands_apart(item))
+        write_item(writer, item)
+        previous = item
+    writer.finish(settled)
+    return writer.text()
+
+
+def _stands_apart(item: Any) -> bool:
+    return isinstance(item, ast.Template | ast.FunctionDeclaration)
+
+
+def write_item(writer: Writer, item: ast.Item) -> None:
+    """One item with its comments."""
+    match item:
+        case ast.Template():
+            _write_template(writer, item)
+        case ast.Instantiation(name=name, parameters=parameters, template=template, arguments=arguments):
+            taken = f"({print_parameters(parameters)})" if parameters else ""
+            writer.line(f"{name.name}{taken} = {template.name}({print_expressions(arguments)});", item)
+        case ast.SystemLine(groups=groups):
+            text = " < ".join(", ".join(identifier.name for identifier in group) for group in groups)
+            writer.begin(item)
+            writer.filled("system", f"{text};".split(" "))
+            writer.behind(item)
+        case ast.ProgressDeclaration(measures=measures):
+            writer.line("progress { " + "".join(f"{_measure(measure)}; " for measure in measures) + "}", item)
+        case ast.GanttDeclaration(text=text):
+            writer.line(f"gantt {text}", item)
+        case ast.ImportDeclaration(path=path):
+            writer.line(f'import "{path}";', item)
+        case ast.TimeUnitDeclaration(amount=amount, unit=unit):
+            writer.line(f"time_unit = {amount} {unit};", item)
+        case ast.PropertyDeclaration():
+            _write_property(writer, item)
+        case ast.ExpectationDeclaration(names=names, expectation=expectation):
+            text = ", ".join(identifier.name for identifier in names)
+            writer.begin(item)
+            writer.filled("expect", f"{text} {print_expected(expectation)};".split(" "))
+            writer.behind(item)
+        case ast.HideDeclaration(names=names):
+            text = ", ".join(identifier.name for identifier in names)
+            writer.begin(item)
+            writer.filled("hide", f"{text};".split(" "))
+            writer.behind(item)
+        case _:
+            write_declaration(writer, item)
+
+
+def _measure(measure: ast.ProgressMeasure) -> str:
+    guard = "" if measure.guard is None else f"{print_expression(measure.guard)} : "
+    return guard + print_expression(measure.expression)
+
+
+def write_declaration(writer: Writer, item: ast.Declaration) -> None:
+    """A declaration with the comments that belong to it."""
+    match item:
+        case ast.VariableDeclaration(type=type_, declarators=declarators):
+            assert type_ is not None, "the canonical form types every constant"
+            _write_typed(writer, "", type_, declarators, item)
+        case ast.TypedefDeclaration(type=type_, declarators=declarators):
+            _write_typed(writer, "typedef ", type_, declarators, item)
+        case ast.FunctionDeclaration(result=result, name=name, parameters=parameters, body=body):
+            header = f"{print_type(result)} {name.name}({print_parameters(parameters)})"
+            writer.begin(item)
+            write_block(writer, header, body, item)
+        case ast.ChannelPriorityDeclaration(groups=groups):
+            writer.line(f"chan priority {' < '.join(print_expressions(group) for group in groups)};", item)
+        case ast.UpdateHook(kind=kind, updates=updates):
+            writer.line(f"{kind} {{ {print_expressions(updates)} }}" if updates else f"{kind} {{ }}", item)
+        case ast.SignalDeclaration(name=name, expression=expression, doc=doc):
+            writer.begin(item, doc)
+            writer.condition(f"signal {name.name} = ", expression, ";", item)
+        case ast.DynamicTemplate(name=name, parameters=parameters):
+            writer.line(f"dynamic {name.name}({print_parameters(parameters)});", item)
+        case ast.ForeignImport(library=library, span=span):
+            text = span.text if span.text.startswith("import") else f'import "{library}" {{ }}'
+            writer.line(f"{text};", item)
+
+
+def _write_typed(
+    writer: Writer, word: str, type_: ast.TypeExpression, declarators: Sequence[ast.Declarator], item: Any
+) -> None:
+    """A declaration; a structure that is long or commented gets a line for each field."""
+    names = ", ".join(print_declarator(declarator) for declarator in declarators)
+    line = f"{word}{print_type(type_)} {names};"
+    base = type_.base
+    if not isinstance(base, ast.StructType) or (writer.fits(line) and not writer.comments.inside(item)):
+        _write_list(writer, line, f"{word}{print_type(type_)} ", declarators, item)
+        return
+    writer.begin(item)
+    writer.open(" ".join((*([word.strip()] if word else []), *type_.prefixes, "struct")) + " {", item)
+    for field in base.fields:
+        write_declaration(writer, field)
+    writer.close(f"}} {names};", item)
+
+
+def _write_list(writer: Writer, line: str, head: str, declarators: Sequence[ast.Declarator], item: Any) -> None:
+    """A declaration on one line, or with a long initialiser list broken between its items."""
+    last = declarators[-1]
+    if writer.fits(line) or len(declarators) > 1 or not isinstance(last.initialiser, ast.InitialiserList):
+        writer.line(line, item)
+        return
+    parts = [print_expression(ast.InitialiserList(last.span, (entry,)))[2:-2] for entry in last.initialiser.items]
+    writer.begin(item)
+    writer.open(f"{head}{last.name.name}{print_dimensions(last.dimensions)} = {{", item)
+    writer.filled("", [*(f"{part}," for part in parts[:-1]), parts[-1]])
+    writer.close("};", item)
+
+
+def _write_property(writer: Writer, item: ast.PropertyDeclaration) -> None:
+    title = f' "{item.title}"' if item.title else ""
+    expectation = f" expect {print_expected(item.expectation)}" if item.expectation else ""
+    head, formula = f"property {item.name.name}{title} :", print_query(item.formula)
+    writer.begin(item, item.doc)
+    if writer.fits(f"{head} {formula}{expectation};"):
+        writer.ending(f"{head} {formula}{expectation};", item)
+        return
+    writer.raw(head)
+    writer.deeper(1)
+    if expectation:
+        writer.raw(formula)
+        writer.ending(f"{expectation.strip()};", item)
+    else:
+        writer.ending(f"{formula};", item)
+    writer.deeper(-1)
+
+
+# ---- templates ----------------------------------------------------------------------------------------------------
+
+
+def _write_template(writer: Writer, template: ast.Template) -> None:
+    writer.begin(template, template.doc)
+    writer.open(f"process {template.name.name}({print_parameters(template.parameters)}) {{", template)
+    previous: Any = None
+    for declaration in template.declarations:
+        apart = _stands_apart(previous) or _stands_apart(declaration)
+        writer.separate(previous, declaration, apart)
+        write_declaration(writer, declaration)
+        previous = declaration
+    owners: list[ast.LocationDeclaration | ast.Branchpoint] = [*template.locations, *template.branchpoints]
+    for node in owners:
+        brief = _brief(writer, node) and (previous is None or _brief(writer, previous))
+        writer.separate(previous, node, not brief)
+        _write_location(writer, node)
+        previous = node
+    writer.close("}", template)
+
+
+def _brief(writer: Writer, node: Any) -> bool:
+    """Whether a location needs no braces."""
+    if not isinstance(node, ast.LocationDeclaration) or node.doc or writer.comments.inside(node):
+        return False
+    return not (node.invariant or node.exponential_rate or node.edges)
+
+
+def _write_location(writer: Writer, node: ast.LocationDeclaration | ast.Branchpoint) -> None:
+    if isinstance(node, ast.Branchpoint):
+        writer.begin(node)
+        writer.open(f"branchpoint {node.name.name} {{", node)
+    else:
+        given = (("init", node.initial), ("urgent", node.urgent), ("committed", node.committed))
+        flags = "".join(f"{word} " for word, present in given if present)
+        head = f"{flags}location {node.name.name}"
+        writer.begin(node, node.doc)
+        empty = not (node.invariant or node.exponential_rate or node.edges)
+        if empty and not writer.comments.inside(node):
+            writer.ending(f"{head};", node)
+            return
+        writer.open(f"{head} {{", node)
+        if node.invariant is not None:
+            writer.begin(node.invariant)
+            writer.condition("invariant ", node.invariant, ";", node.invariant)
+        if node.exponential_rate is not None:
+            divisor = "" if node.rate_divisor is None else f" : {print_expression(node.rate_divisor)}"
+            writer.line(f"exponential_rate {print_expression(node.exponential_rate)}{divisor};", node.exponential_rate)
+    previous: Any = None
+    for edge in node.edges:
+        if previous is not None:
+            writer.separate(previous, edge, False)
+        _write_edge(writer, edge)
+        previous = edge
+    writer.close("}", node)
+
+
+def _write_edge(writer: Writer, edge: ast.EdgeDeclaration) -> None:
+    clauses = _clauses(edge)
+    head = f"to {edge.target.name}" if edge.controllable else f"uncontrollable to {edge.target.name}"
+    writer.begin(edge, edge.doc)
+    if not clauses and not writer.comments.inside(edge):
+        writer.ending(f"{head};", edge)
+        return
+    line = f"{head} {{ " + " ".join(f"{word} {text};" for word, text, _ in clauses) + " }"
+    if writer.fits(line) and not writer.comments.inside(edge):
+        writer.ending(line, edge)
+        return
+    writer.open(f"{head} {{", edge)
+    for word, text, node in clauses:
+        writer.begin(node)
+        if word in ("guard", "probability"):
+            writer.condition(f"{word} ", node, ";", node)
+        else:
+            writer.ending(f"{word} {text};", node)
+    writer.close("}", edge)
+
+
+def _clauses(edge: ast.EdgeDeclaration) -> list[tuple[str, str, Any]]:
+    """Word, text and first node of every clause, in order."""
+    clauses: list[tuple[str, str, Any]] = []
+    if edge.selects:
+        bindings = ", ".join(f"{binding.name.name} : {print_type(binding.type)}" for binding in edge.selects)
+        clauses.append(("select", bindings, edge.selects[0]))
+    if edge.guard is not None:
+        clauses.append(("guard", print_expression(edge.guard), edge.guard))
+    if edge.synchronisation is not None:
+        clauses.append(("sync", print_synchronisation(edge.synchronisation), edge.synchronisation))
+    if edge.updates:
+        clauses.append(("assign", print_expressions(edge.updates), edge.updates[0]))
+    if edge.probability is not None:
+        clauses.append(("probability", print_expression(edge.probability), edge.probability))
+    return clauses

@@ -1,0 +1,281 @@
+"""Observers driven along one run: a network that can only repeat a recorded trace, and the random cases for it.
+
+The trace ends at an instant at which no window can end, some time after its last row, so that an observer has seen all
+that the trace decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from random import Random
+
+from tachk.compiler.lower import lower
+from tachk.diagnostics.span import NOWHERE, Source
+from tachk.engines.protocol import Limits, Options, Status
+from tachk.engines.zone import explore
+from tachk.frontend.context import Context
+from tachk.frontend.findings import Findings
+from tachk.frontend.made_network import scope_of
+from tachk.frontend.queries.observer_processes import elaborate_temporal
+from tachk.loading.load import LoadedModel, load_model
+from tachk.logic.durations import scaled
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.model.types import IntType
+from tachk.properties.observed import observed
+from tachk.properties.plan import target_of
+from tachk.syntax import ast
+from tachk.syntax import formula as syntax
+from tachk.syntax.formula import Formula
+from tachk.syntax.rewrite import rewrite, substitute
+from tachk.testing.exact_trace import ExactTrace
+from tachk.testing.formulas import FLAGS, FormulaShape, random_formula, random_interval, random_trace
+
+SCALE = 4
+"""Time units of the replaying network for each one of the case: rows come at even times, the end is odd."""
+
+_EVER = syntax.all_time(NOWHERE)
+
+SHAPE = FormulaShape(depth=2, bound=4, grid=1, numeric=False, rows=10, gap=3)
+_TIMES = replace(SHAPE, grid=2)
+
+
+@dataclass(frozen=True, slots=True)
+class ObserverCase:
+    """A formula over boolean columns, and a trace; times and bounds are numbers of time units."""
+
+    formula: Formula
+    trace: ExactTrace
+
+
+def random_observer_case(random: Random) -> ObserverCase:
+    """Mostly of the shapes that requirements have, now and then any formula."""
+    formula = random_formula(random, SHAPE, random.choice((1, 2, 2, 3))) if random.random() < 0.25 else _shaped(random)
+    trace = random_trace(random, _TIMES)
+    end = trace.times[-1] * SCALE + random.choice((1, 3, 5, 9, 13))
+    return ObserverCase(
+        scaled(formula, Fraction(SCALE)), ExactTrace(tuple(t * SCALE for t in trace.times), trace.columns, end)
+    )
+
+
+def bounded_observer_case(random: Random) -> ObserverCase:
+    """A requirement with windows, often about rises and falls, and a trace in which one flag after the other changes
+    exactly a bound of its windows, or the difference of two, after the one before."""
+    formula = _on_bounds(random)
+    bounds = {duration.value for duration in _durations(formula) if isinstance(duration.value, Fraction)}
+    gaps = sorted({gap for low in (Fraction(0), *bounds) for high in bounds if (gap := high - low) > 0}) or [
+        Fraction(1)
+    ]
+    flags = {name: random.random() < share for name, share in zip(FLAGS, (0.0, 0.3, 0.7), strict=True)}
+    rows, times = [dict(flags)], [Fraction(0)]
+    for _ in range(random.randint(1, 4)):
+        for name in random.sample(FLAGS, random.choice((1, 1, 2))):
+            flags[name] = not flags[name]
+        rows.append(dict(flags))
+        times.append(times[-1] + random.choice(gaps))
+    columns = {name: tuple(row[name] for row in rows) for name in FLAGS}
+    end = times[-1] * SCALE + random.choice((1, 5, 13))
+    return ObserverCase(scaled(formula, Fraction(SCALE)), ExactTrace(tuple(t * SCALE for t in times), columns, end))
+
+
+def replaying(trace: ExactTrace) -> LoadedModel:
+    """A model whose only run takes the rows of a trace at their times and stops at its end."""
+    names = list(trace.columns)
+    lines = [
+        f"bool {', '.join(f'{n} = {_text(trace.columns[n][0])}' for n in names)};",
+        "process Replay() {",
+        "clock t;",
+    ]
+    for row in range(len(trace.times)):
+        due = trace.end if row + 1 == len(trace.times) else trace.times[row + 1]
+        lines.append(f"{'init ' if row == 0 else ''}location R{row} {{ invariant t <= {due};")
+        if row + 1 < len(trace.times):
+            values = ", ".join(f"{name} = {_text(trace.columns[name][row + 1])}" for name in names)
+            lines.append(f"to R{row + 1} {{ guard t >= {due}; assign {values}; }}")
+        lines.append("}")
+    return load_model(Source("replay", "\n".join((*lines, "}", "system Replay;"))))
+
+
+def query_of(formula: Formula, model: LoadedModel) -> Query | None:
+    """The query that asks for a violation; None where there is no observer for the formula."""
+    node = ast.TemporalFormula(NOWHERE, formula)
+    return elaborate_temporal(node, "property", model.names, Context(Findings()), "", None)
+
+
+def violated(model: LoadedModel, query: Query, options: Options = Options()) -> bool:
+    """Whether the observer can reach its bad location."""
+    network = observed(model.network, query.observer)
+    program, goals = lower(network, [target_of(query)])
+    outcome = explore(program, goals, options, Limits(states=100_000))
+    assert outcome.goals[0].status is not Status.UNDECIDED, outcome.reason
+    return outcome.goals[0].status is Status.REACHED
+
+
+def random_watched(random: Random, network: Network) -> Query | None:
+    """A query with an observer over locations and integers of a network; None where the formula drawn has none."""
+    formula = random_formula(random, SHAPE, 2) if random.random() < 0.2 else _shaped(random)
+    atoms = {name: _random_atom(random, network) for name in FLAGS}
+    watched = rewrite(formula, lambda node: substitute(node, atoms) if isinstance(node, ast.NameExpression) else node)
+    node = ast.TemporalFormula(NOWHERE, watched)
+    return elaborate_temporal(node, "property", scope_of(network), Context(Findings()), "", None)
+
+
+def _random_atom(random: Random, network: Network) -> ast.Expression:
+    integers = [v.name for v in network.variables if isinstance(v.type, IntType) and not v.meta]
+    if integers and random.random() < 0.3:
+        value = ast.IntegerLiteral(NOWHERE, random.randint(0, 2))
+        return ast.BinaryExpression(NOWHERE, "==", ast.NameExpression(NOWHERE, random.choice(integers)), value)
+    process = random.choice(network.processes)
+    location = ast.Identifier(NOWHERE, random.choice(process.locations).name)
+    return ast.MemberExpression(NOWHERE, ast.NameExpression(NOWHERE, process.name), location)
+
+
+def _text(value: object) -> str:
+    return "true" if value else "false"
+
+
+# ---- shapes of requirements -----------------------------------------------------------------------------------------
+
+
+def _shaped(random: Random) -> Formula:
+    kind = random.random()
+    if kind < 0.08:
+        return _response(random)
+    if kind < 0.14:
+        return syntax.And(NOWHERE, (_response(random), _globally(_response(random))))
+    if kind < 0.2:
+        return syntax.WeakUntil(NOWHERE, _condition(random), _condition(random))
+    if kind < 0.3:
+        return _globally(_response(random))
+    if kind < 0.36:
+        end = _condition(random)
+        until = syntax.Until(NOWHERE, _EVER, syntax.Not(NOWHERE, _condition(random)), end)
+        return _globally(
+            _implies(
+                syntax.And(NOWHERE, (_trigger(random), syntax.Eventually(NOWHERE, _EVER, end))),
+                until,
+            )
+        )
+    return _globally(_implies(_trigger(random), _response(random)))
+
+
+def _trigger(random: Random) -> Formula:
+    flag = _condition(random)
+    makers: list[Callable[[], Formula]] = [
+        lambda: flag,
+        lambda: syntax.Rise(NOWHERE, flag),
+        lambda: syntax.Fall(NOWHERE, flag),
+        lambda: syntax.Change(NOWHERE, _name(random)),
+        lambda: syntax.And(NOWHERE, (syntax.Rise(NOWHERE, flag), _condition(random))),
+        lambda: syntax.And(NOWHERE, (flag, _past(random))),
+        lambda: _past(random),
+    ]
+    return random.choices(makers, (5, 5, 1, 1, 1, 1, 1))[0]()
+
+
+def _response(random: Random) -> Formula:
+    makers: list[Callable[[], Formula]] = [
+        lambda: _condition(random),
+        lambda: syntax.Eventually(NOWHERE, _bounded(random), _condition(random)),
+        lambda: syntax.Always(NOWHERE, _bounded(random), _condition(random)),
+        lambda: syntax.Until(NOWHERE, _bounded(random), _condition(random), _condition(random)),
+        lambda: syntax.WeakUntil(NOWHERE, _condition(random), _condition(random)),
+        lambda: _past(random),
+        lambda: syntax.Eventually(
+            NOWHERE, _bounded(random), syntax.Always(NOWHERE, _bounded(random), _condition(random))
+        ),
+        lambda: syntax.Always(
+            NOWHERE, _bounded(random), syntax.Eventually(NOWHERE, _bounded(random), _condition(random))
+        ),
+        lambda: syntax.Eventually(NOWHERE, _bounded(random), syntax.Rise(NOWHERE, _condition(random))),
+        lambda: syntax.Always(NOWHERE, _bounded(random), syntax.Not(NOWHERE, syntax.Rise(NOWHERE, _condition(random)))),
+        lambda: syntax.Always(NOWHERE, _bounded(random), _implies(_trigger(random), _condition(random))),
+        lambda: syntax.And(NOWHERE, (_response(random), _response(random))),
+        lambda: syntax.Or(NOWHERE, (_response(random), _response(random))),
+        lambda: syntax.Always(NOWHERE, _EVER, _condition(random)),
+    ]
+    return random.choices(makers, (2, 5, 5, 3, 2, 2, 3, 1, 1, 1, 1, 1, 1, 1))[0]()
+
+
+def _on_bounds(random: Random) -> Formula:
+    """A formula whose verdict may hang on the moment at which a window begins or ends."""
+    trigger, goal, kept = (syntax.Atom(NOWHERE, ast.NameExpression(NOWHERE, name)) for name in FLAGS)
+
+    def goals() -> Formula:
+        found = random.choice((goal, syntax.Rise(NOWHERE, goal), syntax.Fall(NOWHERE, goal)))
+        return syntax.Not(NOWHERE, found) if random.random() < 0.5 else found
+
+    state = syntax.Not(NOWHERE, goal) if random.random() < 0.5 else goal
+    makers: list[Callable[[], Formula]] = [
+        lambda: syntax.Eventually(NOWHERE, _window(random), goals()),
+        lambda: syntax.Always(NOWHERE, _window(random), goals()),
+        lambda: syntax.Until(NOWHERE, _window(random), kept, goals()),
+        lambda: syntax.Eventually(NOWHERE, _window(random), syntax.Always(NOWHERE, _window(random), state)),
+        lambda: syntax.Always(NOWHERE, _window(random), syntax.Always(NOWHERE, _window(random), goals())),
+        lambda: syntax.Once(NOWHERE, _from_zero(random), state),
+        lambda: syntax.Historically(NOWHERE, _from_zero(random), state),
+        lambda: syntax.Since(NOWHERE, _from_zero(random), kept, state),
+        lambda: syntax.Not(NOWHERE, syntax.Fall(NOWHERE, goal)),
+    ]
+    answer = random.choices(makers, (3, 4, 4, 2, 3, 2, 2, 2, 1))[0]()
+    return _globally(_implies(syntax.Rise(NOWHERE, trigger), answer))
+
+
+def _window(random: Random) -> syntax.Interval:
+    lower = random.choice((0, 0, 1, 2))
+    begin, end = (syntax.Duration(NOWHERE, Fraction(bound)) for bound in (lower, lower + random.randint(1, 2)))
+    return syntax.Interval(NOWHERE, begin, end, random.random() < 0.5, random.random() < 0.5)
+
+
+def _durations(formula: Formula) -> list[syntax.Duration]:
+    found: list[syntax.Duration] = []
+
+    def note(node: object) -> object:
+        if isinstance(node, syntax.Duration):
+            found.append(node)
+        return node
+
+    rewrite(formula, note)
+    return found
+
+
+def _past(random: Random) -> Formula:
+    interval = random.choice((_from_zero(random), _EVER))
+    makers: list[Callable[[], Formula]] = [
+        lambda: syntax.Once(NOWHERE, interval, _condition(random)),
+        lambda: syntax.Historically(NOWHERE, interval, _condition(random)),
+        lambda: syntax.Since(NOWHERE, interval, _condition(random), _condition(random)),
+    ]
+    return random.choice(makers)()
+
+
+def _condition(random: Random) -> Formula:
+    flag = syntax.Atom(NOWHERE, _name(random))
+    if random.random() < 0.3:
+        return syntax.Not(NOWHERE, flag)
+    if random.random() < 0.15:
+        return syntax.And(NOWHERE, (flag, syntax.Not(NOWHERE, syntax.Atom(NOWHERE, _name(random)))))
+    return flag
+
+
+def _name(random: Random) -> ast.Expression:
+    return ast.NameExpression(NOWHERE, random.choice(FLAGS))
+
+
+def _globally(formula: Formula) -> Formula:
+    return syntax.Always(NOWHERE, _EVER, formula)
+
+
+def _implies(left: Formula, right: Formula) -> Formula:
+    return syntax.Implies(NOWHERE, left, right)
+
+
+def _bounded(random: Random) -> syntax.Interval:
+    return _from_zero(random) if random.random() < 0.6 else random_interval(random, replace(SHAPE, unbounded=False))
+
+
+def _from_zero(random: Random) -> syntax.Interval:
+    length = syntax.Duration(NOWHERE, Fraction(random.randint(0, SHAPE.bound)))
+    return syntax.Interval(NOWHERE, syntax.Duration(NOWHERE, Fraction(0)), length, True, random.random() < 0.7)

@@ -1,0 +1,149 @@
+"""Reading TChecker's format."""
+
+from __future__ import annotations
+
+import pytest
+
+from tachk import api
+from tachk.diagnostics.diagnostic import InputError
+from tachk.diagnostics.span import Source
+from tachk.formats.tchecker.reader import parse_tchecker
+from tachk.loading.load import load_model
+from tachk.syntax.printing.printer import print_document
+from tachk.syntax.source_files import is_tchecker
+
+FILE = """\
+# a sender and two listeners
+system:demo
+
+event:go
+event:hear
+event:tau
+clock:1:x
+int:2:0:5:1:a   # an array
+int:1:-3:3:-1:end.of
+
+process:S
+location:S:init{initial: : invariant: x<=3 && a[0]==1}
+location:S:b{committed: : labels: done,far}
+edge:S:init:b:go{provided: x>=2 && (if end.of == -1 then 1 else 0) : do: x=0; a[1]=(if a[0]<2 then 4 else 5)}
+edge:S:b:init:tau{do: if a[1]==4 then a[1]=1; end.of=-end.of else nop end}
+
+process:L
+location:L:x{initial: : colour: red}
+location:L:y{urgent: : labels: far}
+edge:L:x:y:hear{}
+
+sync:S@go:L@hear?
+"""
+
+
+def test_a_file_as_text() -> None:
+    assert is_tchecker(Source("m.tck", FILE))
+    document, diagnostics = parse_tchecker(Source("m.tck", FILE))
+    assert document is not None
+    assert [(d.code, d.message) for d in diagnostics] == [("W0130", "attribute `colour` of this location is not read")]
+    assert (
+        print_document(document)
+        == """\
+clock x;
+int[0, 5] a[2] = { 1, 1 };
+int[-3, 3] end_of = -1;
+
+broadcast chan go;
+
+void update_1() {
+    if (a[1] == 4) {
+        a[1] = 1;
+        end_of = -end_of;
+    } else {
+        ;
+    }
+}
+
+process S() {
+    init location init_1 {
+        invariant x <= 3 && a[0] == 1;
+        to b {
+            guard x >= 2 && (end_of == -1 ? 1 : 0);
+            sync go!;
+            assign x = 0, a[1] = a[0] < 2 ? 4 : 5;
+        }
+    }
+
+    committed location b {
+        to init_1 { assign update_1(); }
+    }
+}
+
+process L() {
+    init location x_1 {
+        to y { sync go?; }
+    }
+
+    urgent location y;
+}
+
+system S, L;
+signal done = S.b;
+signal far = S.b || L.y;
+"""
+    )
+
+
+def test_queries_on_labels() -> None:
+    model = api.Model(load_model(Source("m.tck", FILE)), "m.tck")
+    report = model.verify("E<> done && L.y", "E<> L.y && !done", "E<> end_of == 1", trace=False)
+    assert [verdict.answer.value for verdict in report] == ["holds", "holds", "holds"]
+
+
+def system(*lines: str) -> str:
+    head = ("system:s", "event:a", "event:b", "clock:1:x", "int:1:0:3:0:i")
+    return "\n".join((*head, *(f"process:{p}\nlocation:{p}:l{{initial:}}" for p in "PQR"), *lines)) + "\n"
+
+
+WRONG = {
+    "edge:P:l:m:a": ("E0820", "has no location `m`"),
+    "edge:P:l:l:c": ("E0820", "no event `c`"),
+    "edge:T:l:l:a": ("E0820", "no process `T`"),
+    "edge:P:l:l": ("E0820", "takes 4 arguments, not 3"),
+    "edge:P:l:l:a{provided: x<<3}": ("E0820", "unexpected `<`"),
+    "edge:P:l:l:a{provided: x<=3 || i==1}": ("E0820", "unexpected character '|'"),
+    "edge:P:l:l:a{do: if i==1 then i=2}": ("E0820", "the text ends too early, `end` is missing"),
+    "edge:P:l:l:a{do}": ("E0820", "a name, a colon and a value"),
+    "clock:1:x": ("E0820", "declared twice"),
+    "clock:0:z": ("E0820", "not between 1 and 65536"),
+    "int:1:a:3:0:j": ("E0820", "`a` is no number"),
+    "process:P": ("E0820", "declared twice"),
+    "system:t": ("E0820", "a second `system` line"),
+    "hello": ("E0820", "this is no declaration"),
+    "sync:P@a": ("E0820", "at least two different processes"),
+    "sync:P@a:Q@c": ("E0820", "does not name an event"),
+    "sync:P@a:Q@a:R@a": ("E0821", "no counterpart"),
+    "sync:P@a?:Q@a?": ("E0821", "no counterpart"),
+    "sync:P@a:R@a?:Q@a?": ("E0821", "order of the processes"),
+}
+
+
+@pytest.mark.parametrize("line", WRONG)
+def test_what_is_wrong_is_said_with_its_place(line: str) -> None:
+    text = system(line)
+    document, diagnostics = parse_tchecker(Source("m.tck", text))
+    assert document is None
+    (found,) = diagnostics
+    code, message = WRONG[line]
+    assert (found.code, message in found.message) == (code, True), found.message
+    assert text.splitlines()[found.span.source.line_column(found.span.start)[0] - 1] == line
+
+
+def test_deep_nesting_is_an_error() -> None:
+    text = system(f"edge:P:l:l:a{{provided: {'(' * 3000}1{')' * 3000}}}")
+    with pytest.raises(InputError, match="nested too deep"):
+        load_model(Source("m.tck", text))
+
+
+def test_vectors_of_two_events_become_channels() -> None:
+    text = system("edge:P:l:l:a{do: i=1}", "edge:Q:l:l:b{provided: i==0}", "sync:P@a:Q@b", "edge:R:l:l:a{}")
+    network = load_model(Source("m.tck", text)).network
+    synchronisations = [edge.synchronisation for process in network.processes for edge in process.edges]
+    assert [None if s is None else s.direction.value for s in synchronisations] == ["!", "?", None]
