@@ -25,8 +25,10 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, TachkError, Uns
 from tachk.diagnostics.span import Source
 from tachk.diagnostics.suggestion import closest, unknown_key
 from tachk.engines.protocol import Extrapolation, Limits, Options, SearchOrder
+from tachk.frontend.loaded import LoadedModel, elaborate_query_file, other_readings_of
 from tachk.frontend.priority_readings import FIRST
-from tachk.loading.load import LoadedModel, UncheckedQuery, elaborate_query_file, load_model, other_readings_of
+from tachk.frontend.queries.queries import UncheckedQuery
+from tachk.loading.load import load_model
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.readings import agreed

@@ -126,4 +126,4 @@ def test_one_module_knows_lark() -> None:
         for path in SOURCES.rglob("*.py")
         if any(name.split(".")[0] == "lark" for name in imported_modules(path))
     }
-    assert users == {"syntax/compile_grammar.py"}
+    assert users == {"syntax/parsing/compile_grammar.py"}

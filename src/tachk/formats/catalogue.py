@@ -20,7 +20,7 @@ from tachk.formats.uppaal.limits import refuses_deadlock
 from tachk.formats.uppaal.query_file import print_queries
 from tachk.formats.uppaal.writer import print_uppaal
 from tachk.formats.uppaal.xta import print_xta
-from tachk.loading.load import LoadedModel
+from tachk.frontend.loaded import LoadedModel
 from tachk.syntax import ast
 from tachk.syntax.picture_layout import Layout
 

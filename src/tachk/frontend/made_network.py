@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from tachk.frontend.context import Context
 from tachk.frontend.findings import Findings
+from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.scope import LocationSymbol, ProcessSymbol, Scope, Symbol, ValueSymbol
-from tachk.loading.load import LoadedModel
 from tachk.model.expressions import Reference, Variable
 from tachk.model.network import Network
 from tachk.syntax import ast

@@ -11,8 +11,8 @@ from tachk.drawing.completion import complete
 from tachk.drawing.svg import Picture, draw_template, together
 from tachk.formats.layout_json import read_layout_beside
 from tachk.frontend.findings import Findings
+from tachk.frontend.overrides import constant_overrides
 from tachk.loading.imports import Importer
-from tachk.loading.load import constant_overrides
 from tachk.loading.model_files import read_model
 from tachk.syntax import ast
 from tachk.syntax.picture_layout import Layout

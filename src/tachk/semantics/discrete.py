@@ -6,17 +6,19 @@ Interprets the `Network` directly, on purpose without the compiled program: it i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
 
-from tachk.compiler.fold import fold_place, known_cell, known_values
 from tachk.model.cell_layout import CellLayout, cell_layout
 from tachk.model.evaluate import Environment, channel_number, clock_number, evaluate, execute
-from tachk.model.expressions import Expression, Field, Index, Reference
+from tachk.model.expressions import Binary, Constant, Expression, Field, Index, Reference, Unary, Variable
+from tachk.model.fault import EvaluationFault
 from tachk.model.network import Direction, Edge, Location, Network
+from tachk.model.traversal import children, process_expressions, written_variables
 from tachk.model.types import ChannelType, bounds, cell_count
 from tachk.semantics.timed_trace import DiscreteState, Participant, Transition
 from tachk.time_limit import check_time
@@ -77,19 +79,27 @@ def _fixed_channels(
     network: Network, layout: CellLayout, instances: Iterable[Iterable[Iterable[Participant]]]
 ) -> dict[Participant, int]:
     scratch = Environment(layout, list(layout.initial), tuple(process.initial for process in network.processes))
-    constant = known_values(network, [])
+    written = written_variables([e for process in network.processes for e in process_expressions(process)])
     found = {}
     for participant in (p for of_process in instances for of_location in of_process for p in of_location):
         edge = network.processes[participant.process].edges[participant.edge]
-        if edge.synchronisation is None:
+        if edge.synchronisation is None or not _is_the_same_everywhere(edge.synchronisation.channel, written):
             continue
-        known = constant
         for variable, value in zip(edge.selects, participant.selects, strict=True):
             scratch.bind(variable, value)
-            known = known.with_bound(variable, value)
-        if known_cell(fold_place(edge.synchronisation.channel, known)) is not None:
+        with suppress(EvaluationFault):  # which counts only where the edge is asked for its channel
             found[participant] = channel_number(edge.synchronisation.channel, scratch)
     return found
+
+
+def _is_the_same_everywhere(place: Expression, written: Container[Variable]) -> bool:
+    """Whether a place is the same in every state: made of constants and of variables that nothing writes."""
+    match place:
+        case Reference(variable):
+            return not variable.reference and variable not in written
+        case Constant() | Field() | Index() | Unary() | Binary():
+            return all(_is_the_same_everywhere(child, written) for child in children(place))
+    return False
 
 
 def _instances(network: Network, process: int) -> tuple[tuple[Participant, ...], ...]:

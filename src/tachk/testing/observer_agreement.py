@@ -17,9 +17,10 @@ from tachk.engines.protocol import Limits, Options, Status
 from tachk.engines.zone import explore
 from tachk.frontend.context import Context
 from tachk.frontend.findings import Findings
+from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.made_network import scope_of
 from tachk.frontend.queries.observer_processes import elaborate_temporal
-from tachk.loading.load import LoadedModel, load_model
+from tachk.loading.load import load_model
 from tachk.logic.durations import scaled
 from tachk.model.network import Network
 from tachk.model.query import Query

@@ -10,7 +10,8 @@ from tachk.formats.network_json.network import network_to_json
 from tachk.formats.plain.expansion import expand
 from tachk.formats.uppaal.query_file import print_queries
 from tachk.formats.uppaal.xta import print_xta
-from tachk.loading.load import LoadedModel, load_model
+from tachk.frontend.loaded import LoadedModel
+from tachk.loading.load import load_model
 from tachk.syntax.query_files import parse_queries
 
 

@@ -15,7 +15,8 @@ from tachk.formats.layout_json import layout_from_json, layout_to_json
 from tachk.formats.network_json.network import same_network
 from tachk.formats.plain.expansion import expand
 from tachk.formats.uppaal.writer import print_uppaal
-from tachk.loading.load import LoadedModel, load_model
+from tachk.frontend.loaded import LoadedModel
+from tachk.loading.load import load_model
 from tachk.properties.verify import verify
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_document

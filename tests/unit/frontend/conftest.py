@@ -9,7 +9,8 @@ import pytest
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.diagnostics.span import Source
-from tachk.loading.load import LoadedModel, load_model
+from tachk.frontend.loaded import LoadedModel
+from tachk.loading.load import load_model
 
 
 def complete(text: str) -> str:

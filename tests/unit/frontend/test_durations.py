@@ -6,7 +6,8 @@ import pytest
 
 from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
-from tachk.loading.load import elaborate_queries, load_model
+from tachk.frontend.loaded import elaborate_queries
+from tachk.loading.load import load_model
 
 MODEL = """
 %s

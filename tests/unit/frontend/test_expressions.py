@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from tachk.diagnostics.span import Source
-from tachk.loading.load import LoadedModel
+from tachk.frontend.loaded import LoadedModel
 from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate, execute
 from tachk.model.expressions import Constant

@@ -9,7 +9,8 @@ import pytest
 
 from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
-from tachk.loading.load import elaborate_queries, load_model
+from tachk.frontend.loaded import elaborate_queries
+from tachk.loading.load import load_model
 from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, holds
 from tachk.model.expressions import LocationTest

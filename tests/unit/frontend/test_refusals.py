@@ -15,7 +15,8 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.diagnostics.span import Source
 from tachk.formats.catalogue import ExportFormat, export_model
-from tachk.loading.load import elaborate_queries, load_model
+from tachk.frontend.loaded import elaborate_queries
+from tachk.loading.load import load_model
 
 MODEL = """int n;
 const int N = 3;

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from tachk.diagnostics.span import Source
 from tachk.formats.network_json.network import same_network
-from tachk.loading.load import LoadedModel, load_model
+from tachk.frontend.loaded import LoadedModel
+from tachk.loading.load import load_model
 from tachk.resources import data_root
 from tachk.syntax.printing.printer import print_document
 

@@ -8,7 +8,8 @@ import tachk
 from tachk import api
 from tachk.diagnostics.span import Source
 from tachk.formats.catalogue import ExportFormat, export_model
-from tachk.loading.load import load_model, other_readings_of
+from tachk.frontend.loaded import other_readings_of
+from tachk.loading.load import load_model
 from tachk.report.verifyta_report import run_to_verifyta
 
 MODEL = """\

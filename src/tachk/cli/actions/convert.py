@@ -19,7 +19,8 @@ from tachk.formats.plain.expansion import document_repairs
 from tachk.formats.plain.model import PlainQuery, Step
 from tachk.formats.uppaal.query_file import print_queries
 from tachk.formats.uppaal.query_reader import without_properties, wrong_query
-from tachk.loading.load import UncheckedQuery, load_model
+from tachk.frontend.queries.queries import UncheckedQuery
+from tachk.loading.load import load_model
 from tachk.loading.model_files import read_model
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import has_errors

@@ -22,8 +22,9 @@ from tachk.engines.protocol import INTERRUPTED, Options
 from tachk.formats.uppaal.intermediate import network_to_intermediate
 from tachk.formats.uppaal.trace_xml import run_to_trace_xml
 from tachk.formats.uppaal.xtr import run_to_xtr
+from tachk.frontend.loaded import LoadedModel, elaborate_query_file, other_readings_of
 from tachk.frontend.priority_readings import FIRST
-from tachk.loading.load import LoadedModel, UncheckedQuery, elaborate_query_file, other_readings_of
+from tachk.frontend.queries.queries import UncheckedQuery
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query

@@ -1,0 +1,1 @@
+"""Elaborated networks as JSON, written and read back."""

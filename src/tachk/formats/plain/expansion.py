@@ -16,7 +16,7 @@ from tachk.formats.plain.builtins import without_builtins
 from tachk.formats.plain.free_names import name_repairs
 from tachk.formats.plain.model import PlainModel, PlainQuery, Step
 from tachk.formats.plain.value_passing import ValuePassing
-from tachk.loading.load import LoadedModel
+from tachk.frontend.loaded import LoadedModel
 from tachk.model.query import Expectation
 from tachk.syntax import ast
 from tachk.syntax.formula import Atom, Change

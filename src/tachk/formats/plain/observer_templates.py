@@ -14,7 +14,7 @@ from typing import Any
 from tachk.diagnostics.span import Span
 from tachk.formats.plain.mirrors import Mirrors, NoMirror, all_names
 from tachk.formats.plain.model import Step
-from tachk.loading.load import LoadedModel, temporal_formula_of
+from tachk.frontend.loaded import LoadedModel, temporal_formula_of
 from tachk.logic.observer.construction import BAD, NoObserver, build_observer
 from tachk.syntax import ast
 from tachk.syntax.formula import Atom, Change, Formula

@@ -15,7 +15,7 @@ from tachk.formats.plain.free_names import DECLARED_5, QUERY_WORDS, WORDS_4_1, W
 from tachk.formats.uppaal.portability_constants import open_constants
 from tachk.formats.uppaal.portability_queries import query_findings
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_TYPES
-from tachk.loading.load import LoadedModel
+from tachk.frontend.loaded import LoadedModel
 from tachk.model.types import ArrayType, ClockType
 from tachk.syntax import ast
 from tachk.syntax.parsing.strict import additions

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.formats.plain.expansion import expand_document
 from tachk.formats.uppaal.limits import refuses_deadlock
-from tachk.loading.load import LoadedModel
+from tachk.frontend.loaded import LoadedModel
 from tachk.model.expressions import Deadlock, Expression
 from tachk.model.query import Query, QueryKind
 from tachk.model.traversal import walk

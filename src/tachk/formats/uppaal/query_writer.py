@@ -18,7 +18,7 @@ from tachk.formats.uppaal.query_reader import (
     wrong_query_in,
 )
 from tachk.formats.uppaal.xml_tree import parse_xml
-from tachk.loading.load import LoadedModel
+from tachk.frontend.loaded import LoadedModel
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_query
 from tachk.syntax.picture_layout import QueryLayout

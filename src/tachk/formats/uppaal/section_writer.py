@@ -11,7 +11,7 @@ from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Source, Span
 from tachk.formats.plain.model import PlainModel
 from tachk.formats.uppaal.query_reader import wrong_query_in
-from tachk.loading.load import LoadedModel
+from tachk.frontend.loaded import LoadedModel
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import (
     comments_within,

@@ -22,7 +22,7 @@ from tachk.formats.plain.model import PlainModel
 from tachk.formats.uppaal.query_writer import QueryView, query_views
 from tachk.formats.uppaal.section_writer import Sections, same, sections
 from tachk.formats.uppaal.template_reader import branchpoint_id, documentation, printed_labels
-from tachk.loading.load import LoadedModel
+from tachk.frontend.loaded import LoadedModel
 from tachk.resources import template_text
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import (

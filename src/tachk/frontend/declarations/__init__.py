@@ -1,0 +1,1 @@
+"""Variables, functions, channels and parameters."""

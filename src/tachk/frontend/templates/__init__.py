@@ -1,0 +1,1 @@
+"""Templates, their instances, rates of clocks, and edges that can never be taken."""

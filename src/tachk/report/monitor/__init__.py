@@ -1,0 +1,1 @@
+"""What a monitor has found, in every form."""

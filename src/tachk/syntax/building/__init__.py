@@ -1,0 +1,1 @@
+"""From a parse to the syntax tree: one method for each rule of the grammar."""

@@ -1,0 +1,156 @@
+"""A model that has been read: its network, its queries, its text, and the names that further queries may use."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError
+from tachk.diagnostics.span import Source
+from tachk.frontend.context import Budget, Context
+from tachk.frontend.elaborate import elaborate
+from tachk.frontend.findings import Findings
+from tachk.frontend.priority_readings import other_readings
+from tachk.frontend.queries.queries import UncheckedQuery, elaborate_each, elaborate_entries
+from tachk.frontend.scope import Scope
+from tachk.model.expressions import Variable
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.syntax import ast
+from tachk.syntax.picture_layout import Layout
+from tachk.syntax.query_files import parse_each_query
+
+if TYPE_CHECKING:
+    from tachk.syntax.formula import Formula
+
+INSTANCES = 2**16
+"""Quantifiers are written out at most that many times in one model."""
+
+
+@dataclass(frozen=True, slots=True)
+class LoadedModel:
+    """Attributes:
+    queries: the properties the model states, in order.
+    unchecked: properties that belong to another kind of analysis; of UPPAAL's XML also queries that are wrong.
+    document: the syntax tree of the file itself, imports not followed.
+    items: of the document, each import replaced by what the file declares.
+    layout: the picture, if the file has one (UPPAAL's XML).
+    refusals: the constructs of the model that tachk does not check. Where there are any, what was elaborated is
+        incomplete: no analysis may see it, so there is no `network`, while everything that concerns the text is there.
+    """
+
+    _elaborated: Network = field(repr=False)
+    queries: tuple[Query, ...]
+    unchecked: tuple[UncheckedQuery, ...]
+    warnings: tuple[Diagnostic, ...]
+    document: ast.Document = field(repr=False)
+    items: tuple[ast.Item, ...] = field(repr=False)
+    scope: Scope = field(repr=False)
+    context: Context = field(repr=False)
+    layout: Layout | None = field(default=None, repr=False)
+    refusals: tuple[Diagnostic, ...] = ()
+    overrides: Mapping[str, ast.Expression] = field(default_factory=dict, repr=False)
+
+    @property
+    def network(self) -> Network:
+        """The model as analyses see it. Raises UnsupportedError where something in it is refused."""
+        if self.refusals:
+            raise UnsupportedError(self.refusals[0])
+        return self._elaborated
+
+    @property
+    def formulas(self) -> tuple[Query | UncheckedQuery, ...]:
+        """The queries and the unchecked ones together, in the order in which the model states them."""
+        stated = [item.name.name for item in self.items if isinstance(item, ast.PropertyDeclaration)]
+        order = {name: number for number, name in enumerate(stated)}
+
+        def place(query: Query | UncheckedQuery) -> int:
+            # In XML a query that cannot be read is no item, but all queries stand in one text.
+            return order[query.name] if self.layout is None else query.span.start
+
+        return tuple(sorted((*self.queries, *self.unchecked), key=place))
+
+    @property
+    def heading(self) -> Network:
+        """The constants and the time unit without any process: what reports say about every model."""
+        return Network((), (), 0, self._elaborated.constants, (), self._elaborated.time_unit)
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        """The global variables that are not refused."""
+        return self._elaborated.variables
+
+    @property
+    def names(self) -> Scope:
+        """The names that queries may use."""
+        return self.scope
+
+
+def other_readings_of(loaded: LoadedModel) -> Iterator[tuple[str, LoadedModel]]:
+    """What else a model may mean, each with the place of `default` that it was read with; see `priority_readings`.
+
+    The queries are those of the model, with the names of the reading.
+    """
+    if loaded.refusals:
+        return
+    for reading in other_readings(loaded.items):
+        context = Context(Findings(), budget=Budget(INSTANCES))
+        properties = [item for item in reading.items if isinstance(item, ast.PropertyDeclaration)]
+        others = [item for item in reading.items if not isinstance(item, ast.PropertyDeclaration)]
+        result = elaborate(others, loaded.document.span, loaded.overrides, context)
+        queries, unchecked = elaborate_each(properties, result.scope, context)
+        yield (
+            reading.place,
+            replace(
+                loaded,
+                _elaborated=result.network,
+                queries=queries,
+                unchecked=unchecked,
+                scope=result.scope,
+                context=context,
+            ),
+        )
+
+
+def explained(unchecked: Iterable[UncheckedQuery], refusals: Sequence[Diagnostic]) -> tuple[UncheckedQuery, ...]:
+    """The queries, those that use the name of something refused with the reason."""
+    return tuple(
+        query if query.family or query.diagnostics else replace(query, diagnostics=tuple(refusals[:1]))
+        for query in unchecked
+    )
+
+
+def temporal_formula_of(loaded: LoadedModel, node: ast.TemporalFormula) -> Formula | None:
+    """What a temporal property of the model says, bounds in its time units; None where it is wrong."""
+    from tachk.frontend.queries.observer_processes import temporal_formula
+
+    return temporal_formula(node, loaded.scope, replace(loaded.context, findings=Findings(), in_query=True))
+
+
+def elaborate_queries(loaded: LoadedModel, text: str | Source) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
+    """The queries of the command line, named ``q1``, ``q2``, ... in order.
+
+    Raises:
+        InputError: with every diagnostic that was found.
+    """
+    source = text if isinstance(text, Source) else Source("<query>", text)
+    queries, unchecked = elaborate_query_file(loaded, source)
+    diagnostics = [diagnostic for query in unchecked if query.is_wrong for diagnostic in query.diagnostics]
+    if diagnostics:
+        raise InputError(diagnostics)
+    return queries, unchecked
+
+
+def elaborate_query_file(
+    loaded: LoadedModel, source: Source, first: int = 1
+) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
+    """The queries of a .q file, named as by `elaborate_queries`; a wrong one is unchecked and harms no other.
+
+    Args:
+        first: the number of the first query.
+    """
+    known = loaded.context
+    own = Context(Findings(), known.constants, known.effects, budget=Budget(INSTANCES), time_unit=known.time_unit)
+    queries, unchecked = elaborate_entries(parse_each_query(source), loaded.scope, own, first)
+    return queries, explained(unchecked, loaded.refusals)
