@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, overload
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
 from tachk.diagnostics.suggestion import closest, unknown_key
-from tachk.engines.protocol import Extrapolation, Limits, Options, SearchOrder
+from tachk.engines.options import Extrapolation, Limits, Options, SearchOrder
 from tachk.frontend.loaded import LoadedModel, elaborate_query_file, other_readings_of
 from tachk.frontend.priority_readings import FIRST
 from tachk.frontend.queries.queries import UncheckedQuery

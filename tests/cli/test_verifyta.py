@@ -21,7 +21,7 @@ import pytest
 import tachk.cli.actions.verifyta
 from tachk.cli.commands.verifyta import run as console_script
 from tachk.cli.main import app
-from tachk.engines.protocol import Extrapolation, Options, SearchOrder
+from tachk.engines.options import Extrapolation, Options, SearchOrder
 
 MODEL = """\
 <?xml version="1.0" encoding="utf-8"?>

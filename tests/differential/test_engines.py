@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 
 from tachk.compiler.lower import lower
 from tachk.engines import zone
-from tachk.engines.protocol import Extrapolation, Limits, Options, SearchOrder
+from tachk.engines.options import Extrapolation, Limits, Options, SearchOrder
 from tachk.model.expressions import BOOL, Constant
 from tachk.testing import Case, Shape, cases, random_case
 from tachk.testing.agreement import VARIANTS, Effort, compare

@@ -10,7 +10,8 @@ import pytest
 
 from tachk.compiler.lower import lower
 from tachk.engines import zone
-from tachk.engines.protocol import Limits, Status
+from tachk.engines.options import Limits
+from tachk.engines.outcome import Status
 from tachk.model.expressions import (
     Assign,
     Binary,

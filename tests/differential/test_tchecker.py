@@ -9,7 +9,7 @@ import pytest
 
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.diagnostics.span import Source
-from tachk.engines.protocol import Limits, Options
+from tachk.engines.options import Limits, Options
 from tachk.formats.tchecker.writer import to_tchecker
 from tachk.loading.load import load_model
 from tachk.model.expressions import BOOL, Binary, BinaryOperator, Expression, LocationTest

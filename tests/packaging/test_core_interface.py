@@ -13,7 +13,7 @@ from tachk import _core
 from tachk.compiler.bytecode import Opcode
 from tachk.compiler.program import Comparison, DeadlockLiteral
 from tachk.engines import zone
-from tachk.engines.protocol import Extrapolation, SearchOrder
+from tachk.engines.options import Extrapolation, SearchOrder
 from tachk.engines.zone import CoreStatus
 from tachk.model.fault import RuntimeErrorKind
 from tachk.runtime.monitor_program import NodeKind, Relation, ValueOperator

@@ -10,7 +10,8 @@ from tachk.certify.replay import replay
 from tachk.compiler.lower import lower
 from tachk.engines import digitised, reference, zone
 from tachk.engines.concretise import concretise
-from tachk.engines.protocol import Limits, Status
+from tachk.engines.options import Limits
+from tachk.engines.outcome import Status
 from tachk.model.builder import NetworkBuilder, Term
 
 Reaches = Callable[[NetworkBuilder, Term], bool]

@@ -6,7 +6,7 @@ import pytest
 
 from tachk.compiler.lower import lower
 from tachk.engines import reference, zone
-from tachk.engines.protocol import Status
+from tachk.engines.outcome import Status
 from tachk.model.builder import NetworkBuilder, bound_variable, deadlock
 from tachk.model.fault import RuntimeErrorKind
 from tachk.model.types import ArrayType, IntType

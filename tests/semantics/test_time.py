@@ -10,7 +10,7 @@ from tachk.certify.replay import replay
 from tachk.compiler.lower import lower
 from tachk.engines import digitised, reference, zone
 from tachk.engines.concretise import concretise
-from tachk.engines.protocol import Status
+from tachk.engines.outcome import Status
 from tachk.model.builder import NetworkBuilder, deadlock
 from tachk.semantics.discrete import prepare
 from tachk.semantics.step import StepError, deadlocked, delay, initial_state

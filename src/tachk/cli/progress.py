@@ -7,7 +7,7 @@ import time
 from collections.abc import Sequence
 
 from tachk.cli.terminal import width_of
-from tachk.engines.protocol import Statistics
+from tachk.engines.outcome import Statistics
 from tachk.report.quantity import bytes_, count
 
 _INTERVAL = 0.2

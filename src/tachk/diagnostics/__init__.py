@@ -1,0 +1,1 @@
+"""What is said about a text, and where: a `diagnostic` has a `span` and a code, whose explanation is in `codes`."""

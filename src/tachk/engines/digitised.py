@@ -17,7 +17,8 @@ from dataclasses import replace
 from fractions import Fraction
 from math import floor
 
-from tachk.engines.protocol import GoalOutcome, Limits, Outcome, RunTimeFault, Statistics, Status
+from tachk.engines.options import Limits
+from tachk.engines.outcome import GoalOutcome, Outcome, RunTimeFault, Statistics, Status
 from tachk.model.expressions import Assign, Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network

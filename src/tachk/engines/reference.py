@@ -13,7 +13,8 @@ from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from tachk.engines.protocol import GoalOutcome, Limits, Outcome, RunTimeFault, Statistics, Status
+from tachk.engines.options import Limits
+from tachk.engines.outcome import GoalOutcome, Outcome, RunTimeFault, Statistics, Status
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network

@@ -21,18 +21,14 @@ from tachk.compiler.program import (
 )
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.diagnostics.span import NOWHERE, Span
-from tachk.engines.protocol import (
+from tachk.engines.options import BoundScope, Extrapolation, Limits, Options, SearchOrder
+from tachk.engines.outcome import (
     INTERRUPTED,
     TIME_LIMIT,
-    BoundScope,
-    Extrapolation,
     GoalOutcome,
-    Limits,
-    Options,
     Outcome,
     Progress,
     RunTimeFault,
-    SearchOrder,
     Statistics,
     Status,
 )

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
-from tachk.engines.protocol import RunTimeFault
+from tachk.engines.outcome import RunTimeFault
 from tachk.model.network import Network
 from tachk.model.query import Observer, Query
 from tachk.semantics.discrete import has_priorities, prepare

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.engines.protocol import RunTimeFault, Statistics
+from tachk.engines.outcome import RunTimeFault, Statistics
 from tachk.model.query import Expectation, Query
 from tachk.properties.observed import ObserverMove
 from tachk.semantics.timed_trace import TimedTrace

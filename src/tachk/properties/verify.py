@@ -14,17 +14,8 @@ from tachk.compiler.features import check_selections, check_supported
 from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, InternalError, UnsupportedError
 from tachk.engines.concretise import concretise
-from tachk.engines.protocol import (
-    INTERRUPTED,
-    TIME_LIMIT,
-    GoalOutcome,
-    Limits,
-    Options,
-    Outcome,
-    Progress,
-    Statistics,
-    Status,
-)
+from tachk.engines.options import Limits, Options
+from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, GoalOutcome, Outcome, Progress, Statistics, Status
 from tachk.engines.zone import explore
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network

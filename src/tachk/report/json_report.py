@@ -9,7 +9,7 @@ from itertools import pairwise
 from tachk.diagnostics.diagnostic import Diagnostic, Severity
 from tachk.diagnostics.render_json import diagnostic_to_json
 from tachk.diagnostics.span import NOWHERE, Span
-from tachk.engines.protocol import RunTimeFault
+from tachk.engines.outcome import RunTimeFault
 from tachk.model.network import Direction, Network
 from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.verdict import Verdict

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import NOWHERE, Span
-from tachk.engines.protocol import Limits, Options
+from tachk.engines.options import Limits, Options
 from tachk.model.network import Network
 from tachk.properties.verdict import Answer, Verdict
 

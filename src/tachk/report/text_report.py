@@ -11,7 +11,7 @@ from rich.text import Text
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.render import render
-from tachk.engines.protocol import RunTimeFault
+from tachk.engines.outcome import RunTimeFault
 from tachk.model.network import Network
 from tachk.model.query import Observer, QueryKind
 from tachk.properties.fault_explanation import diagnostic_of

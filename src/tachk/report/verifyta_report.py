@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from tachk.diagnostics.span import Span
-from tachk.engines.protocol import SearchOrder
+from tachk.engines.options import SearchOrder
 from tachk.model.query import QueryKind
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.process_memory import peak_memory

@@ -11,7 +11,8 @@ from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import InternalError, UnsupportedError
 from tachk.engines import digitised, reference, zone
 from tachk.engines.concretise import concretise
-from tachk.engines.protocol import BoundScope, Extrapolation, Limits, Options, Outcome, SearchOrder, Status
+from tachk.engines.options import BoundScope, Extrapolation, Limits, Options, SearchOrder
+from tachk.engines.outcome import Outcome, Status
 from tachk.model.query import Query, QueryKind
 from tachk.properties.verdict import Answer
 from tachk.properties.verify import verify

@@ -13,7 +13,8 @@ from random import Random
 
 from tachk.compiler.lower import lower
 from tachk.diagnostics.span import NOWHERE, Source
-from tachk.engines.protocol import Limits, Options, Status
+from tachk.engines.options import Limits, Options
+from tachk.engines.outcome import Status
 from tachk.engines.zone import explore
 from tachk.frontend.context import Context
 from tachk.frontend.findings import Findings

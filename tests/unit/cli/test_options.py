@@ -9,7 +9,7 @@ import click
 import pytest
 
 from tachk.cli.main import COMMANDS, app
-from tachk.engines.protocol import Extrapolation, SearchOrder
+from tachk.engines.options import Extrapolation, SearchOrder
 from tachk.formats.catalogue import ExportFormat
 from tachk.formats.uppaal.portability import Version
 from tachk.report.monitor.record import Ending

@@ -17,7 +17,7 @@ from tachk.compiler.lower import lower
 from tachk.compiler.program import Program
 from tachk.compiler.slot_layout import Layout
 from tachk.diagnostics.span import Source, Span
-from tachk.engines.protocol import Status
+from tachk.engines.outcome import Status
 from tachk.engines.zone import explore
 from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate, execute

@@ -8,7 +8,8 @@ from fractions import Fraction
 import pytest
 
 from tachk.engines import digitised, reference
-from tachk.engines.protocol import Limits, Status
+from tachk.engines.options import Limits
+from tachk.engines.outcome import Status
 from tachk.model.builder import NetworkBuilder
 
 

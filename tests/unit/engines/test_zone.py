@@ -7,7 +7,7 @@ import pytest
 from tachk.compiler.lower import lower
 from tachk.diagnostics.span import Source
 from tachk.engines import zone
-from tachk.engines.protocol import BoundScope, Extrapolation, Limits, Options
+from tachk.engines.options import BoundScope, Extrapolation, Limits, Options
 from tachk.loading.load import load_model
 from tachk.properties.verdict import Answer
 from tachk.properties.verify import verify

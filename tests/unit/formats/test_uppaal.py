@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tachk.diagnostics.span import Source
-from tachk.engines.protocol import Limits
+from tachk.engines.options import Limits
 from tachk.formats.layout_json import layout_from_json, layout_to_json
 from tachk.formats.network_json.network import same_network
 from tachk.formats.plain.expansion import expand

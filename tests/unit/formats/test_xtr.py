@@ -17,7 +17,7 @@ import pytest
 from tachk import api
 from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
-from tachk.engines.protocol import Limits
+from tachk.engines.options import Limits
 from tachk.formats.uppaal.intermediate import network_to_intermediate
 from tachk.formats.uppaal.trace_xml import run_to_trace_xml
 from tachk.formats.uppaal.xtr import run_to_xtr

@@ -9,7 +9,7 @@ import pytest
 from tachk.diagnostics.codes.run_time_codes import RUN_TIME_CODES
 from tachk.diagnostics.render import render
 from tachk.diagnostics.span import Source
-from tachk.engines.protocol import RunTimeFault
+from tachk.engines.outcome import RunTimeFault
 from tachk.loading.load import load_model
 from tachk.model.fault import RuntimeErrorKind
 from tachk.properties.fault_explanation import diagnostic_of, explain

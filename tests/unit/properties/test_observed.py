@@ -9,7 +9,7 @@ import pytest
 
 from tachk.certify.replay import replay
 from tachk.diagnostics.span import Source
-from tachk.engines.protocol import Options
+from tachk.engines.options import Options
 from tachk.loading.load import load_model
 from tachk.properties.observed import ObserverMove
 from tachk.properties.plan import plan

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.protocol import Extrapolation, Limits, Options, SearchOrder
+from tachk.engines.options import Extrapolation, Limits, Options, SearchOrder
 from tachk.properties.verdict import Verdict
 
 Verdicts = Callable[..., dict[str, Verdict]]

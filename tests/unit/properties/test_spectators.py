@@ -7,7 +7,7 @@ from random import Random
 import pytest
 
 from tachk.diagnostics.span import Source
-from tachk.engines.protocol import Limits, Options
+from tachk.engines.options import Limits, Options
 from tachk.loading.load import load_model
 from tachk.model.fault import RuntimeErrorKind
 from tachk.model.query import Query, QueryKind

@@ -14,7 +14,8 @@ from tachk import time_limit as module
 from tachk.cli.actions.verify import VerifyRequest, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.diagnostics.span import Source
-from tachk.engines.protocol import TIME_LIMIT, GoalOutcome, Limits, Outcome, Statistics, Status
+from tachk.engines.options import Limits
+from tachk.engines.outcome import TIME_LIMIT, GoalOutcome, Outcome, Statistics, Status
 from tachk.loading.load import load_model
 from tachk.properties import verify as verifying
 from tachk.properties.verdict import Answer, Verdict

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from tachk.diagnostics.diagnostic import InputError
-from tachk.engines.protocol import Limits, Options, SearchOrder
+from tachk.engines.options import Limits, Options, SearchOrder
 from tachk.model.fault import RuntimeErrorKind
 from tachk.properties.verdict import Answer, Verdict
 

@@ -12,7 +12,8 @@ from tachk import Answer
 from tachk.compiler.lower import lower
 from tachk.diagnostics.span import Source
 from tachk.engines import zone
-from tachk.engines.protocol import Limits, Options, Status
+from tachk.engines.options import Limits, Options
+from tachk.engines.outcome import Status
 from tachk.loading.load import load_model
 from tachk.reduction.bystanders import without_bystanders
 from tachk.testing.networks import Shape, random_case

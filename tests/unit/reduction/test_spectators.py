@@ -9,7 +9,7 @@ import pytest
 from tachk.compiler.lower import lower
 from tachk.diagnostics.span import Source
 from tachk.engines import zone
-from tachk.engines.protocol import Limits, Options
+from tachk.engines.options import Limits, Options
 from tachk.loading.load import load_model
 from tachk.model.expressions import Expression
 from tachk.reduction.spectators import without_spectators

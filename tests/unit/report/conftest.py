@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from tachk.diagnostics.span import Source, Span
-from tachk.engines.protocol import RunTimeFault, Statistics
+from tachk.engines.outcome import RunTimeFault, Statistics
 from tachk.model.expressions import BOOL, Assign, Constant, Index, Reference, Variable, VariableKind
 from tachk.model.fault import RuntimeErrorKind
 from tachk.model.network import Direction, Edge, Location, Network, Process, Synchronisation

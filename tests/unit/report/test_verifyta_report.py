@@ -8,7 +8,8 @@ import pytest
 
 from tachk import api
 from tachk.diagnostics.span import Source
-from tachk.engines.protocol import Limits, Statistics
+from tachk.engines.options import Limits
+from tachk.engines.outcome import Statistics
 from tachk.loading.load import load_model
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.process_memory import peak_memory

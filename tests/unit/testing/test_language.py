@@ -9,7 +9,7 @@ from tachk.compiler.fold import known_values
 from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.engines import zone
-from tachk.engines.protocol import Limits
+from tachk.engines.options import Limits
 from tachk.model.expressions import BOOL, Assign, Call, Conditional, Constant, Field, Index
 from tachk.model.network import Network
 from tachk.model.traversal import process_expressions, walk

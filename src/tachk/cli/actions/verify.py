@@ -20,7 +20,8 @@ from tachk.cli.guard import OUT_OF_TIME, guarded, print_diagnostics
 from tachk.cli.progress import ProgressLine
 from tachk.cli.terminal import can_rewrite_lines, console
 from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
-from tachk.engines.protocol import INTERRUPTED, Extrapolation, Limits, Options, SearchOrder
+from tachk.engines.options import Extrapolation, Limits, Options, SearchOrder
+from tachk.engines.outcome import INTERRUPTED
 from tachk.properties.verdict import Answer
 from tachk.report.record import NotRead, RunRecord
 from tachk.time_limit import OutOfTimeError, time_limit

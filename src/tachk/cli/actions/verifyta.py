@@ -18,7 +18,8 @@ from tachk.cli.actions.verifyta_options import Trace, VerifytaOptions
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
-from tachk.engines.protocol import INTERRUPTED, Options
+from tachk.engines.options import Options
+from tachk.engines.outcome import INTERRUPTED
 from tachk.formats.uppaal.intermediate import network_to_intermediate
 from tachk.formats.uppaal.trace_xml import run_to_trace_xml
 from tachk.formats.uppaal.xtr import run_to_xtr

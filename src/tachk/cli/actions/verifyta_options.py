@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.suggestion import closest
-from tachk.engines.protocol import Extrapolation, SearchOrder
+from tachk.engines.options import Extrapolation, SearchOrder
 
 
 class Trace(StrEnum):

@@ -8,7 +8,7 @@ import pytest
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.span import Source
-from tachk.engines.protocol import Limits, Options
+from tachk.engines.options import Limits, Options
 from tachk.loading.load import load_model
 from tachk.properties.verdict import Answer
 from tachk.properties.verify import verify
