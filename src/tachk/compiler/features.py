@@ -8,7 +8,7 @@ from enum import StrEnum
 from math import prod
 
 from tachk.compiler.conditions import reads_clock
-from tachk.compiler.fold import COMPARISONS, Known, fold, known_values, negate
+from tachk.compiler.fold import COMPARISONS, Known, fold, known_values
 from tachk.compiler.goal import check_predicate, mentions_time
 from tachk.compiler.intervals import interval
 from tachk.compiler.slot_layout import cell_range
@@ -109,7 +109,7 @@ def check_selections(network: Network) -> None:
 
 def check_supported(network: Network, query: Query) -> None:
     """Raises UnsupportedError, naming the place, if the reachability engine cannot decide the query."""
-    if query.kind not in (QueryKind.POSSIBLY, QueryKind.INVARIANTLY):
+    if query.target is None:
         raise UnsupportedError(
             Diagnostic(
                 "E0720",
@@ -120,9 +120,8 @@ def check_supported(network: Network, query: Query) -> None:
         )
     _check_urgency(network)
     _check_rates(network)
-    if query.predicate is not None and mentions_time(query.predicate):
-        target = negate(query.predicate) if query.kind is QueryKind.INVARIANTLY else query.predicate
-        check_predicate(target, known_values(network, [target]))
+    if mentions_time(query.target):
+        check_predicate(query.target, known_values(network, [query.target]))
 
 
 def _check_urgency(network: Network) -> None:

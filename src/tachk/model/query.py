@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import assert_never
 
 from tachk.diagnostics.span import NOWHERE, Span
-from tachk.model.expressions import Expression
+from tachk.model.expressions import BOOL, Expression, Unary, UnaryOperator
 from tachk.model.network import Process
 
 
@@ -63,3 +64,28 @@ class Query:
     span: Span = NOWHERE
     observer: Observer | None = None
     conditional: bool = False
+
+    @property
+    def holds_when_reached(self) -> bool | None:
+        """Whether the query holds (True) or fails (False) once one state satisfies `target`; None where no single
+        state decides it."""
+        match self.kind:
+            case QueryKind.POSSIBLY:
+                return True
+            case QueryKind.INVARIANTLY:
+                return False
+            case QueryKind.EVENTUALLY | QueryKind.POTENTIALLY_ALWAYS | QueryKind.LEADS_TO:
+                return None
+            case QueryKind.SUPREMUM | QueryKind.INFIMUM | QueryKind.BOUNDS:
+                return None
+            case never:
+                assert_never(never)
+
+    @property
+    def target(self) -> Expression | None:
+        """The states whose reachability decides the query; None exactly where `holds_when_reached` is None."""
+        if self.holds_when_reached is None or self.predicate is None:
+            return None
+        if self.holds_when_reached:
+            return self.predicate
+        return Unary(UnaryOperator.NOT, self.predicate, BOOL, self.predicate.span)

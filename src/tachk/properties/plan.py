@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tachk.model.expressions import BOOL, Deadlock, Expression, Reference, Unary, UnaryOperator, Variable
-from tachk.model.query import Observer, Query, QueryKind
+from tachk.model.expressions import Deadlock, Expression, Reference, Variable
+from tachk.model.query import Observer, Query
 from tachk.model.traversal import walk
 from tachk.model.types import ClockType, leaves
 from tachk.reduction.spectators import speaks_of_nothing
@@ -18,6 +18,13 @@ class Task:
 
     query: Query
     target: Expression
+
+    @classmethod
+    def of(cls, query: Query) -> Task:
+        """Raises ValueError for a query that reachability does not decide."""
+        if query.target is None:
+            raise ValueError(f"the query {query.name} with {query.kind.value} is not decided by reachability")
+        return cls(query, query.target)
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,21 +45,10 @@ def plan(queries: Sequence[Query]) -> tuple[Search, ...]:
     """
     searches: dict[tuple[bool, frozenset[Variable], bool, int], list[Task]] = {}
     for number, query in enumerate(queries, start=1):
-        task = Task(query, target_of(query))
+        task = Task.of(query)
         alone = 0 if query.observer is None else number
         searches.setdefault((*_demands(task.target), alone), []).append(task)
     return tuple(Search(tuple(tasks), tasks[0].query.observer) for tasks in searches.values())
-
-
-def target_of(query: Query) -> Expression:
-    """The states that make ``E<>`` true or ``A[]`` false."""
-    if query.predicate is None:
-        raise ValueError(f"the query {query.name} has no predicate")
-    if query.kind is QueryKind.POSSIBLY:
-        return query.predicate
-    if query.kind is QueryKind.INVARIANTLY:
-        return Unary(UnaryOperator.NOT, query.predicate, BOOL, query.predicate.span)
-    raise ValueError(f"{query.kind.value} is not decided by reachability")
 
 
 def _demands(target: Expression) -> tuple[bool, frozenset[Variable], bool]:

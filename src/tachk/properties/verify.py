@@ -19,7 +19,7 @@ from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, GoalOutcome, Outcome,
 from tachk.engines.zone import explore
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
-from tachk.model.query import Query, QueryKind
+from tachk.model.query import Query
 from tachk.properties.fault_explanation import explain
 from tachk.properties.observed import (
     ObserverMove,
@@ -28,7 +28,7 @@ from tachk.properties.observed import (
     observed,
     without_observer,
 )
-from tachk.properties.plan import Search, Task, plan, target_of
+from tachk.properties.plan import Search, Task, plan
 from tachk.properties.unexamined import unexamined
 from tachk.properties.verdict import Answer, Verdict
 from tachk.reduction.bystanders import without_bystanders
@@ -103,12 +103,10 @@ def verify(
 def _examined(network: Network, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
     """The verdicts; if one of them was proved by exploring everything, no run-time error was overlooked for any."""
     for verdict in verdicts:
-        kind = verdict.query.kind
-        proved = (kind, verdict.answer) in {
-            (QueryKind.POSSIBLY, Answer.FAILS),
-            (QueryKind.INVARIANTLY, Answer.HOLDS),
-        }
-        if proved and verdict.query.observer is None and every_action_counts(network, [target_of(verdict.query)]):
+        query = verdict.query
+        if query.target is None or query.observer is not None or verdict.answer is not _where_unreachable(query):
+            continue
+        if every_action_counts(network, [query.target]):
             return tuple(replace(other, unexamined=()) for other in verdicts)
     return tuple(verdicts)
 
@@ -210,7 +208,7 @@ def _settle_without_bystanders(
     pairs = zip(search.tasks, outcome.goals, strict=True)
     left_out = unexamined(network, relaxed)
     return [
-        Verdict(task.query, _answers(task)[1], True, "", outcome.statistics, unexamined=left_out)
+        Verdict(task.query, _where_unreachable(task.query), True, "", outcome.statistics, unexamined=left_out)
         for task, goal in pairs
         if goal.status is Status.UNREACHABLE
     ]
@@ -261,11 +259,13 @@ def _whole_run(network: Network, reduced: Network, run: TimedTrace) -> TimedTrac
         return None
 
 
-def _answers(task: Task) -> tuple[Answer, Answer]:
-    """The answers where the target is reachable and where it is not."""
-    if task.query.kind is QueryKind.INVARIANTLY:
-        return Answer.FAILS, Answer.HOLDS
-    return Answer.HOLDS, Answer.FAILS
+def _where_reached(query: Query) -> Answer:
+    """The answer to a query that reachability decides, if its target is reachable."""
+    return Answer.HOLDS if query.holds_when_reached else Answer.FAILS
+
+
+def _where_unreachable(query: Query) -> Answer:
+    return Answer.FAILS if query.holds_when_reached else Answer.HOLDS
 
 
 _INEXACT = "the stopwatches make the search inexact, and the run it found is not possible"
@@ -275,15 +275,20 @@ def _verdict(
     network: Network, reduced: Network, task: Task, goal: GoalOutcome, outcome: Outcome, trace: bool
 ) -> Verdict | None:
     """The verdict; None if the run that was found meets a run-time error of a process that was held still."""
-    on_reached, otherwise = _answers(task)
     verdict = Verdict(task.query, Answer.UNKNOWN, outcome.exact, outcome.reason, outcome.statistics)
     if goal.status is Status.UNDECIDED:
         return replace(verdict, exact=True, fault=outcome.fault)
     if goal.status is Status.UNREACHABLE:
         # An over-approximation that does not reach the target proves that nothing does.
-        return replace(verdict, answer=otherwise, exact=True, reason="", unexamined=unexamined(network, reduced))
+        return replace(
+            verdict,
+            answer=_where_unreachable(task.query),
+            exact=True,
+            reason="",
+            unexamined=unexamined(network, reduced),
+        )
     if not trace and outcome.exact:
-        return replace(verdict, answer=on_reached, reason="", unexamined=unexamined(network, reduced))
+        return replace(verdict, answer=_where_reached(task.query), reason="", unexamined=unexamined(network, reduced))
     run = concretise(reduced, goal.path or (), task.target)
     if run is None:
         if outcome.exact:
@@ -302,4 +307,4 @@ def _verdict(
     moves: tuple[ObserverMove, ...] = ()
     if task.query.observer is not None:
         run, moves = without_observer(network, run)
-    return replace(verdict, answer=on_reached, exact=True, reason="", trace=run, moves=moves)
+    return replace(verdict, answer=_where_reached(task.query), exact=True, reason="", trace=run, moves=moves)

@@ -13,7 +13,7 @@ from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.render import render
 from tachk.engines.outcome import RunTimeFault
 from tachk.model.network import Network
-from tachk.model.query import Observer, QueryKind
+from tachk.model.query import Observer
 from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.quantity import bytes_, count, duration, seconds
@@ -241,7 +241,7 @@ def _trace_title(network: Network, verdict: Verdict) -> str:
     assert verdict.trace is not None
     steps = len(verdict.trace.steps)
     end = duration(verdict.trace.states[-1].time, network.time_unit)
-    shows = "is satisfied" if verdict.query.kind is QueryKind.POSSIBLY else "is violated"
+    shows = "is satisfied" if verdict.answer is Answer.HOLDS else "is violated"
     plural = "step" if steps == 1 else "steps"
     as_expected = ", as expected," if verdict.met and verdict.answer is Answer.FAILS else ""
     return f"{verdict.query.name} {shows}{as_expected} by this run of {steps} {plural}, at time {end}:"

@@ -10,7 +10,6 @@ from collections.abc import Iterator, Sequence
 
 from tachk.diagnostics.span import Span
 from tachk.engines.options import SearchOrder
-from tachk.model.query import QueryKind
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.process_memory import peak_memory
 from tachk.report.record import NotChecked, RunRecord
@@ -88,7 +87,7 @@ def verdict_lines(verdict: Verdict) -> Iterator[str]:
 
 def evidence(verdict: Verdict) -> str:
     """What the trace of a verdict is called."""
-    return "example trace" if verdict.query.kind is QueryKind.POSSIBLY else "counter example"
+    return "example trace" if verdict.answer is Answer.HOLDS else "counter example"
 
 
 def summary_lines(verdict: Verdict) -> Iterator[str]:

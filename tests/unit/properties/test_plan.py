@@ -7,7 +7,7 @@ import pytest
 from tachk.diagnostics.span import Source
 from tachk.loading.load import load_model
 from tachk.model.query import Query
-from tachk.properties.plan import plan, target_of
+from tachk.properties.plan import plan
 
 MODEL = """
 int n;
@@ -47,12 +47,6 @@ def test_queries_about_the_same_clocks_and_deadlock_share_a_search() -> None:
 
 def test_no_queries_need_no_search() -> None:
     assert plan([]) == ()
-
-
-def test_the_target_of_an_invariant_is_its_violation() -> None:
-    known = queries()
-    assert target_of(known["first"]) is known["first"].predicate
-    assert str(target_of(known["second"])) != str(known["second"].predicate)
 
 
 @pytest.mark.parametrize("name", ["live", "most"])

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from tachk.compiler.fold import Known, negate
+from tachk.compiler.fold import Known
 from tachk.formats.tchecker.expression_writer import written_out
 from tachk.model.expressions import (
     Binary,
@@ -22,7 +22,7 @@ from tachk.model.expressions import (
     UnaryOperator,
 )
 from tachk.model.network import Network
-from tachk.model.query import Query, QueryKind
+from tachk.model.query import Query
 
 MAXIMUM_ALTERNATIVES = 256
 
@@ -55,7 +55,7 @@ class QueryLabels:
         if self.reason:
             yield f"    labels cannot ask it: {self.reason}"
             return
-        answer = "holds" if self.query.kind is QueryKind.POSSIBLY else "fails"
+        answer = "holds" if self.query.holds_when_reached else "fails"
         if not self.alternatives:
             yield f"    never {answer}: no combination of locations does it"
         for labels in self.alternatives:
@@ -66,11 +66,10 @@ def query_labels(query: Query, network: Network, known: Known, prefix: str) -> Q
     """The labels for a query; ``prefix`` begins their names."""
     if query.observer is not None:
         return QueryLabels(query, reason="it is a temporal formula, which an automaton beside the network follows")
-    if query.kind not in (QueryKind.POSSIBLY, QueryKind.INVARIANTLY) or query.predicate is None:
+    if query.target is None:
         return QueryLabels(query, reason=f"TChecker does not check {query.kind.value}")
-    target = query.predicate if query.kind is QueryKind.POSSIBLY else negate(query.predicate)
     try:
-        alternatives = _alternatives(written_out(target, known), True, network)
+        alternatives = _alternatives(written_out(query.target, known), True, network)
     except _NotLocations:
         return QueryLabels(query, reason="it asks for more than locations")
     labels: dict[tuple[int, frozenset[int]], str] = {}
