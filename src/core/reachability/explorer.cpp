@@ -60,8 +60,8 @@ Explorer::Explorer(Program program, const Options& options)
       random_(options.seed),
       reached_(program_.goals.size(), no_node),
       deadlocks_(operations_, dimension_),
-      lower_(operations_),
-      upper_(operations_),
+      lower_(operations_, dimension_),
+      upper_(operations_, dimension_),
       source_(program_.slots.size()),
       source_zone_(operations_),
       target_(operations_),
@@ -91,20 +91,20 @@ struct Explorer::Collector {
   std::uint32_t discrete = 0;
   bool passes = false;
 
-  void possible(const void* guarded, const Effect& effect) const { explorer.pass_to_deadlock(guarded, effect); }
+  void possible(ConstZoneRef guarded, const Effect& effect) const { explorer.pass_to_deadlock(guarded, effect); }
   void expect(const Effect& effect) const {
     // The state unpacked last is the stored one, not one that is passed through.
     const SlotSet& written = explorer.current_actions_.empty() ? effect.written : SlotSet::all();
     explorer.passed_.announce(effect.slots.data(), written);
   }
-  bool wants(std::int32_t* slots, const void* zone) {
+  bool wants(std::int32_t* slots, ConstZoneRef zone) {
     if (parent != no_node) ++explorer.transitions_;
     passes = explorer.passes_ && parent != no_node && explorer.is_passing(slots, explorer.current_actions_.size());
     if (passes) return true;
     discrete = explorer.passed_.locate();
     return !explorer.options_.subsumption || !explorer.passed_.covers(discrete, explorer.active_.packed(slots, zone));
   }
-  void take(std::int32_t* slots, const void* zone) {
+  void take(std::int32_t* slots, ConstZoneRef zone) {
     if (passes) {
       if (!explorer.meets_an_open_goal(slots, zone)) return explorer.pass_through(slots, zone);
       discrete = explorer.passed_.locate();
@@ -121,18 +121,18 @@ struct Explorer::Recogniser {
   std::vector<Step>& steps;
   std::size_t previous = 0;
 
-  void possible(const void*, const Effect&) const {}
+  void possible(ConstZoneRef, const Effect&) const {}
   void expect(const Effect&) const {}
   bool passes(const std::int32_t* slots) const {
     return explorer.current_edges_ != nullptr && explorer.is_passing(slots, explorer.current_actions_.size());
   }
-  bool wants(std::int32_t* slots, const void*) const { return explorer.passed_.equals(node, slots) || passes(slots); }
-  void take(std::int32_t* slots, const void* zone) const {
+  bool wants(std::int32_t* slots, ConstZoneRef) const { return explorer.passed_.equals(node, slots) || passes(slots); }
+  void take(std::int32_t* slots, ConstZoneRef zone) const {
     if (passes(slots)) explorer.pass_through(slots, zone);
     if (!explorer.passed_.equals(node, slots)) return;
     if (!explorer.passed_.may_equal(node, explorer.active_.packed(slots, zone))) return;
     for (const State& state : states)
-      if (std::memcmp(state.zone.get(), zone, explorer.operations_.bytes) == 0) return;
+      if (std::memcmp(state.zone.get().bytes, zone.bytes, explorer.operations_.bytes) == 0) return;
     states.push_back({{slots, slots + explorer.program_.slots.size()}, ZoneBuffer(explorer.operations_)});
     states.back().zone.assign(zone);
     steps.push_back({explorer.actions_so_far(), previous});
@@ -145,10 +145,10 @@ struct Explorer::Follower {
   std::vector<State>& states;
   const std::vector<std::uint32_t>* edges = nullptr;
 
-  void possible(const void*, const Effect&) const {}
+  void possible(ConstZoneRef, const Effect&) const {}
   void expect(const Effect&) const {}
-  bool wants(std::int32_t*, const void*) const { return edges == nullptr || *explorer.current_edges_ == *edges; }
-  void take(std::int32_t* slots, const void* zone) const {
+  bool wants(std::int32_t*, ConstZoneRef) const { return edges == nullptr || *explorer.current_edges_ == *edges; }
+  void take(std::int32_t* slots, ConstZoneRef zone) const {
     states.push_back({{slots, slots + explorer.program_.slots.size()}, ZoneBuffer(explorer.operations_)});
     states.back().zone.assign(zone);
   }
@@ -158,10 +158,10 @@ struct Explorer::Follower {
 struct Explorer::Prober {
   Explorer& explorer;
 
-  void possible(const void* guarded, const Effect& effect) const { explorer.pass_to_deadlock(guarded, effect); }
+  void possible(ConstZoneRef guarded, const Effect& effect) const { explorer.pass_to_deadlock(guarded, effect); }
   void expect(const Effect&) const {}
-  bool wants(std::int32_t*, const void*) const { return false; }
-  void take(std::int32_t*, const void*) const {}
+  bool wants(std::int32_t*, ConstZoneRef) const { return false; }
+  void take(std::int32_t*, ConstZoneRef) const {}
 };
 
 // ---- the loop -------------------------------------------------------------------------------------------------------
@@ -202,7 +202,7 @@ Status Explorer::explore(std::uint64_t expansions) {
     const Node node = passed_.node(number);
     passed_.unpack(node, source_.data());
     active_.unpack(source_.data(), passed_.zone(node), source_zone_);
-    const void* zone = source_zone_.get();
+    const ConstZoneRef zone = source_zone_.get();
     current_node_ = number;
     ++explored_;
     fresh_.clear();
@@ -236,7 +236,7 @@ std::vector<std::vector<std::uint32_t>> Explorer::actions_so_far() const {
   return actions;
 }
 
-void Explorer::pass_through(std::int32_t* slots, const void* zone) {
+void Explorer::pass_through(std::int32_t* slots, ConstZoneRef zone) {
   passing_.push_back({{{slots, slots + program_.slots.size()}, ZoneBuffer(operations_)}, actions_so_far()});
   passing_.back().state.zone.assign(zone);
 }
@@ -271,7 +271,7 @@ std::uint32_t Explorer::next_waiting() {
   return number;
 }
 
-void Explorer::add(std::uint32_t discrete, std::int32_t* slots, const void* zone, std::uint32_t parent) {
+void Explorer::add(std::uint32_t discrete, std::int32_t* slots, ConstZoneRef zone, std::uint32_t parent) {
   const std::uint32_t number = passed_.add(discrete, active_.packed(slots, zone), parent, options_.subsumption);
   if (number == no_node) return;
   if (options_.depth_limit != UINT32_MAX) depth_.push_back(parent == no_node ? 0 : depth_[parent] + 1);
@@ -299,12 +299,12 @@ std::optional<std::uint32_t> Explorer::reached(std::size_t goal) const {
 // ---- successors -----------------------------------------------------------------------------------------------------
 
 template <class Sink>
-void Explorer::expand(const void* zone, Sink&& sink) {
+void Explorer::expand(ConstZoneRef zone, Sink&& sink) {
   if (program_.has_priorities) {
     expand_by_priority(zone, sink);
     return;
   }
-  semantics_.for_each_action(source_.data(), zone, [&](const Action& action, const void* guarded) {
+  semantics_.for_each_action(source_.data(), zone, [&](const Action& action, ConstZoneRef guarded) {
     current_edges_ = &action.edges;
     if (semantics_.apply(action.edges, source_.data(), effect_)) {
       sink.possible(guarded, effect_);
@@ -316,7 +316,7 @@ void Explorer::expand(const void* zone, Sink&& sink) {
 
 // An action may only fire in valuations in which no action of higher priority is possible.
 template <class Sink>
-void Explorer::expand_by_priority(const void* zone, Sink&& sink) {
+void Explorer::expand_by_priority(ConstZoneRef zone, Sink&& sink) {
   struct Ranked {
     std::vector<std::uint32_t> edges;
     ZoneBuffer guarded;
@@ -325,7 +325,7 @@ void Explorer::expand_by_priority(const void* zone, Sink&& sink) {
     std::pair<std::int32_t, std::int32_t> priority;
   };
   std::vector<Ranked> actions;
-  semantics_.for_each_action(source_.data(), zone, [&](const Action& action, const void* guarded) {
+  semantics_.for_each_action(source_.data(), zone, [&](const Action& action, ConstZoneRef guarded) {
     Ranked ranked{action.edges, ZoneBuffer(operations_), action.guard, {}, {}};
     ranked.guarded.assign(guarded);
     current_edges_ = &action.edges;
@@ -352,7 +352,7 @@ void Explorer::expand_by_priority(const void* zone, Sink&& sink) {
 }
 
 template <class Sink>
-void Explorer::finish(const void* zone, Effect& effect, Sink&& sink) {
+void Explorer::finish(ConstZoneRef zone, Effect& effect, Sink&& sink) {
   const std::vector<Atom>& invariant = effect.invariant;
   sink.expect(effect);
   target_.assign(zone);
@@ -478,7 +478,7 @@ bool Explorer::leads_to(const std::vector<std::vector<std::uint32_t>>& actions, 
 
 // ---- zones ----------------------------------------------------------------------------------------------------------
 
-void Explorer::check_magnitude(const void* zone) const {
+void Explorer::check_magnitude(ConstZoneRef zone) const {
   for (int i = 0; i < dimension_; ++i)
     for (int j = 0; j < dimension_; ++j) {
       const Raw raw = operations_.entry(zone, dimension_, i, j);
@@ -487,17 +487,11 @@ void Explorer::check_magnitude(const void* zone) const {
 }
 
 void Explorer::prepare_bounds() {
-  const auto blank = [&] {
-    ZoneBuffer row(operations_);
-    for (int clock = 0; clock < operations_.stride; ++clock)
-      operations_.set_bound(row.get(), clock, clock == 0 || clock >= dimension_ ? no_bound : -1);
-    return row;
-  };
   const bool separate = options_.extrapolation == Extrapolation::lu && program_.diagonals.empty();
   for (const Process& process : program_.processes)
     for (const Location& location : process.locations) {
-      std::vector<Raw> lower(static_cast<std::size_t>(dimension_), -1);
-      std::vector<Raw> upper(static_cast<std::size_t>(dimension_), -1);
+      std::vector<Raw> lower(static_cast<std::size_t>(dimension_), not_compared);
+      std::vector<Raw> upper(static_cast<std::size_t>(dimension_), not_compared);
       if (options_.local_bounds) {
         for (const ClockBound& bound : location.lower) lower[bound.clock] = std::max(lower[bound.clock], bound.value);
         for (const ClockBound& bound : location.upper) upper[bound.clock] = std::max(upper[bound.clock], bound.value);
@@ -505,8 +499,8 @@ void Explorer::prepare_bounds() {
         lower = program_.maximum_constants;
         upper = program_.maximum_constants;
       }
-      ZoneBuffer lower_row = blank();
-      ZoneBuffer upper_row = blank();
+      BoundRowBuffer lower_row(operations_, dimension_);
+      BoundRowBuffer upper_row(operations_, dimension_);
       bool present = false;
       for (int clock = 1; clock < dimension_; ++clock) {
         const auto c = static_cast<std::size_t>(clock);
@@ -519,8 +513,8 @@ void Explorer::prepare_bounds() {
       bounds_.upper.push_back(std::move(upper_row));
       bounds_.present.push_back(present);
     }
-  bounds_.lower.push_back(blank());
-  bounds_.upper.push_back(blank());
+  bounds_.lower.emplace_back(operations_, dimension_);
+  bounds_.upper.emplace_back(operations_, dimension_);
 }
 
 void Explorer::collect_bounds(const std::int32_t* slots) {

@@ -92,8 +92,8 @@ class Explorer {
  private:
   // The clock bounds of the locations, each row in a buffer of its own, and a last row without any bound.
   struct Bounds {
-    std::vector<ZoneBuffer> lower;
-    std::vector<ZoneBuffer> upper;
+    std::vector<BoundRowBuffer> lower;
+    std::vector<BoundRowBuffer> upper;
     std::vector<bool> present;
   };
   // A disjunct of an open goal without deadlock.
@@ -128,26 +128,26 @@ class Explorer {
   Status explore(std::uint64_t expansions);
   // Whether a state is not stored: time cannot pass in it, and it will soon be left.
   bool is_passing(const std::int32_t* slots, std::size_t actions) const;
-  void pass_through(std::int32_t* slots, const void* zone);
-  bool meets_an_open_goal(std::int32_t* slots, const void* zone);
+  void pass_through(std::int32_t* slots, ConstZoneRef zone);
+  bool meets_an_open_goal(std::int32_t* slots, ConstZoneRef zone);
   std::vector<std::vector<std::uint32_t>> actions_so_far() const;
   template <class MakeSink>
   void expand_passing(MakeSink&& make_sink);
   template <class Sink>
   void start(Sink&& sink);
   std::uint32_t next_waiting();
-  void add(std::uint32_t discrete, std::int32_t* slots, const void* zone, std::uint32_t parent);
+  void add(std::uint32_t discrete, std::int32_t* slots, ConstZoneRef zone, std::uint32_t parent);
   void watch_goals();
   // A goal is reached in a node. It may stay open until the end of the layer, for a deadlock one step nearer.
   void settle(std::size_t goal, std::uint32_t node);
   void begin_layer();
-  void check(const Watch& watch, std::uint32_t node, std::int32_t* slots, const void* zone);
-  void check_goals(std::uint32_t node, std::int32_t* slots, const void* zone);
-  bool meets(const Condition& condition, std::int32_t* slots, const void* zone, std::vector<Atom>& atoms);
+  void check(const Watch& watch, std::uint32_t node, std::int32_t* slots, ConstZoneRef zone);
+  void check_goals(std::uint32_t node, std::int32_t* slots, ConstZoneRef zone);
+  bool meets(const Condition& condition, std::int32_t* slots, ConstZoneRef zone, std::vector<Atom>& atoms);
   // Deadlock check of the state in `source_`. Call `begin_deadlock`, then `expand` (the sink calls `pass_to_deadlock`
   // for each action), then `end_deadlock`.
-  void begin_deadlock(const void* zone);
-  void pass_to_deadlock(const void* guarded, const Effect& effect);
+  void begin_deadlock(ConstZoneRef zone);
+  void pass_to_deadlock(ConstZoneRef guarded, const Effect& effect);
   void end_deadlock(std::uint32_t node);
   bool all_reached() const;
 
@@ -156,12 +156,12 @@ class Explorer {
   // sink.take(slots, zone) for every successor, unless sink.wants(slots, zone) has said no to the zone before its
   // abstraction.
   template <class Sink>
-  void expand(const void* zone, Sink&& sink);
+  void expand(ConstZoneRef zone, Sink&& sink);
   template <class Sink>
-  void expand_by_priority(const void* zone, Sink&& sink);
+  void expand_by_priority(ConstZoneRef zone, Sink&& sink);
   // The successor of the guarded zone `zone` under `effect`.
   template <class Sink>
-  void finish(const void* zone, Effect& effect, Sink&& sink);
+  void finish(ConstZoneRef zone, Effect& effect, Sink&& sink);
   template <class Sink>
   void abstract(Effect& effect, ZoneBuffer& zone, Sink&& sink);
   template <class Sink>
@@ -169,7 +169,7 @@ class Explorer {
 
   void prepare_bounds();
   void collect_bounds(const std::int32_t* slots);
-  void check_magnitude(const void* zone) const;
+  void check_magnitude(ConstZoneRef zone) const;
 
   Program program_;
   Options options_;
@@ -200,8 +200,8 @@ class Explorer {
   std::vector<Watch> watches_anywhere_;
 
   Bounds bounds_;
-  ZoneBuffer lower_;
-  ZoneBuffer upper_;
+  BoundRowBuffer lower_;
+  BoundRowBuffer upper_;
 
   std::vector<std::int32_t> source_;
   ZoneBuffer source_zone_;  // a copy: the state may be covered while it is being expanded
@@ -210,8 +210,8 @@ class Explorer {
   ZoneBuffer scratch_;
   std::vector<Atom> goal_atoms_;
   std::vector<Atom> deadlock_atoms_;
-  std::vector<const void*> lower_rows_;
-  std::vector<const void*> upper_rows_;
+  std::vector<ConstBoundRow> lower_rows_;
+  std::vector<ConstBoundRow> upper_rows_;
   const std::vector<std::uint32_t>* current_edges_ = nullptr;
   std::uint32_t current_node_ = no_node;
 

@@ -7,7 +7,7 @@
 namespace tachk {
 
 // Whether some valuation of the zone satisfies the condition; `atoms` are its clock constraints.
-bool Explorer::meets(const Condition& condition, std::int32_t* slots, const void* zone, std::vector<Atom>& atoms) {
+bool Explorer::meets(const Condition& condition, std::int32_t* slots, ConstZoneRef zone, std::vector<Atom>& atoms) {
   if (!semantics_.holds(condition, slots)) return false;
   atoms.clear();
   semantics_.resolve(condition, slots, atoms);
@@ -34,7 +34,7 @@ void Explorer::watch_goals() {
     }
 }
 
-void Explorer::check_goals(std::uint32_t node, std::int32_t* slots, const void* zone) {
+void Explorer::check_goals(std::uint32_t node, std::int32_t* slots, ConstZoneRef zone) {
   if (open_goals_.empty()) return;
   const std::vector<std::uint32_t>* edges = std::exchange(current_edges_, nullptr);
   const std::uint32_t parent = std::exchange(current_node_, node);
@@ -48,7 +48,7 @@ void Explorer::check_goals(std::uint32_t node, std::int32_t* slots, const void* 
   current_actions_ = std::move(actions);
 }
 
-bool Explorer::meets_an_open_goal(std::int32_t* slots, const void* zone) {
+bool Explorer::meets_an_open_goal(std::int32_t* slots, ConstZoneRef zone) {
   if (open_goals_.empty()) return false;
   const auto met = [&](const Watch& watch) {
     return reached_[watch.goal] == no_node && meets(*watch.condition, slots, zone, goal_atoms_);
@@ -66,7 +66,7 @@ bool Explorer::meets_an_open_goal(std::int32_t* slots, const void* zone) {
   return some;
 }
 
-void Explorer::check(const Watch& watch, std::uint32_t node, std::int32_t* slots, const void* zone) {
+void Explorer::check(const Watch& watch, std::uint32_t node, std::int32_t* slots, ConstZoneRef zone) {
   if (reached_[watch.goal] != no_node || !meets(*watch.condition, slots, zone, goal_atoms_)) return;
   settle(watch.goal, node);
 }
@@ -76,7 +76,7 @@ void Explorer::settle(std::size_t goal, std::uint32_t node) {
   if (!options_.shortest || !asks_deadlock_[goal]) std::erase(open_goals_, goal);
 }
 
-void Explorer::begin_deadlock(const void* zone) {
+void Explorer::begin_deadlock(ConstZoneRef zone) {
   candidates_.clear();
   deadlock_open_ = false;
   bool wants_live = false;
@@ -97,7 +97,7 @@ void Explorer::begin_deadlock(const void* zone) {
   deadlocks_.begin(zone, deadlock_atoms_, delay, wants_live);
 }
 
-void Explorer::pass_to_deadlock(const void* guarded, const Effect& effect) {
+void Explorer::pass_to_deadlock(ConstZoneRef guarded, const Effect& effect) {
   if (candidates_.empty() || !deadlocks_.open()) return;
   deadlock_atoms_.clear();
   if (semantics_.weakest_precondition(effect, deadlock_atoms_)) deadlocks_.add(guarded, deadlock_atoms_);

@@ -58,7 +58,7 @@ class PassedList {
   const Node& node(std::uint32_t number) const { return *reinterpret_cast<const Node*>(nodes_[number]); }
   bool covered(std::uint32_t number) const { return node(number).next == covered_mark; }
   // The zone of a node that is not covered.
-  const void* zone(const Node& node) const { return zones_[node.zone]; }
+  ConstZoneRef zone(const Node& node) const { return zones_[node.zone]; }
   void unpack(const Node& node, std::int32_t* slots) { discretes_.unpack(node.discrete, slots); }
   // Whether a node has this discrete state.
   bool equals(const Node& node, const std::int32_t* slots) { return discretes_.equals(node.discrete, slots); }

@@ -13,7 +13,12 @@ ZoneStore::ZoneStore(const ZoneOperations& operations, int dimension, std::vecto
 
 bool ZoneStore::equals(std::uint32_t number, ZoneView zone) const {
   const ZoneView held = view(number);
-  return held.dimension == zone.dimension && std::memcmp(held.data, zone.data, operations(zone.dimension).bytes) == 0;
+  return held.dimension == zone.dimension &&
+         std::memcmp(held.data.bytes, zone.data.bytes, operations(zone.dimension).bytes) == 0;
+}
+
+std::byte* ZoneStore::record(std::uint32_t number) {
+  return smaller_.empty() ? whole_[number] : (*pools_[places_[number].dimension])[places_[number].record];
 }
 
 std::uint32_t ZoneStore::fresh(int dimension) {
@@ -29,11 +34,11 @@ std::uint32_t ZoneStore::fresh(int dimension) {
     pools_[place] = std::make_unique<RecordPool>(operations(dimension).bytes, small_block);
   RecordPool& pool = smaller_.empty() ? whole_ : *pools_[place];
   pool_bytes_ -= pool.bytes();
-  const std::uint32_t record = pool.append();
+  const std::uint32_t appended = pool.append();
   pool_bytes_ += pool.bytes();
   const auto number = static_cast<std::uint32_t>(uses_.size());
   uses_.emplace_back();
-  if (!smaller_.empty()) places_.push_back({static_cast<std::uint32_t>(dimension), record});
+  if (!smaller_.empty()) places_.push_back({static_cast<std::uint32_t>(dimension), appended});
   return number;
 }
 
@@ -46,7 +51,7 @@ std::uint32_t ZoneStore::intern(ZoneView zone) {
   }
   const std::uint32_t number = fresh(zone.dimension);
   uses_[number] = {1, static_cast<std::uint32_t>(hash_value >> 32)};
-  std::memcpy(const_cast<void*>((*this)[number]), zone.data, operations(zone.dimension).bytes);
+  std::memcpy(record(number), zone.data.bytes, operations(zone.dimension).bytes);
   index_.insert(hash_value, number);
   return number;
 }

@@ -12,7 +12,7 @@
 namespace tachk {
 
 struct ZoneView {
-  const void* data;
+  ConstZoneRef data;
   int dimension;
 };
 
@@ -30,10 +30,10 @@ class ZoneStore {
   // One fewer needs the zone. Its memory is used again once nobody does.
   void release(std::uint32_t number);
 
-  const void* operator[](std::uint32_t number) const {
-    if (smaller_.empty()) return whole_[number];
+  ConstZoneRef operator[](std::uint32_t number) const {
+    if (smaller_.empty()) return {whole_[number]};
     const Place place = places_[number];
-    return (*pools_[place.dimension])[place.record];
+    return {(*pools_[place.dimension])[place.record]};
   }
   ZoneView view(std::uint32_t number) const {
     return {(*this)[number], smaller_.empty() ? dimension_ : static_cast<int>(places_[number].dimension)};
@@ -56,6 +56,7 @@ class ZoneStore {
 
   std::uint64_t hash(ZoneView zone) const { return operations(zone.dimension).hash(zone.data, zone.dimension); }
   std::uint32_t fresh(int dimension);
+  std::byte* record(std::uint32_t number);
 
   ZoneOperations operations_;
   int dimension_;

@@ -38,7 +38,7 @@ void ActiveClocks::collect(const std::int32_t* slots) {
       clocks_.push_back(static_cast<std::uint16_t>(64 * word + static_cast<std::size_t>(std::countr_zero(rest))));
 }
 
-ZoneView ActiveClocks::pack(const std::int32_t* slots, const void* zone) {
+ZoneView ActiveClocks::pack(const std::int32_t* slots, ConstZoneRef zone) {
   const int dimension = program_.dimension();
   collect(slots);
   const auto count = static_cast<int>(clocks_.size());
@@ -47,7 +47,7 @@ ZoneView ActiveClocks::pack(const std::int32_t* slots, const void* zone) {
   return {packed_.get(), count};
 }
 
-void ActiveClocks::scatter(const std::int32_t* slots, const void* packed, ZoneBuffer& zone) {
+void ActiveClocks::scatter(const std::int32_t* slots, ConstZoneRef packed, ZoneBuffer& zone) {
   collect(slots);
   const auto count = static_cast<int>(clocks_.size());
   if (count == program_.dimension())

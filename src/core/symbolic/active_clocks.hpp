@@ -19,11 +19,11 @@ class ActiveClocks {
                const std::vector<ZoneOperations>& smaller);
 
   // The part of a zone that matters, until the next call.
-  ZoneView packed(const std::int32_t* slots, const void* zone) {
+  ZoneView packed(const std::int32_t* slots, ConstZoneRef zone) {
     return lengths_.empty() ? ZoneView{zone, program_.dimension()} : pack(slots, zone);
   }
   // The zone, extrapolated as it was, from the part that matters.
-  void unpack(const std::int32_t* slots, const void* packed, ZoneBuffer& zone) {
+  void unpack(const std::int32_t* slots, ConstZoneRef packed, ZoneBuffer& zone) {
     if (lengths_.empty())
       zone.assign(packed);
     else
@@ -31,8 +31,8 @@ class ActiveClocks {
   }
 
  private:
-  ZoneView pack(const std::int32_t* slots, const void* zone);
-  void scatter(const std::int32_t* slots, const void* packed, ZoneBuffer& zone);
+  ZoneView pack(const std::int32_t* slots, ConstZoneRef zone);
+  void scatter(const std::int32_t* slots, ConstZoneRef packed, ZoneBuffer& zone);
   void collect(const std::int32_t* slots);
 
   const Program& program_;

@@ -10,7 +10,7 @@ DeadlockFinder::DeadlockFinder(const ZoneOperations& operations, int dimension)
       dead_(operations, dimension),
       live_(operations, dimension) {}
 
-void DeadlockFinder::begin(const void* zone, const std::vector<Atom>& invariant, Delay delay, bool wants_live) {
+void DeadlockFinder::begin(ConstZoneRef zone, const std::vector<Atom>& invariant, Delay delay, bool wants_live) {
   delay_ = delay;
   invariant_ = invariant;
   dead_.clear();
@@ -21,7 +21,7 @@ void DeadlockFinder::begin(const void* zone, const std::vector<Atom>& invariant,
   if (inhabited) dead_.add(whole_.get());
 }
 
-void DeadlockFinder::add(const void* guarded, const std::vector<Atom>& precondition) {
+void DeadlockFinder::add(ConstZoneRef guarded, const std::vector<Atom>& precondition) {
   possible_.assign(guarded);
   if (!operations_.intersect(possible_.get(), dimension_, precondition.data(), precondition.size()) ||
       !operations_.intersect(possible_.get(), dimension_, invariant_.data(), invariant_.size()))

@@ -25,14 +25,14 @@ class DeadlockFinder {
 
   // Begins with a state. The zone may have been widened beyond its invariant, and is cut back to it: what can happen
   // outside is of no use to a valuation inside. `wants_live`: whether `live` will be asked for.
-  void begin(const void* zone, const std::vector<Atom>& invariant, Delay delay, bool wants_live);
+  void begin(ConstZoneRef zone, const std::vector<Atom>& invariant, Delay delay, bool wants_live);
 
   // False once further actions cannot change the result.
   bool open() const { return wants_live_ || !dead_.empty(); }
 
   // An action that is possible where `guarded`, a part of the zone, satisfies the precondition of the invariant behind
   // it.
-  void add(const void* guarded, const std::vector<Atom>& precondition);
+  void add(ConstZoneRef guarded, const std::vector<Atom>& precondition);
 
   const Federation& dead() const { return dead_; }
   const Federation& live() const { return live_; }

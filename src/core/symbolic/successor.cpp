@@ -80,17 +80,17 @@ void Semantics::resolve(const Condition& condition, std::int32_t* slots, std::ve
   }
 }
 
-const void* Semantics::narrowed(const void* zone, std::size_t level, std::span<const Atom> atoms) {
+ConstZoneRef Semantics::narrowed(ConstZoneRef zone, std::size_t level, std::span<const Atom> atoms) {
   if (atoms.empty()) return zone;
   const int dimension = program_.dimension();
-  if (!operations_.meets_each(zone, dimension, atoms.data(), atoms.size())) return nullptr;
+  if (!operations_.meets_each(zone, dimension, atoms.data(), atoms.size())) return {};
   while (levels_.size() <= level) levels_.emplace_back(operations_);
   levels_[level].assign(zone);
-  return operations_.intersect(levels_[level].get(), dimension, atoms.data(), atoms.size()) ? levels_[level].get()
-                                                                                            : nullptr;
+  const ZoneRef rest = levels_[level].get();
+  return operations_.intersect(rest, dimension, atoms.data(), atoms.size()) ? rest : ConstZoneRef{};
 }
 
-const void* Semantics::guarded(const Edge& edge, std::int32_t* slots, const void* zone, std::size_t level) {
+ConstZoneRef Semantics::guarded(const Edge& edge, std::int32_t* slots, ConstZoneRef zone, std::size_t level) {
   const std::size_t before = action_.guard.size();
   resolve(edge.guard, slots, action_.guard);
   return narrowed(zone, level, std::span(action_.guard).subspan(before));
@@ -101,10 +101,10 @@ std::int32_t Semantics::channel_of(const Edge& edge, std::int32_t* slots) {
                                       : static_cast<std::int32_t>(machine_.value(edge.channel_code, slots));
 }
 
-bool Semantics::names_within(const Edge& edge, std::int32_t channel, std::int32_t* slots, const void* zone,
+bool Semantics::names_within(const Edge& edge, std::int32_t channel, std::int32_t* slots, ConstZoneRef zone,
                              std::size_t level) {
   const std::size_t before = action_.guard.size();
-  const bool open = guarded(edge, slots, zone, level) != nullptr;
+  const bool open = static_cast<bool>(guarded(edge, slots, zone, level));
   action_.guard.resize(before);
   return open && names(edge, channel, slots);
 }

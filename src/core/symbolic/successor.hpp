@@ -42,7 +42,7 @@ class Semantics {
   // call. Receivers are asked only where the guard of a sender holds, channel codes only where that of their edge does
   // (docs/semantics.md, run-time errors). Throws ModelFault.
   template <class Visit>
-  void for_each_action(std::int32_t* slots, const void* zone, Visit&& visit);
+  void for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& visit);
 
   // Runs the updates of an action. False if an integer condition of a target invariant is violated: then the action is
   // not possible. Throws ModelFault.
@@ -118,7 +118,7 @@ class Semantics {
   // Whether a sending edge names an urgent channel in some state.
   bool may_be_urgent(const Edge& edge) const;
   // As `names`, asked only if the guard of the edge holds somewhere in the zone; uses the buffer of this level.
-  bool names_within(const Edge& edge, std::int32_t channel, std::int32_t* slots, const void* zone, std::size_t level);
+  bool names_within(const Edge& edge, std::int32_t channel, std::int32_t* slots, ConstZoneRef zone, std::size_t level);
   // Whether the integer part of an edge's guard holds.
   bool offers(std::uint32_t number, std::int32_t* slots) {
     const IntegerGuard& guard = integer_guards_[number];
@@ -128,14 +128,14 @@ class Semantics {
   }
   template <class Visit>
   void broadcast(std::size_t receiver, std::int32_t channel, bool committed, bool participates, std::int32_t* slots,
-                 const void* zone, std::size_t level, Visit&& visit);
+                 ConstZoneRef zone, std::size_t level, Visit&& visit);
   template <class Visit>
-  void stay_out(const std::vector<std::vector<Atom>>& guards, std::size_t next, const void* zone, std::size_t level,
+  void stay_out(const std::vector<std::vector<Atom>>& guards, std::size_t next, ConstZoneRef zone, std::size_t level,
                 Visit&& visit);
-  // The zone and the atoms, in the buffer of this level unless there is nothing to do; null if that is empty.
-  const void* narrowed(const void* zone, std::size_t level, std::span<const Atom> atoms);
+  // The zone and the atoms, in the buffer of this level unless there is nothing to do; none if that is empty.
+  ConstZoneRef narrowed(ConstZoneRef zone, std::size_t level, std::span<const Atom> atoms);
   // Adds the clock guard of an edge to the action; gives the zone within it as `narrowed` does.
-  const void* guarded(const Edge& edge, std::int32_t* slots, const void* zone, std::size_t level);
+  ConstZoneRef guarded(const Edge& edge, std::int32_t* slots, ConstZoneRef zone, std::size_t level);
 
   const Program& program_;
   ZoneOperations operations_;
@@ -157,7 +157,7 @@ class Semantics {
 // ---- the templates --------------------------------------------------------------------------------------------------
 
 template <class Visit>
-void Semantics::for_each_action(std::int32_t* slots, const void* zone, Visit&& visit) {
+void Semantics::for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& visit) {
   const std::size_t processes = program_.processes.size();
   listeners_.clear();
   bool committed = false;
@@ -173,7 +173,7 @@ void Semantics::for_each_action(std::int32_t* slots, const void* zone, Visit&& v
         if (!offers(number, slots)) continue;
         action_.edges.assign(1, number);
         action_.guard.clear();
-        if (const void* rest = guarded(edge, slots, zone, 0)) visit(std::as_const(action_), rest);
+        if (const ConstZoneRef rest = guarded(edge, slots, zone, 0)) visit(std::as_const(action_), rest);
       }
     }
     for (const std::uint32_t number : out.sends) {
@@ -181,8 +181,8 @@ void Semantics::for_each_action(std::int32_t* slots, const void* zone, Visit&& v
       if (!offers(number, slots)) continue;
       action_.edges.assign(1, number);
       action_.guard.clear();
-      const void* sent = guarded(sender, slots, zone, 0);
-      if (sent == nullptr) continue;
+      const ConstZoneRef sent = guarded(sender, slots, zone, 0);
+      if (!sent) continue;
       const std::int32_t channel = channel_of(sender, slots);
       if (program_.channels[static_cast<std::size_t>(channel)].broadcast) {
         broadcast(0, channel, committed, from_committed, slots, sent, 1, visit);
@@ -197,8 +197,8 @@ void Semantics::for_each_action(std::int32_t* slots, const void* zone, Visit&& v
           action_.edges.resize(1);
           action_.edges.push_back(other);
           action_.guard.resize(sender_atoms);
-          const void* rest = guarded(partner, slots, sent, 1);
-          if (rest != nullptr && names(partner, channel, slots)) visit(std::as_const(action_), rest);
+          const ConstZoneRef rest = guarded(partner, slots, sent, 1);
+          if (rest && names(partner, channel, slots)) visit(std::as_const(action_), rest);
         }
       }
     }
@@ -211,7 +211,7 @@ void Semantics::for_each_action(std::int32_t* slots, const void* zone, Visit&& v
 // committed location.
 template <class Visit>
 void Semantics::broadcast(std::size_t receiver, std::int32_t channel, bool committed, bool participates,
-                          std::int32_t* slots, const void* zone, std::size_t level, Visit&& visit) {
+                          std::int32_t* slots, ConstZoneRef zone, std::size_t level, Visit&& visit) {
   const std::size_t sender = program_.edges[action_.edges.front()].process;
   const std::size_t first = listeners_.size();
   bool must_join = false;  // some listener asks nothing of the clocks
@@ -236,15 +236,15 @@ void Semantics::broadcast(std::size_t receiver, std::int32_t channel, bool commi
   for (std::size_t n = first; n < last; ++n) {
     const std::uint32_t number = listeners_[n];
     action_.edges.push_back(number);
-    const void* rest = guarded(program_.edges[number], slots, zone, level);
+    const ConstZoneRef rest = guarded(program_.edges[number], slots, zone, level);
     if (!must_join)
       guards.emplace_back(action_.guard.begin() + static_cast<std::ptrdiff_t>(atoms), action_.guard.end());
-    if (rest != nullptr) broadcast(receiver, channel, committed, joined, slots, rest, level + 1, visit);
+    if (rest) broadcast(receiver, channel, committed, joined, slots, rest, level + 1, visit);
     action_.edges.pop_back();
     action_.guard.resize(atoms);
   }
   if (!must_join)
-    stay_out(guards, 0, zone, level, [&](const void* rest, std::size_t next_level) {
+    stay_out(guards, 0, zone, level, [&](ConstZoneRef rest, std::size_t next_level) {
       broadcast(receiver, channel, committed, participates, slots, rest, next_level, visit);
     });
   listeners_.resize(first);
@@ -253,21 +253,22 @@ void Semantics::broadcast(std::size_t receiver, std::int32_t channel, bool commi
 // Calls visit(rest, level) for each of the disjoint parts of the zone that together make up where none of the guards
 // holds.
 template <class Visit>
-void Semantics::stay_out(const std::vector<std::vector<Atom>>& guards, std::size_t next, const void* zone,
+void Semantics::stay_out(const std::vector<std::vector<Atom>>& guards, std::size_t next, ConstZoneRef zone,
                          std::size_t level, Visit&& visit) {
   if (next == guards.size()) {
     visit(zone, level);
     return;
   }
   const std::size_t atoms = action_.guard.size();
-  const void* inside = zone;  // where the atoms before the current one hold
+  ConstZoneRef inside = zone;  // where the atoms before the current one hold
   for (const Atom& atom : guards[next]) {
     const Atom outside = negated(atom);
     action_.guard.push_back(outside);
-    if (const void* rest = narrowed(inside, level, {&outside, 1})) stay_out(guards, next + 1, rest, level + 1, visit);
+    if (const ConstZoneRef rest = narrowed(inside, level, {&outside, 1}))
+      stay_out(guards, next + 1, rest, level + 1, visit);
     action_.guard.back() = atom;
     inside = narrowed(inside, level, {&atom, 1});
-    if (inside == nullptr) break;
+    if (!inside) break;
     ++level;
   }
   action_.guard.resize(atoms);

@@ -7,7 +7,7 @@
 namespace tachk {
 
 ExtentScale choose_scale(const ZoneOperations& operations, int dimension, Raw largest_entry) {
-  const std::int64_t width = static_cast<std::int64_t>(operations.bytes) / operations.stride / dimension;
+  const std::int64_t width = static_cast<std::int64_t>(operations.row_bytes) / operations.stride;
   const std::int64_t rows = (dimension + 7) / 8;
   ExtentScale scale{largest_entry, 0, 0};
   const auto largest = [&] { return std::int64_t{scale.limit >> scale.entry_shift} + 1; };

@@ -4,7 +4,7 @@
 
 namespace tachk {
 
-void Federation::add(const void* zone) {
+void Federation::add(ConstZoneRef zone) {
   if (count_ == zones_.size()) zones_.emplace_back(operations_);
   zones_[count_++].assign(zone);
 }

@@ -16,9 +16,9 @@ class Federation {
   void clear() { count_ = 0; }
   bool empty() const { return count_ == 0; }
   std::size_t size() const { return count_; }
-  const void* operator[](std::size_t number) const { return zones_[number].get(); }
+  ConstZoneRef operator[](std::size_t number) const { return zones_[number].get(); }
 
-  void add(const void* zone);
+  void add(ConstZoneRef zone);
   // Keeps what lies outside the conjunction of the atoms, as disjoint zones if those before were.
   void subtract(const std::vector<Atom>& atoms);
 

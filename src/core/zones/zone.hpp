@@ -11,58 +11,61 @@
 
 #include "zones/bound.hpp"
 #include "zones/extent.hpp"
+#include "zones/zone_ref.hpp"
 
 namespace tachk {
 
 struct ZoneOperations {
   const char* name;
-  int stride;            // entries in a row
-  int lanes;             // entries in a vector
-  std::size_t bytes;     // of a whole zone
+  int stride;         // entries in a row
+  int lanes;          // entries in a vector
+  std::size_t bytes;  // of a whole zone
+  std::size_t row_bytes;
   Raw largest_constant;  // that may occur in an atom, a reset or a bound
   Raw legal;             // all finite entries lie below this and above its negation
 
   // All clocks are zero.
-  void (*make_zero)(void* zone, int dimension);
+  void (*make_zero)(ZoneRef zone, int dimension);
   // The zone and the atoms; false, and an unusable zone, if that is empty.
-  bool (*intersect)(void* zone, int dimension, const Atom* atoms, std::size_t count);
+  bool (*intersect)(ZoneRef zone, int dimension, const Atom* atoms, std::size_t count);
   // Whether each atom by itself leaves something of the zone; cheap, and necessary for `intersect`.
-  bool (*meets_each)(const void* zone, int dimension, const Atom* atoms, std::size_t count);
+  bool (*meets_each)(ConstZoneRef zone, int dimension, const Atom* atoms, std::size_t count);
   // Assigns constants to clocks, in order.
-  void (*reset)(void* zone, int dimension, const ClockReset* resets, std::size_t count);
+  void (*reset)(ZoneRef zone, int dimension, const ClockReset* resets, std::size_t count);
   // All clocks run for any time, except where `stopped` (may be null) is nonzero. With stopped clocks the result is the
   // smallest zone that contains the reached valuations.
-  void (*up)(void* zone, int dimension, const std::uint8_t* stopped);
+  void (*up)(ZoneRef zone, int dimension, const std::uint8_t* stopped);
   // `up` within the atoms, which must hold of some valuation of the zone: what `up` and then `intersect` give.
-  void (*up_within)(void* zone, int dimension, const std::uint8_t* stopped, const Atom* atoms, std::size_t count);
+  void (*up_within)(ZoneRef zone, int dimension, const std::uint8_t* stopped, const Atom* atoms, std::size_t count);
   // All valuations from which the zone is reached by letting time pass.
-  void (*down)(void* zone, int dimension);
+  void (*down)(ZoneRef zone, int dimension);
   // Whether `outer` contains `inner`.
-  bool (*includes)(const void* outer, const void* inner, int dimension);
+  bool (*includes)(ConstZoneRef outer, ConstZoneRef inner, int dimension);
   // Extra+LU (Behrmann, Bouyer, Larsen, Pelanek 2006, definition 7), closed again. `lower[i]` and `upper[i]` hold
   // L(x_i) and U(x_i), -1 for minus infinity, in the entry type of the zone; `stride` entries, entry 0 and the padding
   // are `no_bound`.
-  void (*extrapolate_lu_plus)(void* zone, int dimension, const void* lower, const void* upper);
+  void (*extrapolate_lu_plus)(ZoneRef zone, int dimension, ConstBoundRow lower, ConstBoundRow upper);
   // Extra_M of the same paper with M(x_i) in `bound[i]`, closed again.
-  void (*extrapolate_max)(void* zone, int dimension, const void* bound);
+  void (*extrapolate_max)(ZoneRef zone, int dimension, ConstBoundRow bound);
   // target[i] = the largest rows[k][i] over all rows of bounds; count > 0.
-  void (*maximise_bounds)(void* target, const void* const* rows, std::size_t count, int dimension);
-  std::uint64_t (*hash)(const void* zone, int dimension);
+  void (*maximise_bounds)(BoundRow target, const ConstBoundRow* rows, std::size_t count, int dimension);
+  std::uint64_t (*hash)(ConstZoneRef zone, int dimension);
   // The largest absolute value of a finite entry.
-  Raw (*largest_entry)(const void* zone, int dimension);
-  Extent (*extent)(const void* zone, int dimension, const ExtentScale& scale);
+  Raw (*largest_entry)(ConstZoneRef zone, int dimension);
+  Extent (*extent)(ConstZoneRef zone, int dimension, const ExtentScale& scale);
   // Reads entry (i, j); infinity is reported as `unbounded_entry`.
-  Raw (*entry)(const void* zone, int dimension, int i, int j);
+  Raw (*entry)(ConstZoneRef zone, int dimension, int i, int j);
   // The part of a zone that `count` clocks, in ascending order and 0 first, have in common, as a zone of that
   // dimension.
-  void (*gather)(void* target, const void* zone, int dimension, const std::uint16_t* clocks, int count, int length);
+  void (*gather)(ZoneRef target, ConstZoneRef zone, int dimension, const std::uint16_t* clocks, int count, int length);
   // The largest zone with this part.
-  void (*scatter)(void* target, const void* part, int dimension, const std::uint16_t* clocks, int count, int length);
+  void (*scatter)(ZoneRef target, ConstZoneRef part, int dimension, const std::uint16_t* clocks, int count, int length);
   // Writes one value into a row of bounds.
-  void (*set_bound)(void* row, int clock, Raw value);
+  void (*set_bound)(BoundRow row, int clock, Raw value);
 };
 
-inline constexpr Raw no_bound = 4095;  // larger than any lower bound that can be asked of clock 0 or the padding
+inline constexpr Raw not_compared = -1;  // the bound of a clock that nothing compares: minus infinity
+inline constexpr Raw no_bound = 4095;    // larger than any lower bound that can be asked of clock 0 or the padding
 
 inline constexpr Raw unbounded_entry = INT64_MAX;
 

@@ -45,10 +45,12 @@ struct Kernel {
   }
   static int vectors(int dimension) { return stride(dimension) / lanes; }
 
-  static T* row(void* zone, int dimension, int i) { return static_cast<T*>(zone) + i * stride(dimension); }
-  static const T* row(const void* zone, int dimension, int i) {
-    return static_cast<const T*>(zone) + i * stride(dimension);
+  static T* row(ZoneRef zone, int dimension, int i) { return reinterpret_cast<T*>(zone.bytes) + i * stride(dimension); }
+  static const T* row(ConstZoneRef zone, int dimension, int i) {
+    return reinterpret_cast<const T*>(zone.bytes) + i * stride(dimension);
   }
+  static T* values(BoundRow bounds) { return reinterpret_cast<T*>(bounds.bytes); }
+  static const T* values(ConstBoundRow bounds) { return reinterpret_cast<const T*>(bounds.bytes); }
   static Vector& vector(T* row, int v) { return reinterpret_cast<Vector*>(row)[v]; }
   static const Vector& vector(const T* row, int v) { return reinterpret_cast<const Vector*>(row)[v]; }
 
@@ -77,13 +79,13 @@ struct Kernel {
   static Vector prepared_weak(Vector r) { return r == all(infinity) ? all(Limits::beyond) : r - 1; }
   static Vector prepared_strict(Vector r) { return r == all(infinity) ? all(Limits::beyond) : r - (r & 1); }
 
-  static void make_zero(void* zone, int dimension) {
+  static void make_zero(ZoneRef zone, int dimension) {
     for (int i = 0; i < dimension; ++i)
       for (int j = 0; j < stride(dimension); ++j) row(zone, dimension, i)[j] = j < dimension ? zero : infinity;
   }
 
   // Adds x_i - x_j ~ bound to a canonical zone; false if that empties it. O(n^2).
-  static bool tighten(void* zone, int dimension, int i, int j, T bound) {
+  static bool tighten(ZoneRef zone, int dimension, int i, int j, T bound) {
     if (bound >= row(zone, dimension, i)[j]) return true;
     if (add(bound, row(zone, dimension, j)[i]) < zero) return false;
     constexpr int fixed = Stride == 0 ? 1 : Stride / lanes;
@@ -126,13 +128,13 @@ struct Kernel {
     return true;
   }
 
-  static bool intersect(void* zone, int dimension, const Atom* atoms, std::size_t count) {
+  static bool intersect(ZoneRef zone, int dimension, const Atom* atoms, std::size_t count) {
     for (std::size_t a = 0; a < count; ++a)
       if (!tighten(zone, dimension, atoms[a].left, atoms[a].right, static_cast<T>(atoms[a].raw))) return false;
     return true;
   }
 
-  static void reset(void* zone, int dimension, const ClockReset* resets, std::size_t count) {
+  static void reset(ZoneRef zone, int dimension, const ClockReset* resets, std::size_t count) {
     for (std::size_t n = 0; n < count; ++n) {
       const int clock = resets[n].clock;
       const T up = static_cast<T>(raw_bound(resets[n].value, false));
@@ -153,7 +155,7 @@ struct Kernel {
     }
   }
 
-  static void up(void* zone, int dimension, const std::uint8_t* stopped) {
+  static void up(ZoneRef zone, int dimension, const std::uint8_t* stopped) {
     const int number = vectors(dimension);
     for (int v = 0; v < number; ++v) {
       const Vector lane = lane_numbers(v);
@@ -172,7 +174,8 @@ struct Kernel {
   // Upper bounds x_i <= b, the usual invariants, are added all at once: after `up` no other way leads to 0 than through
   // one of them, so the new distance of r to 0 is the smallest of D[r][i] + b, and one pass over the rows closes the
   // matrix again.
-  static void up_within(void* zone, int dimension, const std::uint8_t* stopped, const Atom* atoms, std::size_t count) {
+  static void up_within(ZoneRef zone, int dimension, const std::uint8_t* stopped, const Atom* atoms,
+                        std::size_t count) {
     up(zone, dimension, stopped);
     bool simple = stopped == nullptr && Stride != 0;
     for (std::size_t a = 0; a < count; ++a) simple &= atoms[a].right == 0;
@@ -203,7 +206,7 @@ struct Kernel {
     }
   }
 
-  static void down(void* zone, int dimension) {
+  static void down(ZoneRef zone, int dimension) {
     // x_0 - x_j: the least value of x_j is lowered to 0, but not below what the differences to other clocks ask for.
     T* first = row(zone, dimension, 0);
     for (int j = 1; j < dimension; ++j) {
@@ -216,7 +219,7 @@ struct Kernel {
     }
   }
 
-  static bool includes(const void* outer, const void* inner, int dimension) {
+  static bool includes(ConstZoneRef outer, ConstZoneRef inner, int dimension) {
     const int number = vectors(dimension);
     for (int i = 0; i < dimension; ++i) {
       const T* row_outer = row(outer, dimension, i);
@@ -230,7 +233,7 @@ struct Kernel {
 
   // Floyd-Warshall; the zone must not be empty. `relevant(k)` is false for a clock that no shorter way leads through.
   template <class Relevant>
-  static void close(void* zone, int dimension, Relevant relevant) {
+  static void close(ZoneRef zone, int dimension, Relevant relevant) {
     const int number = vectors(dimension);
     for (int k = 0; k < dimension; ++k) {
       if (!relevant(k)) continue;
@@ -265,9 +268,9 @@ struct Kernel {
     }
   }
 
-  static void extrapolate_lu_plus(void* zone, int dimension, const void* lower, const void* upper) {
-    const T* lower_bounds = static_cast<const T*>(lower);
-    const T* upper_bounds = static_cast<const T*>(upper);
+  static void extrapolate_lu_plus(ZoneRef zone, int dimension, ConstBoundRow lower, ConstBoundRow upper) {
+    const T* lower_bounds = values(lower);
+    const T* upper_bounds = values(upper);
     const int number = vectors(dimension);
     T* first = row(zone, dimension, 0);
     bool changed = false;
@@ -302,8 +305,8 @@ struct Kernel {
     close(zone, dimension, [freed_rows](int k) { return k >= 64 || (freed_rows >> k & 1) == 0; });
   }
 
-  static void extrapolate_max(void* zone, int dimension, const void* bound) {
-    const T* bounds = static_cast<const T*>(bound);
+  static void extrapolate_max(ZoneRef zone, int dimension, ConstBoundRow bound) {
+    const T* bounds = values(bound);
     const int number = vectors(dimension);
     bool changed = false;
     for (int i = 0; i < dimension; ++i) {
@@ -324,13 +327,13 @@ struct Kernel {
     if (changed) close(zone, dimension, [](int) { return true; });
   }
 
-  static bool meets_each(const void* zone, int dimension, const Atom* atoms, std::size_t count) {
+  static bool meets_each(ConstZoneRef zone, int dimension, const Atom* atoms, std::size_t count) {
     for (std::size_t a = 0; a < count; ++a)
       if (add(static_cast<T>(atoms[a].raw), row(zone, dimension, atoms[a].right)[atoms[a].left]) < zero) return false;
     return true;
   }
 
-  static Raw largest_entry(const void* zone, int dimension) {
+  static Raw largest_entry(ConstZoneRef zone, int dimension) {
     const int number = vectors(dimension);
     Vector largest{};
     for (int i = 0; i < dimension; ++i)
@@ -343,7 +346,7 @@ struct Kernel {
     return result;
   }
 
-  static Extent extent(const void* zone, int dimension, const ExtentScale& scale) {
+  static Extent extent(ConstZoneRef zone, int dimension, const ExtentScale& scale) {
     const int number = vectors(dimension);
     const auto limit = static_cast<T>(scale.limit);
     std::int64_t columns[8]{};
@@ -365,17 +368,17 @@ struct Kernel {
     return result;
   }
 
-  static void gather(void* target, const void* zone, int dimension, const std::uint16_t* clocks, int count,
+  static void gather(ZoneRef target, ConstZoneRef zone, int dimension, const std::uint16_t* clocks, int count,
                      int length) {
     for (int i = 0; i < count; ++i) {
       const T* from = row(zone, dimension, clocks[i]);
-      T* to = static_cast<T*>(target) + i * length;
+      T* to = reinterpret_cast<T*>(target.bytes) + i * length;
       for (int j = 0; j < count; ++j) to[j] = from[clocks[j]];
       for (int j = count; j < length; ++j) to[j] = infinity;
     }
   }
 
-  static void scatter(void* target, const void* part, int dimension, const std::uint16_t* clocks, int count,
+  static void scatter(ZoneRef target, ConstZoneRef part, int dimension, const std::uint16_t* clocks, int count,
                       int length) {
     for (int i = 0, next = 0; i < dimension; ++i) {
       T* to = row(target, dimension, i);
@@ -384,7 +387,7 @@ struct Kernel {
         to[i] = zero;
         continue;
       }
-      const T* from = static_cast<const T*>(part) + next * length;
+      const T* from = reinterpret_cast<const T*>(part.bytes) + next * length;
       ++next;
       for (int j = 0; j < dimension; ++j) to[j] = from[0];
       for (int j = dimension; j < stride(dimension); ++j) to[j] = infinity;
@@ -392,9 +395,9 @@ struct Kernel {
     }
   }
 
-  static std::uint64_t hash(const void* zone, int dimension) {
+  static std::uint64_t hash(ConstZoneRef zone, int dimension) {
     const int number = vectors(dimension) * dimension;
-    const Words* words = static_cast<const Words*>(zone);
+    const Words* words = reinterpret_cast<const Words*>(zone.bytes);
     Words sum;
     if constexpr (vector_bytes == 32)
       sum = Words{0x9E3779B97F4A7C15u, 0xC2B2AE3D27D4EB4Fu, 0x165667B19E3779F9u, 0x27D4EB2F165667C5u};
@@ -422,7 +425,8 @@ struct Table {
     table.name = name;
     table.stride = K::stride(dimension);
     table.lanes = K::lanes;
-    table.bytes = static_cast<std::size_t>(table.stride) * static_cast<std::size_t>(dimension) * sizeof(T);
+    table.row_bytes = static_cast<std::size_t>(table.stride) * sizeof(T);
+    table.bytes = static_cast<std::size_t>(dimension) * table.row_bytes;
     table.largest_constant = BoundLimits<T>::largest_constant;
     table.legal = BoundLimits<T>::legal;
     table.make_zero = K::make_zero;
@@ -435,12 +439,11 @@ struct Table {
     table.includes = K::includes;
     table.extrapolate_lu_plus = K::extrapolate_lu_plus;
     table.extrapolate_max = K::extrapolate_max;
-    table.maximise_bounds = [](void* target, const void* const* rows, std::size_t count, int dim) {
+    table.maximise_bounds = [](BoundRow target, const ConstBoundRow* rows, std::size_t count, int dim) {
       for (int v = 0; v < K::vectors(dim); ++v) {
-        auto largest = K::vector(static_cast<const T*>(rows[0]), v);
-        for (std::size_t k = 1; k < count; ++k)
-          largest = K::maximum(largest, K::vector(static_cast<const T*>(rows[k]), v));
-        K::vector(static_cast<T*>(target), v) = largest;
+        auto largest = K::vector(K::values(rows[0]), v);
+        for (std::size_t k = 1; k < count; ++k) largest = K::maximum(largest, K::vector(K::values(rows[k]), v));
+        K::vector(K::values(target), v) = largest;
       }
     };
     table.hash = K::hash;
@@ -448,11 +451,11 @@ struct Table {
     table.scatter = K::scatter;
     table.largest_entry = K::largest_entry;
     table.extent = K::extent;
-    table.entry = [](const void* zone, int dim, int i, int j) -> Raw {
+    table.entry = [](ConstZoneRef zone, int dim, int i, int j) -> Raw {
       const T value = K::row(zone, dim, i)[j];
       return value == K::infinity ? unbounded_entry : Raw{value};
     };
-    table.set_bound = [](void* row, int clock, Raw value) { static_cast<T*>(row)[clock] = static_cast<T>(value); };
+    table.set_bound = [](BoundRow row, int clock, Raw value) { K::values(row)[clock] = static_cast<T>(value); };
     return table;
   }
 };

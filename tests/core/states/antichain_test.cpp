@@ -86,20 +86,9 @@ void test_extents(int components, int range, std::uint32_t steps) {
   CHECK(numbers(antichain) == std::set<std::uint32_t>{7});
 }
 
-struct Zone {
-  std::byte* data;
-
-  explicit Zone(const ZoneOperations& operations) : data(new (std::align_val_t{64}) std::byte[operations.bytes]) {}
-  Zone(const Zone&) = delete;
-  Zone& operator=(const Zone&) = delete;
-  ~Zone() { ::operator delete[](data, std::align_val_t{64}); }
-};
-
 // A box of about the same size as the others, mostly, somewhere within a range that grows, cut off along a diagonal.
-void draw(Random& random, const ZoneOperations& operations, int dimension, int range, void* zone) {
-  const Zone bounds(operations);
-  for (int clock = 0; clock < operations.stride; ++clock)
-    operations.set_bound(bounds.data, clock, clock == 0 || clock >= dimension ? no_bound : -1);
+void draw(Random& random, const ZoneOperations& operations, int dimension, int range, ZoneRef zone) {
+  const BoundRowBuffer bounds(operations, dimension);
   std::vector<Atom> atoms;
   int size = range / (random.below(20) == 0 ? 1 : 4);
   for (int clock = 1; clock < dimension; ++clock) {
@@ -114,7 +103,7 @@ void draw(Random& random, const ZoneOperations& operations, int dimension, int r
   do {
     operations.make_zero(zone, dimension);
     operations.up(zone, dimension, nullptr);
-    operations.extrapolate_lu_plus(zone, dimension, bounds.data, bounds.data);
+    operations.extrapolate_lu_plus(zone, dimension, bounds.get(), bounds.get());
     if (operations.intersect(zone, dimension, atoms.data(), atoms.size())) return;
     atoms.pop_back();
   } while (true);
@@ -138,41 +127,41 @@ void test_zones(int dimension, Width width, int range, std::uint32_t steps, bool
   std::vector<Member> plain;
   std::size_t longest = 0;
   int removals = 0;
-  const auto includes = [&](const void* outer, const void* inner) {
+  const auto includes = [&](ConstZoneRef outer, ConstZoneRef inner) {
     return subsumption ? operations.includes(outer, inner, dimension)
-                       : std::memcmp(outer, inner, operations.bytes) == 0;
+                       : std::memcmp(outer.bytes, inner.bytes, operations.bytes) == 0;
   };
-  const Zone zone(operations);
+  ZoneBuffer zone(operations);
   for (std::uint32_t step = 0; step < steps; ++step) {
     const int reach = 4 + static_cast<int>(static_cast<std::uint32_t>(range) * step / steps);
-    draw(random, operations, dimension, reach, zone.data);
+    draw(random, operations, dimension, reach, zone.get());
     if (!plain.empty() && random.below(4) == 0) {
       // One that is likely to contain a stored zone, or to be contained.
       const int place = random.below(static_cast<int>(plain.size()));
-      std::memcpy(zone.data, plain[static_cast<std::size_t>(place)].zone.get(), operations.bytes);
+      zone.assign(plain[static_cast<std::size_t>(place)].zone.get());
       const auto clock = static_cast<std::uint16_t>(1 + random.below(dimension - 1));
       const Atom atom{0, clock, raw_bound(-random.below(reach), false)};
       if (random.below(2) == 0)
-        operations.up(zone.data, dimension, nullptr);
-      else if (operations.meets_each(zone.data, dimension, &atom, 1))
-        CHECK(operations.intersect(zone.data, dimension, &atom, 1));
+        operations.up(zone.get(), dimension, nullptr);
+      else if (operations.meets_each(zone.get(), dimension, &atom, 1))
+        CHECK(operations.intersect(zone.get(), dimension, &atom, 1));
     }
     const bool covered = std::any_of(plain.begin(), plain.end(),
-                                     [&](const Member& member) { return includes(member.zone.get(), zone.data); });
-    if (subsumption) CHECK(passed.covers(discrete, {zone.data, dimension}) == covered);
-    const std::uint32_t fresh = passed.add(discrete, {zone.data, dimension}, no_node, subsumption);
+                                     [&](const Member& member) { return includes(member.zone.get(), zone.get()); });
+    if (subsumption) CHECK(passed.covers(discrete, {zone.get(), dimension}) == covered);
+    const std::uint32_t fresh = passed.add(discrete, {zone.get(), dimension}, no_node, subsumption);
     CHECK((fresh == no_node) == covered);
     if (covered) continue;
     std::erase_if(plain, [&](const Member& member) {
-      const bool smaller = includes(zone.data, member.zone.get());
+      const bool smaller = includes(zone.get(), member.zone.get());
       CHECK(passed.covered(member.number) == smaller);
       if (!smaller)
-        CHECK(std::memcmp(passed.zone(passed.node(member.number)), member.zone.get(), operations.bytes) == 0);
+        CHECK(std::memcmp(passed.zone(passed.node(member.number)).bytes, member.zone.get().bytes, operations.bytes) ==
+              0);
       if (smaller) ++removals;
       return smaller;
     });
-    plain.push_back({fresh, ZoneBuffer(operations)});
-    plain.back().zone.assign(zone.data);
+    plain.push_back({fresh, zone});
     longest = std::max(longest, plain.size());
     CHECK(passed.stored() == plain.size());
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "check.hpp"
+#include "zones/zone_buffer.hpp"
 
 namespace {
 
@@ -112,18 +113,18 @@ struct Matrix {
 struct Zone {
   ZoneOperations ops;
   int n;
-  std::byte* data;
+  tachk::ZoneRef data;
 
   Zone(const ZoneOperations& operations, int dimension)
-      : ops(operations), n(dimension), data(new (std::align_val_t{64}) std::byte[operations.bytes]) {
+      : ops(operations), n(dimension), data{new (std::align_val_t{64}) std::byte[operations.bytes]} {
     ops.make_zero(data, n);
   }
-  Zone(const Zone& other) : Zone(other.ops, other.n) { std::copy_n(other.data, ops.bytes, data); }
+  Zone(const Zone& other) : Zone(other.ops, other.n) { std::copy_n(other.data.bytes, ops.bytes, data.bytes); }
   Zone& operator=(const Zone& other) {
-    std::copy_n(other.data, ops.bytes, data);
+    std::copy_n(other.data.bytes, ops.bytes, data.bytes);
     return *this;
   }
-  ~Zone() { ::operator delete[](data, std::align_val_t{64}); }
+  ~Zone() { ::operator delete[](data.bytes, std::align_val_t{64}); }
 
   bool equals(const Matrix& m) const {
     for (int i = 0; i < n; ++i)
@@ -135,24 +136,11 @@ struct Zone {
   }
 };
 
-std::vector<std::byte> bound_row(const ZoneOperations& ops, int n, const std::vector<Raw>& bounds) {
-  std::vector<std::byte> row(ops.bytes / static_cast<std::size_t>(n) + 64);
-  for (int c = 0; c < ops.stride; ++c)
-    ops.set_bound(row.data(), c, c == 0 || c >= n ? tachk::no_bound : bounds[static_cast<std::size_t>(c)]);
+tachk::BoundRowBuffer bound_row(const ZoneOperations& ops, int n, const std::vector<Raw>& bounds) {
+  tachk::BoundRowBuffer row(ops, n);
+  for (int c = 1; c < n; ++c) ops.set_bound(row.get(), c, bounds[static_cast<std::size_t>(c)]);
   return row;
 }
-
-struct AlignedRow {
-  std::byte* data;
-  AlignedRow(const ZoneOperations& ops, int n, const std::vector<Raw>& bounds)
-      : data(new (std::align_val_t{64}) std::byte[ops.bytes]) {
-    const auto row = bound_row(ops, n, bounds);
-    std::copy_n(row.begin(), ops.bytes / static_cast<std::size_t>(n), data);
-  }
-  AlignedRow(const AlignedRow&) = delete;
-  AlignedRow& operator=(const AlignedRow&) = delete;
-  ~AlignedRow() { ::operator delete[](data, std::align_val_t{64}); }
-};
 
 // A part of the clocks has their entries; the zone with this part has no others but those that follow.
 void check_parts(const Zone& zone, tachk::Width width, bool vector, std::uint32_t chosen) {
@@ -249,7 +237,7 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
         ops.up(zone.data, n, some ? stopped.data() : nullptr);
         ops.intersect(zone.data, n, invariant.data(), invariant.size());
         ops.up_within(within.data, n, some ? stopped.data() : nullptr, invariant.data(), invariant.size());
-        CHECK(std::equal(zone.data, zone.data + ops.bytes, within.data));
+        CHECK(std::equal(zone.data.bytes, zone.data.bytes + ops.bytes, within.data.bytes));
         matrix.up(stopped);
         matrix.intersect(invariant);
         break;
@@ -267,18 +255,18 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
           lower[c] = below(constant + 2) - 1;
           upper[c] = below(constant + 2) - 1;
         }
-        const AlignedRow l(ops, n, lower);
-        const AlignedRow u(ops, n, upper);
-        ops.extrapolate_lu_plus(zone.data, n, l.data, u.data);
+        const tachk::BoundRowBuffer l = bound_row(ops, n, lower);
+        const tachk::BoundRowBuffer u = bound_row(ops, n, upper);
+        ops.extrapolate_lu_plus(zone.data, n, l.get(), u.get());
         matrix.extrapolate_lu_plus(lower, upper);
         break;
       }
       case 6: {
         std::vector<Raw> bound(static_cast<std::size_t>(n), static_cast<Raw>(below(constant + 1)));
         for (std::size_t c = 1; c < static_cast<std::size_t>(n); ++c) bound[c] = below(constant + 2) - 1;
-        const AlignedRow b(ops, n, bound);
+        const tachk::BoundRowBuffer b = bound_row(ops, n, bound);
         const Zone before(zone);
-        ops.extrapolate_max(zone.data, n, b.data);
+        ops.extrapolate_max(zone.data, n, b.get());
         matrix.extrapolate_max(bound);
         CHECK(ops.includes(zone.data, before.data, n));
         break;
@@ -299,13 +287,13 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
     const bool same = zone.equals(other_matrix);
     if (same) CHECK(ops.hash(zone.data, n) == ops.hash(other_zone.data, n));
     if (same) CHECK(extent == other_extent);
-    CHECK(same == std::equal(zone.data, zone.data + ops.bytes, other_zone.data));
+    CHECK(same == std::equal(zone.data.bytes, zone.data.bytes + ops.bytes, other_zone.data.bytes));
     check_parts(zone, width, vector, static_cast<std::uint32_t>(random()));
     // Keeps the constants within what extrapolation would guarantee in a search.
     if (step % 6 == 5) {
       const std::vector<Raw> bound(static_cast<std::size_t>(n), constant);
-      const AlignedRow b(ops, n, bound);
-      ops.extrapolate_lu_plus(zone.data, n, b.data, b.data);
+      const tachk::BoundRowBuffer b = bound_row(ops, n, bound);
+      ops.extrapolate_lu_plus(zone.data, n, b.get(), b.get());
       matrix.extrapolate_lu_plus(bound, bound);
       CHECK(zone.equals(matrix));
     }
