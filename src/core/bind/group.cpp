@@ -287,6 +287,16 @@ void bind_group(nb::module_& m) {
   m.def("count_times", &count_times, nb::arg("times"), nb::arg("usual"), nb::arg("ticks"),
         "Writes the ticks from the first on: (the first, decimals, fault, row of the fault).");
   m.def(
+      "count_as",
+      [](const Times& times, int decimals, std::int64_t first, std::int64_t factor, const WrittenTicks& ticks) {
+        if (ticks.shape(0) != times.shape(0)) throw std::invalid_argument("every time has a tick");
+        if (times.shape(0) == 0) return true;
+        return tachk::counted_as({times.data(), times.shape(0)}, times.data()[0], decimals, first, factor,
+                                 ticks.data());
+      },
+      nb::arg("times"), nb::arg("decimals"), nb::arg("first"), nb::arg("factor"), nb::arg("ticks"),
+      "Writes ticks of times that are whole in units of 10^-decimals; false if they are not, or decrease.");
+  m.def(
       "first_backwards",
       [](const TickArray& times) -> std::optional<std::size_t> {
         const std::size_t row = tachk::first_backwards(times.data(), times.shape(0));

@@ -48,7 +48,7 @@ tachk::MonitorProgram monitor_program_from(nb::handle program) {
   return result;
 }
 
-SampleView::SampleView(const TickArray& ticks, const nb::sequence& columns) {
+SampleView::SampleView(const std::int64_t* ticks, std::size_t count, const nb::sequence& columns) {
   using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
   using Bytes = nb::ndarray<const std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
   using Flags = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
@@ -70,7 +70,7 @@ SampleView::SampleView(const TickArray& ticks, const nb::sequence& columns) {
     } else {
       throw std::invalid_argument("a column is a contiguous array of float64, uint8 or bool");
     }
-    if (length != ticks.shape(0)) throw std::invalid_argument("every column has a value for every time");
+    if (length != count) throw std::invalid_argument("every column has a value for every time");
   }
-  samples_ = {ticks.data(), columns_.data(), ticks.shape(0)};
+  samples_ = {ticks, columns_.data(), count};
 }

@@ -18,7 +18,9 @@ tachk::MonitorProgram monitor_program_from(nanobind::handle program);
 // Samples of ticks and columns (float64, uint8 or bool; contiguous) without copying; the arrays must outlive them.
 class NB_HIDDEN SampleView {
  public:
-  SampleView(const TickArray& ticks, const nanobind::sequence& columns);
+  SampleView(const TickArray& ticks, const nanobind::sequence& columns)
+      : SampleView(ticks.data(), ticks.shape(0), columns) {}
+  SampleView(const std::int64_t* ticks, std::size_t count, const nanobind::sequence& columns);
   const tachk::Samples& samples() const { return samples_; }
 
  private:

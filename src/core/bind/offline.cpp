@@ -46,6 +46,11 @@ void bind_values_of(nb::module_& m, const char* name, const char* description) {
            nb::arg("signals"))
       .def("push", &push_samples<Monitor>, nb::arg("times"), nb::arg("columns"),
            "Takes samples: ticks that do not decrease, and the columns.")
+      .def(
+          "push_counted", &push_counted<Monitor>, nb::arg("times"), nb::arg("before"), nb::arg("decimals"),
+          nb::arg("first"), nb::arg("factor"), nb::arg("columns"), nb::arg("finite"), nb::arg("all"),
+          "Takes samples at floating-point times; whether these are whole in so many decimals and do not decrease, and "
+          "the last columns are finite.")
       .def("finish", &Monitor::finish, nb::arg("end"), nb::call_guard<nb::gil_scoped_release>(),
            "The trace ends at this tick.")
       .def("lasting", &Monitor::lasting, "The value at the beginning if all values stay for ever.")

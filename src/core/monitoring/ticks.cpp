@@ -198,6 +198,21 @@ bool scaled(const std::int64_t* times, std::size_t count, std::int64_t factor, s
   return loops().scale(times, count, factor, start, ticks);
 }
 
+bool counted_as(std::span<const double> times, double before, int decimals, std::int64_t first, std::int64_t factor,
+                std::int64_t* ticks) {
+  if (decimals < 0 || decimals > most_exact_decimals) return false;
+  const double power = powers[static_cast<std::size_t>(decimals)];
+  // Of times that rise.
+  const double largest = std::max(std::fabs(times.front()), std::fabs(times.back()));
+  if (!(largest * power < exact_below)) return false;
+  const Counting done = loops().count_block(times.data(), times.size(), before, power, first, ticks);
+  if (!done.exact || !done.rising) return false;
+  if (factor != 1)
+    for (std::int64_t& tick : std::span(ticks, times.size()))
+      tick = static_cast<std::int64_t>(static_cast<std::uint64_t>(tick) * static_cast<std::uint64_t>(factor));
+  return true;
+}
+
 std::size_t first_backwards(const std::int64_t* times, std::size_t count) {
   constexpr std::size_t block = 1024;
   for (std::size_t first = 1; first < count; first += block) {

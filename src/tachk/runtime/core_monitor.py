@@ -17,7 +17,7 @@ from tachk import _core
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import NodeSignal, Truth
-from tachk.runtime.trace import Ticks, Trace, Values
+from tachk.runtime.trace import FloatTimes, Ticks, Trace, Values, changed_trace
 
 _SLICE = 1 << 18
 """Rows between two looks at whether Ctrl-C was pressed."""
@@ -245,7 +245,7 @@ def linear_truth_signal(program: MonitorProgram, trace: Trace, node: int, parts:
     if core.refinement() != parts:
         raise ValueError("the trace is too long for so many parts of a tick")
     starts, low, high = core.truth_signal(node)
-    cells = 2 * parts * (trace.end - int(trace.times[0])) + 1
+    cells = 2 * parts * trace.end + 1
     return NodeSignal(starts, np.where(low == high, low, np.uint8(Truth.UNDETERMINED)), cells)
 
 
@@ -302,8 +302,16 @@ def _first_value(core: _core.LinearMonitor, program: MonitorProgram) -> Robustne
 
 
 def _run(core: _core.OfflineTruth | _core.OfflineRobustness, program: MonitorProgram, trace: Trace) -> None:
-    _push(core, trace.times, _columns(program, trace))
-    core.finish(trace.end)
+    columns = _columns(program, trace)
+    if isinstance(trace.instants, FloatTimes):
+        try:
+            _push_counted(core, trace.instants, columns, trace)
+            core.finish(trace.end)
+        except ValueError:
+            raise changed_trace() from None
+    else:
+        _push(core, trace.instants, columns)
+        core.finish(trace.end)
 
 
 def _columns(program: MonitorProgram, trace: Trace) -> list[Values]:
@@ -325,6 +333,33 @@ def _push(core: _core.OfflineTruth | _core.OfflineRobustness, times: Ticks, colu
         begin, size = end, min(4 * size, _SLICE)
 
 
+def _push_counted(
+    core: _core.OfflineTruth | _core.OfflineRobustness, times: FloatTimes, columns: Sequence[Values], trace: Trace
+) -> None:
+    """The same of times that are counted on the way. The first monitor of a trace looks at all rows, also at those that
+    do not matter to it. Raises UsageError if something is not as it was supposed to be."""
+    numbers = times.numbers
+    finite: list[NDArray[np.float64]] = []
+    if not times.checked:
+        finite = [np.asarray(values, np.float64) for values in trace.columns.values() if values.dtype.kind == "f"]
+    begin, size = 0, _FIRST_SLICE
+    while begin < len(numbers) and not (times.checked and core.settled()):
+        end = begin + size
+        if not core.push_counted(
+            numbers[begin:end],
+            numbers[max(begin - 1, 0)],
+            times.decimals,
+            times.first,
+            times.factor,
+            [column[begin:end] for column in columns],
+            [values[begin:end] for values in finite],
+            not times.checked,
+        ):
+            raise changed_trace()
+        begin, size = end, min(4 * size, _SLICE)
+    times.checked = True
+
+
 def _truth_result(core: _core.OfflineTruth) -> TruthResult:
     found = core.violation()
     return TruthResult(_truth(*core.verdict()), Truth(core.lasting()), None if found is None else Violation(*found))
@@ -339,4 +374,4 @@ def _truth(low: int, high: int) -> Truth:
 
 
 def _cells(trace: Trace) -> int:
-    return 2 * (trace.end - int(trace.times[0])) + 1
+    return 2 * trace.end + 1

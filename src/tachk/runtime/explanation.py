@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.monitor_program import UNBOUNDED, MonitorNode, MonitorProgram, NodeKind, ValueOperator
 from tachk.runtime.node_signal import NodeSignal, Truth
+from tachk.runtime.trace import changed_trace
 
 _AHEAD = (NodeKind.EVENTUALLY, NodeKind.ALWAYS, NodeKind.UNTIL)
 
@@ -99,10 +99,7 @@ class Explainer:
     def _find(self, value: Truth) -> Finding:
         node, cell = self._body(len(self.program.nodes) - 1, value)
         if self.signal(node).at(cell) is not value:
-            raise UsageError(
-                "the trace has been changed since it was judged, so that its verdict cannot be explained",
-                "leave its arrays as they are while the report is in use, or give copies of them",
-            )
+            raise changed_trace()
         trigger, response = self._trigger(node, cell)
         cause = None if trigger is None else self.reason(trigger, cell, Truth.TRUE)
         reason = self.reason(node if response is None else response, cell, value)

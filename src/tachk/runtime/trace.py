@@ -7,7 +7,7 @@ several rows for one instant the last one counts. What a row says and what lies 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from fractions import Fraction
 from math import lcm
@@ -16,6 +16,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tachk import _core
 from tachk.diagnostics.diagnostic import UsageError
 
 Ticks = NDArray[np.int64]
@@ -34,11 +35,56 @@ class Interpolation(StrEnum):
     LINEAR = "linear"
 
 
+@dataclass(slots=True, eq=False)
+class FloatTimes:
+    """The times of rows in floating point, whole in units of ``10 ** -decimals``; monitors count them as they go.
+
+    Attributes:
+        first: the first time, in units.
+        last: the last one, in units since the first.
+        factor: how many ticks make a unit.
+        checked: whether a monitor has looked at all of them, and at the values of the rows. Before, both are supposed
+            to be in order.
+    """
+
+    numbers: NDArray[np.float64] = field(repr=False)
+    decimals: int
+    first: int
+    last: int
+    factor: int = 1
+    checked: bool = False
+    _ticks: Ticks | None = field(default=None, repr=False)
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    def ticks(self) -> Ticks:
+        """Of all rows, counted once. Raises UsageError if they are not as they were supposed to be."""
+        if self._ticks is None:
+            ticks = np.empty(len(self.numbers), dtype=np.int64)
+            if not _core.count_as(self.numbers, self.decimals, self.first, self.factor, ticks):
+                raise changed_trace()
+            self._ticks = ticks
+        return self._ticks
+
+    def refined(self, factor: int) -> FloatTimes:
+        """The same in finer ticks."""
+        return replace(self, factor=self.factor * factor, _ticks=None)
+
+
+def changed_trace() -> UsageError:
+    """Of arrays that are no longer what was judged."""
+    return UsageError(
+        "the trace has been changed since it was judged, so that its verdict cannot be explained",
+        "leave its arrays as they are while the report is in use, or give copies of them",
+    )
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Trace:
     """Attributes:
     name: where it comes from, as messages print it.
-    times: of the rows, in ticks since the trace begins: not decreasing, the first is 0.
+    instants: of the rows, in ticks since the trace begins: not decreasing, the first is 0.
     columns: one value for each row; numbers as float64, truth values as uint8.
     end: in ticks; not before the last row. The trace includes it.
     ticks_per_unit: how many ticks make one unit of time.
@@ -48,7 +94,7 @@ class Trace:
     """
 
     name: str
-    times: Ticks
+    instants: Ticks | FloatTimes
     columns: Mapping[str, Values]
     end: int
     ticks_per_unit: int = 1
@@ -57,14 +103,24 @@ class Trace:
     interpolation: Interpolation = Interpolation.CONSTANT
 
     def __post_init__(self) -> None:
-        if len(self.times) == 0 or self.times[0] != 0 or self.end < self.times[-1]:
+        instants = self.instants
+        if isinstance(instants, FloatTimes):
+            first, last = 0, instants.last * instants.factor
+        else:
+            first, last = (instants[0], instants[-1]) if len(instants) else (-1, -1)
+        if first != 0 or self.end < last:
             raise ValueError("a trace has rows, begins at 0 and ends with or after the last one")
-        if any(len(values) != len(self.times) for values in self.columns.values()):
+        if any(len(values) != len(instants) for values in self.columns.values()):
             raise ValueError("every column has a value in every row")
 
     @property
     def rows(self) -> int:
-        return len(self.times)
+        return len(self.instants)
+
+    @property
+    def times(self) -> Ticks:
+        """Of the rows, in ticks. Raises UsageError if floating-point times are not as they were supposed to be."""
+        return self.instants.ticks() if isinstance(self.instants, FloatTimes) else self.instants
 
     def clock(self, tick: int | Fraction) -> Fraction:
         """What the clock of the recording showed at a tick, in units."""
@@ -99,7 +155,8 @@ class Trace:
                 f"{self.name} is too long to be counted in {wanted} ticks per unit of time",
                 "times and bounds with fewer decimals, or a shorter trace, can be counted",
             )
-        return replace(self, times=self.times * factor, end=self.end * factor, ticks_per_unit=wanted)
+        instants = self.instants.refined(factor) if isinstance(self.instants, FloatTimes) else self.instants * factor
+        return replace(self, instants=instants, end=self.end * factor, ticks_per_unit=wanted)
 
 
 class Recording(Protocol):

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,13 +15,17 @@ from numpy.typing import NDArray
 
 from tachk import _core
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.runtime.trace import LARGEST_TICK, Ticks, Trace, Values
+from tachk.runtime.trace import LARGEST_TICK, FloatTimes, Ticks, Trace, Values
 from tachk.runtime.trace_header import Header, agreed_unit, known_unit, read_header
 
 USUAL_DECIMALS = 9
 """Times in floating point that are no short decimal numbers are rounded to at least so many decimals."""
 
+_FIRST_BLOCK = 1 << 8
 _BLOCK = 1 << 15
+
+_SAMPLES = 1 << 8
+"""Rows whose times tell in how many decimals all of them may be whole."""
 
 
 class _TimeFault(IntEnum):
@@ -40,7 +45,7 @@ class CountedTimes:
     first: what the clock showed then, in ticks.
     """
 
-    ticks: Ticks
+    ticks: Ticks | FloatTimes
     first: int
     ticks_per_unit: int
 
@@ -49,11 +54,13 @@ class CountedTimes:
 class TableRecording:
     """Attributes:
     cells: the columns in the order of the header.
+    supposing: see `supposed`.
     """
 
     name: str
     header: Header
     cells: Sequence[Any] = field(repr=False)
+    supposing: bool = False
 
     @property
     def unit(self) -> str:
@@ -65,13 +72,23 @@ class TableRecording:
 
     def read(self, columns: Collection[str] | None = None) -> Trace:
         places = self.header.numbers(columns, self.name)
-        times = exact_ticks(self._times(), self.name)
-        held = {name: held_values(self.cells[place], name, self.name) for name, place in places.items()}
+        instants = self._times()
+        times = (_supposed_times(instants) if self.supposing else None) or exact_ticks(instants, self.name)
+        supposing = isinstance(times.ticks, FloatTimes)
+        held: dict[str, Values] = {}
+        for name, place in places.items():
+            supposed = _supposed_values(self.cells[place]) if supposing else None
+            held[name] = held_values(self.cells[place], name, self.name) if supposed is None else supposed
         for name, values in held.items():
             if len(values) != len(times.ticks):
                 count = len(times.ticks)
                 raise UsageError(f"{self.name}: column {name!r} has {len(values)} values for {count} times")
         return trace_of(self.name, times, self.unit, held)
+
+    def supposed(self) -> TableRecording:
+        """The same, but times in floating point and numbers are supposed to be in order where a few samples are. The
+        first monitor of the trace sees whether they are; else the trace has to be read without supposing that."""
+        return replace(self, supposing=True)
 
     def _times(self) -> NDArray[Any]:
         """The times as an array; instants with a time zone as those of universal time."""
@@ -110,11 +127,30 @@ def trace_of(name: str, times: CountedTimes, unit: str, columns: Mapping[str, Va
     """The trace that begins with the first row. Raises UsageError for no rows."""
     if len(times.ticks) == 0:
         raise UsageError(f"{name} has no rows", "the verdict needs at least the state at the beginning")
-    end = int(times.ticks[-1])
+    end = times.ticks.last if isinstance(times.ticks, FloatTimes) else int(times.ticks[-1])
     if end > LARGEST_TICK:
         raise UsageError(f"{name} is too long to be counted in {times.ticks_per_unit} ticks per unit of time")
     origin = Fraction(times.first, times.ticks_per_unit)
     return Trace(name, times.ticks, columns, end, times.ticks_per_unit, unit, origin)
+
+
+def _supposed_times(times: NDArray[Any]) -> CountedTimes | None:
+    """Times in floating point, if a sample of them is whole in fewer decimals than times are rounded to."""
+    if times.dtype != np.float64 or times.ndim != 1 or not times.flags.c_contiguous or len(times) == 0:
+        return None
+    sample = np.append(times[:: max(1, len(times) // _SAMPLES)], times[-1])
+    ticks = np.empty(len(sample), dtype=np.int64)
+    first, decimals, fault, _ = _core.count_times(sample, USUAL_DECIMALS, ticks)
+    if fault != _TimeFault.NONE or decimals >= USUAL_DECIMALS:
+        return None
+    return CountedTimes(FloatTimes(times, decimals, first, int(ticks[-1])), first, 10**decimals)
+
+
+def _supposed_values(values: Any) -> NDArray[np.float64] | None:
+    """The values of a column of numbers that are not truth values, as they are."""
+    array = values.to_numpy() if hasattr(values, "to_numpy") else values
+    plain = isinstance(array, np.ndarray) and array.dtype == np.float64 and array.ndim == 1 and array.flags.c_contiguous
+    return None if not plain or _is_truth(array) else array
 
 
 def exact_ticks(times: NDArray[Any], name: str) -> CountedTimes:
@@ -229,7 +265,8 @@ def held_values(values: Any, column: str, name: str, before: float | None = None
 
 
 def _is_truth(numbers: NDArray[np.float64]) -> bool:
-    blocks = (numbers[begin : begin + _BLOCK] for begin in range(0, len(numbers), _BLOCK))
+    edges = (0, *range(_FIRST_BLOCK, len(numbers), _BLOCK), len(numbers))
+    blocks = (numbers[begin:end] for begin, end in pairwise(edges))
     return all(bool(((block == 0) | (block == 1)).all()) for block in blocks)
 
 

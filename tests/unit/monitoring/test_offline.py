@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import pickle
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,8 @@ from tachk.runtime.core_monitor import truth_signals
 from tachk.runtime.explanation import Finding
 from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import NodeSignal
-from tachk.runtime.trace import Trace
+from tachk.runtime.trace import FloatTimes, Trace
+from tachk.runtime.trace_arrays import open_table
 
 SCHEMA = Path(__file__).parents[3] / "docs/schema/monitor.schema.json"
 
@@ -333,6 +334,75 @@ def test_a_changed_trace_does_not_explain_its_old_verdict(formula: str) -> None:
     trace["y"][:] = 5
     with pytest.raises(UsageError, match="changed since it was judged"):
         verdict.finding  # noqa: B018
+
+
+def test_changed_times_do_not_explain_an_old_verdict() -> None:
+    trace = {"time": np.array([0.0, 1, 3]), "x": np.array([0, 7.5, 3])}
+    verdict = tachk.monitor("G x < 5", trace)[0]
+    trace["time"][1] = 9
+    with pytest.raises(UsageError, match="changed since it was judged"):
+        verdict.finding  # noqa: B018
+
+
+ROWS = 3000
+
+
+def plain_rows() -> dict[str, np.ndarray]:
+    """Quarters of a second; x is 1 in row 9 alone, y moves, p holds truth values."""
+    rows = np.arange(ROWS)
+    return {
+        "time": 5 + rows / 4,
+        "x": np.where(rows == 9, 1.0, 0.5),
+        "y": (rows % 7) / 2,
+        "p": np.where(rows % 3 == 0, 1.0, 0.0),
+    }
+
+
+CHANGES: dict[str, tuple[str, Callable[[float], float]]] = {
+    "nothing": ("x", lambda value: value),
+    "missing": ("x", lambda value: math.nan),
+    "infinite": ("y", lambda value: math.inf),
+    "missing truth": ("p", lambda value: math.nan),
+    "no truth": ("p", lambda value: 0.5),
+    "no time": ("time", lambda value: math.nan),
+    "infinite time": ("time", lambda value: -math.inf),
+    "backwards": ("time", lambda value: value - 0.5),
+    "same time": ("time", lambda value: value - 0.25),
+    "finer time": ("time", lambda value: value + 0.0625),
+    "no decimal": ("time", lambda value: math.nextafter(value, math.inf)),
+    "large time": ("time", lambda value: 1e300),
+}
+
+
+@pytest.mark.parametrize("row", [0, 1, 1024, 2900, ROWS - 1])
+@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize(
+    "formulas",
+    [
+        "G (x < 1 || F[0, 3] y > 2)",
+        ["G x < 0.75", "G (p -> F[0, 0.125] y > 1)"],
+        "G F[0, 2] (p && y > 2)",
+    ],
+)
+def test_rows_that_are_looked_over_while_they_are_judged(row: int, change: str, formulas: str | list[str]) -> None:
+    """What is reported is what it is if all rows are read first, also where a formula is decided before the fault."""
+    arrays = plain_rows()
+    name, changed = CHANGES[change]
+    arrays[name][row] = changed(float(arrays[name][row]))
+    told: list[object] = []
+    columns = [name for name in "xyp" if name in str(formulas)]
+    for first in (False, True):
+        try:
+            report = tachk.monitor(formulas, open_table(arrays).read(columns) if first else arrays)
+        except UsageError as error:
+            told.append((str(error), error.help))
+        else:
+            report = pickle.loads(pickle.dumps(report))
+            told.append((report.to_dict(), report.record.trace.times.tolist()))
+    assert told[0] == told[1]
+    if change == "nothing":
+        trace = tachk.monitor(formulas, arrays).record.trace
+        assert isinstance(trace.instants, FloatTimes) and trace.instants.checked
 
 
 @pytest.mark.parametrize(
