@@ -15,7 +15,6 @@ from tachk.engines.outcome import Status
 from tachk.model.expressions import (
     Assign,
     Binary,
-    BinaryOperator,
     Conditional,
     Constant,
     Expression,
@@ -26,6 +25,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Edge, Location, Process
 from tachk.model.types import ClockType
+from tachk.operators import BinaryOperator
 from tachk.testing import Case, Shape, random_case
 
 FACTOR = 3

@@ -12,9 +12,10 @@ from tachk.diagnostics.span import Source
 from tachk.engines.options import Limits, Options
 from tachk.formats.tchecker.writer import to_tchecker
 from tachk.loading.load import load_model
-from tachk.model.expressions import BOOL, Binary, BinaryOperator, Expression, LocationTest
+from tachk.model.expressions import BOOL, Binary, Expression, LocationTest
 from tachk.model.network import Network
 from tachk.model.query import Query, QueryKind
+from tachk.operators import BinaryOperator
 from tachk.properties.verify import verify
 from tachk.testing.networks import Shape, random_case
 

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from tachk.compiler.assembler import Assembler, Label
 from tachk.compiler.bytecode import Opcode
-from tachk.compiler.fold import CONNECTIVES, Known, fold, fold_place, is_aggregate, is_integer
+from tachk.compiler.fold import Known, fold, fold_place, is_aggregate, is_integer
 from tachk.compiler.functions import FunctionGenerator
 from tachk.compiler.slot_layout import Layout
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
@@ -22,7 +22,6 @@ from tachk.model.expressions import (
     Aggregate,
     Assign,
     Binary,
-    BinaryOperator,
     Call,
     Comma,
     Conditional,
@@ -37,7 +36,6 @@ from tachk.model.expressions import (
     QuantifierKind,
     Reference,
     Unary,
-    UnaryOperator,
     Variable,
 )
 from tachk.model.traversal import walk
@@ -54,29 +52,9 @@ from tachk.model.types import (
     cell_count,
     leaves,
 )
+from tachk.operators import CONNECTIVES, BinaryOperator, UnaryOperator
 
 _UNARY = {UnaryOperator.NOT: Opcode.NOT, UnaryOperator.MINUS: Opcode.NEGATE}
-_ARITHMETIC = {
-    BinaryOperator.ADD: Opcode.ADD,
-    BinaryOperator.SUBTRACT: Opcode.SUBTRACT,
-    BinaryOperator.MULTIPLY: Opcode.MULTIPLY,
-    BinaryOperator.DIVIDE: Opcode.DIVIDE,
-    BinaryOperator.MODULO: Opcode.MODULO,
-    BinaryOperator.POWER: Opcode.POWER,
-    BinaryOperator.BIT_AND: Opcode.BIT_AND,
-    BinaryOperator.BIT_OR: Opcode.BIT_OR,
-    BinaryOperator.BIT_XOR: Opcode.BIT_XOR,
-    BinaryOperator.SHIFT_LEFT: Opcode.SHIFT_LEFT,
-    BinaryOperator.SHIFT_RIGHT: Opcode.SHIFT_RIGHT,
-    BinaryOperator.MINIMUM: Opcode.MINIMUM,
-    BinaryOperator.MAXIMUM: Opcode.MAXIMUM,
-    BinaryOperator.EQUAL: Opcode.EQUAL,
-    BinaryOperator.NOT_EQUAL: Opcode.NOT_EQUAL,
-    BinaryOperator.LESS: Opcode.LESS,
-    BinaryOperator.LESS_EQUAL: Opcode.LESS_EQUAL,
-    BinaryOperator.GREATER: Opcode.GREATER,
-    BinaryOperator.GREATER_EQUAL: Opcode.GREATER_EQUAL,
-}
 
 
 class CodeGenerator:
@@ -247,7 +225,7 @@ class CodeGenerator:
         else:
             self.value(left)
             self.value(right)
-            emit(_ARITHMETIC[operator], span=span)
+            emit(Opcode[operator.name], span=span)
 
     def jump(self, expression: Expression, when: bool, label: Label) -> None:
         """Goes to the label if the truth of the expression is ``when``, else falls through."""
@@ -339,7 +317,7 @@ class CodeGenerator:
                     emit(Opcode.LOAD, slot)
                 self.value(expression.value)
                 if expression.operator is not None:
-                    emit(_ARITHMETIC[expression.operator], span=expression.span)
+                    emit(Opcode[expression.operator.name], span=expression.span)
                 emit(Opcode.STORE, slot, span=expression.span)
             case Comma(items):
                 for item in items:
@@ -378,7 +356,7 @@ class CodeGenerator:
             emit(Opcode.LOAD_INDIRECT)
         self.value(expression.value)
         if expression.operator is not None:
-            emit(_ARITHMETIC[expression.operator], span=expression.span)
+            emit(Opcode[expression.operator.name], span=expression.span)
         emit(Opcode.STORE_INDIRECT, span=expression.span)
 
     # ---- places and aggregates --------------------------------------------------------------------------------------

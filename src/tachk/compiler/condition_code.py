@@ -10,16 +10,14 @@ from tachk.compiler.codegen import CodeGenerator
 from tachk.compiler.conditions import ClockAtom, Conjunction, conjuncts
 from tachk.compiler.divisors import divisor
 from tachk.compiler.failures import can_fail
-from tachk.compiler.fold import COMPARISONS, Known, cannot_fail, fold, fold_place, is_integer
+from tachk.compiler.fold import Known, cannot_fail, fold, fold_place, is_integer
 from tachk.compiler.intervals import interval, possible_cells
 from tachk.compiler.program import NO_CODE, ClockConstraint, Comparison, Condition, Test
 from tachk.compiler.slot_layout import Layout, cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import (
-    MIRRORED_COMPARISON,
     Binary,
-    BinaryOperator,
     Constant,
     Expression,
     Field,
@@ -29,20 +27,12 @@ from tachk.model.expressions import (
     QuantifierKind,
     Reference,
     Unary,
-    UnaryOperator,
 )
+from tachk.operators import COMPARISONS, UnaryOperator
 
 MAXIMAL_CONSTANT = 2**31 - 1
 """The largest absolute value of a clock bound: that of any integer."""
 
-_COMPARISON = {
-    BinaryOperator.EQUAL: Comparison.EQUAL,
-    BinaryOperator.NOT_EQUAL: Comparison.NOT_EQUAL,
-    BinaryOperator.LESS: Comparison.LESS,
-    BinaryOperator.LESS_EQUAL: Comparison.LESS_EQUAL,
-    BinaryOperator.GREATER: Comparison.GREATER,
-    BinaryOperator.GREATER_EQUAL: Comparison.GREATER_EQUAL,
-}
 _UNROLLED_VALUES = 64
 
 
@@ -139,9 +129,9 @@ class ConditionCompiler:
             case Unary(UnaryOperator.NOT, operand):
                 return self._slot_test(operand, Comparison.EQUAL, 0)
             case Binary(operator, left, Constant(value)) if operator in COMPARISONS:
-                return self._slot_test(left, _COMPARISON[operator], value)
+                return self._slot_test(left, Comparison[operator.name], value)
             case Binary(operator, Constant(value), right) if operator in COMPARISONS:
-                return self._slot_test(right, _COMPARISON[MIRRORED_COMPARISON[operator]], value)
+                return self._slot_test(right, Comparison[operator.mirrored.name], value)
             case Reference() | Index() | Field():
                 return self._slot_test(part, Comparison.NOT_EQUAL, 0)
         return None

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from tachk.compiler.fold import COMPARISONS, Known, fold, negate
+from tachk.compiler.fold import Known, fold, negate
 from tachk.compiler.slot_layout import cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
@@ -17,7 +17,6 @@ from tachk.model.expressions import (
     BOOL,
     Assign,
     Binary,
-    BinaryOperator,
     Call,
     Conditional,
     Constant,
@@ -28,10 +27,10 @@ from tachk.model.expressions import (
     QuantifierKind,
     Reference,
     Unary,
-    UnaryOperator,
 )
 from tachk.model.traversal import children
 from tachk.model.types import ClockType
+from tachk.operators import COMPARISONS, BinaryOperator, UnaryOperator
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,18 +10,8 @@ from math import gcd
 
 from tachk.compiler.fold import Known
 from tachk.compiler.intervals import ANYTHING, interval, possible_cells
-from tachk.model.expressions import (
-    Binary,
-    BinaryOperator,
-    Comma,
-    Conditional,
-    Expression,
-    Field,
-    Index,
-    Reference,
-    Unary,
-    UnaryOperator,
-)
+from tachk.model.expressions import Binary, Comma, Conditional, Expression, Field, Index, Reference, Unary
+from tachk.operators import BinaryOperator, UnaryOperator
 
 
 def divisor(expression: Expression, known: Known) -> int:

@@ -11,12 +11,10 @@ from tachk.compiler.fold import Known, fold, fold_place, is_integer
 from tachk.compiler.intervals import Interval, arithmetic, interval
 from tachk.compiler.slot_layout import cell_range
 from tachk.model.expressions import (
-    MIRRORED_COMPARISON,
     Aggregate,
     Assert,
     Assign,
     Binary,
-    BinaryOperator,
     Block,
     Call,
     Comma,
@@ -43,6 +41,7 @@ from tachk.model.expressions import (
 from tachk.model.network import Direction, Edge, Location
 from tachk.model.traversal import written_variables
 from tachk.model.types import ArrayType, ClockType, RecordType, Type
+from tachk.operators import COMPARISONS, BinaryOperator
 
 _LONG = 2**14
 """Repetitions beyond which a loop might meet the limit on steps."""
@@ -94,8 +93,10 @@ def _narrowed(guard: Expression, known: Known) -> tuple[dict[Variable, Interval]
         match part:
             case Binary(operator, Reference(variable), Constant(value)) if is_integer(variable.type):
                 pass
-            case Binary(operator, Constant(value), Reference(variable)) if is_integer(variable.type):
-                operator = MIRRORED_COMPARISON.get(operator, operator)
+            case Binary(operator, Constant(value), Reference(variable)) if operator in COMPARISONS and is_integer(
+                variable.type
+            ):
+                operator = operator.mirrored
             case _:
                 continue
         low, high = found.get(variable, cell_range(variable.type))
@@ -182,14 +183,7 @@ class _Scope:
 
     def _undefined(self, operator: BinaryOperator, right: Expression) -> bool:
         """Whether an operator may have no value for some right sides."""
-        if operator in (BinaryOperator.DIVIDE, BinaryOperator.MODULO):
-            low, high = self._interval(right)
-            return low <= 0 <= high
-        if operator in (BinaryOperator.SHIFT_LEFT, BinaryOperator.SHIFT_RIGHT):
-            return not _within(self._interval(right), (0, 31))
-        if operator is BinaryOperator.POWER:
-            return self._interval(right)[0] < 0
-        return False
+        return not operator.total and not operator.defined_for(*self._interval(right))
 
     def _stores_badly(self, assignment: Assign) -> bool:
         target, value, operator = assignment.target, assignment.value, assignment.operator

@@ -8,16 +8,14 @@ from enum import StrEnum
 from math import prod
 
 from tachk.compiler.conditions import reads_clock
-from tachk.compiler.fold import COMPARISONS, Known, fold, known_values
+from tachk.compiler.fold import Known, fold, known_values
 from tachk.compiler.goal import check_predicate, mentions_time
 from tachk.compiler.intervals import interval
 from tachk.compiler.slot_layout import cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import (
-    NEGATED_COMPARISON,
     Binary,
-    BinaryOperator,
     Constant,
     Deadlock,
     Expression,
@@ -26,12 +24,12 @@ from tachk.model.expressions import (
     Quantifier,
     Reference,
     Unary,
-    UnaryOperator,
 )
 from tachk.model.network import Direction, Edge, Location, Network, Process
 from tachk.model.query import Query, QueryKind
 from tachk.model.traversal import children, walk
 from tachk.model.types import ChannelType, ClockType
+from tachk.operators import COMPARISONS, BinaryOperator, UnaryOperator
 
 MAXIMAL_SELECTIONS = 10_000_000
 """Combinations of the values of one edge's select labels; each is tried against the guard."""
@@ -231,7 +229,7 @@ def _clock_comparisons(condition: Expression, positive: bool) -> Iterator[tuple[
         case Quantifier(_, _, body):
             yield from _clock_comparisons(body, positive)
         case Binary(operator) if operator in COMPARISONS and any(_is_clock(node) for node in walk(condition)):
-            yield (operator if positive else NEGATED_COMPARISON[operator]), condition
+            yield (operator if positive else operator.negated), condition
         case _:
             for child in children(condition):
                 yield from _clock_comparisons(child, True)

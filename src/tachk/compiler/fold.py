@@ -5,18 +5,16 @@ An operation that would fail is left in place, so that it fails when the model r
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import assert_never
 
 from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import (
     BOOL,
-    NEGATED_COMPARISON,
     Aggregate,
     Assign,
     Binary,
-    BinaryOperator,
     Call,
     Comma,
     Conditional,
@@ -31,34 +29,14 @@ from tachk.model.expressions import (
     QuantifierKind,
     Reference,
     Unary,
-    UnaryOperator,
     Variable,
     VariableKind,
 )
 from tachk.model.network import Network
 from tachk.model.traversal import process_expressions, walk, written_variables
-from tachk.model.types import (
-    ArrayType,
-    BoolType,
-    IntType,
-    RecordType,
-    ScalarType,
-    Type,
-    cell_count,
-    leaves,
-    wrapped,
-)
+from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarType, Type, cell_count, leaves
+from tachk.operators import COMPARISONS, BinaryOperator, OperandError, UnaryOperator, wrapped
 from tachk.time_limit import check_time
-
-COMPARISONS: Mapping[BinaryOperator, Callable[[int, int], bool]] = {
-    BinaryOperator.EQUAL: lambda a, b: a == b,
-    BinaryOperator.NOT_EQUAL: lambda a, b: a != b,
-    BinaryOperator.LESS: lambda a, b: a < b,
-    BinaryOperator.LESS_EQUAL: lambda a, b: a <= b,
-    BinaryOperator.GREATER: lambda a, b: a > b,
-    BinaryOperator.GREATER_EQUAL: lambda a, b: a >= b,
-}
-CONNECTIVES = frozenset({BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY, BinaryOperator.XOR})
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,57 +84,10 @@ def is_aggregate(type_: Type) -> bool:
 
 def apply_binary(operator: BinaryOperator, left: int, right: int) -> int | None:
     """The value of ``left operator right`` on numbers, None where that is a run-time error."""
-    result: int
-    match operator:
-        case (
-            BinaryOperator.EQUAL
-            | BinaryOperator.NOT_EQUAL
-            | BinaryOperator.LESS
-            | BinaryOperator.LESS_EQUAL
-            | BinaryOperator.GREATER
-            | BinaryOperator.GREATER_EQUAL
-        ):
-            result = int(COMPARISONS[operator](left, right))
-        case BinaryOperator.ADD:
-            result = left + right
-        case BinaryOperator.SUBTRACT:
-            result = left - right
-        case BinaryOperator.MULTIPLY:
-            result = left * right
-        case BinaryOperator.DIVIDE | BinaryOperator.MODULO:
-            if right == 0:
-                return None
-            quotient = abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1)
-            result = quotient if operator is BinaryOperator.DIVIDE else left - quotient * right
-        case BinaryOperator.POWER:
-            if right < 0:
-                return None
-            result = pow(left, right, 2**32)
-        case BinaryOperator.BIT_AND:
-            result = left & right
-        case BinaryOperator.BIT_OR:
-            result = left | right
-        case BinaryOperator.BIT_XOR:
-            result = left ^ right
-        case BinaryOperator.SHIFT_LEFT | BinaryOperator.SHIFT_RIGHT:
-            if not 0 <= right <= 31:
-                return None
-            result = left << right if operator is BinaryOperator.SHIFT_LEFT else left >> right
-        case BinaryOperator.MINIMUM:
-            result = min(left, right)
-        case BinaryOperator.MAXIMUM:
-            result = max(left, right)
-        case BinaryOperator.AND:
-            result = int(left != 0 and right != 0)
-        case BinaryOperator.OR:
-            result = int(left != 0 or right != 0)
-        case BinaryOperator.IMPLY:
-            result = int(left == 0 or right != 0)
-        case BinaryOperator.XOR:
-            result = int((left != 0) != (right != 0))
-        case _ as never:
-            assert_never(never)
-    return wrapped(result)
+    try:
+        return operator.compute(left, right)
+    except OperandError:
+        return None
 
 
 def negate(expression: Expression) -> Expression:
@@ -166,8 +97,8 @@ def negate(expression: Expression) -> Expression:
             return Constant(int(value == 0), BOOL, expression.span)
         case Unary(UnaryOperator.NOT, operand):
             return operand
-        case Binary(operator, left, right) if operator in NEGATED_COMPARISON:
-            return Binary(NEGATED_COMPARISON[operator], left, right, BOOL, expression.span)
+        case Binary(operator, left, right) if operator in COMPARISONS:
+            return Binary(operator.negated, left, right, BOOL, expression.span)
     return Unary(UnaryOperator.NOT, expression, BOOL, expression.span)
 
 
@@ -178,21 +109,6 @@ def truth(expression: Expression) -> Expression:
     if isinstance(expression, LocationTest | Deadlock) or isinstance(expression.type, BoolType):
         return expression
     return Binary(BinaryOperator.NOT_EQUAL, expression, Constant(0), BOOL, expression.span)
-
-
-_TOTAL = frozenset(
-    {
-        BinaryOperator.ADD,
-        BinaryOperator.SUBTRACT,
-        BinaryOperator.MULTIPLY,
-        BinaryOperator.BIT_AND,
-        BinaryOperator.BIT_OR,
-        BinaryOperator.BIT_XOR,
-        BinaryOperator.MINIMUM,
-        BinaryOperator.MAXIMUM,
-    }
-)
-"""The arithmetic that has a value for all operands."""
 
 
 def cannot_fail(expression: Expression) -> bool:
@@ -209,7 +125,7 @@ def cannot_fail(expression: Expression) -> bool:
                     return False
             case Unary():
                 pass
-            case Binary(operator) if operator in COMPARISONS or operator in CONNECTIVES or operator in _TOTAL:
+            case Binary(operator) if operator.total:
                 pass
             case Quantifier(QuantifierKind.FORALL | QuantifierKind.EXISTS):
                 pass

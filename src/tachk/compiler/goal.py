@@ -19,24 +19,15 @@ from tachk.compiler.conditions import (
     conjuncts,
     reads_clock,
 )
-from tachk.compiler.fold import COMPARISONS, Known, cannot_fail, fold, negate
+from tachk.compiler.fold import Known, cannot_fail, fold, negate
 from tachk.compiler.intervals import interval
 from tachk.compiler.program import Comparison, DeadlockLiteral, Disjunct, Goal
 from tachk.compiler.slot_layout import cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
-from tachk.model.expressions import (
-    Binary,
-    BinaryOperator,
-    Conditional,
-    Deadlock,
-    Expression,
-    Quantifier,
-    QuantifierKind,
-    Unary,
-    UnaryOperator,
-)
+from tachk.model.expressions import Binary, Conditional, Deadlock, Expression, Quantifier, QuantifierKind, Unary
 from tachk.model.traversal import walk
+from tachk.operators import COMPARISONS, BinaryOperator, Group, UnaryOperator
 
 MAXIMAL_DISJUNCTS = 4096
 MAXIMAL_ALTERNATIVES = 256
@@ -198,12 +189,7 @@ def _is_condition(expression: Expression) -> bool:
     """Whether the expression is a truth value rather than a clock, a difference or a number."""
     match expression:
         case Binary(operator):
-            return operator in COMPARISONS or operator in (
-                BinaryOperator.AND,
-                BinaryOperator.OR,
-                BinaryOperator.IMPLY,
-                BinaryOperator.XOR,
-            )
+            return operator.group is not Group.ARITHMETIC
         case Unary(UnaryOperator.NOT, _) | Deadlock():
             return True
         case Quantifier(kind):

@@ -7,13 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from tachk.compiler.fold import COMPARISONS, CONNECTIVES, Known, apply_binary, is_integer
+from tachk.compiler.fold import Known, apply_binary, is_integer
 from tachk.compiler.slot_layout import cell_range
 from tachk.model.expressions import (
     Aggregate,
     Assign,
     Binary,
-    BinaryOperator,
     Call,
     Comma,
     Conditional,
@@ -28,11 +27,11 @@ from tachk.model.expressions import (
     QuantifierKind,
     Reference,
     Unary,
-    UnaryOperator,
     Variable,
 )
 from tachk.model.traversal import returned, statement_expressions, written_variables
-from tachk.model.types import CONSTANT_HIGH, CONSTANT_LOW, ArrayType, RecordType, Type, cell_count, leaves
+from tachk.model.types import ArrayType, RecordType, Type, cell_count, leaves
+from tachk.operators import COMPARISONS, CONNECTIVES, CONSTANT_HIGH, CONSTANT_LOW, BinaryOperator, UnaryOperator
 
 Interval = tuple[int, int]
 

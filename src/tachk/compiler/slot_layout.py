@@ -8,18 +8,8 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.model.cell_layout import default_value
 from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Network
-from tachk.model.types import (
-    CONSTANT_HIGH,
-    CONSTANT_LOW,
-    BoolType,
-    ChannelType,
-    ClockType,
-    IntType,
-    ScalarType,
-    Type,
-    bounds,
-    leaves,
-)
+from tachk.model.types import BoolType, ChannelType, ClockType, IntType, ScalarType, Type, bounds, leaves
+from tachk.operators import CONSTANT_HIGH, CONSTANT_LOW
 
 
 class Layout:

@@ -25,7 +25,6 @@ from tachk.model.expressions import (
     INT,
     Assign,
     Binary,
-    BinaryOperator,
     Conditional,
     Constant,
     Deadlock,
@@ -37,7 +36,6 @@ from tachk.model.expressions import (
     QuantifierKind,
     Reference,
     Unary,
-    UnaryOperator,
     Variable,
     VariableKind,
 )
@@ -60,19 +58,7 @@ from tachk.model.types import (
     ScalarLike,
     Type,
 )
-
-_TRUTH_VALUED = {
-    BinaryOperator.EQUAL,
-    BinaryOperator.NOT_EQUAL,
-    BinaryOperator.LESS,
-    BinaryOperator.LESS_EQUAL,
-    BinaryOperator.GREATER,
-    BinaryOperator.GREATER_EQUAL,
-    BinaryOperator.AND,
-    BinaryOperator.OR,
-    BinaryOperator.IMPLY,
-    BinaryOperator.XOR,
-}
+from tachk.operators import BinaryOperator, Group, UnaryOperator
 
 
 class Term:
@@ -185,7 +171,7 @@ def expression_of(operand: Operand) -> Expression:
 def _binary(operator: BinaryOperator, left: Expression, right: Expression) -> Expression:
     if operator is BinaryOperator.SUBTRACT and isinstance(left.type, ClockType) and isinstance(right.type, ClockType):
         return Binary(operator, left, right, left.type)
-    return Binary(operator, left, right, BOOL if operator in _TRUTH_VALUED else INT)
+    return Binary(operator, left, right, INT if operator.group is Group.ARITHMETIC else BOOL)
 
 
 def conditional(condition: Operand, then: Operand, otherwise: Operand) -> Term:

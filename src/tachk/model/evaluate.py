@@ -7,20 +7,18 @@ A function parameter passed by value is checked like an assignment, a result aga
 
 from __future__ import annotations
 
-import operator as op
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import field
 from fractions import Fraction
 from typing import assert_never
 
-from tachk.diagnostics.span import NOWHERE, Span
+from tachk.diagnostics.span import Span
 from tachk.model.cell_layout import CellLayout, cell_bounds, default_cells
 from tachk.model.expressions import (
     Aggregate,
     Assert,
     Assign,
     Binary,
-    BinaryOperator,
     Block,
     Call,
     Comma,
@@ -43,7 +41,6 @@ from tachk.model.expressions import (
     Return,
     Statement,
     Unary,
-    UnaryOperator,
     Variable,
     While,
 )
@@ -60,8 +57,8 @@ from tachk.model.types import (
     bounds,
     cell_count,
     leaves,
-    wrapped,
 )
+from tachk.operators import COMPARISONS, BinaryOperator, OperandError, wrapped
 from tachk.records import dataclass
 from tachk.time_limit import check_time
 
@@ -223,7 +220,7 @@ def _scalar(expression: Expression, environment: Environment) -> int:
             return _place(expression, environment).read()[0]
         case Unary(operator, operand, _, span):
             value = _scalar(operand, environment)
-            return _unary(operator, value)
+            return operator.compute(value)
         case Binary():
             return _binary(expression, environment)
         case Conditional(condition, then, otherwise):
@@ -307,7 +304,7 @@ def _assign(expression: Assign, environment: Environment) -> tuple[int, ...]:
         cells = _cells(value, environment)
     else:
         old = place.read()[0]
-        cells = (_arithmetic(expression.operator, old, _scalar(value, environment), span),)
+        cells = (_computed(expression.operator, old, _scalar(value, environment), span),)
     place.write(cells, span)
     return cells
 
@@ -345,32 +342,16 @@ def _quantifier(expression: Quantifier, environment: Environment) -> int:
     return {QuantifierKind.FORALL: 1, QuantifierKind.EXISTS: 0, QuantifierKind.SUM: total}[expression.kind]
 
 
-_COMPARISONS: dict[BinaryOperator, Callable[[int | Fraction, int | Fraction], bool]] = {
-    BinaryOperator.EQUAL: op.eq,
-    BinaryOperator.NOT_EQUAL: op.ne,
-    BinaryOperator.LESS: op.lt,
-    BinaryOperator.LESS_EQUAL: op.le,
-    BinaryOperator.GREATER: op.gt,
-    BinaryOperator.GREATER_EQUAL: op.ge,
-}
-
-
 def _binary(expression: Binary, environment: Environment) -> int:
-    left, right = expression.left, expression.right
-    match expression.operator:
-        case BinaryOperator.AND:
-            return int(_scalar(left, environment) != 0 and _scalar(right, environment) != 0)
-        case BinaryOperator.OR:
-            return int(_scalar(left, environment) != 0 or _scalar(right, environment) != 0)
-        case BinaryOperator.IMPLY:
-            return int(_scalar(left, environment) == 0 or _scalar(right, environment) != 0)
-        case comparison if comparison in _COMPARISONS:
-            if isinstance(left.type, ArrayType | RecordType):
-                return _compare_cells(comparison, _cells(left, environment), _cells(right, environment))
-            return int(_COMPARISONS[comparison](_number(left, environment), _number(right, environment)))
-        case arithmetic:
-            first = _scalar(left, environment)
-            return _arithmetic(arithmetic, first, _scalar(right, environment), expression.span)
+    operator, left, right = expression.operator, expression.left, expression.right
+    if operator in COMPARISONS:
+        if isinstance(left.type, ArrayType | RecordType):
+            return _compare_cells(operator, _cells(left, environment), _cells(right, environment))
+        return int(operator.holds(_number(left, environment), _number(right, environment)))
+    first = _scalar(left, environment)
+    if operator.decided_by == (first != 0):
+        return operator.compute(first, 0)
+    return _computed(operator, first, _scalar(right, environment), expression.span)
 
 
 def _compare_cells(comparison: BinaryOperator, left: tuple[int, ...], right: tuple[int, ...]) -> int:
@@ -383,53 +364,11 @@ def _compare_cells(comparison: BinaryOperator, left: tuple[int, ...], right: tup
             raise ValueError(f"{comparison} does not compare arrays or records")
 
 
-def _unary(operator: UnaryOperator, value: int) -> int:
-    match operator:
-        case UnaryOperator.NOT:
-            return int(value == 0)
-        case UnaryOperator.MINUS:
-            return wrapped(-value)
-        case _ as never:
-            assert_never(never)
-
-
-def _arithmetic(operator: BinaryOperator, left: int, right: int, span: Span = NOWHERE) -> int:
-    match operator:
-        case BinaryOperator.ADD:
-            return wrapped(left + right)
-        case BinaryOperator.SUBTRACT:
-            return wrapped(left - right)
-        case BinaryOperator.MULTIPLY:
-            return wrapped(left * right)
-        case BinaryOperator.DIVIDE | BinaryOperator.MODULO:
-            if right == 0:
-                raise EvaluationFault(RuntimeErrorKind.DIVISION, span, f"{left} divided by 0")
-            quotient = abs(left) // abs(right)
-            if (left < 0) != (right < 0):
-                quotient = -quotient
-            return wrapped(quotient if operator is BinaryOperator.DIVIDE else left - quotient * right)
-        case BinaryOperator.POWER:
-            if right < 0:
-                raise EvaluationFault(RuntimeErrorKind.NEGATIVE_EXPONENT, span, f"the exponent is {right}")
-            return wrapped(pow(left, right, 2**32))
-        case BinaryOperator.BIT_AND:
-            return left & right
-        case BinaryOperator.BIT_OR:
-            return left | right
-        case BinaryOperator.BIT_XOR:
-            return left ^ right
-        case BinaryOperator.XOR:
-            return int((left != 0) != (right != 0))
-        case BinaryOperator.SHIFT_LEFT | BinaryOperator.SHIFT_RIGHT:
-            if not 0 <= right <= 31:
-                raise EvaluationFault(RuntimeErrorKind.SHIFT, span, f"the distance is {right}")
-            return wrapped(left << right if operator is BinaryOperator.SHIFT_LEFT else left >> right)
-        case BinaryOperator.MINIMUM:
-            return min(left, right)
-        case BinaryOperator.MAXIMUM:
-            return max(left, right)
-        case _:
-            raise ValueError(f"{operator} is not an arithmetic operator")
+def _computed(operator: BinaryOperator, left: int, right: int, span: Span) -> int:
+    try:
+        return operator.compute(left, right)
+    except OperandError as error:
+        raise EvaluationFault(RuntimeErrorKind[error.failure.name], span, str(error)) from None
 
 
 # ---- statements ---------------------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ from enum import StrEnum
 
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.model.types import BoolType, IntType, Type
+from tachk.operators import BinaryOperator, UnaryOperator
 from tachk.records import dataclass
 
 
@@ -45,61 +46,6 @@ class Variable:
     reference: bool = False
     priorities: tuple[int, ...] = ()
     span: Span = NOWHERE
-
-
-class UnaryOperator(StrEnum):
-    MINUS = "-"
-    NOT = "!"
-
-
-class BinaryOperator(StrEnum):
-    ADD = "+"
-    SUBTRACT = "-"
-    MULTIPLY = "*"
-    DIVIDE = "/"
-    """Truncates towards zero, as in C; division by zero is a run-time error."""
-    MODULO = "%"
-    """Sign of the dividend, as in C."""
-    POWER = "**"
-    BIT_AND = "&"
-    BIT_OR = "|"
-    BIT_XOR = "^"
-    SHIFT_LEFT = "<<"
-    SHIFT_RIGHT = ">>"
-    AND = "&&"
-    """Evaluates its right side only if the left side is true; likewise OR and IMPLY."""
-    OR = "||"
-    IMPLY = "imply"
-    XOR = "xor"
-    EQUAL = "=="
-    NOT_EQUAL = "!="
-    LESS = "<"
-    LESS_EQUAL = "<="
-    GREATER = ">"
-    GREATER_EQUAL = ">="
-    MINIMUM = "<?"
-    MAXIMUM = ">?"
-
-
-MIRRORED_COMPARISON = {
-    BinaryOperator.EQUAL: BinaryOperator.EQUAL,
-    BinaryOperator.NOT_EQUAL: BinaryOperator.NOT_EQUAL,
-    BinaryOperator.LESS: BinaryOperator.GREATER,
-    BinaryOperator.LESS_EQUAL: BinaryOperator.GREATER_EQUAL,
-    BinaryOperator.GREATER: BinaryOperator.LESS,
-    BinaryOperator.GREATER_EQUAL: BinaryOperator.LESS_EQUAL,
-}
-"""The comparison with its sides exchanged."""
-
-NEGATED_COMPARISON = {
-    BinaryOperator.EQUAL: BinaryOperator.NOT_EQUAL,
-    BinaryOperator.NOT_EQUAL: BinaryOperator.EQUAL,
-    BinaryOperator.LESS: BinaryOperator.GREATER_EQUAL,
-    BinaryOperator.LESS_EQUAL: BinaryOperator.GREATER,
-    BinaryOperator.GREATER: BinaryOperator.LESS_EQUAL,
-    BinaryOperator.GREATER_EQUAL: BinaryOperator.LESS,
-}
-"""The comparison that is true where the other is false."""
 
 
 class QuantifierKind(StrEnum):

@@ -8,7 +8,6 @@ from tachk.model.expressions import (
     Assert,
     Assign,
     Binary,
-    BinaryOperator,
     Block,
     Call,
     Conditional,
@@ -32,8 +31,6 @@ from tachk.model.expressions import (
 from tachk.model.network import Direction, Edge, Network
 from tachk.model.traversal import children, roots
 from tachk.model.types import ChannelType, RecordType, Type, element_type
-
-_SHORT_CIRCUIT = (BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY)
 
 Place = tuple[Variable, tuple[int | str, ...]]
 """A variable or a part of it: constant indices and names of fields, or first of all `_OF_THE_CHANNEL`."""
@@ -142,7 +139,7 @@ class _Search:
                 return written if place is None or _SOMEWHERE in place[1] else written | {place}
             case Increment(target):
                 return self.value(target, written)
-            case Binary(operator, left, right) if operator in _SHORT_CIRCUIT:
+            case Binary(operator, left, right) if operator.decided_by is not None:
                 written = self.value(left, written)
                 self.value(right, written)
                 return written

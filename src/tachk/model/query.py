@@ -7,8 +7,9 @@ from enum import StrEnum
 from typing import assert_never
 
 from tachk.diagnostics.span import NOWHERE, Span
-from tachk.model.expressions import BOOL, Expression, Unary, UnaryOperator
+from tachk.model.expressions import BOOL, Expression, Unary
 from tachk.model.network import Process
+from tachk.operators import UnaryOperator
 
 
 class QueryKind(StrEnum):

@@ -12,12 +12,6 @@ from collections.abc import Iterator
 from tachk.records import dataclass
 
 DEFAULT_INT_LOW, DEFAULT_INT_HIGH = -32768, 32767
-CONSTANT_LOW, CONSTANT_HIGH = -(2**31), 2**31 - 1
-
-
-def wrapped(value: int) -> int:
-    """The 32-bit integer that a result becomes: arithmetic is modulo 2**32, as in UPPAAL."""
-    return (value - CONSTANT_LOW) % 2**32 + CONSTANT_LOW
 
 
 @dataclass(frozen=True, slots=True)

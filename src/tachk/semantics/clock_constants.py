@@ -7,22 +7,11 @@ from dataclasses import dataclass
 from itertools import product
 
 from tachk.model.cell_layout import CellLayout, cell_layout
-from tachk.model.expressions import (
-    Binary,
-    BinaryOperator,
-    Conditional,
-    Constant,
-    Expression,
-    Field,
-    Index,
-    Reference,
-    Unary,
-    UnaryOperator,
-    Variable,
-)
+from tachk.model.expressions import Binary, Conditional, Constant, Expression, Field, Index, Reference, Unary, Variable
 from tachk.model.network import Network
 from tachk.model.traversal import walk
-from tachk.model.types import CONSTANT_HIGH, CONSTANT_LOW, BoolType, ClockType, IntType, ScalarType, bounds, cell_count
+from tachk.model.types import BoolType, ClockType, IntType, ScalarType, bounds, cell_count
+from tachk.operators import CONSTANT_HIGH, CONSTANT_LOW, BinaryOperator, UnaryOperator
 from tachk.semantics.dbm import Constraint, raw_bound
 
 Interval = tuple[int, int]

@@ -11,19 +11,10 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 from tachk.model.evaluate import Environment, clock_number, evaluate
-from tachk.model.expressions import (
-    Binary,
-    BinaryOperator,
-    Comma,
-    Conditional,
-    Expression,
-    Quantifier,
-    QuantifierKind,
-    Unary,
-    UnaryOperator,
-)
+from tachk.model.expressions import Binary, Comma, Conditional, Expression, Quantifier, QuantifierKind, Unary
 from tachk.model.fault import EvaluationFault
 from tachk.model.types import ClockType, ScalarLike, bounds
+from tachk.operators import BinaryOperator, UnaryOperator
 from tachk.semantics.dbm import INFINITY, Constraint, bound_value, complement, raw_bound
 
 Conjunction = tuple[Constraint, ...]
@@ -32,15 +23,6 @@ Disjunction = list[Conjunction]
 
 TRUE: Disjunction = [()]
 FALSE: Disjunction = []
-
-_NEGATED = {
-    BinaryOperator.EQUAL: BinaryOperator.NOT_EQUAL,
-    BinaryOperator.NOT_EQUAL: BinaryOperator.EQUAL,
-    BinaryOperator.LESS: BinaryOperator.GREATER_EQUAL,
-    BinaryOperator.GREATER_EQUAL: BinaryOperator.LESS,
-    BinaryOperator.GREATER: BinaryOperator.LESS_EQUAL,
-    BinaryOperator.LESS_EQUAL: BinaryOperator.GREATER,
-}
 
 
 def compares_clocks(expression: Expression) -> bool:
@@ -190,7 +172,7 @@ def disjunctive(condition: Expression | None, environment: Environment, negated:
         case Binary(BinaryOperator.IMPLY, left, right):
             return _connect(left, False, right, True, environment, not negated)
         case Binary(operator, left, right) if isinstance(left.type, ClockType) or isinstance(right.type, ClockType):
-            return _comparison(_NEGATED[operator] if negated else operator, left, right, environment)
+            return _comparison(operator.negated if negated else operator, left, right, environment)
         case Binary(BinaryOperator.XOR | BinaryOperator.EQUAL | BinaryOperator.NOT_EQUAL as operator, left, right):
             same = (operator is BinaryOperator.EQUAL) is not negated
             return _connect(left, False, right, not same, environment, False) + _connect(

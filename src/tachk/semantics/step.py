@@ -14,8 +14,9 @@ from dataclasses import replace
 from fractions import Fraction
 
 from tachk.model.evaluate import Environment, holds
-from tachk.model.expressions import Binary, BinaryOperator, Expression, Unary, UnaryOperator
+from tachk.model.expressions import Binary, Expression, Unary
 from tachk.model.fault import EvaluationFault
+from tachk.operators import BinaryOperator, UnaryOperator
 from tachk.semantics.constraints import Disjunction, conditional_constraints, satisfied
 from tachk.semantics.dbm import INFINITY, Constraint, bound_value
 from tachk.semantics.discrete import (

@@ -10,7 +10,6 @@ from tachk.model.builder import NetworkBuilder, Operand, Term, bound_variable, c
 from tachk.model.expressions import (
     INT,
     Binary,
-    BinaryOperator,
     Block,
     Call,
     Constant,
@@ -28,6 +27,7 @@ from tachk.model.expressions import (
     While,
 )
 from tachk.model.types import ArrayType, IntType, RecordType, Type, VoidType
+from tachk.operators import BinaryOperator
 
 TOP = 2
 """All integers of random networks range over ``[0, TOP]``."""

@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from tachk.compiler.bytecode import Opcode
-from tachk.compiler.fold import apply_binary
 from tachk.compiler.program import Program
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.diagnostics.span import NOWHERE, Span
-from tachk.model.expressions import BinaryOperator
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
-from tachk.model.types import wrapped
+from tachk.operators import CONNECTIVES, BinaryOperator, OperandError, UnaryOperator
 
 INSTRUCTION_LIMIT = 2**24
 
@@ -29,35 +27,7 @@ _OPERANDS = {
     Opcode.CALL: 1,
     Opcode.CHECK_RANGE: 2,
 }
-_BINARY = {
-    Opcode.ADD: BinaryOperator.ADD,
-    Opcode.SUBTRACT: BinaryOperator.SUBTRACT,
-    Opcode.MULTIPLY: BinaryOperator.MULTIPLY,
-    Opcode.DIVIDE: BinaryOperator.DIVIDE,
-    Opcode.MODULO: BinaryOperator.MODULO,
-    Opcode.POWER: BinaryOperator.POWER,
-    Opcode.BIT_AND: BinaryOperator.BIT_AND,
-    Opcode.BIT_OR: BinaryOperator.BIT_OR,
-    Opcode.BIT_XOR: BinaryOperator.BIT_XOR,
-    Opcode.SHIFT_LEFT: BinaryOperator.SHIFT_LEFT,
-    Opcode.SHIFT_RIGHT: BinaryOperator.SHIFT_RIGHT,
-    Opcode.MINIMUM: BinaryOperator.MINIMUM,
-    Opcode.MAXIMUM: BinaryOperator.MAXIMUM,
-    Opcode.EQUAL: BinaryOperator.EQUAL,
-    Opcode.NOT_EQUAL: BinaryOperator.NOT_EQUAL,
-    Opcode.LESS: BinaryOperator.LESS,
-    Opcode.LESS_EQUAL: BinaryOperator.LESS_EQUAL,
-    Opcode.GREATER: BinaryOperator.GREATER,
-    Opcode.GREATER_EQUAL: BinaryOperator.GREATER_EQUAL,
-}
-_UNDEFINED = {
-    Opcode.DIVIDE: RuntimeErrorKind.DIVISION,
-    Opcode.MODULO: RuntimeErrorKind.DIVISION,
-    Opcode.SHIFT_LEFT: RuntimeErrorKind.SHIFT,
-    Opcode.SHIFT_RIGHT: RuntimeErrorKind.SHIFT,
-    Opcode.POWER: RuntimeErrorKind.NEGATIVE_EXPONENT,
-}
-"""The error of each instruction that has no value for some operands."""
+_BINARY = {Opcode[operator.name]: operator for operator in BinaryOperator if operator not in CONNECTIVES}
 
 
 @dataclass(slots=True)
@@ -128,9 +98,9 @@ class Machine:
                 case Opcode.OVER:
                     stack.append(stack[-2])
                 case Opcode.NEGATE:
-                    stack[-1] = wrapped(-stack[-1])
+                    stack[-1] = UnaryOperator.MINUS.compute(stack[-1])
                 case Opcode.NOT:
-                    stack[-1] = int(stack[-1] == 0)
+                    stack[-1] = UnaryOperator.NOT.compute(stack[-1])
                 case Opcode.BOOLEAN:
                     stack[-1] = int(stack[-1] != 0)
                 case Opcode.JUMP:
@@ -158,10 +128,10 @@ class Machine:
         raise self._fault(RuntimeErrorKind.LOOP, position)
 
     def _binary(self, opcode: Opcode, left: int, right: int, position: int) -> int:
-        value = apply_binary(_BINARY[opcode], left, right)
-        if value is not None:
-            return value
-        raise self._fault(_UNDEFINED[opcode], position)
+        try:
+            return _BINARY[opcode].compute(left, right)
+        except OperandError as error:
+            raise self._fault(RuntimeErrorKind[error.failure.name], position) from None
 
     def _store(self, slot: int, value: int, position: int) -> None:
         if not self.program.slots[slot].low <= value <= self.program.slots[slot].high:

@@ -28,7 +28,6 @@ from tachk.model.expressions import (
     Assert,
     Assign,
     Binary,
-    BinaryOperator,
     Block,
     Call,
     Comma,
@@ -50,7 +49,6 @@ from tachk.model.expressions import (
     Return,
     Statement,
     Unary,
-    UnaryOperator,
     Variable,
     VariableKind,
     While,
@@ -58,6 +56,7 @@ from tachk.model.expressions import (
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.network import Edge, Location, Network, Process
 from tachk.model.types import ArrayType, BoolType, ClockType, IntType, RecordType, Type
+from tachk.operators import BinaryOperator, UnaryOperator
 from tachk.testing.machine import Machine, initial_slots
 
 SMALL = IntType(-3, 6)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from tachk.compiler.divisors import divisor
 from tachk.compiler.fold import Known
 from tachk.model.builder import NetworkBuilder, Term, conditional
-from tachk.model.expressions import INT, Binary, BinaryOperator, Constant
+from tachk.model.expressions import INT, Binary, Constant
 from tachk.model.types import ArrayType, IntType
+from tachk.operators import BinaryOperator
 
 NETWORK = NetworkBuilder()
 INDEX = NETWORK.integer("index", 0, 3)

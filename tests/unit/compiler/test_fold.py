@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from itertools import product
-from typing import cast
 
 import pytest
 
@@ -16,7 +15,6 @@ from tachk.model.expressions import (
     INT,
     Assign,
     Binary,
-    BinaryOperator,
     Block,
     Call,
     Constant,
@@ -26,12 +24,12 @@ from tachk.model.expressions import (
     QuantifierKind,
     Reference,
     Unary,
-    UnaryOperator,
     Variable,
     VariableKind,
 )
 from tachk.model.fault import EvaluationFault
 from tachk.model.types import ArrayType, IntType, VoidType
+from tachk.operators import BinaryOperator, UnaryOperator
 
 NETWORK = NetworkBuilder()
 N = NETWORK.integer("n", 0, 9)
@@ -90,11 +88,6 @@ def test_arithmetic_wraps_around() -> None:
         (BinaryOperator.POWER, 10, 10**6, 0),
     ):
         assert fold(Binary(operator, Constant(left), Constant(right), INT), KNOWN) == Constant(value)
-
-
-def test_an_operator_without_a_meaning_is_no_other_operator() -> None:
-    with pytest.raises(AssertionError, match="unreachable"):
-        apply_binary(cast("BinaryOperator", ">>>"), -8, 28)
 
 
 @pytest.mark.parametrize("operator", list(BinaryOperator))

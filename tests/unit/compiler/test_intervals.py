@@ -17,7 +17,6 @@ from tachk.model.expressions import (
     INT,
     Assign,
     Binary,
-    BinaryOperator,
     Block,
     Call,
     Constant,
@@ -29,12 +28,12 @@ from tachk.model.expressions import (
     Reference,
     Return,
     Unary,
-    UnaryOperator,
     Variable,
     VariableKind,
 )
 from tachk.model.fault import EvaluationFault
 from tachk.model.types import ArrayType, IntType
+from tachk.operators import BinaryOperator, UnaryOperator
 
 NETWORK = NetworkBuilder()
 A = NETWORK.integer("a", -4, 3)

@@ -16,7 +16,6 @@ from tachk.model.expressions import (
     INT,
     Assign,
     Binary,
-    BinaryOperator,
     Block,
     Call,
     Constant,
@@ -29,6 +28,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Edge, Location, Network, Process
 from tachk.model.types import ArrayType, ClockType, IntType, VoidType
+from tachk.operators import BinaryOperator
 from tachk.testing.machine import Machine, initial_slots, site
 
 

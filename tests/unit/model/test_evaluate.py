@@ -15,7 +15,6 @@ from tachk.model.expressions import (
     Assert,
     Assign,
     Binary,
-    BinaryOperator,
     Block,
     Call,
     Conditional,
@@ -42,6 +41,7 @@ from tachk.model.expressions import (
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.network import Network, Process
 from tachk.model.types import ArrayType, ChannelType, ClockType, IntType, RecordType, VoidType
+from tachk.operators import BinaryOperator
 
 SMALL = IntType(0, 5)
 PAIR = RecordType("pair", (("a", INT), ("b", SMALL)))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.model.expressions import Constant, Unary, UnaryOperator
+from tachk.model.expressions import Constant, Unary
 from tachk.model.query import Query, QueryKind
+from tachk.operators import UnaryOperator
 
 PREDICATE = Constant(1)
 

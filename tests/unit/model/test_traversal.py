@@ -6,7 +6,6 @@ from tachk.model.expressions import (
     INT,
     Assign,
     Binary,
-    BinaryOperator,
     Block,
     Call,
     Conditional,
@@ -22,6 +21,7 @@ from tachk.model.expressions import (
     VariableKind,
 )
 from tachk.model.traversal import called_functions, returned, roots, statement_expressions, walk, written_variables
+from tachk.operators import BinaryOperator
 
 
 def variable(name: str, reference: bool = False) -> Variable:

@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from tachk.model.builder import NetworkBuilder, Term, bound_variable, conditional, quantifier
 from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, holds
-from tachk.model.expressions import BOOL, Binary, BinaryOperator, QuantifierKind
+from tachk.model.expressions import BOOL, Binary, QuantifierKind
 from tachk.model.fault import EvaluationFault
 from tachk.model.types import IntType
+from tachk.operators import BinaryOperator
 from tachk.semantics import dbm
 from tachk.semantics.constraints import FALSE, TRUE, disjunctive
 

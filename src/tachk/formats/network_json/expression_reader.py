@@ -10,7 +10,6 @@ from tachk.model.expressions import (
     Assert,
     Assign,
     Binary,
-    BinaryOperator,
     Block,
     Call,
     Comma,
@@ -33,11 +32,11 @@ from tachk.model.expressions import (
     Return,
     Statement,
     Unary,
-    UnaryOperator,
     Variable,
     VariableKind,
     While,
 )
+from tachk.operators import BinaryOperator, UnaryOperator
 
 
 @dataclass(slots=True)

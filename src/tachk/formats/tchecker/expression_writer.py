@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from itertools import chain
 
 from tachk.compiler.conditions import ClockAtom
-from tachk.compiler.fold import COMPARISONS, Known, cannot_fail, fold, fold_place, known_cell, negate
+from tachk.compiler.fold import Known, cannot_fail, fold, fold_place, known_cell, negate
 from tachk.compiler.slot_layout import cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
@@ -22,7 +22,6 @@ from tachk.model.expressions import (
     Aggregate,
     Assign,
     Binary,
-    BinaryOperator,
     Call,
     Comma,
     Conditional,
@@ -35,11 +34,11 @@ from tachk.model.expressions import (
     QuantifierKind,
     Reference,
     Unary,
-    UnaryOperator,
     Variable,
 )
 from tachk.model.traversal import walk, written_variables
 from tachk.model.types import ArrayType, BoolType, ClockType, RecordType, Type
+from tachk.operators import COMPARISONS, CONNECTIVES, BinaryOperator, UnaryOperator
 
 _ARITHMETIC = {
     BinaryOperator.ADD,
@@ -157,7 +156,7 @@ class TermPrinter:
                 raise refused(f"functions: `{function.name}` is called", expression.span, "write out what it does")
             case Assign() | Increment() | Comma():
                 raise refused("assignment inside an expression", expression.span, "make it an update of its own")
-            case Binary(operator) if operator not in COMPARISONS and not _is_logical(expression):
+            case Binary(operator) if operator not in COMPARISONS and operator not in CONNECTIVES:
                 raise refused(f"operator `{operator.value}`", expression.span)
             case _:
                 return f"(if {self.condition(expression)} then 1 else 0)"
@@ -316,15 +315,6 @@ def cells(value: Expression) -> Iterator[Expression]:
 
 def initial_cells(variable: Variable) -> tuple[int, ...]:
     return variable.initial or default_cells(variable.type)
-
-
-def _is_logical(expression: Binary) -> bool:
-    return expression.operator in (
-        BinaryOperator.AND,
-        BinaryOperator.OR,
-        BinaryOperator.IMPLY,
-        BinaryOperator.XOR,
-    )
 
 
 def _variables(expression: Expression) -> Iterator[Variable]:

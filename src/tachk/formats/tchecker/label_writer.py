@@ -11,18 +11,10 @@ from dataclasses import dataclass
 
 from tachk.compiler.fold import Known
 from tachk.formats.tchecker.expression_writer import written_out
-from tachk.model.expressions import (
-    Binary,
-    BinaryOperator,
-    Conditional,
-    Constant,
-    Expression,
-    LocationTest,
-    Unary,
-    UnaryOperator,
-)
+from tachk.model.expressions import Binary, Conditional, Constant, Expression, LocationTest, Unary
 from tachk.model.network import Network
 from tachk.model.query import Query
+from tachk.operators import BinaryOperator, UnaryOperator
 
 MAXIMUM_ALTERNATIVES = 256
 

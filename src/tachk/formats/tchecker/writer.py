@@ -22,21 +22,12 @@ from tachk.diagnostics.span import Span
 from tachk.formats.tchecker.expression_writer import TermPrinter, cell_name, cells, initial_cells, refused, written_out
 from tachk.formats.tchecker.label_writer import QueryLabels, query_labels
 from tachk.frontend.declarations.channels import channel_variable
-from tachk.model.expressions import (
-    BOOL,
-    Binary,
-    BinaryOperator,
-    Constant,
-    Expression,
-    Field,
-    Index,
-    Reference,
-    Variable,
-)
+from tachk.model.expressions import BOOL, Binary, Constant, Expression, Field, Index, Reference, Variable
 from tachk.model.network import Direction, Edge, Network, Process
 from tachk.model.query import Query
 from tachk.model.traversal import walk
 from tachk.model.types import ArrayType, ChannelType, ClockType, RecordType, Type, cell_count
+from tachk.operators import BinaryOperator
 
 MAXIMUM_EDGES = 2**17
 """Edges of one file after the expansion of ``select``."""

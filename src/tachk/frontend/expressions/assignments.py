@@ -5,8 +5,9 @@ from __future__ import annotations
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.places import converted
 from tachk.frontend.expressions.typing import CHANNEL_HELP, can_assign, describe, is_integral
-from tachk.model.expressions import Assign, BinaryOperator, Expression
+from tachk.model.expressions import Assign, Expression
 from tachk.model.types import ChannelType, ClockType, ScalarType, Type, element_type
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 
 

@@ -7,7 +7,6 @@ from tachk.model.expressions import (
     BOOL,
     INT,
     Binary,
-    BinaryOperator,
     Block,
     Conditional,
     Constant,
@@ -15,11 +14,11 @@ from tachk.model.expressions import (
     Reference,
     Return,
     Unary,
-    UnaryOperator,
     Variable,
     VariableKind,
 )
 from tachk.model.types import IntType, Type
+from tachk.operators import BinaryOperator, UnaryOperator
 
 BUILTIN_TYPES: dict[str, Type] = {
     "int8_t": IntType(-(2**7), 2**7 - 1),

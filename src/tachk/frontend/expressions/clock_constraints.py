@@ -17,34 +17,18 @@ from tachk.frontend.expressions.folding import substitute
 from tachk.model.expressions import (
     BOOL,
     INT,
-    MIRRORED_COMPARISON,
     Binary,
-    BinaryOperator,
     Conditional,
     Constant,
     Expression,
     Quantifier,
     QuantifierKind,
     Unary,
-    UnaryOperator,
 )
 from tachk.model.traversal import children, walk
 from tachk.model.types import BoolType, ClockType, IntType, ScalarType, bounds
+from tachk.operators import COMPARISONS, BinaryOperator, UnaryOperator
 
-COMPARISONS = {
-    BinaryOperator.EQUAL,
-    BinaryOperator.NOT_EQUAL,
-    BinaryOperator.LESS,
-    BinaryOperator.LESS_EQUAL,
-    BinaryOperator.GREATER,
-    BinaryOperator.GREATER_EQUAL,
-}
-_NEGATED = {
-    BinaryOperator.LESS: BinaryOperator.GREATER_EQUAL,
-    BinaryOperator.LESS_EQUAL: BinaryOperator.GREATER,
-    BinaryOperator.GREATER: BinaryOperator.LESS_EQUAL,
-    BinaryOperator.GREATER_EQUAL: BinaryOperator.LESS,
-}
 _SPLIT_HELP = "a zone cannot be split by one {where}; use two edges, one for each case"
 
 
@@ -90,7 +74,7 @@ def compare(
     """The comparison of two terms, of which at least one contains a clock."""
     first, second = _sum(left), _sum(right)
     if not (first.plus or first.minus):
-        first, second, operator = second, first, MIRRORED_COMPARISON[operator]
+        first, second, operator = second, first, operator.mirrored
     plus, minus = [*first.plus, *second.minus], [*first.minus, *second.plus]
     for clock in tuple(plus):
         if clock in minus:
@@ -105,7 +89,7 @@ def compare(
         )
         return None
     if not plus:
-        first, second, operator = second, first, MIRRORED_COMPARISON[operator]
+        first, second, operator = second, first, operator.mirrored
         plus, minus = minus, plus
     constant = _add(second.rest, first.rest, BinaryOperator.SUBTRACT, span) or Constant(0, span=span)
     if not plus:
@@ -196,7 +180,7 @@ def _convex(
                     _SPLIT_HELP.format(where=where),
                 )
                 return None
-            return Binary(_NEGATED[operator], left, node.right, BOOL, node.span)
+            return Binary(operator.negated, left, node.right, BOOL, node.span)
         case Binary(BinaryOperator.AND, left, right):
             return _connect(left, positive, right, positive, positive, node.span, where, known, context)
         case Binary(BinaryOperator.OR, left, right):

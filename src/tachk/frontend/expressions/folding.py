@@ -18,7 +18,6 @@ from tachk.model.expressions import (
     Aggregate,
     Assign,
     Binary,
-    BinaryOperator,
     Call,
     Comma,
     Conditional,
@@ -32,11 +31,11 @@ from tachk.model.expressions import (
     Quantifier,
     Reference,
     Unary,
-    UnaryOperator,
     Variable,
 )
 from tachk.model.fault import EvaluationFault
 from tachk.model.types import ArrayType, BoolType, ClockType, IntType, RecordType, ScalarType, Type, cell_count
+from tachk.operators import BinaryOperator, UnaryOperator
 
 _EMPTY = Environment(CellLayout({}, (), (), (), (), (), (), ()), [])
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from tachk.diagnostics.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.expressions import folding as fold
-from tachk.frontend.expressions.clock_constraints import COMPARISONS, compare
+from tachk.frontend.expressions.clock_constraints import compare
 from tachk.frontend.expressions.typing import (
     CHANNEL_HELP,
     CLOCK_VALUE_HELP,
@@ -15,8 +15,9 @@ from tachk.frontend.expressions.typing import (
     is_integral,
     same_shape,
 )
-from tachk.model.expressions import BOOL, INT, Binary, BinaryOperator, Expression
+from tachk.model.expressions import BOOL, INT, Binary, Expression
 from tachk.model.types import ChannelType, ClockType, ScalarType, Type, element_type
+from tachk.operators import COMPARISONS, BinaryOperator
 
 
 def combine(

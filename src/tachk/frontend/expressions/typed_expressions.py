@@ -45,7 +45,6 @@ from tachk.frontend.scope import (
 from tachk.model.expressions import (
     BOOL,
     INT,
-    BinaryOperator,
     Call,
     Comma,
     Constant,
@@ -57,18 +56,11 @@ from tachk.model.expressions import (
     Quantifier,
     QuantifierKind,
     Reference,
-    UnaryOperator,
     Variable,
     VariableKind,
 )
-from tachk.model.types import (
-    CONSTANT_HIGH,
-    BoolType,
-    ClockType,
-    IntType,
-    Type,
-    bounds,
-)
+from tachk.model.types import BoolType, ClockType, IntType, Type, bounds
+from tachk.operators import CONNECTIVES, CONSTANT_HIGH, BinaryOperator, UnaryOperator
 from tachk.syntax import ast
 from tachk.time_limit import check_time
 
@@ -77,7 +69,6 @@ _CONNECTIVES = {
     QuantifierKind.EXISTS: BinaryOperator.OR,
     QuantifierKind.SUM: BinaryOperator.ADD,
 }
-_LOGICAL = {BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY, BinaryOperator.XOR}
 
 
 def type_reader(scope: Scope, context: Context) -> TypeReader:
@@ -213,7 +204,7 @@ def _unary(node: ast.UnaryExpression, scope: Scope, context: Context) -> Express
 
 def _binary(node: ast.BinaryExpression, scope: Scope, context: Context) -> Expression | None:
     operator = BinaryOperator(node.operator)
-    if operator in _LOGICAL:
+    if operator in CONNECTIVES:
         first, second = condition(node.left, scope, context), condition(node.right, scope, context)
         if first is None or second is None:
             return None

@@ -6,8 +6,6 @@ from typing import TypeGuard, assert_never
 
 from tachk.model.expressions import Call, Conditional, Constant, Expression, Field, Index, Reference
 from tachk.model.types import (
-    CONSTANT_HIGH,
-    CONSTANT_LOW,
     DEFAULT_INT_HIGH,
     DEFAULT_INT_LOW,
     ArrayType,
@@ -21,6 +19,7 @@ from tachk.model.types import (
     VoidType,
     leaves,
 )
+from tachk.operators import CONSTANT_HIGH, CONSTANT_LOW
 
 WIDE = IntType(CONSTANT_LOW, CONSTANT_HIGH)
 """The type of constants: the full 32 bits."""

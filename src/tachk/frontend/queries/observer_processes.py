@@ -14,10 +14,11 @@ from tachk.frontend.scope import FamilySymbol, ProcessSymbol, Scope
 from tachk.frontend.templates.templates import elaborate_process
 from tachk.logic.observer.construction import BAD, NoObserver, build_observer
 from tachk.logic.sentences import meaning
-from tachk.model.expressions import BOOL, Call, Deadlock, Expression, LocationTest, Unary, UnaryOperator
+from tachk.model.expressions import BOOL, Call, Deadlock, Expression, LocationTest, Unary
 from tachk.model.query import Expectation, Observer, Query, QueryKind
 from tachk.model.traversal import called_functions, statement_expressions, walk
 from tachk.model.types import ClockType
+from tachk.operators import UnaryOperator
 from tachk.syntax import ast
 from tachk.syntax.formula import Atom, Change, Formula, operands
 from tachk.syntax.formulas.printer import print_formula

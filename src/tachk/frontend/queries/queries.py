@@ -14,11 +14,12 @@ from tachk.frontend.expressions.typing import describe, is_integral
 from tachk.frontend.findings import Findings
 from tachk.frontend.queries.expectations import claim
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
-from tachk.model.expressions import Binary, BinaryOperator, Deadlock, Expression, Unary
+from tachk.model.expressions import Binary, Deadlock, Expression, Unary
 from tachk.model.network import Signal
 from tachk.model.query import Expectation, Query, QueryKind
 from tachk.model.traversal import walk
 from tachk.model.types import ClockType, ScalarType
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.query_files import BrokenQuery
 

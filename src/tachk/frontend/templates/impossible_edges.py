@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from tachk.diagnostics.diagnostic import Label
 from tachk.diagnostics.span import Span
 from tachk.frontend.context import Context
-from tachk.model.expressions import MIRRORED_COMPARISON, Binary, BinaryOperator, Constant, Expression
+from tachk.model.expressions import Binary, Constant, Expression
 from tachk.model.network import Edge, Network, Process
 from tachk.model.types import ClockType
+from tachk.operators import BinaryOperator
 
 _BELOW = (BinaryOperator.LESS, BinaryOperator.LESS_EQUAL, BinaryOperator.EQUAL)
 _ABOVE = (BinaryOperator.GREATER, BinaryOperator.GREATER_EQUAL, BinaryOperator.EQUAL)
@@ -59,7 +60,7 @@ def _bounds(condition: Expression) -> Iterator[Bound]:
         case Binary(operator, left, Constant(value)) if isinstance(left.type, ClockType):
             yield left, operator, value, condition.span
         case Binary(operator, Constant(value), right) if isinstance(right.type, ClockType):
-            yield right, MIRRORED_COMPARISON[operator], value, condition.span
+            yield right, operator.mirrored, value, condition.span
 
 
 def _exclude(one: Bound, other: Bound) -> bool:

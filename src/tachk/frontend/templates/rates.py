@@ -11,8 +11,9 @@ from tachk.frontend.expressions.clock_constraints import convex, forbid
 from tachk.frontend.expressions.typed_expressions import condition, expression, type_reader
 from tachk.frontend.expressions.typing import describe, is_integral, value_range
 from tachk.frontend.scope import Scope, ValueSymbol
-from tachk.model.expressions import BOOL, BinaryOperator, Block, Call, Constant, Expression, Function, Return
+from tachk.model.expressions import BOOL, Block, Call, Constant, Expression, Function, Return
 from tachk.model.types import ClockType, IntType, bounds
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 
 Rates = tuple[tuple[Expression, Expression], ...]

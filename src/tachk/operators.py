@@ -1,0 +1,227 @@
+"""The operators of the language: one row for each, and every fact about it in that row.
+
+The printer, the evaluator, the folders, the compiler and what asks what other tools know all read this table. Who adds
+an operator adds a row; one without it stops the import. What code computes at run time is the C++ core's own, and
+judged by this table on random expressions.
+"""
+
+from __future__ import annotations
+
+import operator as op
+from collections.abc import Callable
+from enum import Enum, StrEnum
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+CONSTANT_LOW, CONSTANT_HIGH = -(2**31), 2**31 - 1
+"""Numbers have 32 bits."""
+
+
+def wrapped(value: int) -> int:
+    """The 32-bit number with the same low bits."""
+    return (value - CONSTANT_LOW) % 2**32 + CONSTANT_LOW
+
+
+class Group(Enum):
+    """What an operator takes and gives."""
+
+    ARITHMETIC = 1
+    """Two numbers to a number."""
+    COMPARISON = 2
+    """Two numbers or clocks to a truth value."""
+    CONNECTIVE = 3
+    """Two truth values to a truth value; every number but 0 is true."""
+
+
+class Failure(StrEnum):
+    """Why an operation has no value; the value says it of one. Named like the run-time errors."""
+
+    DIVISION = "{left} divided by 0"
+    SHIFT = "the distance is {right}"
+    NEGATIVE_EXPONENT = "the exponent is {right}"
+
+
+class OperandError(ArithmeticError):
+    """An operation has no value for these operands."""
+
+    def __init__(self, failure: Failure, left: int, right: int) -> None:
+        self.failure = failure
+        super().__init__(failure.value.format(left=left, right=right))
+
+
+class UnaryOperator(StrEnum):
+    MINUS = "-"
+    NOT = "!"
+
+    def compute(self, operand: int) -> int:
+        """The value, of 32 bits."""
+        return _UNARY[self](operand)
+
+
+class BinaryOperator(StrEnum):
+    """The value of a member is how it is written."""
+
+    ADD = "+"
+    SUBTRACT = "-"
+    MULTIPLY = "*"
+    DIVIDE = "/"
+    """Truncates towards zero, as in C; division by zero is a run-time error."""
+    MODULO = "%"
+    """Sign of the dividend, as in C."""
+    POWER = "**"
+    BIT_AND = "&"
+    BIT_OR = "|"
+    BIT_XOR = "^"
+    SHIFT_LEFT = "<<"
+    SHIFT_RIGHT = ">>"
+    AND = "&&"
+    """Evaluates its right side only if the left side is true; likewise OR and IMPLY."""
+    OR = "||"
+    IMPLY = "imply"
+    XOR = "xor"
+    EQUAL = "=="
+    NOT_EQUAL = "!="
+    LESS = "<"
+    LESS_EQUAL = "<="
+    GREATER = ">"
+    GREATER_EQUAL = ">="
+    MINIMUM = "<?"
+    MAXIMUM = ">?"
+
+    @property
+    def word(self) -> str | None:
+        """Another spelling."""
+        return _ROWS[self].word
+
+    @property
+    def level(self) -> int:
+        """How strongly it binds: the larger, the stronger. All associate to the left."""
+        return _ROWS[self].level
+
+    @property
+    def group(self) -> Group:
+        return _ROWS[self].group
+
+    @property
+    def associative(self) -> bool:
+        """Whether ``a o (b o c)`` is ``(a o b) o c``."""
+        return _ROWS[self].associative
+
+    @property
+    def decided_by(self) -> bool | None:
+        """The truth of the left side with which the right side is not evaluated; None where it always is."""
+        return _ROWS[self].decided_by
+
+    @property
+    def total(self) -> bool:
+        """Whether there is a value for all operands."""
+        return _ROWS[self].failure is None
+
+    @property
+    def negated(self) -> BinaryOperator:
+        """The comparison that is true where this one is false."""
+        return self._other(_ROWS[self].negated)
+
+    @property
+    def mirrored(self) -> BinaryOperator:
+        """The comparison that says the same with its sides exchanged."""
+        return self._other(_ROWS[self].mirrored)
+
+    @property
+    def since(self) -> tuple[int, int] | None:
+        """The first version of UPPAAL that knows it, as far as tachk distinguishes them; None for none."""
+        return _ROWS[self].since
+
+    def compute(self, left: int, right: int) -> int:
+        """The value, of 32 bits. Raises OperandError where there is none."""
+        row = _ROWS[self]
+        if row.failure is not None and not self.defined_for(right, right):
+            raise OperandError(row.failure, left, right)
+        return wrapped(int(row.meaning(left, right)))
+
+    def holds(self, left: int | Fraction, right: int | Fraction) -> bool:
+        """Whether a comparison is true of two numbers or clock values."""
+        row = _ROWS[self]
+        if row.group is not Group.COMPARISON:
+            raise ValueError(f"{self} is not a comparison")
+        return bool(row.meaning(left, right))
+
+    def defined_for(self, low: int, high: int) -> bool:
+        """Whether there is a value for every right side from ``low`` to ``high``."""
+        return any(first <= low and high <= last for first, last in _ROWS[self].rights)
+
+    def _other(self, name: str) -> BinaryOperator:
+        if not name:
+            raise ValueError(f"{self} is not a comparison")
+        return BinaryOperator(name)
+
+
+def _quotient(left: int, right: int) -> int:
+    size = abs(left) // abs(right)
+    return size if (left < 0) == (right < 0) else -size
+
+
+_EVERY = ((CONSTANT_LOW, CONSTANT_HIGH),)
+_UPPAAL_4, _UPPAAL_5 = (4, 0), (5, 0)
+
+
+class _Row(NamedTuple):
+    """One operator; the columns are explained at the properties of `BinaryOperator`.
+
+    Attributes:
+        meaning: the exact value; connectives get all operands.
+        failure: what it is if the right side lies outside ``rights``.
+    """
+
+    level: int
+    group: Group
+    meaning: Callable[[Any, Any], int]
+    since: tuple[int, int] | None = _UPPAAL_4
+    associative: bool = False
+    word: str | None = None
+    decided_by: bool | None = None
+    failure: Failure | None = None
+    rights: tuple[tuple[int, int], ...] = _EVERY
+    negated: str = ""
+    mirrored: str = ""
+
+
+_A, _C, _L = Group.ARITHMETIC, Group.COMPARISON, Group.CONNECTIVE
+_DIVISORS = ((CONSTANT_LOW, -1), (1, CONSTANT_HIGH))
+_DISTANCES = ((0, 31),)
+_EXPONENTS = ((0, CONSTANT_HIGH),)
+_O = BinaryOperator
+_ROWS = {
+    _O.OR: _Row(3, _L, lambda a, b: a != 0 or b != 0, associative=True, word="or", decided_by=True),
+    _O.IMPLY: _Row(3, _L, lambda a, b: a == 0 or b != 0, decided_by=False),
+    _O.XOR: _Row(3, _L, lambda a, b: (a != 0) != (b != 0), _UPPAAL_5, associative=True),
+    _O.AND: _Row(4, _L, lambda a, b: a != 0 and b != 0, associative=True, word="and", decided_by=False),
+    _O.BIT_OR: _Row(5, _A, op.or_, associative=True),
+    _O.BIT_XOR: _Row(6, _A, op.xor, associative=True),
+    _O.BIT_AND: _Row(7, _A, op.and_, associative=True),
+    _O.EQUAL: _Row(8, _C, op.eq, negated="!=", mirrored="=="),
+    _O.NOT_EQUAL: _Row(8, _C, op.ne, negated="==", mirrored="!="),
+    _O.LESS: _Row(9, _C, op.lt, negated=">=", mirrored=">"),
+    _O.LESS_EQUAL: _Row(9, _C, op.le, negated=">", mirrored=">="),
+    _O.GREATER: _Row(9, _C, op.gt, negated="<=", mirrored="<"),
+    _O.GREATER_EQUAL: _Row(9, _C, op.ge, negated="<", mirrored="<="),
+    _O.MINIMUM: _Row(10, _A, min, associative=True),
+    _O.MAXIMUM: _Row(10, _A, max, associative=True),
+    _O.SHIFT_LEFT: _Row(11, _A, op.lshift, failure=Failure.SHIFT, rights=_DISTANCES),
+    _O.SHIFT_RIGHT: _Row(11, _A, op.rshift, failure=Failure.SHIFT, rights=_DISTANCES),
+    _O.ADD: _Row(12, _A, op.add, associative=True),
+    _O.SUBTRACT: _Row(12, _A, op.sub),
+    _O.MULTIPLY: _Row(13, _A, op.mul, associative=True),
+    _O.DIVIDE: _Row(13, _A, _quotient, failure=Failure.DIVISION, rights=_DIVISORS),
+    _O.MODULO: _Row(13, _A, lambda a, b: a - _quotient(a, b) * b, failure=Failure.DIVISION, rights=_DIVISORS),
+    _O.POWER: _Row(
+        14, _A, lambda a, b: pow(a, b, 2**32), _UPPAAL_5, failure=Failure.NEGATIVE_EXPONENT, rights=_EXPONENTS
+    ),
+}
+_UNARY: dict[UnaryOperator, Callable[[int], int]] = {
+    UnaryOperator.MINUS: lambda a: wrapped(-a),
+    UnaryOperator.NOT: lambda a: int(a == 0),
+}
+
+COMPARISONS = frozenset(each for each in BinaryOperator if each.group is Group.COMPARISON)
+CONNECTIVES = frozenset(each for each in BinaryOperator if each.group is Group.CONNECTIVE)
