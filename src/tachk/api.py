@@ -304,9 +304,10 @@ class Model:
         from tachk.engines.zone_graph import zone_graph
         from tachk.properties.verify import check_initial_state
         from tachk.report.run.zone_view import as_networkx
+        from tachk.semantics.discrete import prepare
 
         check_selections(self.network)
-        check_initial_state(self.network)
+        check_initial_state(prepare(self.network))
         return as_networkx(self.network, zone_graph(self.network, limit))
 
     def __repr__(self) -> str:

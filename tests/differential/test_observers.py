@@ -12,7 +12,6 @@ import pytest
 from tachk.engines.digitised import _capped, _next_region, _spread
 from tachk.logic.observer.construction import NoObserver, build_observer
 from tachk.properties.observed import observed
-from tachk.properties.plan import Task
 from tachk.semantics.clock_constants import clock_constants
 from tachk.semantics.discrete import Model, prepare
 from tachk.semantics.step import StepError, delay, initial_state, successors
@@ -105,7 +104,8 @@ def test_no_option_changes_the_verdict_of_an_observer(block: int) -> None:
         network = random_case(random, SMALL).network
         query = random_watched(random, network)
         if query is not None:
-            case = Case(observed(network, query.observer), (Task.of(query).target,))
+            assert query.target is not None
+            case = Case(observed(network, query.observer), (query.target,))
             assert compare(case, VARIANTS, Effort(200, 300)).problems == (), f"seed {seed}"
 
 

@@ -13,6 +13,7 @@ from tachk.engines.concretise import concretise
 from tachk.engines.options import Limits
 from tachk.engines.outcome import Status
 from tachk.model.builder import NetworkBuilder, Term
+from tachk.semantics.discrete import prepare
 
 Reaches = Callable[[NetworkBuilder, Term], bool]
 
@@ -34,9 +35,9 @@ def reaches() -> Reaches:
         for outcome in outcomes:
             path = outcome.goals[0].path
             if path is not None:
-                run = concretise(network, path, goal)
+                run = concretise(prepare(network), path, goal)
                 assert run is not None
-                replay(network, run, goal)
+                replay(prepare(network), run, goal)
         (status,) = statuses
         assert status is not Status.UNDECIDED
         return status is Status.REACHED

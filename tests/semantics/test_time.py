@@ -157,12 +157,12 @@ def test_a_stopped_clock_keeps_its_value() -> None:
     for outcome in found:
         assert not outcome.exact
         assert outcome.goals[0].path is not None
-        run = concretise(network.build(), outcome.goals[0].path, goals[0])
+        run = concretise(prepare(network.build()), outcome.goals[0].path, goals[0])
         assert run is not None
         assert run.states[-1].clocks == (6, 1)
         for goal, outcome_of_goal in zip(goals[1:], outcome.goals[1:], strict=True):
             path = outcome_of_goal.path
-            assert path is None or concretise(network.build(), path, goal) is None
+            assert path is None or concretise(prepare(network.build()), path, goal) is None
 
 
 def test_deadlock_means_no_action_now_or_later(reaches) -> None:
@@ -256,9 +256,9 @@ def test_time_that_does_not_move_a_stopped_clock_does_not_end_a_deadlock() -> No
     for outcome in (reference.explore(network.build(), goals), zone.explore(program, lowered)):
         for goal, found in zip(goals, outcome.goals, strict=True):
             assert found.path is not None
-            run = concretise(network.build(), found.path, goal)
+            run = concretise(prepare(network.build()), found.path, goal)
             assert run is not None
-            replay(network.build(), run, goal)
+            replay(prepare(network.build()), run, goal)
 
 
 def test_an_invariant_on_a_difference_lets_time_pass(reaches) -> None:
@@ -283,9 +283,9 @@ def test_a_stopped_clock_does_not_come_to_a_guard() -> None:
     for outcome in (reference.explore(network.build(), [goal]), zone.explore(program, lowered)):
         path = outcome.goals[0].path
         assert path is not None
-        run = concretise(network.build(), path, goal)
+        run = concretise(prepare(network.build()), path, goal)
         assert run is not None
-        replay(network.build(), run, goal)
+        replay(prepare(network.build()), run, goal)
 
 
 def test_an_urgent_channel_waits_for_the_guard_of_its_receiver(reaches) -> None:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
-from tachk.model.network import Network
-from tachk.semantics.discrete import Model, prepare
+from tachk.semantics.discrete import Model
 from tachk.semantics.step import StepError, delay, fire, initial_state, satisfies
 from tachk.semantics.timed_trace import TimedState, TimedStep, TimedTrace
 
@@ -22,13 +21,12 @@ class ReplayError(Exception):
         super().__init__(f"step {step}: {reason}")
 
 
-def replay(network: Network, trace: TimedTrace, predicate: Expression | None = None) -> None:
-    """Checks that a trace is a run of the network and, if a predicate is given, that it holds in the last state.
+def replay(model: Model, trace: TimedTrace, predicate: Expression | None = None) -> None:
+    """Checks that a trace is a run of the model and, if a predicate is given, that it holds in the last state.
 
     Every delay must be able to pass, every transition must be enabled, every state must be the one that results.
     Raises ReplayError otherwise.
     """
-    model = prepare(network)
     number = 0
     try:
         state = initial_state(model)

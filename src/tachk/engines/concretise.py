@@ -9,7 +9,6 @@ from fractions import Fraction
 from tachk.engines.schedule import Moment, Phase, Requirement, any_solution, earliest
 from tachk.model.expressions import Deadlock, Expression
 from tachk.model.fault import EvaluationFault
-from tachk.model.network import Network
 from tachk.model.traversal import walk
 from tachk.semantics import dbm, symbolic
 from tachk.semantics.constraints import certain, conditional_constraints
@@ -18,23 +17,20 @@ from tachk.semantics.discrete import (
     Model,
     environment,
     execute_updates,
-    has_priorities,
     initial_discrete,
     may_delay,
-    prepare,
     stopped_clocks,
 )
 from tachk.semantics.timed_trace import DiscreteState, TimedState, TimedStep, TimedTrace, Transition
 
 
-def concretise(network: Network, path: Sequence[Transition], predicate: Expression | None = None) -> TimedTrace | None:
+def concretise(model: Model, path: Sequence[Transition], predicate: Expression | None = None) -> TimedTrace | None:
     """A run that takes the transitions of a path, early, and ends in a state of the predicate; None if there is none.
 
     The predicate may ask for deadlock. There is no run either where evaluating something goes wrong. A delay after the
     last transition is added where the predicate needs it. Raises ValueError if a transition cannot belong to the path
     for its edges and values alone.
     """
-    model = prepare(network)
     try:
         states, phases = _discrete_run(model, path)
         requirements = [r for k, t in enumerate(path) for r in _of_phase(model, states[k], k, t)]
@@ -82,7 +78,7 @@ def _of_phase(model: Model, discrete: DiscreteState, phase: int, leaves_by: Tran
             yield _at_end(phase, condition)
     if leaves_by is not None:
         yield _at_end(phase, symbolic.guard_of(model, discrete, leaves_by))
-        if has_priorities(model):
+        if model.has_priorities:
             yield _at_end(phase, _unblocked(model, discrete, leaves_by))
     if may_delay(model, discrete) and any(type_.urgent for type_, _ in model.channels):
         here = symbolic.situation(model, discrete)

@@ -120,6 +120,12 @@ class Network:
         shown = ", ".join(names if len(names) <= 8 else [*names[:7], f"and {len(names) - 7} more"])
         return f"<Network of {shown or 'no process'}>"
 
+    @property
+    def has_priorities(self) -> bool:
+        """Whether any two transitions can differ in priority."""
+        of_channels = {priority for variable in self.all_variables() for priority in variable.priorities}
+        return not of_channels <= {self.default_priority} or len({p.priority for p in self.processes}) > 1
+
     def hides(self, process: Process) -> bool:
         """Whether told runs leave the process out."""
         return process.name in self.hidden or process.template in self.hidden

@@ -10,7 +10,7 @@ from tachk.engines.concretise import concretise
 from tachk.engines.outcome import RunTimeFault
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.network import Network
-from tachk.semantics.discrete import execute_updates, prepare
+from tachk.semantics.discrete import Model, execute_updates
 from tachk.semantics.timed_trace import TimedTrace
 from tachk.time_limit import OutOfTimeError, time_limit
 
@@ -47,27 +47,27 @@ def diagnostic_of(fault: RunTimeFault) -> Diagnostic:
     return Diagnostic(code, f"run-time error: {message}{detail}", fault.span, help)
 
 
-def explain(network: Network, fault: RunTimeFault, seconds: float | None = None) -> RunTimeFault:
+def explain(model: Model, fault: RunTimeFault, seconds: float | None = None) -> RunTimeFault:
     """The fault with its run and, where an update failed, the values as the reference evaluator finds them.
 
     Args:
         seconds: how long that may take; what is not found by then is left out. The run is one of Python, in which a
             function that loops takes many seconds.
     """
-    placed = replace(fault, span=_place(network, fault))
+    placed = replace(fault, span=_place(model.network, fault))
     try:
         with time_limit(seconds):
-            run = concretise(network, fault.path)
-            return replace(placed, detail=_detail(network, fault, run), run=run)
+            run = concretise(model, fault.path)
+            return replace(placed, detail=_detail(model, fault, run), run=run)
     except OutOfTimeError:
         return placed
 
 
-def _detail(network: Network, fault: RunTimeFault, run: TimedTrace | None) -> str:
+def _detail(model: Model, fault: RunTimeFault, run: TimedTrace | None) -> str:
     # No value tells why a loop does not end, and the reference evaluator would run it for many seconds.
     if run is not None and fault.transition is not None and fault.kind is not RuntimeErrorKind.LOOP:
         try:
-            execute_updates(prepare(network), run.states[-1].discrete, fault.transition)
+            execute_updates(model, run.states[-1].discrete, fault.transition)
         except EvaluationFault as error:
             return error.detail
     return ""

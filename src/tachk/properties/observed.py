@@ -7,9 +7,9 @@ from fractions import Fraction
 
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.engines.outcome import RunTimeFault
+from tachk.model.cell_layout import cell_layout
 from tachk.model.network import Network
 from tachk.model.query import Observer, Query
-from tachk.semantics.discrete import has_priorities, prepare
 from tachk.semantics.timed_trace import DiscreteState, TimedState, TimedStep, TimedTrace, Transition
 
 
@@ -30,7 +30,7 @@ def observed(network: Network, observer: Observer | None) -> Network:
 
 def check_observable(network: Network, query: Query) -> None:
     """Raises UnsupportedError if an observer would keep the network from acting, which priorities make it do."""
-    if query.observer is not None and has_priorities(prepare(network)):
+    if query.observer is not None and network.has_priorities:
         raise UnsupportedError(
             Diagnostic(
                 "E0732",
@@ -49,8 +49,8 @@ def without_observer(network: Network, trace: TimedTrace) -> tuple[TimedTrace, t
     """
     observer = len(network.processes) - 1
     process = network.processes[observer]
-    cells = len(prepare(replace(network, processes=network.processes[:-1])).layout.initial)
-    clocks = prepare(replace(network, processes=network.processes[:-1])).dimension - 1
+    alone = cell_layout(replace(network, processes=network.processes[:-1]))
+    cells, clocks = len(alone.initial), len(alone.clock_cells)
 
     def own(state: TimedState) -> TimedState:
         discrete = DiscreteState(state.discrete.locations[:observer], state.discrete.values[:cells])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from tachk.model.expressions import Deadlock, Expression, Reference, Variable
@@ -14,17 +14,18 @@ from tachk.reduction.spectators import speaks_of_nothing
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """A query and the states whose reachability decides it."""
+    """A query, its number among those that were asked, and the states whose reachability decides it."""
 
+    number: int
     query: Query
     target: Expression
 
     @classmethod
-    def of(cls, query: Query) -> Task:
+    def of(cls, number: int, query: Query) -> Task:
         """Raises ValueError for a query that reachability does not decide."""
         if query.target is None:
             raise ValueError(f"the query {query.name} with {query.kind.value} is not decided by reachability")
-        return cls(query, query.target)
+        return cls(number, query, query.target)
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,20 +36,19 @@ class Search:
     observer: Observer | None = None
 
 
-def plan(queries: Sequence[Query]) -> tuple[Search, ...]:
-    """One search for each set of queries that look at the same clocks, and agree in asking for deadlock or not and in
-    speaking of anything at all.
+def plan(tasks: Iterable[Task]) -> tuple[Search, ...]:
+    """One search for each set of tasks whose queries look at the same clocks, and agree in asking for deadlock or not
+    and in speaking of anything at all.
 
     A clock in a predicate stays alive everywhere, ``deadlock`` needs a finer abstraction, and where a query speaks of
     nothing (``E<> false``) nothing may be left out, so sharing a search with such a query would make the others pay for
     it. So would an observer: a query that has one is searched alone.
     """
-    searches: dict[tuple[bool, frozenset[Variable], bool, int], list[Task]] = {}
-    for number, query in enumerate(queries, start=1):
-        task = Task.of(query)
-        alone = 0 if query.observer is None else number
+    searches: dict[tuple[bool, frozenset[Variable], bool, int | None], list[Task]] = {}
+    for task in tasks:
+        alone = None if task.query.observer is None else task.number
         searches.setdefault((*_demands(task.target), alone), []).append(task)
-    return tuple(Search(tuple(tasks), tasks[0].query.observer) for tasks in searches.values())
+    return tuple(Search(tuple(shared), shared[0].query.observer) for shared in searches.values())
 
 
 def _demands(target: Expression) -> tuple[bool, frozenset[Variable], bool]:

@@ -33,7 +33,7 @@ from tachk.properties.unexamined import unexamined
 from tachk.properties.verdict import Answer, Verdict
 from tachk.reduction.bystanders import without_bystanders
 from tachk.reduction.spectators import every_action_counts, with_spectators, without_spectators
-from tachk.semantics.discrete import initial_discrete, prepare
+from tachk.semantics.discrete import Model, initial_discrete, prepare
 from tachk.semantics.step import StepError, satisfies_invariant
 from tachk.semantics.timed_trace import TimedState, TimedTrace
 from tachk.time_limit import OutOfTimeError, time_limit
@@ -67,48 +67,53 @@ def verify(
     try:
         with time_limit(limits.seconds):
             check_selections(network)
-            check_initial_state(network)
-            supported = []
-            for query in queries:
+            model = prepare(network)
+            check_initial_state(model)
+            tasks = []
+            for number, query in enumerate(queries):
                 try:
                     check_observable(network, query)
                     check_supported(network, query)
                 except UnsupportedError as error:
-                    verdicts[id(query)] = _unsupported(query, error.diagnostic)
+                    verdicts[number] = _unsupported(query, error.diagnostic)
                 else:
-                    supported.append(query)
-            searches = plan(supported)
+                    tasks.append(Task.of(number, query))
+            searches = plan(tasks)
     except OutOfTimeError:
-        return tuple(verdicts.get(id(query)) or _not_begun(query, TIME_LIMIT) for query in queries)
+        return tuple(verdicts.get(number) or _not_begun(query, TIME_LIMIT) for number, query in enumerate(queries))
     interrupted = False
-    left = len(supported)
+    left = len(tasks)
     for search in searches:
         if interrupted:
-            found = [_not_begun(task.query, INTERRUPTED) for task in search.tasks]
+            found = _none_begun(search.tasks, INTERRUPTED)
         else:
             own = _share(_remaining(limits, started), Fraction(len(search.tasks), left))
             names = tuple(task.query.name for task in search.tasks)
             told = None if progress is None else partial(_tell, progress, names)
             try:
-                found = _run(network, search, options, own, told, trace)
+                found = _run(model, search, options, own, told, trace)
             except KeyboardInterrupt:
                 # What was decided before is kept, wherever the interruption comes.
-                found = [_not_begun(task.query, INTERRUPTED) for task in search.tasks]
-            interrupted = any(verdict.reason == INTERRUPTED for verdict in found)
+                found = _none_begun(search.tasks, INTERRUPTED)
+            interrupted = any(verdict.reason == INTERRUPTED for verdict in found.values())
         left -= len(search.tasks)
-        verdicts |= {id(verdict.query): verdict for verdict in found}
-    return _examined(network, [verdicts[id(query)] for query in queries])
+        verdicts |= found
+    return _examined(network, [verdicts[number] for number in range(len(queries))])
 
 
 def _examined(network: Network, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
     """The verdicts; if one of them was proved by exploring everything, no run-time error was overlooked for any."""
     for verdict in verdicts:
-        query = verdict.query
-        if query.target is None or query.observer is not None or verdict.answer is not _where_unreachable(query):
-            continue
-        if every_action_counts(network, [query.target]):
+        if _explored_everything(network, verdict):
             return tuple(replace(other, unexamined=()) for other in verdicts)
     return tuple(verdicts)
+
+
+def _explored_everything(network: Network, verdict: Verdict) -> bool:
+    query = verdict.query
+    targets = () if query.target is None else (query.target,)
+    proved = bool(targets) and verdict.answer is _answers(query)[1]
+    return proved and query.observer is None and every_action_counts(network, targets)
 
 
 def _tell(progress: VerifyProgress, names: tuple[str, ...], statistics: Statistics) -> None:
@@ -130,12 +135,15 @@ def _not_begun(query: Query, reason: str) -> Verdict:
     return Verdict(query, Answer.UNKNOWN, True, reason, Statistics())
 
 
-def check_initial_state(network: Network) -> None:
+def _none_begun(tasks: Iterable[Task], reason: str) -> dict[int, Verdict]:
+    return {task.number: _not_begun(task.query, reason) for task in tasks}
+
+
+def check_initial_state(model: Model) -> None:
     """Raises InputError (E0409) where the initial state violates an invariant."""
-    model = prepare(network)
     start = TimedState(initial_discrete(model), (Fraction(0),) * (model.dimension - 1), Fraction(0))
     violated = []
-    for number, process in enumerate(network.processes):
+    for number, process in enumerate(model.network.processes):
         # An invariant that cannot be evaluated is a run-time error, which the search reports.
         with suppress(EvaluationFault):
             if not satisfies_invariant(model, start, number):
@@ -162,21 +170,22 @@ def _unsupported(query: Query, diagnostic: Diagnostic) -> Verdict:
 
 
 def _run(
-    network: Network, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
-) -> list[Verdict]:
+    model: Model, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
+) -> dict[int, Verdict]:
+    """The verdicts about the tasks of a search, by number."""
     started = time.monotonic()
     try:
         with time_limit(limits.seconds):
-            network = observed(network, search.observer)
+            if search.observer is not None:
+                model = prepare(observed(model.network, search.observer))
     except OutOfTimeError:
-        return [_not_begun(task.query, TIME_LIMIT) for task in search.tasks]
-    settled = [] if options.bystanders else _settle_without_bystanders(network, search, options, limits, progress)
-    if any(verdict.reason == INTERRUPTED for verdict in settled):
+        return _none_begun(search.tasks, TIME_LIMIT)
+    settled = {} if options.bystanders else _settle_without_bystanders(model.network, search, options, limits, progress)
+    if any(verdict.reason == INTERRUPTED for verdict in settled.values()):
         return settled
     limits = _remaining(limits, started)
-    known = {id(verdict.query) for verdict in settled}
-    tasks = [task for task in search.tasks if id(task.query) not in known]
-    return settled + (_explore(network, search, tasks, options, limits, progress, trace) if tasks else [])
+    rest = replace(search, tasks=tuple(task for task in search.tasks if task.number not in settled))
+    return settled | (_explore(model, rest, options, limits, progress, trace) if rest.tasks else {})
 
 
 _FIRST_TRY = 1_000_000
@@ -185,7 +194,7 @@ _FIRST_TRY = 1_000_000
 
 def _settle_without_bystanders(
     network: Network, search: Search, options: Options, limits: Limits, progress: Progress | None
-) -> list[Verdict]:
+) -> dict[int, Verdict]:
     """The verdicts about targets that are unreachable even if nothing hinders the processes they depend on."""
     started = time.monotonic()
     targets = [task.target for task in search.tasks]
@@ -198,108 +207,95 @@ def _settle_without_bystanders(
         with time_limit(first_try.seconds):
             relaxed = without_bystanders(network, targets)
             if relaxed == network:
-                return []
+                return {}
             program, goals = lower(relaxed, targets)
     except OutOfTimeError:
-        return []
+        return {}
     outcome = explore(program, goals, options, _remaining(first_try, started), progress)
     if outcome.reason == INTERRUPTED:
-        return [_not_begun(task.query, INTERRUPTED) for task in search.tasks]
-    pairs = zip(search.tasks, outcome.goals, strict=True)
+        return _none_begun(search.tasks, INTERRUPTED)
     left_out = unexamined(network, relaxed)
-    return [
-        Verdict(task.query, _where_unreachable(task.query), True, "", outcome.statistics, unexamined=left_out)
-        for task, goal in pairs
+    return {
+        task.number: Verdict(task.query, _answers(task.query)[1], True, "", outcome.statistics, unexamined=left_out)
+        for task, goal in zip(search.tasks, outcome.goals, strict=True)
         if goal.status is Status.UNREACHABLE
-    ]
+    }
 
 
 def _explore(
-    network: Network,
-    search: Search,
-    tasks: Sequence[Task],
-    options: Options,
-    limits: Limits,
-    progress: Progress | None,
-    trace: bool,
-) -> list[Verdict]:
+    model: Model, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
+) -> dict[int, Verdict]:
     started = time.monotonic()
-    targets = [task.target for task in tasks]
+    network = model.network
+    targets = [task.target for task in search.tasks]
     try:
         with time_limit(limits.seconds):
             reduced = network if options.spectators else without_spectators(network, targets)
             program, goals = lower(reduced, targets)
     except OutOfTimeError:
-        return [_not_begun(task.query, TIME_LIMIT) for task in tasks]
+        return _none_begun(search.tasks, TIME_LIMIT)
     outcome = explore(program, goals, options, _remaining(limits, started), progress)
+    searched = model if reduced == network else prepare(reduced)
     if outcome.fault is not None:
-        fault = explain(reduced, outcome.fault, limits.seconds)
+        fault = explain(searched, outcome.fault, limits.seconds)
         if fault.run is not None:
-            fault = replace(fault, run=_whole_run(network, reduced, fault.run))
+            fault = replace(fault, run=_whole_run(model, searched, fault.run))
         outcome = replace(outcome, fault=fault if search.observer is None else fault_without_observer(network, fault))
-    verdicts = []
-    for task, goal in zip(tasks, outcome.goals, strict=True):
-        verdict = _verdict(network, reduced, task, goal, outcome, trace)
+    verdicts: dict[int, Verdict] = {}
+    for task, goal in zip(search.tasks, outcome.goals, strict=True):
+        verdict = _verdict(model, searched, task, goal, outcome, trace)
         if verdict is None:
             everything = replace(options, spectators=True)
             rest = limits
             if limits.seconds is not None:
                 rest = replace(limits, seconds=max(limits.seconds - outcome.statistics.seconds, 0.0))
-            verdicts += _explore(network, search, [task], everything, rest, progress, trace)
+            verdicts |= _explore(model, replace(search, tasks=(task,)), everything, rest, progress, trace)
         else:
-            verdicts.append(verdict)
+            verdicts[task.number] = verdict
     return verdicts
 
 
-def _whole_run(network: Network, reduced: Network, run: TimedTrace) -> TimedTrace | None:
+def _whole_run(model: Model, searched: Model, run: TimedTrace) -> TimedTrace | None:
     """A run of the whole network that is a run of the reduced one; None where a spectator meets an error on the way."""
     try:
-        return with_spectators(network, reduced, run)
+        return with_spectators(model, searched.network, run)
     except (StepError, EvaluationFault):
         return None
 
 
-def _where_reached(query: Query) -> Answer:
-    """The answer to a query that reachability decides, if its target is reachable."""
-    return Answer.HOLDS if query.holds_when_reached else Answer.FAILS
-
-
-def _where_unreachable(query: Query) -> Answer:
-    return Answer.FAILS if query.holds_when_reached else Answer.HOLDS
+def _answers(query: Query) -> tuple[Answer, Answer]:
+    """The answers where the target is reachable and where it is not."""
+    return (Answer.HOLDS, Answer.FAILS) if query.holds_when_reached else (Answer.FAILS, Answer.HOLDS)
 
 
 _INEXACT = "the stopwatches make the search inexact, and the run it found is not possible"
 
 
 def _verdict(
-    network: Network, reduced: Network, task: Task, goal: GoalOutcome, outcome: Outcome, trace: bool
+    model: Model, searched: Model, task: Task, goal: GoalOutcome, outcome: Outcome, trace: bool
 ) -> Verdict | None:
     """The verdict; None if the run that was found meets a run-time error of a process that was held still."""
+    on_reached, otherwise = _answers(task.query)
+    network, reduced = model.network, searched.network
     verdict = Verdict(task.query, Answer.UNKNOWN, outcome.exact, outcome.reason, outcome.statistics)
     if goal.status is Status.UNDECIDED:
         return replace(verdict, exact=True, fault=outcome.fault)
     if goal.status is Status.UNREACHABLE:
         # An over-approximation that does not reach the target proves that nothing does.
-        return replace(
-            verdict,
-            answer=_where_unreachable(task.query),
-            exact=True,
-            reason="",
-            unexamined=unexamined(network, reduced),
-        )
+        return replace(verdict, answer=otherwise, exact=True, reason="", unexamined=unexamined(network, reduced))
     if not trace and outcome.exact:
-        return replace(verdict, answer=_where_reached(task.query), reason="", unexamined=unexamined(network, reduced))
-    run = concretise(reduced, goal.path or (), task.target)
+        return replace(verdict, answer=on_reached, reason="", unexamined=unexamined(network, reduced))
+    run = concretise(searched, goal.path or (), task.target)
     if run is None:
         if outcome.exact:
             raise InternalError(f"the path found for {task.query.text!r} has no timed run")
         return replace(verdict, reason=_INEXACT)
-    whole = _whole_run(network, reduced, run)
+    whole = _whole_run(model, searched, run)
     if whole is None:
         return None if outcome.exact else replace(verdict, reason=_INEXACT)
     run = whole
     try:
-        replay(network, run, task.target)
+        replay(model, run, task.target)
     except ReplayError as error:
         if not outcome.exact:
             return replace(verdict, reason=_INEXACT)
@@ -307,4 +303,4 @@ def _verdict(
     moves: tuple[ObserverMove, ...] = ()
     if task.query.observer is not None:
         run, moves = without_observer(network, run)
-    return replace(verdict, answer=_where_reached(task.query), exact=True, reason="", trace=run, moves=moves)
+    return replace(verdict, answer=on_reached, exact=True, reason="", trace=run, moves=moves)

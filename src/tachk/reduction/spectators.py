@@ -20,7 +20,7 @@ from tachk.model.traversal import (
     written_variables,
 )
 from tachk.model.types import ChannelType
-from tachk.semantics.discrete import has_priorities, is_announced, prepare
+from tachk.semantics.discrete import Model, is_announced
 from tachk.semantics.step import StepError, begun_by, delay, fire, initial_state, is_possible
 from tachk.semantics.timed_trace import Participant, TimedStep, TimedTrace, Transition
 
@@ -40,7 +40,7 @@ def without_spectators(network: Network, targets: Sequence[Expression]) -> Netwo
 def every_action_counts(network: Network, targets: Sequence[Expression]) -> bool:
     """Whether what any process can do matters: for priorities, or as a target speaks of ``deadlock`` or of nothing."""
     return (
-        has_priorities(prepare(network))
+        network.has_priorities
         or any(isinstance(node, Deadlock) for target in targets for node in walk(target))
         or any(map(speaks_of_nothing, targets))
     )
@@ -77,14 +77,14 @@ def spectators(network: Network, targets: Sequence[Expression]) -> set[int]:
     return candidates
 
 
-def with_spectators(network: Network, reduced: Network, trace: TimedTrace) -> TimedTrace:
-    """A run of the network that is the given run of the reduced one, with what the spectators hear on the way.
+def with_spectators(model: Model, reduced: Network, trace: TimedTrace) -> TimedTrace:
+    """A run of the model that is the given run of the reduced network, with what the spectators hear on the way.
 
     Raises:
         StepError: there is none.
         EvaluationFault: a spectator meets a run-time error on the way.
     """
-    pairs = zip(network.processes, reduced.processes, strict=True)
+    pairs = zip(model.network.processes, reduced.processes, strict=True)
     still = {number for number, (process, held) in enumerate(pairs) if process != held}
     if not still:
         return trace
@@ -92,7 +92,6 @@ def with_spectators(network: Network, reduced: Network, trace: TimedTrace) -> Ti
     def others(transition: Transition) -> tuple[Participant, ...]:
         return tuple(participant for participant in transition.participants if participant.process not in still)
 
-    model = prepare(network)
     state = initial = initial_state(model)
     steps = []
     for step in trace.steps:

@@ -50,6 +50,10 @@ class Model:
         """The channels of those synchronisations that name the same one in every state."""
         return _fixed_channels(self.network, self.layout, self.instances)
 
+    @cached_property
+    def has_priorities(self) -> bool:
+        return self.network.has_priorities
+
     @property
     def dimension(self) -> int:
         """The number of clocks, the reference clock included."""
@@ -251,12 +255,6 @@ def priority(model: Model, discrete: DiscreteState, transition: Transition) -> P
     channel = channel_of(model, discrete, transition)
     of_channel = model.network.default_priority if channel is None else model.channels[channel][1]
     return of_channel, max(model.network.processes[p.process].priority for p in transition.participants)
-
-
-def has_priorities(model: Model) -> bool:
-    """Whether any two transitions can differ in priority."""
-    of_channels = {p for _, p in model.channels} | {model.network.default_priority}
-    return len(of_channels) > 1 or len({p.priority for p in model.network.processes}) > 1
 
 
 def execute_updates(

@@ -25,7 +25,6 @@ from tachk.semantics.discrete import (
     channel_named,
     environment,
     execute_updates,
-    has_priorities,
     initial_discrete,
     initiators,
     is_urgent,
@@ -140,7 +139,7 @@ def possible(model: Model, state: TimedState) -> list[tuple[Transition, TimedSta
 def successors(model: Model, state: TimedState) -> list[tuple[Transition, TimedState]]:
     """The enabled transitions, those of the highest priority, with the states behind them. Raises EvaluationFault."""
     found = possible(model, state)
-    if not found or not has_priorities(model):
+    if not found or not model.has_priorities:
         return found
     highest = max(priority(model, state.discrete, t) for t, _ in found)
     return [(t, after) for t, after in found if priority(model, state.discrete, t) == highest]
@@ -158,7 +157,7 @@ def fire(model: Model, state: TimedState, transition: Transition) -> TimedState:
     after = _successor(model, state, transition)
     if not satisfies_invariants(model, after):
         raise StepError("the transition is not enabled: it would violate an invariant")
-    if has_priorities(model) and transition not in (t for t, _ in successors(model, state)):
+    if model.has_priorities and transition not in (t for t, _ in successors(model, state)):
         raise StepError("the transition is not enabled: one of higher priority is possible")
     return after
 

@@ -27,7 +27,6 @@ from tachk.semantics.discrete import (
     channel_of,
     environment,
     execute_updates,
-    has_priorities,
     initial_discrete,
     initiators,
     is_urgent,
@@ -100,7 +99,7 @@ def situation(model: Model, discrete: DiscreteState) -> Situation:
     guarded, faulty = _guarded(model, discrete)
     faults = tuple(Fault(domain, f) for c, f in faulty if (domain := _part(invariant, c)))
     moves = [m for m in (_move(model, discrete, invariant, t, g) for t, g in guarded) if m.domain]
-    if has_priorities(model):
+    if model.has_priorities:
         ranks = [priority(model, discrete, m.transition) for m in moves]
         moves = [
             Move(

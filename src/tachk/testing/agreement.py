@@ -16,6 +16,7 @@ from tachk.engines.outcome import Outcome, Status
 from tachk.model.query import Query, QueryKind
 from tachk.properties.verdict import Answer
 from tachk.properties.verify import verify
+from tachk.semantics.discrete import prepare
 from tachk.testing.networks import Case
 
 VARIANTS = (
@@ -178,17 +179,18 @@ def _by_goal(outcomes: dict[str, Outcome]) -> Iterator[tuple[int, dict[str, Stat
 
 
 def _runs(case: Case, outcomes: dict[str, Outcome], stopwatches: bool) -> Iterator[str]:
+    model = prepare(case.network)
     for name, outcome in outcomes.items():
         for number, goal in enumerate(outcome.goals):
             if goal.path is None:
                 continue
-            trace = concretise(case.network, goal.path, case.predicates[number])
+            trace = concretise(model, goal.path, case.predicates[number])
             if trace is None:
                 if not stopwatches or name == "grid":
                     yield f"goal {number}: the path found by {name} has no run"
                 continue
             try:
-                replay(case.network, trace, case.predicates[number])
+                replay(model, trace, case.predicates[number])
             except ReplayError as error:
                 if not stopwatches:
                     yield f"goal {number}: the run for the path found by {name} does not replay: {error}"

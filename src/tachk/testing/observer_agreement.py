@@ -27,7 +27,6 @@ from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.types import IntType
 from tachk.properties.observed import observed
-from tachk.properties.plan import Task
 from tachk.syntax import ast
 from tachk.syntax import formula as syntax
 from tachk.syntax.formula import Formula
@@ -109,7 +108,8 @@ def query_of(formula: Formula, model: LoadedModel) -> Query | None:
 def violated(model: LoadedModel, query: Query, options: Options = Options()) -> bool:
     """Whether the observer can reach its bad location."""
     network = observed(model.network, query.observer)
-    program, goals = lower(network, [Task.of(query).target])
+    assert query.target is not None
+    program, goals = lower(network, [query.target])
     outcome = explore(program, goals, options, Limits(states=100_000))
     assert outcome.goals[0].status is not Status.UNDECIDED, outcome.reason
     return outcome.goals[0].status is Status.REACHED

@@ -9,6 +9,7 @@ import pytest
 
 from tachk.certify.replay import ReplayError, replay
 from tachk.model.builder import NetworkBuilder, deadlock
+from tachk.semantics.discrete import prepare
 from tachk.semantics.timed_trace import DiscreteState, Participant, TimedState, TimedStep, TimedTrace, Transition
 
 GO = Transition((Participant(0, 0),))
@@ -35,26 +36,26 @@ def run(delay: Fraction | int = Fraction(5, 2)) -> TimedTrace:
 
 def test_a_right_run_is_accepted() -> None:
     network = lamp().build()
-    replay(network, run())
+    replay(prepare(network), run())
     rest = TimedStep(Fraction(1), None, state(1, 1, Fraction(7, 2), 1, Fraction(7, 2)))
-    replay(network, replace(run(), steps=(*run().steps, rest)))
+    replay(prepare(network), replace(run(), steps=(*run().steps, rest)))
 
 
 @pytest.mark.parametrize("delay", [Fraction(1), Fraction(9, 2)])
 def test_a_transition_whose_guard_is_false_is_refused(delay: Fraction) -> None:
     with pytest.raises(ReplayError, match="not enabled") as caught:
-        replay(lamp().build(), run(delay))
+        replay(prepare(lamp().build()), run(delay))
     assert caught.value.step == 1
 
 
 def test_a_delay_beyond_the_invariant_is_refused() -> None:
     with pytest.raises(ReplayError, match="invariant"):
-        replay(lamp().build(), run(6))
+        replay(prepare(lamp().build()), run(6))
 
 
 def test_a_negative_delay_is_refused() -> None:
     with pytest.raises(ReplayError, match="negative"):
-        replay(lamp().build(), run(-1))
+        replay(prepare(lamp().build()), run(-1))
 
 
 @pytest.mark.parametrize(
@@ -70,20 +71,20 @@ def test_a_negative_delay_is_refused() -> None:
 def test_a_state_that_is_not_the_computed_one_is_refused(wrong: TimedState) -> None:
     (step,) = run().steps
     with pytest.raises(ReplayError, match="differ"):
-        replay(lamp().build(), replace(run(), steps=(replace(step, state=wrong),)))
+        replay(prepare(lamp().build()), replace(run(), steps=(replace(step, state=wrong),)))
 
 
 def test_a_wrong_initial_state_is_refused() -> None:
     with pytest.raises(ReplayError) as caught:
-        replay(lamp().build(), replace(run(), initial=state(0, 1, 0, 0, 0)))
+        replay(prepare(lamp().build()), replace(run(), initial=state(0, 1, 0, 0, 0)))
     assert caught.value.step == 0
 
 
 def test_the_predicate_must_hold_in_the_last_state() -> None:
     network = lamp()
-    replay(network.build(), run(), deadlock().expression)
+    replay(prepare(network.build()), run(), deadlock().expression)
     with pytest.raises(ReplayError, match="predicate"):
-        replay(network.build(), run(), (~deadlock()).expression)
+        replay(prepare(network.build()), run(), (~deadlock()).expression)
 
 
 def test_a_transition_of_lower_priority_is_refused_while_a_higher_one_is_possible() -> None:
@@ -95,9 +96,9 @@ def test_a_transition_of_lower_priority_is_refused_while_a_higher_one_is_possibl
     high.edge(b, b)
     start = TimedState(DiscreteState((0, 0), ()), (), Fraction(0))
     with pytest.raises(ReplayError, match="not enabled"):
-        replay(network.build(), TimedTrace(start, (TimedStep(Fraction(0), GO, start),)))
+        replay(prepare(network.build()), TimedTrace(start, (TimedStep(Fraction(0), GO, start),)))
     higher = Transition((Participant(1, 0),))
-    replay(network.build(), TimedTrace(start, (TimedStep(Fraction(0), higher, start),)))
+    replay(prepare(network.build()), TimedTrace(start, (TimedStep(Fraction(0), higher, start),)))
 
 
 def test_an_update_that_goes_wrong_is_refused() -> None:
@@ -108,7 +109,7 @@ def test_an_update_that_goes_wrong_is_refused() -> None:
     process.edge(a, a, updates=[n.assign(4)])
     start = TimedState(DiscreteState((0,), (0,)), (), Fraction(0))
     with pytest.raises(ReplayError, match="RANGE"):
-        replay(network.build(), TimedTrace(start, (TimedStep(Fraction(0), GO, start),)))
+        replay(prepare(network.build()), TimedTrace(start, (TimedStep(Fraction(0), GO, start),)))
 
 
 @pytest.mark.parametrize("wait", [1, 2])
@@ -121,7 +122,7 @@ def test_a_step_into_a_violated_invariant_is_refused(wait: int) -> None:
     end = TimedState(DiscreteState((1,), (1,)), (Fraction(wait),), Fraction(wait))
     trace = TimedTrace(start, (TimedStep(Fraction(wait), GO, end),))
     if wait <= 1:
-        replay(network.build(), trace)
+        replay(prepare(network.build()), trace)
     else:
         with pytest.raises(ReplayError, match="invariant"):
-            replay(network.build(), trace)
+            replay(prepare(network.build()), trace)

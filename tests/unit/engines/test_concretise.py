@@ -9,6 +9,7 @@ import pytest
 from tachk.certify.replay import replay
 from tachk.engines.concretise import concretise
 from tachk.model.builder import NetworkBuilder, Term, deadlock
+from tachk.semantics.discrete import prepare
 from tachk.semantics.timed_trace import Participant, TimedTrace, Transition
 
 
@@ -23,9 +24,9 @@ def times(trace: TimedTrace | None) -> list[Fraction]:
 
 def checked(network: NetworkBuilder, transitions: list[Transition], goal: Term | None = None) -> TimedTrace | None:
     predicate = None if goal is None else goal.expression
-    trace = concretise(network.build(), transitions, predicate)
+    trace = concretise(prepare(network.build()), transitions, predicate)
     if trace is not None:
-        replay(network.build(), trace, predicate)
+        replay(prepare(network.build()), trace, predicate)
     return trace
 
 
@@ -76,7 +77,7 @@ def test_a_path_from_the_wrong_location_is_a_mistake_of_the_caller() -> None:
     a, b = process.location("A"), process.location("B")
     process.edge(a, b)
     with pytest.raises(ValueError, match="transition 2"):
-        concretise(network.build(), path(0, 0))
+        concretise(prepare(network.build()), path(0, 0))
 
 
 def test_a_last_delay_is_added_where_the_predicate_needs_it() -> None:
@@ -206,7 +207,7 @@ def test_a_path_does_not_wait_beyond_the_moment_an_urgent_guard_becomes_true() -
     at_three = q.edge(left, right, guard=x >= 3)
     too_late = q.edge(left, right, guard=x >= 4)
     assert times(checked(network, path(at_three, process=1))) == [3]
-    assert concretise(network.build(), path(too_late, process=1)) is None
+    assert concretise(prepare(network.build()), path(too_late, process=1)) is None
 
 
 def test_a_location_with_a_lower_invariant_is_entered_when_it_holds() -> None:

@@ -15,6 +15,7 @@ from tachk.model.fault import RuntimeErrorKind
 from tachk.properties.fault_explanation import diagnostic_of, explain
 from tachk.properties.verdict import Verdict
 from tachk.properties.verify import verify
+from tachk.semantics.discrete import prepare
 
 
 def first(text: str) -> Verdict:
@@ -69,10 +70,10 @@ def test_an_error_is_told_without_its_times_where_there_is_no_time_left() -> Non
 process P() { clock x; init location A { to B { guard x >= 3; } } location B { to B { assign n = n + 1; } } }
 system P;
 property p : A[] n < 2;"""
-    network = load_model(Source("m.ta", text)).network
+    model = prepare(load_model(Source("m.ta", text)).network)
     fault = first(text).fault
     assert fault is not None and fault.run is not None and fault.detail == "2 is not in [0, 1]"
-    hurried = explain(network, fault, seconds=0.0)
+    hurried = explain(model, fault, seconds=0.0)
     assert (hurried.kind, hurried.span, hurried.path) == (fault.kind, fault.span, fault.path)
-    assert explain(network, replace(fault, run=None, detail=""), seconds=0.0).run is None
-    assert explain(network, replace(fault, run=None, detail=""), seconds=None).run is not None
+    assert explain(model, replace(fault, run=None, detail=""), seconds=0.0).run is None
+    assert explain(model, replace(fault, run=None, detail=""), seconds=None).run is not None

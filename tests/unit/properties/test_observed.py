@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from itertools import starmap
 
 import pytest
 
@@ -12,9 +13,10 @@ from tachk.diagnostics.span import Source
 from tachk.engines.options import Options
 from tachk.loading.load import load_model
 from tachk.properties.observed import ObserverMove
-from tachk.properties.plan import plan
+from tachk.properties.plan import Task, plan
 from tachk.properties.verdict import Answer, Verdict
 from tachk.properties.verify import verify
+from tachk.semantics.discrete import prepare
 
 DOOR = """
 clock global;
@@ -86,14 +88,14 @@ def test_a_run_is_that_of_the_model_alone_and_the_moves_of_the_observer_stand_be
     model = load_model(Source("door.ta", f"{DOOR} property p : G(rise(Door.Open) -> F[0,5] Door.Closed);"))
     (verdict,) = verify(model.network, model.queries)
     assert verdict.trace is not None
-    replay(model.network, verdict.trace)
+    replay(prepare(model.network), verdict.trace)
     assert [step.delay for step in verdict.trace.steps] == [Fraction(3), Fraction(11, 2)]
     assert verdict.moves == (ObserverMove(Fraction(3), "Triggered"), ObserverMove(Fraction(17, 2), "Bad"))
 
 
 def test_each_temporal_property_is_searched_with_its_own_observer_only() -> None:
     text = f"{DOOR} property a : A[] !Door.locked; property b : G !Door.Open; property c : G !Door.Open;"
-    searches = plan(load_model(Source("door.ta", text)).queries)
+    searches = plan(starmap(Task.of, enumerate(load_model(Source("door.ta", text)).queries)))
     assert [[task.query.name for task in search.tasks] for search in searches] == [["a"], ["b"], ["c"]]
     assert [search.observer is None for search in searches] == [True, False, False]
 

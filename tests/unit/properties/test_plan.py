@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import starmap
+
 import pytest
 
 from tachk.diagnostics.span import Source
 from tachk.loading.load import load_model
 from tachk.model.query import Query
-from tachk.properties.plan import plan
+from tachk.properties.plan import Task, plan
 
 MODEL = """
 int n;
@@ -36,7 +38,7 @@ def queries() -> dict[str, Query]:
 def test_queries_about_the_same_clocks_and_deadlock_share_a_search() -> None:
     known = queries()
     chosen = [known[name] for name in list(known)[:8]]
-    assert [[task.query.name for task in search.tasks] for search in plan(chosen)] == [
+    assert [[task.query.name for task in search.tasks] for search in plan(starmap(Task.of, enumerate(chosen)))] == [
         ["first", "second"],
         ["on_clock", "same_clock"],
         ["deadlock_free", "stuck"],
@@ -52,4 +54,4 @@ def test_no_queries_need_no_search() -> None:
 @pytest.mark.parametrize("name", ["live", "most"])
 def test_what_reachability_cannot_decide_is_no_task(name: str) -> None:
     with pytest.raises(ValueError):
-        plan([queries()[name]])
+        Task.of(0, queries()[name])
