@@ -16,7 +16,7 @@ from pathlib import Path
 from random import Random
 
 from tachk.monitoring.formulas import NamedFormula, read_formulas
-from tachk.monitoring.offline import Measures, judge, prepare
+from tachk.monitoring.offline import Judging, judge, prepare
 from tachk.monitoring.online import Monitor
 from tachk.runtime.core_monitor import monitor_truth
 from tachk.runtime.trace_csv import open_csv
@@ -50,7 +50,7 @@ def main(arguments: list[str]) -> None:
 
 
 def whole(named: Sequence[NamedFormula], table: Path, robustness: bool) -> None:
-    judge(named, open_csv(table), measures=Measures(robustness))
+    judge(named, open_csv(table), Judging(robustness=robustness))
 
 
 def online(named: Sequence[NamedFormula], table: Path) -> None:

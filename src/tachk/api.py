@@ -436,10 +436,11 @@ class Report(Sequence[Verdict]):
         """What `tachk verify` prints."""
         from rich.console import Console
 
+        from tachk.report.run.telling import Telling
         from tachk.report.text_report import print_run
 
         out = StringIO()
-        print_run(self.record, Console(file=out, width=1000, highlight=False), every_trace, clocks)
+        print_run(self.record, Console(file=out, width=1000, highlight=False), every_trace, Telling(clocks))
         return out.getvalue()
 
     def __str__(self) -> str:

@@ -20,8 +20,9 @@ from tachk.monitoring.compiler import ticks_needed
 from tachk.monitoring.formulas import NamedFormula, check_order, in_trace_units, read_formulas
 from tachk.monitoring.line_compiler import line_findings
 from tachk.monitoring.reading import Reading, reading_of
-from tachk.report.monitor.record import Ending, MonitorRecord, MonitorVerdict, TimeRobustness
+from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, TimeRobustness
 from tachk.report.monitor.text import print_monitor
+from tachk.runtime.conventions import Ending, Interpolation
 from tachk.runtime.core_monitor import (
     LAST_TICK_OF_LINES,
     RobustnessResult,
@@ -32,7 +33,7 @@ from tachk.runtime.core_monitor import (
 from tachk.runtime.explanation import never_triggered
 from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
-from tachk.runtime.trace import Interpolation, Recording, Trace
+from tachk.runtime.trace import Recording, Trace
 from tachk.runtime.trace_arrays import TableRecording
 from tachk.runtime.trace_files import open_trace
 from tachk.syntax.formula import Formula
@@ -43,14 +44,18 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Measures:
-    """What is computed of each formula beside its truth.
+class Judging:
+    """How formulas are judged, and what is computed beside their truth.
 
     Attributes:
+        ending: what counts where the trace ends too early to tell.
+        interpolation: what numbers do between rows.
         robustness: by how much values could change before the verdict does.
         time_robustness: by how much time signals could be shifted.
     """
 
+    ending: Ending = Ending.UNDETERMINED
+    interpolation: Interpolation = Interpolation.CONSTANT
     robustness: bool = True
     time_robustness: bool = False
 
@@ -89,18 +94,16 @@ def monitor(
     ending = ending_of(end)
     check_order(formula, trace)
     formulas = selected(formulas_of(formula), select)
-    between = interpolation_of(interpolation)
+    judging = Judging(ending, interpolation_of(interpolation), robustness, time_robustness)
     recording = open_trace(trace, time, unit)
     source = os.fspath(formula) if isinstance(formula, (str, os.PathLike)) and Path(formula).suffix else ""
-    return MonitorReport(judge(formulas, recording, ending, Measures(robustness, time_robustness), between, source))
+    return MonitorReport(judge(formulas, recording, judging, source))
 
 
 def judge(
     formulas: Sequence[NamedFormula],
     recording: Recording,
-    ending: Ending = Ending.UNDETERMINED,
-    measures: Measures = Measures(),
-    interpolation: Interpolation = Interpolation.CONSTANT,
+    judging: Judging = Judging(),
     source: str = "",
 ) -> MonitorRecord:
     """The record of some formulas on a recording.
@@ -109,35 +112,27 @@ def judge(
         InputError: a formula has no meaning on the trace.
         UsageError: robustness in time is wanted of lines, or the trace is too long for lines.
     """
-    if measures.time_robustness and interpolation is Interpolation.LINEAR:
+    if judging.time_robustness and judging.interpolation is Interpolation.LINEAR:
         raise UsageError(
             "robustness in time is defined where values are held between rows",
             "leave out the linear interpolation, or the robustness in time",
         )
-    if isinstance(recording, TableRecording) and interpolation is Interpolation.CONSTANT and formulas:
+    if isinstance(recording, TableRecording) and judging.interpolation is Interpolation.CONSTANT and formulas:
         # Rows are looked over while the first formula is judged. To read them before would take half as long as that.
         try:
-            return _judged(formulas, recording.supposed(), ending, measures, interpolation, source)
+            return _judged(formulas, recording.supposed(), judging, source)
         except (InputError, UsageError):
             pass  # something is not as supposed, or wrong, which is told below
-    return _judged(formulas, recording, ending, measures, interpolation, source)
+    return _judged(formulas, recording, judging, source)
 
 
-def _judged(
-    formulas: Sequence[NamedFormula],
-    recording: Recording,
-    ending: Ending,
-    measures: Measures,
-    interpolation: Interpolation,
-    source: str,
-) -> MonitorRecord:
-    trace, programs = prepare(formulas, recording, interpolation)
+def _judged(formulas: Sequence[NamedFormula], recording: Recording, judging: Judging, source: str) -> MonitorRecord:
+    trace, programs = prepare(formulas, recording, judging.interpolation)
     reading = reading_of(trace, programs)
     verdicts = tuple(
-        verdict_on(named, program, trace, ending, measures, reading)
-        for named, program in zip(formulas, programs, strict=True)
+        verdict_on(named, program, trace, judging, reading) for named, program in zip(formulas, programs, strict=True)
     )
-    return MonitorRecord(reading.shown(trace), source, verdicts, ending)
+    return MonitorRecord(reading.shown(trace), source, verdicts, judging.ending)
 
 
 def prepare(
@@ -255,13 +250,12 @@ def verdict_on(
     named: NamedFormula,
     program: MonitorProgram,
     trace: Trace,
-    ending: Ending,
-    measures: Measures,
+    judging: Judging,
     reading: Reading,
 ) -> MonitorVerdict:
     """The verdict of one program on a whole trace. Its explanation is made when it is asked for."""
     robustness = None
-    if measures.robustness:
+    if judging.robustness:
         truth, robustness = reading.measured(program, trace)
     else:
         truth = reading.truth(program, trace)
@@ -275,13 +269,13 @@ def verdict_on(
         named.text,
         named.sentence,
         measured,
-        counted(measured, ending),
+        counted(measured, judging.ending),
         presumably,
         None if robustness is None else (robustness.low, robustness.high),
         bool(triggers) and all(reading.truth(never, trace).measured is Truth.TRUE for never in triggers),
         explainer.program,
         explainer,
-        _time_robustness(program, trace) if measures.time_robustness else None,
+        _time_robustness(program, trace) if judging.time_robustness else None,
     )
 
 

@@ -19,10 +19,10 @@ from tachk.diagnostics.suggestion import unknown_key
 from tachk.monitoring.compiler import compile as compile_formula
 from tachk.monitoring.compiler import ticks_needed
 from tachk.monitoring.formulas import NamedFormula, in_trace_units
-from tachk.monitoring.offline import Measures, counted, ending_of, formulas_of, selected, verdict_on
+from tachk.monitoring.offline import Judging, counted, ending_of, formulas_of, selected, verdict_on
 from tachk.monitoring.reading import HeldValues
 from tachk.report.monitor.online_record import OnlineRecord, OnlineVerdict
-from tachk.report.monitor.record import Ending, MonitorRecord, MonitorVerdict
+from tachk.report.monitor.record import MonitorRecord, MonitorVerdict
 from tachk.runtime.monitor_group import RowFault, open_group
 from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
@@ -348,7 +348,7 @@ class Monitor:
         end = max(self._group.now(), int(ticks[-1])) - first
         trace = Trace("", ticks - first, columns, end, self._scale, self._unit, self._clock(first))
         verdict: MonitorVerdict = verdict_on(
-            watched.named, watched.program, trace, Ending.UNDETERMINED, Measures(robustness=False), HeldValues()
+            watched.named, watched.program, trace, Judging(robustness=False), HeldValues()
         )
         found = verdict.finding
         if verdict.measured is not Truth.FALSE or found is None:

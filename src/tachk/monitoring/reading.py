@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
+from tachk.runtime.conventions import Interpolation
 from tachk.runtime.core_monitor import (
     RobustnessResult,
     linear_truth_signal,
@@ -21,7 +22,7 @@ from tachk.runtime.explanation import Explainer
 from tachk.runtime.monitor_program import UNBOUNDED, MonitorProgram, Relation
 from tachk.runtime.node_signal import NodeSignal, Truth
 from tachk.runtime.online_monitor import OnlineMonitor
-from tachk.runtime.trace import Interpolation, Trace
+from tachk.runtime.trace import Trace
 
 _ROWS_AT_ONCE = 4096
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from io import StringIO
 
 from rich.console import Console
@@ -18,8 +19,9 @@ from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.quantity import bytes_, count, duration, seconds
 from tachk.report.record import RunRecord
+from tachk.report.run.telling import Ends, Telling
 from tachk.report.run.trace_summary import news_line
-from tachk.report.run.trace_text import Ends, Telling, event_lines, print_trace
+from tachk.report.run.trace_text import event_lines, print_trace
 from tachk.report.run.trace_view import view_event, view_path, view_trace
 from tachk.semantics.timed_trace import TimedTrace
 
@@ -40,15 +42,12 @@ _ROOM_FOR_WORDS = 30
 _STYLES = {Answer.HOLDS: "green", Answer.FAILS: "red", Answer.UNKNOWN: "yellow"}
 
 
-def print_run(
-    record: RunRecord, console: Console, every_trace: bool = False, clocks: bool = False, every_step: bool = False
-) -> None:
+def print_run(record: RunRecord, console: Console, every_trace: bool = False, telling: Telling = Telling()) -> None:
     """Prints the answers of one run.
 
     Args:
         every_trace: tell also the runs behind answers that are as expected.
-        clocks: print the value of every clock after each step.
-        every_step: tell also repeated rounds step by step, and what the model hides.
+        telling: how runs are told; of those that the model expects only the last steps are.
     """
     console.print(_title(record))
     if record.verdicts:
@@ -58,7 +57,7 @@ def print_run(
         if not query.diagnostics:
             text = " ".join(query.text.split())
             console.print(Text(f"  {query.name} is not checked: {text} ({query.reason})", style="dim"))
-    _print_unknown(record, console, every_step)
+    _print_unknown(record, console, telling.every_step)
     _print_unexamined(record.verdicts, console)
     for verdict in record.verdicts:
         if verdict.assumption:
@@ -69,8 +68,8 @@ def print_run(
         known_defect = verdict.answer is Answer.FAILS and verdict.met is True and not every_trace
         if every_trace or known_defect or verdict.met is not True:
             console.print()
-            ends = _DEFECT_ENDS if known_defect else Ends()
-            _print_evidence(record.network, verdict, verdict.trace, console, Telling(clocks, every_step, ends))
+            told = replace(telling, ends=_DEFECT_ENDS) if known_defect else telling
+            _print_evidence(record.network, verdict, verdict.trace, console, told)
     console.print()
     console.print(_summary(record))
 
@@ -87,15 +86,15 @@ def _print_evidence(network: Network, verdict: Verdict, trace: TimedTrace, conso
     print_trace(view, console, network.time_unit, telling)
 
 
-def evidence_text(network: Network, verdict: Verdict, clocks: bool = False, every_step: bool = False) -> str:
+def evidence_text(network: Network, verdict: Verdict, telling: Telling = Telling()) -> str:
     """The run behind an answer, or the run-time error that there is instead of one, as text; empty where there is
     neither. Arguments as for `print_run`."""
     out = StringIO()
     console = Console(file=out, width=1000, highlight=False, color_system=None)
     if verdict.trace is not None:
-        _print_evidence(network, verdict, verdict.trace, console, Telling(clocks, every_step))
+        _print_evidence(network, verdict, verdict.trace, console, telling)
     elif verdict.fault is not None:
-        print_fault(network, verdict.fault, console, every_step=every_step)
+        print_fault(network, verdict.fault, console, every_step=telling.every_step)
     return out.getvalue().rstrip("\n")
 
 

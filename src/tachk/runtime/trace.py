@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
-from enum import StrEnum
 from fractions import Fraction
 from math import lcm
 from typing import Protocol
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 
 from tachk import _core
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.conventions import Interpolation
 
 Ticks = NDArray[np.int64]
 Values = NDArray[np.float64] | NDArray[np.uint8]
@@ -25,14 +25,6 @@ Values = NDArray[np.float64] | NDArray[np.uint8]
 
 LARGEST_TICK = 2**58
 """Later instants are refused, so that sums of instants and bounds of formulas fit into 64 bits."""
-
-
-class Interpolation(StrEnum):
-    """What columns of numbers do between two rows: they keep their values, or move in straight lines. Truth values
-    always keep theirs, and after the last row everything does."""
-
-    CONSTANT = "constant"
-    LINEAR = "linear"
 
 
 @dataclass(slots=True, eq=False)

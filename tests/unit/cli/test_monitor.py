@@ -8,10 +8,14 @@ from pathlib import Path
 import pytest
 
 from tachk.cli.actions import monitor_online
+from tachk.cli.actions.judged import Judged, exit_status
 from tachk.cli.actions.monitor import run_monitor
-from tachk.cli.actions.monitor_request import MonitorRequest, exit_status
+from tachk.cli.actions.row_by_row import RowByRow
 from tachk.cli.exit_status import ExitStatus
+from tachk.cli.reporting import Reporting
 from tachk.diagnostics.diagnostic import InputError
+from tachk.monitoring.offline import Judging
+from tachk.runtime.conventions import Ending
 from tachk.runtime.node_signal import Truth
 
 TEXT = "time [s],p,q\n0,0,0\n1,1,0\n2,0,0\n9,0,0\n20,0,1\n"
@@ -45,7 +49,7 @@ def test_standard_input_is_judged_row_by_row(
 ) -> None:
     lines = TEXT.splitlines(keepends=True)
     pipe = feed(monkeypatch, lines)
-    status = run_monitor(MonitorRequest("G (p -> F[0, 3 s] q)", "-", robustness=False))
+    status = run_monitor(Judged("G (p -> F[0, 3 s] q)", "-"), Judging(robustness=False))
     assert status is ExitStatus.NOT_AS_EXPECTED
     assert pipe.pieces == [lines[-1].encode()]  # decided by the row before: nothing more is asked for
     out = capsys.readouterr().out
@@ -56,15 +60,17 @@ def test_standard_input_is_judged_row_by_row(
 @pytest.mark.parametrize(
     ("formula", "end", "status"),
     [
-        ("G (p -> F[0, 30 s] p)", "undetermined", ExitStatus.AS_EXPECTED),
-        ("G (q -> F[0, 3 s] p)", "undetermined", ExitStatus.UNKNOWN),
-        ("G (q -> F[0, 3 s] p)", "weak", ExitStatus.AS_EXPECTED),
-        ("G (q -> F[0, 3 s] p)", "strong", ExitStatus.NOT_AS_EXPECTED),
+        ("G (p -> F[0, 30 s] p)", Ending.UNDETERMINED, ExitStatus.AS_EXPECTED),
+        ("G (q -> F[0, 3 s] p)", Ending.UNDETERMINED, ExitStatus.UNKNOWN),
+        ("G (q -> F[0, 3 s] p)", Ending.WEAK, ExitStatus.AS_EXPECTED),
+        ("G (q -> F[0, 3 s] p)", Ending.STRONG, ExitStatus.NOT_AS_EXPECTED),
     ],
 )
-def test_the_end_of_standard_input(monkeypatch: pytest.MonkeyPatch, formula: str, end: str, status: ExitStatus) -> None:
+def test_the_end_of_standard_input(
+    monkeypatch: pytest.MonkeyPatch, formula: str, end: Ending, status: ExitStatus
+) -> None:
     feed(monkeypatch, [TEXT[:17], TEXT[17:]])
-    assert run_monitor(MonitorRequest(formula, "-", end=end, quiet=True)) is status
+    assert run_monitor(Judged(formula, "-"), Judging(end), reporting=Reporting(quiet=True)) is status
 
 
 def test_a_false_formula_counts_more_than_one_that_is_open() -> None:
@@ -87,14 +93,14 @@ def test_a_growing_file_is_waited_for(
             file.write(parts.pop(0))
 
     monkeypatch.setattr(monitor_online.time, "sleep", grow)
-    status = run_monitor(MonitorRequest("G (p -> F[0, 19 s] q)", str(path), follow=True, robustness=False))
+    status = run_monitor(Judged("G (p -> F[0, 19 s] q)", str(path)), Judging(robustness=False), RowByRow(follow=True))
     assert status is ExitStatus.AS_EXPECTED
     assert "5 rows, from 0 s to 20 s" in capsys.readouterr().out
 
 
 def test_a_file_is_read_to_its_end_for_the_bounds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "x.csv").write_text("time,x\n0,1\n1,6\n2,10\n3,1\n")
-    status = run_monitor(MonitorRequest("G (x < 5)", str(tmp_path / "x.csv"), online=True))
+    status = run_monitor(Judged("G (x < 5)", str(tmp_path / "x.csv")), rows=RowByRow(online=True))
     assert status is ExitStatus.NOT_AS_EXPECTED
     out = capsys.readouterr().out
     assert "4 rows, from 0 to 3" in out
@@ -105,7 +111,7 @@ def test_a_file_is_read_to_its_end_for_the_bounds(tmp_path: Path, capsys: pytest
 def test_times_that_are_too_fine_say_why(tmp_path: Path, online: bool, help_: str) -> None:
     (tmp_path / "x.csv").write_text("time,x\n0,1\n0.12345678901234567890123,6\n")
     with pytest.raises(InputError) as refusal:
-        run_monitor(MonitorRequest("G (x < 5)", str(tmp_path / "x.csv"), online=online))
+        run_monitor(Judged("G (x < 5)", str(tmp_path / "x.csv")), rows=RowByRow(online=online))
     assert help_ in str(refusal.value.diagnostics[0].help)
 
 
@@ -115,5 +121,5 @@ def test_a_clock_that_shows_the_time_since_1970_in_nanoseconds(
     feed(
         monkeypatch, ["time [ns],p\n", "1772323200500000000,1\n", "1772323201250000000,0\n", "1772323202250000000,0\n"]
     )
-    assert run_monitor(MonitorRequest("G p", "-")) is ExitStatus.NOT_AS_EXPECTED
+    assert run_monitor(Judged("G p", "-")) is ExitStatus.NOT_AS_EXPECTED
     assert "1772323202250000000 ns: p1 is false" in capsys.readouterr().out

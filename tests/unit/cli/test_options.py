@@ -12,8 +12,7 @@ from tachk.cli.main import COMMANDS, app
 from tachk.engines.options import Extrapolation, SearchOrder
 from tachk.formats.catalogue import ExportFormat
 from tachk.formats.uppaal.portability import Version
-from tachk.report.monitor.record import Ending
-from tachk.runtime.trace import Interpolation
+from tachk.runtime.conventions import Ending, Interpolation
 
 
 def command(name: str) -> click.Command:
@@ -31,11 +30,11 @@ def test_every_command_is_called_as_it_is_listed(name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "option", "values"),
     [
-        ("verify", "search", SearchOrder),
+        ("verify", "order", SearchOrder),
         ("verify", "extrapolation", Extrapolation),
         ("export", "format", ExportFormat),
         ("check", "version", Version),
-        ("monitor", "end", Ending),
+        ("monitor", "ending", Ending),
         ("monitor", "interpolation", Interpolation),
     ],
 )

@@ -10,7 +10,7 @@ import pytest
 import tachk
 from tachk.cli.actions.check import run_check
 from tachk.cli.actions.convert import run_convert
-from tachk.cli.actions.verify import VerifyRequest, run_verify
+from tachk.cli.actions.verify import Asked, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.diagnostics.span import Source
@@ -107,7 +107,7 @@ def test_a_mistake_is_still_an_error() -> None:
 def test_commands_say_it_and_end_with_3(path: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run_check((path,), ()) is ExitStatus.UNSUPPORTED
     assert "floating point variable `level` is not supported" in capsys.readouterr().err
-    assert run_verify(VerifyRequest((path,))) is ExitStatus.UNSUPPORTED
+    assert run_verify(Asked((path,))) is ExitStatus.UNSUPPORTED
     printed = capsys.readouterr()
     assert "model.ta:7:31: error[E0750]" in printed.err
     assert "bounded cannot be checked:" in printed.out

@@ -11,8 +11,10 @@ from typing import Any
 import pytest
 
 from tachk import time_limit as module
-from tachk.cli.actions.verify import VerifyRequest, run_verify
+from tachk.cli.actions.run_report import RunReporting
+from tachk.cli.actions.verify import Asked, run_verify
 from tachk.cli.exit_status import ExitStatus
+from tachk.cli.reporting import ReportForm
 from tachk.diagnostics.span import Source
 from tachk.engines.options import Limits
 from tachk.engines.outcome import TIME_LIMIT, GoalOutcome, Outcome, Statistics, Status
@@ -153,7 +155,8 @@ def test_properties_share_the_time_and_leave_what_they_do_not_need(
 def test_a_time_limit_is_no_error(tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str) -> None:
     model = tmp_path / "m.ta"
     model.write_text(text, encoding="utf-8")
-    assert run_verify(VerifyRequest((str(model),), max_seconds=0, format="json")) is ExitStatus.UNKNOWN
+    as_json = RunReporting(ReportForm.JSON)
+    assert run_verify(Asked((str(model),)), limits=Limits(seconds=0), reporting=as_json) is ExitStatus.UNKNOWN
     captured = capsys.readouterr()
     assert captured.err == "error: the time limit was over before the model and the queries were read\n"
     assert "the time limit was over" in captured.out

@@ -9,6 +9,7 @@ from rich.console import Console
 from tachk.model.query import Expectation
 from tachk.properties.verdict import Answer
 from tachk.report.record import RunRecord
+from tachk.report.run.telling import Telling
 from tachk.report.run.trace_text import print_trace
 from tachk.report.run.trace_view import Snapshot, TraceView, ViewStep
 from tachk.report.text_report import print_run
@@ -54,7 +55,7 @@ def test_a_step_tells_who_did_what_when_and_what_changed(record: RunRecord) -> N
 
 def test_clocks_are_printed_on_demand(record: RunRecord) -> None:
     assert "User.x" not in printed(record)
-    assert "User.x = 5/2" in printed(record, clocks=True)
+    assert "User.x = 5/2" in printed(record, telling=Telling(clocks=True))
 
 
 def test_what_was_not_looked_at_is_told_once(record: RunRecord) -> None:

@@ -10,8 +10,9 @@ from tachk.diagnostics.span import Source
 from tachk.loading.load import load_model
 from tachk.properties.verify import verify
 from tachk.report.json_report import trace_to_json
+from tachk.report.run.telling import Telling
 from tachk.report.run.trace_summary import news_line
-from tachk.report.run.trace_text import Telling, print_trace
+from tachk.report.run.trace_text import print_trace
 from tachk.report.run.trace_view import TraceView, view_trace
 from tachk.report.text_report import print_fault
 

@@ -12,9 +12,9 @@ import pytest
 from tachk.monitoring.compiler import compile as compile_formula
 from tachk.monitoring.compiler import ticks_needed
 from tachk.monitoring.formulas import NamedFormula
-from tachk.monitoring.offline import Measures, MonitorReport, verdict_on
+from tachk.monitoring.offline import Judging, MonitorReport, verdict_on
 from tachk.monitoring.reading import HeldValues
-from tachk.report.monitor.record import Ending, MonitorRecord
+from tachk.report.monitor.record import MonitorRecord
 from tachk.runtime.explanation import Reason, horizon, memory
 from tachk.runtime.monitor_program import MonitorNode, MonitorProgram, NodeKind
 from tachk.runtime.node_signal import NodeSignal, Truth
@@ -43,9 +43,7 @@ def report(seed: int, shape: FormulaShape) -> MonitorReport:
     booleans = [name for name, values in trace.columns.items() if values.dtype.kind == "u"]
     program = compile_formula(formula, trace.columns, trace.ticks_per_unit, booleans=booleans)
     named = NamedFormula("p", "", formula)
-    return MonitorReport(
-        MonitorRecord(trace, "", (verdict_on(named, program, trace, Ending.UNDETERMINED, Measures(), HeldValues()),))
-    )
+    return MonitorReport(MonitorRecord(trace, "", (verdict_on(named, program, trace, Judging(), HeldValues()),)))
 
 
 def every(reason: Reason) -> Iterator[Reason]:

@@ -10,11 +10,14 @@ from io import BufferedReader
 from pathlib import Path
 from typing import cast
 
-from tachk.cli.actions.monitor_request import MonitorRequest, exit_status
+from tachk.cli.actions.judged import Judged, exit_status
+from tachk.cli.actions.row_by_row import RowByRow
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
+from tachk.cli.reporting import ReportForm, Reporting
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.monitoring.formulas import NamedFormula
+from tachk.monitoring.offline import Judging
 from tachk.monitoring.online import Monitor
 from tachk.report.monitor.online_record import OnlineVerdict
 from tachk.report.monitor.online_report import decided_to_text, online_to_json, online_to_text
@@ -52,46 +55,48 @@ class _GrowingFile:
         self._stream.close()
 
 
-def run_online(request: MonitorRequest, formulas: tuple[NamedFormula, ...]) -> ExitStatus:
+def run_online(
+    judged: Judged, formulas: tuple[NamedFormula, ...], judging: Judging, rows: RowByRow, reporting: Reporting
+) -> ExitStatus:
     """Judges rows as they come, and says each verdict when it is decided. Ctrl-C ends the trace."""
-    if request.format == "junit":
+    if reporting.form is ReportForm.JUNIT:
         raise UsageError("junit reports are written about whole traces", "leave out --online, or take --format json")
-    recording = _open(request)
+    recording = _open(judged, rows)
     monitor = Monitor(
         formulas,
         unit=recording.unit,
-        decimals=request.decimals,
-        end=request.end,
-        robustness=request.robustness,
+        decimals=rows.decimals,
+        end=judging.ending,
+        robustness=judging.robustness,
     )
-    with destination(request.output, request.quiet) as out:
-        live = out if request.format == "text" else None
+    with destination(reporting.output, reporting.quiet) as out:
+        live = out if reporting.form is ReportForm.TEXT else None
         # A file that is there to its end is read to its end where bounds go on after the decision.
-        whole = request.robustness and request.trace != "-" and not request.follow
+        whole = judging.robustness and judged.trace != "-" and not rows.follow
         for verdict in _decisions(monitor, recording, whole):
             if live is not None:
                 live.write(decided_to_text(verdict, monitor.unit) + "\n")
                 live.flush()
         verdicts = monitor.finish()
-        if out is not None and request.format == "json":
-            json.dump(online_to_json(monitor.record(request.trace)), out, indent=2)
+        if out is not None and reporting.form is ReportForm.JSON:
+            json.dump(online_to_json(monitor.record(judged.trace)), out, indent=2)
             out.write("\n")
         elif out is not None:
-            out.write(online_to_text(monitor.record(request.trace)))
+            out.write(online_to_text(monitor.record(judged.trace)))
     return exit_status({verdict.truth for verdict in verdicts})
 
 
-def _open(request: MonitorRequest) -> CsvRecording:
-    if request.trace == "-":
-        return open_csv_stream(cast("BufferedReader", sys.stdin.buffer), "-", request.time, request.unit)
-    path = Path(request.trace)
+def _open(judged: Judged, rows: RowByRow) -> CsvRecording:
+    if judged.trace == "-":
+        return open_csv_stream(cast("BufferedReader", sys.stdin.buffer), "-", judged.time, judged.unit)
+    path = Path(judged.trace)
     if not is_csv(path):
         raise UsageError(f"{path}: row by row only CSV can be read", "leave out --online")
-    if not request.follow:
-        return open_csv(path, request.time, request.unit)
+    if not rows.follow:
+        return open_csv(path, judged.time, judged.unit)
     if not path.is_file():
         raise UsageError(f"there is no file {path}")
-    return open_csv_stream(_GrowingFile(path), str(path), request.time, request.unit)
+    return open_csv_stream(_GrowingFile(path), str(path), judged.time, judged.unit)
 
 
 def _decisions(monitor: Monitor, recording: CsvRecording, whole: bool) -> Iterator[OnlineVerdict]:

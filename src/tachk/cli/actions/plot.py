@@ -4,29 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from tachk.cli.actions.judged import Judged
 from tachk.cli.exit_status import ExitStatus
-from tachk.monitoring.formulas import check_order, read_formulas
-from tachk.monitoring.offline import MonitorReport, judge, selected
-from tachk.runtime.trace import Interpolation
-from tachk.runtime.trace_files import open_trace
+from tachk.monitoring.offline import Judging, MonitorReport, judge
 
 
-def run_plot(
-    formula: str,
-    trace: str,
-    output: Path,
-    time: str | None,
-    unit: str | None,
-    names: tuple[str, ...],
-    begin: float | None,
-    end: float | None,
-    interpolation: str,
-) -> ExitStatus:
+def run_plot(judged: Judged, judging: Judging, output: Path, begin: float | None, end: float | None) -> ExitStatus:
     """Draws a trace with what formulas are worth on it. The verdict has no influence on the exit status."""
-    check_order(formula, trace)
-    formulas = selected(read_formulas(formula), names)
-    between = Interpolation(interpolation)
-    record = judge(formulas, open_trace(trace, time, unit), interpolation=between, source=formula)
+    record = judge(judged.formulas(), judged.recording(), judging, judged.formula)
     MonitorReport(record).plot(output, begin, end)
     print(f"written: {output}")
     return ExitStatus.AS_EXPECTED

@@ -6,17 +6,20 @@ from typing import Any
 
 import click
 
-from tachk.cli import options
+from tachk.cli import options, trace_options
+from tachk.cli.reporting import ReportForm
+from tachk.runtime.conventions import Ending
 
 
 @click.command(name="monitor", short_help="Judge a recorded trace by properties.")
-@options.formula
+@trace_options.formula
 @click.argument("trace", type=click.Path(), help="A CSV, Parquet or VCD file; - reads CSV rows as they come.")
-@options.columns
+@trace_options.columns
 @click.option(
+    "ending",
     "--end",
-    type=click.Choice(["undetermined", "weak", "strong"]),
-    default="undetermined",
+    type=options.Choice(Ending),
+    default=Ending.UNDETERMINED.value,
     show_default=True,
     help="What is pending at the end counts as: undetermined, satisfied (weak), violated.",
 )
@@ -39,14 +42,17 @@ from tachk.cli import options
     type=click.IntRange(0, 15),
     help="Row by row: the decimals of times and bounds; by default as many as make nanoseconds, at most 9.",
 )
-@options.report("text", "json", "junit")
+@options.report(ReportForm.TEXT, ReportForm.JSON, ReportForm.JUNIT)
 def command(**given: Any) -> None:
     """Judge a recorded trace by formulas, sentences or the properties of a model.
 
     Exit status: 0 all are true, 10 some are false, 20 nothing worse than undetermined, 2 bad input.
     """
+    from tachk.cli.actions.judged import Judged
     from tachk.cli.actions.monitor import run_monitor
-    from tachk.cli.actions.monitor_request import MonitorRequest
+    from tachk.cli.actions.row_by_row import RowByRow
+    from tachk.cli.reporting import Reporting
+    from tachk.monitoring.offline import Judging
 
-    request = MonitorRequest(**given)
-    options.finish(lambda: run_monitor(request))
+    arguments = options.distributed(given, Judged, Judging, RowByRow, Reporting)
+    options.finish(lambda: run_monitor(*arguments))

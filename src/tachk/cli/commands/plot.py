@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
-from tachk.cli import options
+from tachk.cli import options, trace_options
 
 
 @click.command(name="plot", short_help="Draw a trace, and where properties are violated.")
-@options.formula
+@trace_options.formula
 @click.argument("trace", type=click.Path(), help="A CSV, Parquet or VCD file.")
 @click.option(
     "output",
@@ -21,21 +22,14 @@ from tachk.cli import options
     required=True,
     help="An .svg, .png or .pdf file.",
 )
-@options.columns
+@trace_options.columns
 @click.option("begin", "--from", metavar="TIME", type=float, help="Draw from here.")
 @click.option("end", "--to", metavar="TIME", type=float, help="Draw up to here.")
-def command(
-    formula: str,
-    trace: str,
-    output: Path,
-    time: str | None,
-    unit: str | None,
-    names: tuple[str, ...],
-    begin: float | None,
-    end: float | None,
-    interpolation: str,
-) -> None:
+def command(output: Path, begin: float | None, end: float | None, **given: Any) -> None:
     """Draw a trace with what formulas and their parts are worth on it, and where they are violated."""
+    from tachk.cli.actions.judged import Judged
     from tachk.cli.actions.plot import run_plot
+    from tachk.monitoring.offline import Judging
 
-    options.finish(lambda: run_plot(formula, trace, output, time, unit, names, begin, end, interpolation))
+    judged, judging = options.distributed(given, Judged, Judging)
+    options.finish(lambda: run_plot(judged, judging, output, begin, end))

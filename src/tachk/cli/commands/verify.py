@@ -7,6 +7,10 @@ from typing import Any
 import click
 
 from tachk.cli import options
+from tachk.cli.reporting import Evidence, ReportForm
+from tachk.engines.options import LARGEST_SEED, Extrapolation, Options, SearchOrder
+
+_DEFAULT = Options()
 
 
 @click.command(name="verify")
@@ -22,48 +26,57 @@ from tachk.cli import options
 @options.definitions
 @click.option("properties", "--property", metavar="NAME", multiple=True, help="Check this property of the model.")
 @click.option(
+    "order",
     "--search",
-    type=click.Choice(["bfs", "dfs", "rdfs"]),
-    default="bfs",
+    type=options.Choice(SearchOrder),
+    default=_DEFAULT.order.value,
     show_default=True,
     help="Which state is explored next.",
 )
 @click.option(
     "--seed",
     metavar="N",
-    type=click.IntRange(0, 2**32 - 1),
-    default=1,
+    type=click.IntRange(0, LARGEST_SEED),
+    default=_DEFAULT.seed,
     show_default=True,
     help="For --search rdfs.",
 )
 @click.option(
     "--trace",
-    type=click.Choice(["some", "shortest", "none"]),
+    type=options.Choice(Evidence),
     help="Which run to give as evidence; without this option only unexpected answers get one. shortest: one with the "
     "fewest transitions, which may take longer to find.",
 )
-@options.report("text", "json", "junit", "verifyta")
+@options.report(ReportForm.TEXT, ReportForm.JSON, ReportForm.JUNIT, ReportForm.VERIFYTA)
 @click.option(
-    "--max-states", metavar="N", type=click.IntRange(min=1), help="Give up a search beyond so many stored states."
+    "states",
+    "--max-states",
+    metavar="N",
+    type=click.IntRange(min=1),
+    help="Give up a search beyond so many stored states.",
 )
 @click.option(
+    "seconds",
     "--max-seconds",
     metavar="SECONDS",
     type=click.FloatRange(min=0),
     help="Give up a model after this time, which its properties share fairly.",
 )
 @click.option(
+    "seconds_each",
     "--max-seconds-each",
     metavar="SECONDS",
     type=click.FloatRange(min=0),
     help="Give up each search after this time; properties that look at the same clocks share a search.",
 )
 @click.option("--max-memory", metavar="SIZE", help="Give up a search beyond this size, such as 2G.")
-@click.option("--max-depth", metavar="N", type=click.IntRange(min=0), help="Explore only so many transitions deep.")
+@click.option(
+    "depth", "--max-depth", metavar="N", type=click.IntRange(min=0), help="Explore only so many transitions deep."
+)
 @click.option(
     "--extrapolation",
-    type=click.Choice(["lu", "max", "none"]),
-    default="lu",
+    type=options.Choice(Extrapolation),
+    default=_DEFAULT.extrapolation.value,
     show_default=True,
     help="The abstraction of zones.",
 )
@@ -77,12 +90,15 @@ from tachk.cli import options
 @click.option(
     "--every-step", is_flag=True, help="Tell runs whole: each step of repeated rounds, and what the model hides."
 )
-def command(trace: str | None, every_trace: bool, **given: Any) -> None:
+def command(**given: Any) -> None:
     """Check the properties of models, or the given queries.
 
     Without a query, a query file or --property, every property that a model states is checked.
     """
-    from tachk.cli.actions.verify import VerifyRequest, run_verify
+    from tachk.cli.actions.run_report import RunReporting
+    from tachk.cli.actions.verify import Asked, run_verify
+    from tachk.engines.options import Limits
+    from tachk.report.run.telling import Telling
 
-    request = VerifyRequest(trace=trace or "some", every_trace=every_trace or trace is not None, **given)
-    options.finish(lambda: run_verify(request))
+    arguments = options.distributed(given, Asked, Options, Limits, RunReporting, Telling)
+    options.finish(lambda: run_verify(*arguments))

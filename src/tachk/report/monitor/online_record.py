@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from tachk.report.monitor.record import Ending, MonitorRecord
+from tachk.report.monitor.record import MonitorRecord
+from tachk.runtime.conventions import Ending
 from tachk.runtime.node_signal import Truth
 
 

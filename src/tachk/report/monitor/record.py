@@ -3,25 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from enum import StrEnum
 from fractions import Fraction
 
 from tachk.report.quantity import decimal
+from tachk.runtime.conventions import Ending, Interpolation
 from tachk.runtime.explanation import Explainer, Finding
 from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
-from tachk.runtime.trace import Interpolation, Trace
-
-
-class Ending(StrEnum):
-    """What the end of the trace means for a formula that it leaves undetermined.
-
-    WEAK: what is still pending counts as satisfied; STRONG: as violated.
-    """
-
-    UNDETERMINED = "undetermined"
-    WEAK = "weak"
-    STRONG = "strong"
+from tachk.runtime.trace import Trace
 
 
 @dataclass(frozen=True, slots=True)

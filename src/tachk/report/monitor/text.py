@@ -8,11 +8,11 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from tachk.report.monitor.record import Ending, MonitorRecord, MonitorVerdict, clock_text
+from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, clock_text
 from tachk.report.monitor.words import explain_verdict
 from tachk.report.quantity import count
+from tachk.runtime.conventions import Ending, Interpolation
 from tachk.runtime.node_signal import Truth
-from tachk.runtime.trace import Interpolation
 
 STYLES = {Truth.TRUE: "green", Truth.FALSE: "red", Truth.UNDETERMINED: "yellow"}
 

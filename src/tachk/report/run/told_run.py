@@ -7,6 +7,7 @@ from html import escape
 
 from tachk.model.network import Network
 from tachk.properties.verdict import Verdict
+from tachk.report.run.telling import Telling
 from tachk.report.run.trace_view import Snapshot, TraceView, ViewStep, view_trace
 from tachk.report.text_report import evidence_text
 
@@ -45,7 +46,7 @@ class Run:
             clocks: print the value of every clock after each step.
             every_step: tell also repeated rounds step by step, and what the model hides.
         """
-        return evidence_text(self.network, self.verdict, clocks, every_step)
+        return evidence_text(self.network, self.verdict, Telling(clocks, every_step))
 
     def __len__(self) -> int:
         assert self.verdict.trace is not None

@@ -9,42 +9,15 @@ from rich.console import Console
 from rich.text import Text
 
 from tachk.model.network import Direction
-from tachk.records import dataclass
 from tachk.report.quantity import count, duration
 from tachk.report.run.folding import Round, Single, fold
+from tachk.report.run.telling import Ends, Telling
 from tachk.report.run.trace_view import Event, Move, Snapshot, TraceView
 
 _ARRAY_TOGETHER = 3
 
 _COLUMNS = 120
 """A line is not made longer than that by putting more into it."""
-
-
-@dataclass(frozen=True, slots=True)
-class Ends:
-    """How much of a long run is told.
-
-    Attributes:
-        beginning, end: steps and rounds; without a beginning the initial state is not told either.
-    """
-
-    beginning: int = 200
-    end: int = 100
-
-
-@dataclass(frozen=True, slots=True)
-class Telling:
-    """How a run is told.
-
-    Attributes:
-        clocks: the value of every clock after each step.
-        every_step: each step of repeated rounds and of long runs, and what the model hides.
-        ends: what is told of a run that stays longer when rounds are put together.
-    """
-
-    clocks: bool = False
-    every_step: bool = False
-    ends: Ends = Ends()
 
 
 def print_trace(trace: TraceView, console: Console, time_unit: str = "", telling: Telling = Telling()) -> None:

@@ -1,0 +1,46 @@
+"""What `tachk monitor` and `tachk plot` are given, and what the verdicts mean for the exit status."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from tachk.cli.exit_status import ExitStatus
+from tachk.monitoring.formulas import NamedFormula, check_order, read_formulas
+from tachk.monitoring.offline import selected
+from tachk.runtime.node_signal import Truth
+from tachk.runtime.trace import Recording
+from tachk.runtime.trace_files import open_trace
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A trace and the formulas by which it is judged.
+
+    Attributes:
+        formula: a formula, a sentence, or the path of a file of them or of a model.
+        trace: a path, or ``-`` for standard input.
+        time, unit: as of `open_trace`.
+        names: of the formulas that are taken; none: all.
+    """
+
+    formula: str
+    trace: str
+    time: str | None = None
+    unit: str | None = None
+    names: tuple[str, ...] = ()
+
+    def formulas(self) -> tuple[NamedFormula, ...]:
+        """Raises InputError, UsageError."""
+        check_order(self.formula, self.trace)
+        return selected(read_formulas(self.formula), self.names)
+
+    def recording(self) -> Recording:
+        """Raises InputError, UsageError."""
+        return open_trace(self.trace, self.time, self.unit)
+
+
+def exit_status(truths: set[Truth]) -> ExitStatus:
+    """What the verdicts mean for the status of the command."""
+    if Truth.FALSE in truths:
+        return ExitStatus.NOT_AS_EXPECTED
+    return ExitStatus.UNKNOWN if Truth.UNDETERMINED in truths else ExitStatus.AS_EXPECTED

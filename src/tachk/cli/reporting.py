@@ -1,0 +1,41 @@
+"""What the commands that report are told about their report. Imports nothing heavy."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+
+from tachk.records import dataclass
+
+
+class ReportForm(StrEnum):
+    """The forms of reports. Each command has some of them."""
+
+    TEXT = "text"
+    JSON = "json"
+    JUNIT = "junit"
+    VERIFYTA = "verifyta"
+    SARIF = "sarif"
+    GITHUB = "github"
+
+
+class Evidence(StrEnum):
+    """Which run is given as the evidence for an answer."""
+
+    SOME = "some"
+    SHORTEST = "shortest"
+    NONE = "none"
+
+
+@dataclass(frozen=True, slots=True)
+class Reporting:
+    """How a command reports.
+
+    Attributes:
+        output: the file of the report; None: standard output.
+        quiet: nothing is reported; the exit status tells.
+    """
+
+    form: ReportForm = ReportForm.TEXT
+    output: Path | None = None
+    quiet: bool = False

@@ -1,0 +1,35 @@
+"""What the options of the commands that read a trace have in common. Imports nothing heavy."""
+
+from __future__ import annotations
+
+import click
+
+from tachk.cli.options import Choice, Decorated
+from tachk.runtime.conventions import Interpolation
+
+
+def formula(function: Decorated) -> Decorated:
+    return click.argument(
+        "formula",
+        metavar="FORMULA|FILE",
+        type=click.Path(),
+        help="A formula, a sentence, a file of them (.stl), or a model.",
+    )(function)
+
+
+def columns(function: Decorated) -> Decorated:
+    """``--time``, ``--unit``, ``--property`` and ``--interpolation`` of the commands that read a trace."""
+    for option in (
+        click.option(
+            "--interpolation",
+            type=Choice(Interpolation),
+            default=Interpolation.CONSTANT.value,
+            show_default=True,
+            help="Between rows numbers are held, or move in straight lines.",
+        ),
+        click.option("names", "--property", metavar="NAME", multiple=True, help="Take this formula of the file."),
+        click.option("--unit", metavar="UNIT", help="Of the times, if the trace does not say it: ms, s, ..."),
+        click.option("--time", metavar="NAME", help="The time column, if it is not time, t or timestamp."),
+    ):
+        function = option(function)
+    return function
