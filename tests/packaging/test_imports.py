@@ -35,6 +35,7 @@ def test_few_modules_open_the_door_to_the_core() -> None:
         "runtime/core_monitor.py",
         "runtime/monitor_group.py",
         "runtime/online_monitor.py",
+        "runtime/trace.py",
         "runtime/trace_arrays.py",
         "runtime/trace_csv.py",
     }
