@@ -6,12 +6,8 @@ import re
 from collections.abc import Iterator, Mapping
 
 from tachk.syntax import ast
-from tachk.syntax.printing.expression_printer import (
-    print_expression,
-    print_expressions,
-    print_synchronisation,
-    print_type,
-)
+from tachk.syntax.edge_clauses import edge_clauses
+from tachk.syntax.printing.expression_printer import print_clause, print_expression
 
 LINE_HEIGHT = 15
 """From one line of a label to its next, in UPPAAL's coordinates."""
@@ -43,17 +39,7 @@ def location_labels(location: ast.LocationDeclaration) -> dict[str, str]:
 
 def edge_labels(edge: ast.EdgeDeclaration) -> dict[str, str]:
     """The texts of the labels of an edge that stand together, by their kinds, from top to bottom."""
-    labels = {}
-    if edge.selects:
-        labels["select"] = ", ".join(f"{select.name.name} : {print_type(select.type)}" for select in edge.selects)
-    if edge.guard is not None:
-        labels["guard"] = print_expression(edge.guard)
-    if edge.synchronisation is not None:
-        labels["synchronisation"] = print_synchronisation(edge.synchronisation)
-    if edge.updates:
-        labels["assignment"] = print_expressions(edge.updates)
-    if edge.probability is not None:
-        labels["probability"] = print_expression(edge.probability)
+    labels = {clause.kind.label: print_clause(clause) for clause in edge_clauses(edge)}
     if _is_short(edge.doc):
         labels["comments"] = edge.doc
     return labels

@@ -15,13 +15,14 @@ from dataclasses import dataclass, replace
 from tachk.formats.plain.expansion import with_repaired_names
 from tachk.formats.plain.model import PlainModel
 from tachk.syntax import ast
+from tachk.syntax.edge_clauses import edge_clauses
 from tachk.syntax.printing.comment_placement import Placement
 from tachk.syntax.printing.expression_printer import (
+    print_clause,
     print_declarator,
     print_expression,
     print_expressions,
     print_parameters,
-    print_synchronisation,
     print_type,
 )
 from tachk.syntax.printing.printer import write_declaration
@@ -201,22 +202,9 @@ def _locations(template: ast.Template) -> dict[str, str]:
 def _edges(template: ast.Template) -> Iterator[tuple[str, str]]:
     for edge in template.edges:
         source = "" if edge.source is None else edge.source.name
-        parts = [f"{word} {text};" for word, text in _clauses(edge)]
+        parts = [f"{clause.kind.value} {print_clause(clause)};" for clause in edge_clauses(edge)]
         arrow = "->" if edge.controllable else "-u->"
         yield f"edge {source} {arrow} {edge.target.name}", " ".join(parts)
-
-
-def _clauses(edge: ast.EdgeDeclaration) -> Iterator[tuple[str, str]]:
-    if edge.selects:
-        yield "select", ", ".join(f"{binding.name.name} : {print_type(binding.type)}" for binding in edge.selects)
-    if edge.guard is not None:
-        yield "guard", print_expression(edge.guard)
-    if edge.synchronisation is not None:
-        yield "sync", print_synchronisation(edge.synchronisation)
-    if edge.updates:
-        yield "assign", print_expressions(edge.updates)
-    if edge.probability is not None:
-        yield "probability", print_expression(edge.probability)
 
 
 def _system(model: PlainModel) -> dict[str, str]:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from tachk.records import dataclass
 from tachk.syntax import ast
+from tachk.syntax.edge_clauses import ClauseKind
 
 
 class Point(NamedTuple):
@@ -30,7 +31,7 @@ class EdgeKey(NamedTuple):
 
 
 LOCATION_LABELS = ("invariant", "exponentialrate", "comments")
-EDGE_LABELS = ("select", "guard", "synchronisation", "assignment", "probability", "comments")
+EDGE_LABELS = (*(kind.label for kind in ClauseKind), "comments")
 """UPPAAL's names for the labels that a document holds, in the order in which they are written."""
 
 

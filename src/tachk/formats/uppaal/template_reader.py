@@ -13,6 +13,7 @@ from tachk.diagnostics.span import Span
 from tachk.formats.uppaal.xml_text import Extract, Extracted
 from tachk.formats.uppaal.xml_tree import Element
 from tachk.syntax import ast
+from tachk.syntax.edge_clauses import edge_clauses
 from tachk.syntax.parsing.parser import (
     parse_assignment,
     parse_constraint,
@@ -35,10 +36,8 @@ from tachk.syntax.picture_layout import (
     keyed_edges,
 )
 from tachk.syntax.printing.expression_printer import (
+    print_clause,
     print_expression,
-    print_expressions,
-    print_synchronisation,
-    print_type,
 )
 from tachk.time_limit import check_time
 
@@ -358,7 +357,8 @@ class TemplateReader:
             controllable=transition.element.attributes.get("controllable") != "false",
             doc=_comment(labels),
         )
-        return edge, _label_layouts(labels, printed_labels(edge))
+        printed = {clause.kind.label: print_clause(clause) for clause in edge_clauses(edge)}
+        return edge, _label_layouts(labels, {**printed, "comments": edge.doc})
 
     def _label(
         self,
@@ -394,19 +394,6 @@ class TemplateReader:
 def branchpoint_id(template: str, name: str) -> str:
     """An identifier that keeps the name of a branchpoint."""
     return f"{template}.{name}"
-
-
-def printed_labels(edge: ast.EdgeDeclaration) -> dict[str, str]:
-    """The text of every label of an edge as the formatter writes it, empty where there is none."""
-    guard, synchronisation, probability = edge.guard, edge.synchronisation, edge.probability
-    return {
-        "select": ", ".join(f"{binding.name.name} : {print_type(binding.type)}" for binding in edge.selects),
-        "guard": "" if guard is None else print_expression(guard),
-        "synchronisation": "" if synchronisation is None else print_synchronisation(synchronisation),
-        "assignment": print_expressions(edge.updates),
-        "probability": "" if probability is None else print_expression(probability),
-        "comments": edge.doc,
-    }
 
 
 def _label_layouts(labels: Mapping[str, Element], printed: Mapping[str, str]) -> dict[str, LabelLayout]:

@@ -21,10 +21,11 @@ from tachk.drawing.completion import complete
 from tachk.formats.plain.model import PlainModel
 from tachk.formats.uppaal.query_writer import QueryView, query_views
 from tachk.formats.uppaal.section_writer import Sections, same, sections
-from tachk.formats.uppaal.template_reader import branchpoint_id, documentation, printed_labels
+from tachk.formats.uppaal.template_reader import branchpoint_id, documentation
 from tachk.frontend.loaded import LoadedModel
 from tachk.resources import template_text
 from tachk.syntax import ast
+from tachk.syntax.edge_clauses import edge_clauses
 from tachk.syntax.parsing.parser import (
     parse_assignment,
     parse_constraint,
@@ -45,7 +46,7 @@ from tachk.syntax.picture_layout import (
     keyed_edges,
     nodes_of,
 )
-from tachk.syntax.printing.expression_printer import print_expression
+from tachk.syntax.printing.expression_printer import print_clause, print_expression
 
 _NEWER = ("1.5", "1.6")
 _NEWER_ATTRIBUTES = ("id", "action")
@@ -227,13 +228,8 @@ def _node(
     shown = "" if picture.written_name == "" and node.name.name == old.name.name else node.name.name
     if isinstance(node, ast.Branchpoint):
         return NodeView(identifier, True, picture.position, picture.colour, shown, picture.name)
-    texts = {
-        "invariant": (node.invariant, "" if node.invariant is None else print_expression(node.invariant)),
-        "exponentialrate": (
-            node.exponential_rate,
-            "" if node.exponential_rate is None else print_expression(node.exponential_rate),
-        ),
-    }
+    given = (("invariant", node.invariant), ("exponentialrate", node.exponential_rate))
+    texts = {kind: (value, print_expression(value)) for kind, value in given if value is not None}
     labels = _labels(texts, node.doc, picture.labels, LOCATION_LABELS, comments)
     return NodeView(
         identifier,
@@ -261,14 +257,7 @@ def _comments(
 
 def _edge(edge: ast.EdgeDeclaration, picture: EdgeLayout, ids: Mapping[str, str], comments: list[str]) -> EdgeView:
     assert edge.source is not None, "an edge of the classic form has a source"
-    printed = printed_labels(edge)
-    texts = {
-        "select": (edge.selects, printed["select"]),
-        "guard": (edge.guard, printed["guard"]),
-        "synchronisation": (edge.synchronisation, printed["synchronisation"]),
-        "assignment": (edge.updates, printed["assignment"]),
-        "probability": (edge.probability, printed["probability"]),
-    }
+    texts = {clause.kind.label: (clause.value, print_clause(clause)) for clause in edge_clauses(edge)}
     attributes = dict(picture.attributes)
     if picture.colour:
         attributes["color"] = picture.colour
@@ -290,15 +279,19 @@ def _labels(
     kinds: tuple[str, ...],
     comments: list[str],
 ) -> tuple[LabelView, ...]:
-    """The labels that are not empty: as they were written where that means the same, else formatted."""
+    """The labels that are not empty: as they were written where that means the same, else formatted.
+
+    Args:
+        texts: what the labels of the document mean, and how it is formatted.
+        kinds: the labels that a document can hold. Others are kept as they were written.
+    """
     labels: list[LabelView] = []
     for kind in (*kinds, *(kind for kind in pictures if kind not in kinds)):
         picture = pictures[kind]
         assert picture.position is not None, "a complete layout has all positions"
         if kind in texts:
-            meant, printed = texts[kind]
-            text = printed
-            if printed and picture.text is not None and same(picture.text, _PARSERS[kind], meant):
+            meant, text = texts[kind]
+            if picture.text is not None and same(picture.text, _PARSERS[kind], meant):
                 text = picture.text
         elif kind == "comments":
             seen = "".join(label.text for label in labels)
@@ -308,7 +301,7 @@ def _labels(
             if documentation(old) == doc and not loose:
                 text = old
         else:
-            text = picture.text or ""
+            text = "" if kind in kinds else picture.text or ""
         if text.strip():
             labels.append(LabelView(kind, picture.position, text))
     return tuple(labels)

@@ -9,13 +9,12 @@ from typing import Any
 
 from tachk.formats.plain.model import PlainModel
 from tachk.syntax import ast
+from tachk.syntax.edge_clauses import edge_clauses
 from tachk.syntax.printing.comment_placement import place_comments
 from tachk.syntax.printing.expression_printer import (
+    print_clause,
     print_expression,
-    print_expressions,
     print_parameters,
-    print_synchronisation,
-    print_type,
 )
 from tachk.syntax.printing.printer import write_declaration, write_item
 from tachk.syntax.printing.writer import Writer
@@ -116,18 +115,7 @@ def _state(location: ast.LocationDeclaration) -> str:
 
 def _edge(edge: ast.EdgeDeclaration) -> str:
     assert edge.source is not None, "an edge of the classic form has a source"
-    clauses = []
-    if edge.selects:
-        bindings = ", ".join(f"{binding.name.name} : {print_type(binding.type)}" for binding in edge.selects)
-        clauses.append(f"select {bindings};")
-    if edge.guard is not None:
-        clauses.append(f"guard {print_expression(edge.guard)};")
-    if edge.synchronisation is not None:
-        clauses.append(f"sync {print_synchronisation(edge.synchronisation)};")
-    if edge.updates:
-        clauses.append(f"assign {print_expressions(edge.updates)};")
-    if edge.probability is not None:
-        clauses.append(f"probability {print_expression(edge.probability)};")
+    clauses = [f"{clause.kind.value} {print_clause(clause)};" for clause in edge_clauses(edge)]
     arrow = "->" if edge.controllable else "-u->"
     inside = f" {' '.join(clauses)} " if clauses else " "
     return f"{edge.source.name} {arrow} {edge.target.name} {{{inside}}}"

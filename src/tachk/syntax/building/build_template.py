@@ -9,9 +9,10 @@ from typing import Any
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import Span
 from tachk.syntax import ast
+from tachk.syntax.edge_clauses import ClauseKind
 from tachk.syntax.parsing.misplaced import Misplaced
 
-CLAUSE_ORDER = ("select", "guard", "sync", "assign", "probability")
+CLAUSE_ORDER = tuple(kind.value for kind in ClauseKind)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tachk.syntax import ast
+from tachk.syntax.edge_clauses import edge_clauses
 
 Comments = dict[int, list[ast.Comment]]
 
@@ -101,10 +102,7 @@ def line_nodes(node: Any) -> Iterator[Any]:
         case ast.Branchpoint():
             yield from node.edges
         case ast.EdgeDeclaration():
-            yield from node.selects[:1]
-            yield from (part for part in (node.guard, node.synchronisation) if part is not None)
-            yield from node.updates[:1]
-            yield from (part for part in (node.probability,) if part is not None)
+            yield from (clause.first for clause in edge_clauses(node))
         case ast.FunctionDeclaration():
             yield node.body
         case ast.BlockStatement():

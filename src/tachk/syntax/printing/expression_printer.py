@@ -7,6 +7,7 @@ from typing import assert_never
 
 from tachk.syntax import ast
 from tachk.syntax.chains import ASSOCIATIVE, operands_of
+from tachk.syntax.edge_clauses import Clause, ClauseKind
 
 _QUANTIFIED, _ASSIGNED, _CONDITIONAL = 0, 1, 2
 _PREFIXED, _POSTFIXED = 15, 16
@@ -182,6 +183,21 @@ def print_parameters(parameters: Sequence[ast.Parameter]) -> str:
         f"{print_type(p.type)} {'&' if p.reference else ''}{p.name.name}{print_dimensions(p.dimensions)}"
         for p in parameters
     )
+
+
+def print_clause(clause: Clause) -> str:
+    """A clause of an edge without its word."""
+    match clause.kind:
+        case ClauseKind.SELECT:
+            return ", ".join(f"{binding.name.name} : {print_type(binding.type)}" for binding in clause.value)
+        case ClauseKind.GUARD | ClauseKind.PROBABILITY:
+            return print_expression(clause.value)
+        case ClauseKind.SYNCHRONISATION:
+            return print_synchronisation(clause.value)
+        case ClauseKind.UPDATES:
+            return print_expressions(clause.value)
+        case never:
+            assert_never(never)
 
 
 def print_synchronisation(label: ast.SynchronisationLabel) -> str:

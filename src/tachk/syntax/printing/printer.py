@@ -11,15 +11,16 @@ from collections.abc import Sequence
 from typing import Any
 
 from tachk.syntax import ast
+from tachk.syntax.edge_clauses import ClauseKind, edge_clauses
 from tachk.syntax.printing.canonical import canonical
 from tachk.syntax.printing.comment_placement import place_comments
 from tachk.syntax.printing.expression_printer import (
+    print_clause,
     print_declarator,
     print_dimensions,
     print_expression,
     print_expressions,
     print_parameters,
-    print_synchronisation,
     print_type,
 )
 from tachk.syntax.printing.print_statements import write_block
@@ -218,38 +219,21 @@ def _write_location(writer: Writer, node: ast.LocationDeclaration | ast.Branchpo
 
 
 def _write_edge(writer: Writer, edge: ast.EdgeDeclaration) -> None:
-    clauses = _clauses(edge)
+    clauses = [(clause, print_clause(clause)) for clause in edge_clauses(edge)]
     head = f"to {edge.target.name}" if edge.controllable else f"uncontrollable to {edge.target.name}"
     writer.begin(edge, edge.doc)
     if not clauses and not writer.comments.inside(edge):
         writer.ending(f"{head};", edge)
         return
-    line = f"{head} {{ " + " ".join(f"{word} {text};" for word, text, _ in clauses) + " }"
+    line = f"{head} {{ " + " ".join(f"{clause.kind.value} {text};" for clause, text in clauses) + " }"
     if writer.fits(line) and not writer.comments.inside(edge):
         writer.ending(line, edge)
         return
     writer.open(f"{head} {{", edge)
-    for word, text, node in clauses:
-        writer.begin(node)
-        if word in ("guard", "probability"):
-            writer.condition(f"{word} ", node, ";", node)
+    for clause, text in clauses:
+        writer.begin(clause.first)
+        if clause.kind in (ClauseKind.GUARD, ClauseKind.PROBABILITY):
+            writer.condition(f"{clause.kind.value} ", clause.first, ";", clause.first)
         else:
-            writer.ending(f"{word} {text};", node)
+            writer.ending(f"{clause.kind.value} {text};", clause.first)
     writer.close("}", edge)
-
-
-def _clauses(edge: ast.EdgeDeclaration) -> list[tuple[str, str, Any]]:
-    """Word, text and first node of every clause, in order."""
-    clauses: list[tuple[str, str, Any]] = []
-    if edge.selects:
-        bindings = ", ".join(f"{binding.name.name} : {print_type(binding.type)}" for binding in edge.selects)
-        clauses.append(("select", bindings, edge.selects[0]))
-    if edge.guard is not None:
-        clauses.append(("guard", print_expression(edge.guard), edge.guard))
-    if edge.synchronisation is not None:
-        clauses.append(("sync", print_synchronisation(edge.synchronisation), edge.synchronisation))
-    if edge.updates:
-        clauses.append(("assign", print_expressions(edge.updates), edge.updates[0]))
-    if edge.probability is not None:
-        clauses.append(("probability", print_expression(edge.probability), edge.probability))
-    return clauses
