@@ -56,6 +56,9 @@ bool push_counted(Monitor& monitor, const NumberArray& times, double before, int
     const double* const part = times.data() + row;
     if (!tachk::counted_as({part, count}, row == 0 ? before : part[-1], decimals, first, factor, ticks.data()))
       return false;
+    // The next times come while the monitor is busy.
+    for (std::size_t next = row + block; next < std::min(row + 2 * block, times.shape(0)); next += 8)
+      __builtin_prefetch(times.data() + next);
     if (!monitor.settled()) monitor.push({ticks.data(), piece.data(), count});
     // The monitor does more with values than this does, so it had better be the one to wait for them.
     for (const NumberArray& values : finite)
