@@ -72,8 +72,8 @@ def test_the_header_and_python_number_alike(header: str, enumeration: str, mirro
 @pytest.mark.parametrize(
     ("header", "enumeration", "numbers"),
     [
-        ("reachability/explorer.hpp", "SearchOrder", zone._ORDERS),
-        ("reachability/explorer.hpp", "Extrapolation", zone._EXTRAPOLATIONS),
+        ("reachability/options.hpp", "SearchOrder", zone._ORDERS),
+        ("symbolic/abstraction.hpp", "Extrapolation", zone._EXTRAPOLATIONS),
         ("zones/zone.hpp", "Width", zone._WIDTHS),
     ],
 )

@@ -119,7 +119,7 @@ bool Semantics::invariant(std::int32_t* slots, std::vector<Atom>& atoms) {
   return true;
 }
 
-bool Semantics::apply(const std::vector<std::uint32_t>& edges, const std::int32_t* slots, Effect& effect) {
+bool Semantics::apply(const Edges& edges, const std::int32_t* slots, Effect& effect) {
   if (effect.slots.empty())
     effect.slots.assign(slots, slots + program_.slots.size());
   else  // what lies behind the state is constant, or written before it is read
@@ -205,8 +205,7 @@ const std::uint8_t* Semantics::stopped_clocks(std::int32_t* slots) {
   return stopped_.data();
 }
 
-std::pair<std::int32_t, std::int32_t> Semantics::priority(const std::vector<std::uint32_t>& edges,
-                                                          std::int32_t* slots) {
+std::pair<std::int32_t, std::int32_t> Semantics::priority(const Edges& edges, std::int32_t* slots) {
   const Edge& first = program_.edges[edges.front()];
   const std::int32_t channel = first.internal()
                                    ? program_.default_priority

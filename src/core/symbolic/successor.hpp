@@ -16,10 +16,16 @@
 
 namespace tachk {
 
-// The edges that fire together: one internal edge; a sender and a receiver; or a broadcast sender and its receivers in
+// The numbers of the edges that fire together.
+using Edges = std::vector<std::uint32_t>;
+
+// The actions that lead from one state to another one, in order.
+using Path = std::vector<Edges>;
+
+// An action of a discrete state: one internal edge; a sender and a receiver; or a broadcast sender and its receivers in
 // process order. `guard` is the conjunction of their clock guards in this discrete state.
 struct Action {
-  std::vector<std::uint32_t> edges;
+  Edges edges;
   std::vector<Atom> guard;
 };
 
@@ -46,7 +52,7 @@ class Semantics {
 
   // Runs the updates of an action. False if an integer condition of a target invariant is violated: then the action is
   // not possible. Throws ModelFault.
-  bool apply(const std::vector<std::uint32_t>& edges, const std::int32_t* slots, Effect& effect);
+  bool apply(const Edges& edges, const std::int32_t* slots, Effect& effect);
 
   // The constraints on the source valuation under which the effect's invariant holds after its resets, appended to
   // `atoms`; false if it never holds.
@@ -65,7 +71,7 @@ class Semantics {
   void resolve(const Condition& condition, std::int32_t* slots, std::vector<Atom>& atoms);
 
   // Channel priority, then process priority (the largest of the participants).
-  std::pair<std::int32_t, std::int32_t> priority(const std::vector<std::uint32_t>& edges, std::int32_t* slots);
+  std::pair<std::int32_t, std::int32_t> priority(const Edges& edges, std::int32_t* slots);
 
   // Collects the invariant of a discrete state; false if its integer part is violated.
   bool invariant(std::int32_t* slots, std::vector<Atom>& atoms);

@@ -1,0 +1,69 @@
+#include "reachability/deadlock_watch.hpp"
+
+#include <algorithm>
+
+namespace tachk {
+
+DeadlockWatch::DeadlockWatch(ZoneGraph& graph, GoalWatch& goals)
+    : program_(graph.program()),
+      semantics_(graph.semantics()),
+      goals_(goals),
+      finder_(graph.operations(), program_.dimension()),
+      open_(std::any_of(program_.goals.begin(), program_.goals.end(), [](const Goal& goal) {
+        return std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(),
+                           [](const Disjunct& disjunct) { return disjunct.deadlock != DeadlockLiteral::absent; });
+      })) {}
+
+void DeadlockWatch::find_candidates(SymbolicState& source) {
+  candidates_.clear();
+  open_ = false;
+  for (const std::size_t goal : goals_.open())
+    for (const Disjunct& disjunct : program_.goals[goal].disjuncts) {
+      if (disjunct.deadlock == DeadlockLiteral::absent) continue;
+      open_ = true;
+      if (goals_.meets(disjunct.condition, source.slots.data(), source.zone.get()))
+        candidates_.push_back({goal, &disjunct});
+    }
+}
+
+Delay DeadlockWatch::delay_in(SymbolicState& source) {
+  std::int32_t* slots = source.slots.data();
+  const bool passes = semantics_.time_passes(slots);
+  const std::uint8_t* stopped = semantics_.stopped_clocks(slots);
+  const int dimension = program_.dimension();
+  if (stopped != nullptr && std::find(stopped, stopped + dimension, 1) != stopped + dimension) return Delay::partial;
+  return passes ? Delay::free : Delay::none;
+}
+
+void DeadlockWatch::begin(SymbolicState& source) {
+  if (!open_) return;
+  find_candidates(source);
+  if (candidates_.empty()) return;
+  const bool wants_live = std::any_of(candidates_.begin(), candidates_.end(), [](const Candidate& candidate) {
+    return candidate.disjunct->deadlock == DeadlockLiteral::forbidden;
+  });
+  const Delay delay = delay_in(source);
+  atoms_.clear();
+  semantics_.invariant(source.slots.data(), atoms_);
+  finder_.begin(source.zone.get(), atoms_, delay, wants_live);
+}
+
+void DeadlockWatch::pass(ConstZoneRef guarded, const Effect& effect) {
+  if (candidates_.empty() || !finder_.open()) return;
+  atoms_.clear();
+  if (semantics_.weakest_precondition(effect, atoms_)) finder_.add(guarded, atoms_);
+}
+
+void DeadlockWatch::end(std::uint32_t node, SymbolicState& source) {
+  for (const auto& [goal, disjunct] : candidates_) {
+    if (goals_.node(goal) <= node) continue;  // a successor may have been found to reach it, but that is further away
+    const Federation& pieces = disjunct->deadlock == DeadlockLiteral::required ? finder_.dead() : finder_.live();
+    bool met = false;
+    for (std::size_t piece = 0; piece < pieces.size() && !met; ++piece)
+      met = goals_.meets(disjunct->condition, source.slots.data(), pieces[piece]);
+    if (met) goals_.settle(goal, node);
+  }
+  candidates_.clear();
+}
+
+}  // namespace tachk

@@ -1,0 +1,48 @@
+// Which open goals a deadlock in the state being expanded satisfies. Whether valuations of a state are stuck follows
+// from its actions, so that the watch is told of each: begin, pass for every action that is possible, end.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "program/program.hpp"
+#include "reachability/goals.hpp"
+#include "symbolic/deadlock.hpp"
+#include "symbolic/zone_graph.hpp"
+
+namespace tachk {
+
+class DeadlockWatch final {
+ public:
+  DeadlockWatch(ZoneGraph& graph, GoalWatch& goals);
+
+  // Whether some goal may still ask for deadlock; if not, the rest does nothing.
+  bool open() const { return open_; }
+
+  // Throws ModelFault.
+  void begin(SymbolicState& source);
+  void pass(ConstZoneRef guarded, const Effect& effect);
+  // Throws ModelFault. `node` is the number of the state.
+  void end(std::uint32_t node, SymbolicState& source);
+
+ private:
+  struct Candidate {
+    std::size_t goal;
+    const Disjunct* disjunct;
+  };
+
+  // The open disjuncts whose predicates the state satisfies.
+  void find_candidates(SymbolicState& source);
+  Delay delay_in(SymbolicState& source);
+
+  const Program& program_;
+  Semantics& semantics_;
+  GoalWatch& goals_;
+  DeadlockFinder finder_;
+  std::vector<Candidate> candidates_;
+  std::vector<Atom> atoms_;
+  bool open_;
+};
+
+}  // namespace tachk

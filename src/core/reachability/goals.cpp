@@ -1,0 +1,82 @@
+#include "reachability/goals.hpp"
+
+#include <algorithm>
+
+namespace tachk {
+namespace {
+
+bool asks_for_deadlock(const Disjunct& disjunct) { return disjunct.deadlock != DeadlockLiteral::absent; }
+
+}  // namespace
+
+// The disjuncts are sorted by a location they ask for, so that most states need to look at none of them.
+GoalWatch::GoalWatch(const Program& program, Semantics& semantics, const ZoneOperations& operations, bool shortest)
+    : program_(program),
+      semantics_(semantics),
+      operations_(operations),
+      shortest_(shortest),
+      reached_(program.goals.size(), no_node),
+      watches_at_(semantics.location_count()),
+      scratch_(operations) {
+  for (std::size_t goal = 0; goal < program.goals.size(); ++goal) {
+    const std::vector<Disjunct>& disjuncts = program.goals[goal].disjuncts;
+    open_.push_back(goal);
+    asks_deadlock_.push_back(std::any_of(disjuncts.begin(), disjuncts.end(), asks_for_deadlock));
+    for (const Disjunct& disjunct : disjuncts) {
+      if (asks_for_deadlock(disjunct)) continue;
+      const std::vector<Test>& tests = disjunct.condition.tests;
+      const auto place = std::find_if(tests.begin(), tests.end(), [&](const Test& test) {
+        return test.slot < program.processes.size() && test.comparison == Comparison::equal;
+      });
+      std::vector<Watch>& watches = place == tests.end()
+                                        ? watches_anywhere_
+                                        : watches_at_[semantics.location_number(place->slot, place->constant)];
+      watches.push_back({goal, &disjunct.condition});
+    }
+  }
+}
+
+template <class Visit>
+bool GoalWatch::any_watch(const std::int32_t* slots, Visit&& visit) const {
+  if (std::any_of(watches_anywhere_.begin(), watches_anywhere_.end(), visit)) return true;
+  for (std::size_t process = 0; process < program_.processes.size(); ++process) {
+    const std::vector<Watch>& watches = watches_at_[semantics_.location_number(process, slots[process])];
+    if (std::any_of(watches.begin(), watches.end(), visit)) return true;
+  }
+  return false;
+}
+
+void GoalWatch::check(std::uint32_t node, std::int32_t* slots, ConstZoneRef zone) {
+  if (open_.empty()) return;
+  any_watch(slots, [&](const Watch& watch) {
+    if (meets(watch, slots, zone)) settle(watch.goal, node);
+    return false;
+  });
+}
+
+bool GoalWatch::meets_any(std::int32_t* slots, ConstZoneRef zone) {
+  return !open_.empty() && any_watch(slots, [&](const Watch& watch) { return meets(watch, slots, zone); });
+}
+
+bool GoalWatch::meets(const Condition& condition, std::int32_t* slots, ConstZoneRef zone) {
+  if (!semantics_.holds(condition, slots)) return false;
+  atoms_.clear();
+  semantics_.resolve(condition, slots, atoms_);
+  if (atoms_.empty()) return true;
+  const int dimension = program_.dimension();
+  if (!operations_.meets_each(zone, dimension, atoms_.data(), atoms_.size())) return false;
+  scratch_.assign(zone);
+  return operations_.intersect(scratch_.get(), dimension, atoms_.data(), atoms_.size());
+}
+
+void GoalWatch::settle(std::size_t goal, std::uint32_t node) {
+  reached_[goal] = node;
+  if (!shortest_ || !asks_deadlock_[goal]) std::erase(open_, goal);
+}
+
+// What is reached by now is no further away than what the next layer leads to.
+void GoalWatch::end_layer() {
+  std::erase_if(open_, [this](std::size_t goal) { return reached_[goal] != no_node; });
+}
+
+}  // namespace tachk

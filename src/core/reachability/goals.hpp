@@ -1,0 +1,70 @@
+// What a search looks for. A goal is a disjunction; a disjunct is a predicate on states, and may ask for deadlock as
+// well. Predicates are looked at once, when a state is new; deadlock is known only when a state has been expanded
+// (DeadlockWatch).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "program/program.hpp"
+#include "states/store.hpp"
+#include "symbolic/successor.hpp"
+#include "zones/zone.hpp"
+#include "zones/zone_buffer.hpp"
+
+namespace tachk {
+
+class GoalWatch final {
+ public:
+  // `shortest`: a goal that asks for deadlock stays open until the end of the layer in which it is reached, because a
+  // deadlock may still be found one step nearer.
+  GoalWatch(const Program& program, Semantics& semantics, const ZoneOperations& operations, bool shortest);
+
+  // Looks which open goals a new state satisfies by its predicates. Throws ModelFault.
+  void check(std::uint32_t node, std::int32_t* slots, ConstZoneRef zone);
+  // Whether there is one. Throws ModelFault.
+  bool meets_any(std::int32_t* slots, ConstZoneRef zone);
+  // Whether some valuation of the zone satisfies the condition. Throws ModelFault.
+  bool meets(const Condition& condition, std::int32_t* slots, ConstZoneRef zone);
+
+  // A goal is reached in a node.
+  void settle(std::size_t goal, std::uint32_t node);
+  void end_layer();
+
+  // Whether there are goals, and none is open.
+  bool settled() const { return open_.empty() && !reached_.empty(); }
+  const std::vector<std::size_t>& open() const { return open_; }
+  // The node in which a goal was reached first; no_node if it was not.
+  std::uint32_t node(std::size_t goal) const { return reached_[goal]; }
+
+ private:
+  // A disjunct without deadlock.
+  struct Watch {
+    std::size_t goal;
+    const Condition* condition;
+  };
+
+  // Calls visit(watch) for each disjunct that a state in these locations may satisfy, until it says that this is
+  // enough.
+  template <class Visit>
+  bool any_watch(const std::int32_t* slots, Visit&& visit) const;
+  bool meets(const Watch& watch, std::int32_t* slots, ConstZoneRef zone) {
+    return reached_[watch.goal] == no_node && meets(*watch.condition, slots, zone);
+  }
+
+  const Program& program_;
+  Semantics& semantics_;
+  ZoneOperations operations_;
+  bool shortest_;
+  std::vector<std::uint32_t> reached_;
+  std::vector<std::size_t> open_;
+  std::vector<bool> asks_deadlock_;             // of each goal
+  std::vector<std::vector<Watch>> watches_at_;  // for each location, the disjuncts that ask for it
+  std::vector<Watch> watches_anywhere_;
+  std::vector<Atom> atoms_;
+  ZoneBuffer scratch_;
+};
+
+}  // namespace tachk

@@ -1,0 +1,53 @@
+// States that are passed through: explored as soon as the state that leads to them, and not stored. Time cannot pass in
+// them, and they are soon left, because exactly one process is in a committed location.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "symbolic/zone_graph.hpp"
+
+namespace tachk {
+
+class PassingStates final {
+ public:
+  // Up to `most` in a row are passed through.
+  PassingStates(ZoneGraph& graph, std::uint32_t most) : graph_(graph), most_(most) {}
+
+  // A stored state is going to be expanded; `allowed`: whether any may be passed through on the way from there.
+  void begin(bool allowed) {
+    waiting_.clear();
+    actions_.clear();
+    allowed_ = allowed && most_ != 0;
+  }
+
+  // Whether a successor of the state being expanded is to be passed through.
+  bool passes(const Successor& successor) const {
+    return allowed_ && !successor.edges.empty() && actions_.size() < most_ && will_be_left(successor.slots);
+  }
+  void add(const Successor& successor) { waiting_.push_back({graph_.copy(successor), actions_to(successor)}); }
+
+  // Moves one of those that have been added into `state`, to be expanded next; false if there is none.
+  bool next(SymbolicState& state);
+
+  // The actions that lead from the stored state to the one being expanded, and to a successor of it.
+  const Path& actions() const { return actions_; }
+  Path actions_to(const Successor& successor) const;
+
+ private:
+  struct Passing {
+    SymbolicState state;
+    Path actions;
+  };
+
+  bool will_be_left(const std::int32_t* slots) const;
+
+  ZoneGraph& graph_;
+  std::uint32_t most_;
+  bool allowed_ = false;
+  std::vector<Passing> waiting_;
+  Path actions_;
+};
+
+}  // namespace tachk

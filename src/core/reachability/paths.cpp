@@ -1,0 +1,150 @@
+#include "reachability/paths.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <iterator>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "reachability/passing.hpp"
+
+namespace tachk {
+namespace {
+
+// A receiver that does not care how successors come about.
+struct OnlyStates {
+  void possible(ConstZoneRef, const Effect&) const {}
+  void expect(const Effect&) const {}
+};
+
+// How a state that a path may lead through is reached.
+struct Step {
+  Path actions;          // more than one where states between were not stored
+  std::size_t previous;  // among the states one step before
+};
+
+// Keeps the states that may be those of a node, each once, with the actions that lead there, and those passed through.
+struct Recogniser : OnlyStates {
+  ZoneGraph& graph;
+  PassedList& passed;
+  PassingStates& passing;
+  const Node& node;
+  std::vector<SymbolicState>& states;
+  std::vector<Step>& steps;
+  std::size_t previous = 0;
+
+  bool wants(const Successor& successor) const {
+    return passed.equals(node, successor.slots) || passing.passes(successor);
+  }
+  void take(const Successor& successor) const {
+    if (passing.passes(successor)) passing.add(successor);
+    if (!passed.equals(node, successor.slots)) return;
+    if (!passed.may_equal(node, graph.packed(successor.slots, successor.zone))) return;
+    for (const SymbolicState& state : states)
+      if (std::memcmp(state.zone.get().bytes, successor.zone.bytes, graph.operations().bytes) == 0) return;
+    states.push_back(graph.copy(successor));
+    steps.push_back({passing.actions_to(successor), previous});
+  }
+};
+
+// Keeps what an action leads to, or all there is where no action has been taken yet.
+struct Follower : OnlyStates {
+  const ZoneGraph& graph;
+  std::vector<SymbolicState>& states;
+  const Edges* edges = nullptr;
+
+  bool wants(const Successor& successor) const {
+    return edges == nullptr || std::equal(successor.edges.begin(), successor.edges.end(), edges->begin(), edges->end());
+  }
+  void take(const Successor& successor) const { states.push_back(graph.copy(successor)); }
+};
+
+// Wants no successors, only to know whether there are any.
+struct Prober {
+  DeadlockWatch& deadlocks;
+
+  void possible(ConstZoneRef guarded, const Effect& effect) const { deadlocks.pass(guarded, effect); }
+  void expect(const Effect&) const {}
+  bool wants(const Successor&) const { return false; }
+  void take(const Successor&) const {}
+};
+
+// From the initial state to the node.
+std::vector<Node> chain_of_parents(const PassedList& passed, std::uint32_t node) {
+  std::vector<Node> chain;
+  for (std::uint32_t number = node; number != no_node; number = chain.back().parent)
+    chain.push_back(passed.node(number));
+  std::reverse(chain.begin(), chain.end());
+  return chain;
+}
+
+// The way back from the first of the last states; `layers`: the steps to the states of each layer.
+Path actions_through(std::vector<std::vector<Step>>& layers) {
+  Path actions;  // from the last to the first
+  std::size_t number = 0;
+  for (std::size_t layer = layers.size() - 1; layer > 0; --layer) {
+    Step& step = layers[layer][number];
+    std::move(step.actions.rbegin(), step.actions.rend(), std::back_inserter(actions));
+    number = step.previous;
+  }
+  std::reverse(actions.begin(), actions.end());
+  return actions;
+}
+
+}  // namespace
+
+// Of a covered node only half a hash of the zone is known, so that two states may seem to be its own: all are followed.
+// Each is reached by the actions noted for it, so that whichever remains at the end has been reached.
+Path path_to(ZoneGraph& graph, PassedList& passed, std::uint32_t most_passing, std::uint32_t node) {
+  PassingStates passing(graph, most_passing);
+  SymbolicState source = graph.blank();
+  std::vector<SymbolicState> states;  // of the last layer
+  std::vector<std::vector<Step>> layers;
+  for (const Node& child : chain_of_parents(passed, node)) {
+    std::vector<SymbolicState> next;
+    std::vector<Step>& steps = layers.emplace_back();
+    passing.begin(false);
+    if (layers.size() == 1) graph.start(Recogniser{{}, graph, passed, passing, child, next, steps});
+    for (std::size_t number = 0; number < states.size(); ++number) {
+      const Recogniser recogniser{{}, graph, passed, passing, child, next, steps, number};
+      // Whether a state was passed through depended on the goals open at the time: any may have been.
+      passing.begin(true);
+      try {
+        graph.expand(states[number], recogniser);
+        while (passing.next(source)) graph.expand(source, recogniser);
+      } catch (const ModelFault&) {
+        // The search stopped at this fault, in an action behind the one looked for.
+      } catch (const ConstantOverflow&) {
+        // As above.
+      }
+    }
+    states.swap(next);
+    if (states.empty()) throw std::logic_error("a stored state is not a successor of its parent");
+  }
+  return actions_through(layers);
+}
+
+bool leads_to(ZoneGraph& graph, GoalWatch& goals, DeadlockWatch& deadlocks, const Path& actions, std::size_t goal) {
+  std::vector<SymbolicState> states;
+  try {
+    graph.start(Follower{{}, graph, states});
+    for (const Edges& edges : actions) {
+      std::vector<SymbolicState> next;
+      for (SymbolicState& state : states) graph.expand(state, Follower{{}, graph, next, &edges});
+      states.swap(next);
+    }
+    for (SymbolicState& state : states) {
+      goals.check(0, state.slots.data(), state.zone.get());
+      if (!deadlocks.open()) continue;
+      deadlocks.begin(state);
+      graph.expand(state, Prober{deadlocks});
+      deadlocks.end(0, state);
+    }
+  } catch (const ModelFault&) {
+  } catch (const ConstantOverflow&) {
+  }
+  return goals.node(goal) != no_node;
+}
+
+}  // namespace tachk

@@ -1,0 +1,22 @@
+// Ways that have been gone, gone again: states are stored without the actions that led to them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "reachability/deadlock_watch.hpp"
+#include "reachability/goals.hpp"
+#include "states/store.hpp"
+#include "symbolic/zone_graph.hpp"
+
+namespace tachk {
+
+// The actions that lead from the initial state to a node, found from one node of the chain of its parents to the next.
+// `most_passing`: how many states in a row may have been passed through.
+Path path_to(ZoneGraph& graph, PassedList& passed, std::uint32_t most_passing, std::uint32_t node);
+
+// Whether these actions, taken one after the other from the initial state, can end in a goal. Asked of a graph without
+// extrapolation and of goals that no state has been shown to; false also if clock values become too large on the way.
+bool leads_to(ZoneGraph& graph, GoalWatch& goals, DeadlockWatch& deadlocks, const Path& actions, std::size_t goal);
+
+}  // namespace tachk

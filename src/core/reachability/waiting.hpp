@@ -1,0 +1,89 @@
+// The stored states that wait to be explored, by their numbers in the store, and the order in which they are.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "reachability/options.hpp"
+#include "states/store.hpp"
+
+namespace tachk {
+
+// Breadth first, the next is the oldest that has not been taken, which a cursor tells, because states are numbered as
+// they come. Depth first, it is the one that came last; the states that one expansion adds may be shuffled.
+class Waiting final {
+ public:
+  Waiting(SearchOrder order, std::uint32_t seed, std::uint32_t depth_limit)
+      : order_(order), depth_limit_(depth_limit), random_(seed) {}
+
+  // A new state, one step behind its parent.
+  void add(std::uint32_t node, std::uint32_t parent) {
+    if (depth_limit_ != UINT32_MAX) depth_.push_back(parent == no_node ? 0 : depth_[parent] + 1);
+    if (order_ == SearchOrder::breadth_first)
+      end_ = node + 1;
+    else
+      fresh_.push_back(node);
+  }
+
+  // All successors of a state have been added.
+  void close() {
+    if (order_ == SearchOrder::breadth_first) return;
+    if (order_ == SearchOrder::random_depth_first) std::shuffle(fresh_.begin(), fresh_.end(), random_);
+    stack_.insert(stack_.end(), fresh_.begin(), fresh_.end());
+    fresh_.clear();
+  }
+
+  // The next in order; no_node if none is left.
+  std::uint32_t next() {
+    if (order_ == SearchOrder::breadth_first) return cursor_ < end_ ? cursor_++ : no_node;
+    if (stack_.empty()) return no_node;
+    const std::uint32_t node = stack_.back();
+    stack_.pop_back();
+    return node;
+  }
+
+  // Whether a state may be explored. Notes if it may not, because of the limit on depth.
+  bool admits(std::uint32_t node) {
+    const bool admitted = depth_.empty() || depth_[node] < depth_limit_;
+    complete_ &= admitted;
+    return admitted;
+  }
+
+  // Whether every state that was asked for has been admitted.
+  bool complete() const { return complete_; }
+
+  std::size_t bytes() const { return (stack_.capacity() + depth_.capacity()) * sizeof(std::uint32_t); }
+
+ private:
+  SearchOrder order_;
+  std::uint32_t depth_limit_;
+  std::mt19937 random_;
+  std::uint32_t cursor_ = 0;          // breadth first: those from here on wait
+  std::uint32_t end_ = 0;             // breadth first: of all
+  std::vector<std::uint32_t> stack_;  // depth first
+  std::vector<std::uint32_t> fresh_;  // depth first: added by the current expansion
+  std::vector<std::uint32_t> depth_;  // of each node; kept only if there is a limit
+  bool complete_ = true;
+};
+
+// The layers of a breadth-first search: states that are equally far from the initial state, one after the other.
+class Layers final {
+ public:
+  // Whether a state is the first of the next layer. That layer ends with the last state there is by then.
+  bool begins(std::uint32_t node, std::uint32_t nodes) {
+    if (node < end_) return false;
+    end_ = nodes;
+    return true;
+  }
+
+  // The first state behind the present layer.
+  std::uint32_t end() const { return end_; }
+
+ private:
+  std::uint32_t end_ = 0;
+};
+
+}  // namespace tachk

@@ -1,0 +1,79 @@
+// Abstractions of zones, without which the zone graph of most programs is infinite.
+//
+// A clock that has passed every constant it will be compared with may have any larger value as well: extrapolation
+// widens a zone by such values. The constants that count are those of the locations where the processes are.
+//
+// Diagonal constraints (x - y < c) make the usual extrapolations unsound (Bouyer 2004): with diagonals every zone is
+// split along them, the pieces are extrapolated by Extra_M and cut back (Bengtsson, Yi 2003).
+#pragma once
+
+#include <cstdint>
+#include <exception>
+#include <vector>
+
+#include "program/program.hpp"
+#include "symbolic/successor.hpp"
+#include "zones/zone.hpp"
+#include "zones/zone_buffer.hpp"
+
+namespace tachk {
+
+enum class Extrapolation { none, max, lu };
+
+// Without extrapolation: clock values beyond what a bound can hold.
+struct ConstantOverflow : std::exception {
+  const char* what() const noexcept override { return "clock values are too large"; }
+};
+
+class Abstraction final {
+ public:
+  // Without `local_bounds` the constants are those of the whole program.
+  Abstraction(const Program& program, const Semantics& semantics, const ZoneOperations& operations, Extrapolation kind,
+              bool local_bounds);
+
+  // Calls take(abstract) for each of the zones that together stand for the zone of a discrete state; there is one
+  // unless the program has diagonals. The zone is used up. Throws ConstantOverflow.
+  template <class Take>
+  void apply(const std::int32_t* slots, ZoneBuffer& zone, Take&& take) {
+    if (kind_ == Extrapolation::none) {
+      check_magnitude(zone.get());
+      take(ConstZoneRef(zone.get()));
+      return;
+    }
+    collect_bounds(slots);
+    if (!program_.diagonals.empty()) {
+      for (const ZoneBuffer& piece : split(zone)) take(piece.get());
+      return;
+    }
+    operations_.extrapolate_lu_plus(zone.get(), program_.dimension(), lower_.get(), upper_.get());
+    take(ConstZoneRef(zone.get()));
+  }
+
+ private:
+  // Of the locations, each row in a buffer of its own, and a last row without any bound.
+  struct Bounds {
+    std::vector<BoundRowBuffer> lower;
+    std::vector<BoundRowBuffer> upper;
+    std::vector<bool> present;
+  };
+
+  void add_bounds(const Location& location, bool local_bounds);
+  // Those of a discrete state, into `lower_` and `upper_`.
+  void collect_bounds(const std::int32_t* slots);
+  void check_magnitude(ConstZoneRef zone) const;
+  std::vector<ZoneBuffer> split(const ZoneBuffer& zone) const;
+  void split_along(std::size_t diagonal, const ZoneBuffer& zone, std::vector<Atom>& sides,
+                   std::vector<ZoneBuffer>& pieces) const;
+
+  const Program& program_;
+  const Semantics& semantics_;
+  ZoneOperations operations_;
+  Extrapolation kind_;
+  Bounds bounds_;
+  BoundRowBuffer lower_;
+  BoundRowBuffer upper_;
+  std::vector<ConstBoundRow> lower_rows_;
+  std::vector<ConstBoundRow> upper_rows_;
+};
+
+}  // namespace tachk

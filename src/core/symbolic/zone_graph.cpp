@@ -1,0 +1,87 @@
+#include "symbolic/zone_graph.hpp"
+
+#include <stdexcept>
+
+namespace tachk {
+namespace {
+
+Program prepared(Program program, const ZoneGraphOptions& options) {
+  if (options.local_bounds) program = without_idle_clocks(std::move(program));
+  if (options.scale) program = in_largest_unit(std::move(program));
+  return program;
+}
+
+Width choose_width(const Program& program, const ZoneGraphOptions& options) {
+  // Without extrapolation entries grow with the depth.
+  if (options.extrapolation == Extrapolation::none) return Width::widest;
+  const Raw largest = program.largest_constant;
+  if (options.least_width == Width::narrow && largest <= BoundLimits<std::int16_t>::largest_constant)
+    return Width::narrow;
+  if (options.least_width != Width::widest && largest <= BoundLimits<std::int32_t>::largest_constant)
+    return Width::wide;
+  return Width::widest;
+}
+
+ZoneOperations choose_operations(const Program& program, const ZoneGraphOptions& options) {
+  if (program.largest_constant > BoundLimits<std::int64_t>::largest_constant)
+    throw std::overflow_error("a clock constant is too large");
+  return select_operations(program.dimension(), choose_width(program, options), options.vector);
+}
+
+// Where zones of many clocks are stored without those that do not matter: the operations for what remains.
+std::vector<ZoneOperations> choose_smaller(const Program& program, const ZoneGraphOptions& options) {
+  std::vector<ZoneOperations> operations;
+  constexpr int most_clocks = 1024;
+  const bool packs = options.local_bounds && options.extrapolation != Extrapolation::none && program.diagonals.empty();
+  if (!packs || program.clocks > most_clocks || static_cast<std::uint32_t>(program.clocks) <= options.pack_clocks)
+    return operations;
+  operations.resize(1);
+  for (int dimension = 1; dimension < program.dimension(); ++dimension)
+    operations.push_back(select_operations(dimension, choose_width(program, options), options.vector));
+  return operations;
+}
+
+}  // namespace
+
+ZoneGraph::ZoneGraph(Program program, const ZoneGraphOptions& options)
+    : program_(prepared(std::move(program), options)),
+      operations_(choose_operations(program_, options)),
+      smaller_(choose_smaller(program_, options)),
+      semantics_(program_, operations_),
+      active_(program_, semantics_, operations_, smaller_),
+      abstraction_(program_, semantics_, operations_, options.extrapolation, options.local_bounds),
+      target_(operations_) {}
+
+SymbolicState ZoneGraph::blank() const {
+  return {std::vector<std::int32_t>(program_.slots.size()), ZoneBuffer(operations_)};
+}
+
+SymbolicState ZoneGraph::copy(const Successor& successor) const {
+  SymbolicState state{{successor.slots, successor.slots + program_.slots.size()}, ZoneBuffer(operations_)};
+  state.zone.assign(successor.zone);
+  return state;
+}
+
+bool ZoneGraph::begin() {
+  effect_.slots.clear();
+  for (const Slot& slot : program_.slots) effect_.slots.push_back(slot.initial);
+  effect_.written = SlotSet::all();
+  effect_.resets.clear();
+  effect_.invariant.clear();
+  return semantics_.invariant(effect_.slots.data(), effect_.invariant);
+}
+
+bool ZoneGraph::reach(ConstZoneRef guarded, Effect& effect) {
+  const int dimension = program_.dimension();
+  const std::vector<Atom>& invariant = effect.invariant;
+  const ZoneRef target = target_.get();
+  target_.assign(guarded);
+  operations_.reset(target, dimension, effect.resets.data(), effect.resets.size());
+  if (!operations_.intersect(target, dimension, invariant.data(), invariant.size())) return false;
+  std::int32_t* slots = effect.slots.data();
+  if (semantics_.time_passes(slots))
+    operations_.up_within(target, dimension, semantics_.stopped_clocks(slots), invariant.data(), invariant.size());
+  return true;
+}
+
+}  // namespace tachk

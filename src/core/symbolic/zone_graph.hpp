@@ -1,0 +1,194 @@
+// The zone graph of a program: its symbolic states, each a discrete state and a zone, and the steps between them. A
+// step takes an action somewhere in the zone and then lets time pass; the zone it leads to is abstracted, so that the
+// graph is finite. This is all that a search needs to know of the program: which algorithm goes through the graph, and
+// which states it keeps, is decided elsewhere.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "program/program.hpp"
+#include "states/zone_store.hpp"
+#include "symbolic/abstraction.hpp"
+#include "symbolic/active_clocks.hpp"
+#include "symbolic/successor.hpp"
+#include "zones/federation.hpp"
+#include "zones/zone.hpp"
+#include "zones/zone_buffer.hpp"
+
+namespace tachk {
+
+// How states are represented.
+struct ZoneGraphOptions {
+  Extrapolation extrapolation = Extrapolation::lu;
+  bool local_bounds = true;
+  Width least_width = Width::narrow;
+  bool scale = true;
+  bool vector = true;
+  std::uint32_t pack_clocks = 16;  // zones of more clocks are stored without those that do not matter
+};
+
+// A symbolic state of one's own.
+struct SymbolicState {
+  std::vector<std::int32_t> slots;  // all slots, frame slots included
+  ZoneBuffer zone;
+};
+
+// A step to a symbolic state, valid during the call that tells of it.
+struct Successor {
+  std::span<const std::uint32_t> edges;  // of the action; none for an initial state
+  std::int32_t* slots;
+  ConstZoneRef zone;
+};
+
+// A run-time error in an action of the state that is being expanded. Where it is a ModelFault only, it is one of the
+// state itself.
+struct ActionFault : ModelFault {
+  ActionFault(const ModelFault& fault, std::span<const std::uint32_t> action)
+      : ModelFault(fault), edges(action.begin(), action.end()) {}
+
+  Edges edges;
+};
+
+// What is done with the successors of a state. Of each action it is told, in this order:
+//   possible(guarded, effect)  the action breaks no integer part of an invariant; `guarded`: where its guard holds
+//   expect(effect)             the zone of a successor is going to be computed
+//   wants(successor)           whether this successor is of interest; its zone is not abstracted yet, because most
+//                              successors end here
+//   take(successor)            the successor, abstracted
+template <class R>
+concept Receiver = requires(R& receiver, ConstZoneRef guarded, const Effect& effect, const Successor& successor) {
+  receiver.possible(guarded, effect);
+  receiver.expect(effect);
+  { receiver.wants(successor) } -> std::same_as<bool>;
+  receiver.take(successor);
+};
+
+class ZoneGraph final {
+ public:
+  ZoneGraph(Program program, const ZoneGraphOptions& options);
+  ZoneGraph(const ZoneGraph&) = delete;
+  ZoneGraph& operator=(const ZoneGraph&) = delete;
+
+  const Program& program() const { return program_; }
+  const ZoneOperations& operations() const { return operations_; }
+  // Those of each smaller dimension, if zones are stored without clocks that do not matter; else none.
+  const std::vector<ZoneOperations>& smaller_operations() const { return smaller_; }
+  Semantics& semantics() { return semantics_; }
+
+  // The successors that no action leads to: the initial states. Throws ModelFault, ConstantOverflow.
+  template <Receiver R>
+  void start(R&& receiver);
+
+  // The successors of a state, in the order of its actions. Throws ModelFault, ConstantOverflow.
+  template <Receiver R>
+  void expand(SymbolicState& source, R&& receiver);
+
+  // Memory for a state.
+  SymbolicState blank() const;
+  SymbolicState copy(const Successor& successor) const;
+
+  // The part of a zone that is worth storing, until the next call, and the zone from that part.
+  ZoneView packed(const std::int32_t* slots, ConstZoneRef zone) { return active_.packed(slots, zone); }
+  void unpack(const std::int32_t* slots, ConstZoneRef packed, ZoneBuffer& zone) { active_.unpack(slots, packed, zone); }
+
+ private:
+  // Sets `effect_` to what comes before the first action; false if an invariant excludes it.
+  bool begin();
+  // Goes from the guarded zone to `target_`, by the resets and the invariant of the effect and by time; false if
+  // nothing is left.
+  bool reach(ConstZoneRef guarded, Effect& effect);
+  template <Receiver R>
+  void expand_by_priority(SymbolicState& source, R& receiver);
+  template <Receiver R>
+  void follow(std::span<const std::uint32_t> edges, ConstZoneRef guarded, Effect& effect, R& receiver);
+  // The value of the body; names the action in a run-time error.
+  template <class Body>
+  static bool within(std::span<const std::uint32_t> edges, Body&& body);
+
+  Program program_;
+  ZoneOperations operations_;
+  std::vector<ZoneOperations> smaller_;
+  Semantics semantics_;
+  ActiveClocks active_;
+  Abstraction abstraction_;
+  Effect effect_;
+  ZoneBuffer target_;
+};
+
+// ---- the templates --------------------------------------------------------------------------------------------------
+
+template <Receiver R>
+void ZoneGraph::start(R&& receiver) {
+  if (!begin()) return;
+  ZoneBuffer zero(operations_);
+  operations_.make_zero(zero.get(), program_.dimension());
+  follow({}, zero.get(), effect_, receiver);
+}
+
+template <Receiver R>
+void ZoneGraph::expand(SymbolicState& source, R&& receiver) {
+  if (program_.has_priorities) return expand_by_priority(source, receiver);
+  std::int32_t* slots = source.slots.data();
+  semantics_.for_each_action(slots, source.zone.get(), [&](const Action& action, ConstZoneRef guarded) {
+    if (!within(action.edges, [&] { return semantics_.apply(action.edges, slots, effect_); })) return;
+    receiver.possible(guarded, effect_);
+    follow(action.edges, guarded, effect_, receiver);
+  });
+}
+
+// An action may only fire in valuations in which no action of higher priority is possible.
+template <Receiver R>
+void ZoneGraph::expand_by_priority(SymbolicState& source, R& receiver) {
+  struct Ranked {
+    Edges edges;
+    ZoneBuffer guarded;
+    std::vector<Atom> possible;  // where the action is possible: guard and precondition of the target invariant
+    Effect effect;
+    std::pair<std::int32_t, std::int32_t> priority;
+  };
+  std::int32_t* slots = source.slots.data();
+  std::vector<Ranked> actions;
+  semantics_.for_each_action(slots, source.zone.get(), [&](const Action& action, ConstZoneRef guarded) {
+    Ranked ranked{action.edges, ZoneBuffer(operations_), action.guard, {}, {}};
+    ranked.guarded.assign(guarded);
+    if (!within(action.edges, [&] { return semantics_.apply(action.edges, slots, ranked.effect); })) return;
+    if (!semantics_.weakest_precondition(ranked.effect, ranked.possible)) return;
+    receiver.possible(guarded, ranked.effect);
+    ranked.priority = semantics_.priority(action.edges, slots);
+    actions.push_back(std::move(ranked));
+  });
+  for (Ranked& action : actions) {
+    Federation first(operations_, program_.dimension());  // where no action of higher priority is possible
+    first.add(action.guarded.get());
+    for (const Ranked& other : actions)
+      if (other.priority > action.priority) first.subtract(other.possible);
+    for (std::size_t piece = 0; piece < first.size(); ++piece) {
+      Effect effect = action.effect;
+      follow(action.edges, first[piece], effect, receiver);
+    }
+  }
+}
+
+template <Receiver R>
+void ZoneGraph::follow(std::span<const std::uint32_t> edges, ConstZoneRef guarded, Effect& effect, R& receiver) {
+  receiver.expect(effect);
+  if (!within(edges, [&] { return reach(guarded, effect); })) return;
+  std::int32_t* slots = effect.slots.data();
+  if (!receiver.wants(Successor{edges, slots, target_.get()})) return;
+  abstraction_.apply(slots, target_, [&](ConstZoneRef zone) { receiver.take(Successor{edges, slots, zone}); });
+}
+
+template <class Body>
+bool ZoneGraph::within(std::span<const std::uint32_t> edges, Body&& body) {
+  try {
+    return body();
+  } catch (const ModelFault& fault) {
+    throw ActionFault(fault, edges);
+  }
+}
+
+}  // namespace tachk
