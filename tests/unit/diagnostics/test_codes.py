@@ -13,7 +13,7 @@ FOLDER = Path(tachk.diagnostics.__file__).parent
 
 
 def test_no_code_is_explained_twice() -> None:
-    texts = [path.read_text(encoding="utf-8") for path in FOLDER.glob("*_codes.py")]
+    texts = [path.read_text(encoding="utf-8") for path in FOLDER.rglob("*_codes.py")]
     explained = Counter(code for text in texts for code in re.findall(r'"([EW]\d{4})": Explanation\(', text))
     assert [code for code, times in explained.items() if times > 1] == []
     assert set(explained) == set(CODES)

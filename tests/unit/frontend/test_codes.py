@@ -13,7 +13,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.diagnostics.span import Source
 from tachk.loading.load import load_model
 
-FRONTEND = Path(__file__).resolve().parents[3] / "src" / "tachk" / "frontend"
+TACHK = Path(__file__).resolve().parents[3] / "src" / "tachk"
 
 
 def findings(text: str) -> tuple[Diagnostic, ...]:
@@ -41,6 +41,9 @@ def test_good_example_has_no_finding(code: str) -> None:
 
 def test_every_reported_code_is_explained() -> None:
     reported = {
-        code for path in FRONTEND.glob("*.py") for code in re.findall(r'"([EW]0\d{3})"', path.read_text("utf-8"))
+        code
+        for room in ("frontend", "loading")
+        for path in (TACHK / room).rglob("*.py")
+        for code in re.findall(r'"([EW]0\d{3})"', path.read_text("utf-8"))
     }
     assert reported - OBSERVER_CODES.keys() == set(MODEL_CODES)
