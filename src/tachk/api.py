@@ -119,7 +119,7 @@ def export(model: Model, format: str, observers: bool = True) -> str:
     """A model as text for another program.
 
     Args:
-        format: ``xta``, ``xml``, ``q``, ``tchecker``, ``dot`` or ``json``.
+        format: such as ``xml`` or ``tchecker``: the value of an `ExportFormat` of `tachk.formats.catalogue`.
         observers: give temporal properties observer automata where the format has no formulas.
 
     Raises:
@@ -127,12 +127,13 @@ def export(model: Model, format: str, observers: bool = True) -> str:
         UnsupportedError: something in the model cannot be said in it.
     """
     from tachk.formats.catalogue import ExportFormat, export_model
+    from tachk.formats.exported import Writing
 
     try:
         wanted = ExportFormat(format)
     except ValueError:
         raise UsageError(f"there is no format {format!r}", f"one of {', '.join(ExportFormat)}") from None
-    return export_model(model._written, wanted, model.definitions, observers=observers).text
+    return export_model(model._written, wanted, Writing(model.definitions, observers=observers)).text
 
 
 def random_network(seed: int = 0) -> Model:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import click
 
 from tachk.cli.options import Choice, Decorated
 from tachk.runtime.conventions import Interpolation
+from tachk.runtime.trace_files import FORMATS
 
 
 def formula(function: Decorated) -> Decorated:
@@ -15,6 +18,12 @@ def formula(function: Decorated) -> Decorated:
         type=click.Path(),
         help="A formula, a sentence, a file of them (.stl), or a model.",
     )(function)
+
+
+def trace(more: str = "") -> Callable[[Decorated], Decorated]:
+    names = [known.name for known in FORMATS]
+    help = f"A {', '.join(names[:-1])} or {names[-1]} file{more}."
+    return click.argument("trace", type=click.Path(), help=help)
 
 
 def columns(function: Decorated) -> Decorated:

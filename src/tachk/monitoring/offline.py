@@ -77,7 +77,8 @@ def monitor(
     Args:
         formula: a formula (``"G (p -> F[0, 5 s] q)"``), a sentence, several of them, the path of a file of formulas
             (``.stl``), or of a model, whose formulas and sentences are taken.
-        trace: the path of a CSV, Parquet or VCD file, a data frame, or a mapping from names to arrays.
+        trace: the path of a file in one of the formats of `tachk.runtime.trace_files`, such as CSV; a data frame, or a
+            mapping from names to arrays.
         time: the name of the time column, where it is not ``time``, ``t`` or ``timestamp``.
         unit: of the times, such as ``"ms"``, where the trace does not say it.
         end: what counts where the trace ends too early to tell: ``"undetermined"``, ``"weak"`` (as satisfied) or

@@ -1,26 +1,61 @@
-"""Opens a trace, whatever it is kept in."""
+"""The formats of recorded traces, one row each, and nobody else lists them; opens a trace, whatever it is kept in.
+
+A format is loaded when a trace of it is opened: the command line names all of them.
+"""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.runtime.trace import Recording, Trace
-from tachk.runtime.trace_arrays import open_table
 
-CSV_SUFFIXES = (".csv", ".tsv", ".txt")
+if TYPE_CHECKING:
+    from tachk.runtime.trace import Recording, Trace
+
+
+def _csv(path: Path, time: str | None, unit: str | None) -> Recording:
+    from tachk.runtime.trace_csv import open_csv
+
+    return open_csv(path, time, unit)
+
+
+def _parquet(path: Path, time: str | None, unit: str | None) -> Recording:
+    from tachk.runtime.trace_parquet import open_parquet
+
+    return open_parquet(path, time, unit)
+
+
+def _vcd(path: Path, time: str | None, unit: str | None) -> Recording:
+    from tachk.runtime.trace_vcd import open_vcd
+
+    if time is not None:
+        raise UsageError("a value change dump has no time column to choose")
+    return open_vcd(path, unit)
+
+
+class TraceFormat(NamedTuple):
+    """What people call it, how its files end, and what opens one: a path, the time column, the unit of times."""
+
+    name: str
+    suffixes: tuple[str, ...]
+    open: Callable[[Path, str | None, str | None], Recording]
+
+
+CSV = TraceFormat("CSV", (".csv", ".tsv", ".txt"), _csv)
 """A file without an ending is read as CSV too."""
-PARQUET_SUFFIXES = (".parquet", ".pq")
-VCD_SUFFIXES = (".vcd",)
-TRACE_SUFFIXES = CSV_SUFFIXES + PARQUET_SUFFIXES + VCD_SUFFIXES
-"""By which a file is known to be a trace. Nobody else lists them."""
+
+FORMATS = (CSV, TraceFormat("Parquet", (".parquet", ".pq"), _parquet), TraceFormat("VCD", (".vcd",), _vcd))
+
+TRACE_SUFFIXES = tuple(suffix for known in FORMATS for suffix in known.suffixes)
+"""By which a file is known to be a trace."""
 
 
 def is_csv(path: Path) -> bool:
     """Whether a file of this name is read as comma-separated values."""
-    return path.suffix.lower() in (*CSV_SUFFIXES, "")
+    return path.suffix.lower() in (*CSV.suffixes, "")
 
 
 class _Ready:
@@ -56,26 +91,19 @@ def open_trace(source: Any, time: str | None = None, unit: str | None = None) ->
         InputError: something in the file is wrong.
         UsageError: it cannot be read, or is no trace.
     """
+    from tachk.runtime.trace import Trace
+    from tachk.runtime.trace_arrays import open_table
+
     if isinstance(source, Trace):
         return _Ready(source)
     if not isinstance(source, (str, os.PathLike)):
         return open_table(source, time, unit)
     path = Path(source)
-    suffix = path.suffix.lower()
     if path.is_dir():
         raise UsageError(f"{path} is a folder, not a trace")
-    if suffix in VCD_SUFFIXES:
-        from tachk.runtime.trace_vcd import open_vcd
-
-        if time is not None:
-            raise UsageError("a value change dump has no time column to choose")
-        return open_vcd(path, unit)
-    if suffix in PARQUET_SUFFIXES:
-        from tachk.runtime.trace_parquet import open_parquet
-
-        return open_parquet(path, time, unit)
-    if is_csv(path) or not path.is_file():
-        from tachk.runtime.trace_csv import open_csv
-
-        return open_csv(path, time, unit)
+    for known in FORMATS:
+        if path.suffix.lower() in known.suffixes:
+            return known.open(path, time, unit)
+    if not path.suffix or not path.is_file():
+        return CSV.open(path, time, unit)
     raise UsageError(f"unknown kind of trace: {path}", f"known endings: {', '.join(TRACE_SUFFIXES)}")

@@ -1,5 +1,4 @@
-"""The choices of the options stand in the command line as text, so that a start loads little: they must be what the
-modules below understand."""
+"""Choices stand for the members of the enums of the domain, and each is written as its value."""
 
 from __future__ import annotations
 
@@ -11,7 +10,7 @@ import pytest
 from tachk.cli.main import COMMANDS, app
 from tachk.engines.options import Extrapolation, SearchOrder
 from tachk.formats.catalogue import ExportFormat
-from tachk.formats.uppaal.portability import Version
+from tachk.formats.uppaal.versions import Version
 from tachk.runtime.conventions import Ending, Interpolation
 
 

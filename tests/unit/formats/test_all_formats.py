@@ -13,6 +13,7 @@ from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.diagnostics.span import Source
 from tachk.formats.catalogue import ExportFormat, export_model
 from tachk.formats.dot import to_dot
+from tachk.formats.exported import Writing
 from tachk.formats.network_json.network import network_from_json, network_to_json, same_network
 from tachk.formats.tchecker.writer import to_tchecker
 from tachk.formats.uppaal.intermediate import network_to_intermediate
@@ -37,7 +38,7 @@ def test_shipped_models(path: Path) -> None:
     for format_ in ExportFormat:
         for observers in (True, False):
             with suppress(UnsupportedError) if format_ is ExportFormat.TCHECKER else nullcontext():
-                assert export_model(model, format_, observers=observers).text
+                assert export_model(model, format_, Writing(observers=observers)).text
 
 
 @pytest.mark.parametrize("seed", range(40))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from tachk.diagnostics.span import Source
-from tachk.formats.catalogue import Exported, ExportFormat, export_model
+from tachk.formats.catalogue import ExportFormat, export_model
+from tachk.formats.exported import Exported, Writing
 from tachk.loading.load import load_model
 from tachk.properties.verify import verify
 
@@ -46,7 +47,7 @@ system left, right, Train, Lamp;
 
 
 def exported(text: str, format_: ExportFormat = ExportFormat.XTA, observers: bool = True) -> Exported:
-    return export_model(load_model(Source("model.ta", text)), format_, observers=observers)
+    return export_model(load_model(Source("model.ta", text)), format_, Writing(observers=observers))
 
 
 def test_the_exported_model_has_the_same_verdicts() -> None:

@@ -7,7 +7,8 @@ import pytest
 from tachk.diagnostics.codes.all_codes import CODES
 from tachk.diagnostics.span import Source
 from tachk.formats.plain.expansion import expand
-from tachk.formats.uppaal.portability import Version, portability
+from tachk.formats.uppaal.portability import portability
+from tachk.formats.uppaal.versions import Version
 from tachk.formats.uppaal.xta import print_xta
 from tachk.loading.load import load_model
 

@@ -9,6 +9,8 @@ import pytest
 
 from tachk.cli.actions.check import run_check
 from tachk.cli.exit_status import ExitStatus
+from tachk.cli.reporting import ReportForm
+from tachk.formats.uppaal.versions import Version
 
 SCHEMA = Path(__file__).parents[3] / "docs/schema/check.schema.json"
 GOOD = "process P() { init location a { to b; } location b; }\nsystem P;\n"
@@ -25,7 +27,7 @@ def models(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[str, ...]:
 
 
 def report(models: tuple[str, ...], format: str, capsys: pytest.CaptureFixture[str], **more: Any) -> str:
-    assert run_check(models, (), format=format, **more) is ExitStatus.BAD_INPUT
+    assert run_check(models, (), form=ReportForm(format), **more) is ExitStatus.BAD_INPUT
     captured = capsys.readouterr()
     assert captured.err == ""
     return captured.out
@@ -48,7 +50,7 @@ def test_json_has_every_model_and_follows_its_schema(
 
 
 def test_portability_is_apart(models: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
-    data = json.loads(report(models, "json", capsys, version="uppaal-4.1"))
+    data = json.loads(report(models, "json", capsys, version=Version.UPPAAL_4_1))
     jsonschema.validate(data, json.loads(SCHEMA.read_text(encoding="utf-8")))
     assert isinstance(data["models"][0]["portability"], list)
     assert data["models"][1]["portability"] is None

@@ -11,8 +11,10 @@ from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import complain, print_diagnostics
+from tachk.cli.reporting import ReportForm
 from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
-from tachk.formats.uppaal.portability import Version, portability
+from tachk.formats.uppaal.portability import portability
+from tachk.formats.uppaal.versions import Version
 from tachk.loading.load import load_model
 from tachk.report.check_report import Checked, Size, checks_to_github, checks_to_json, checks_to_sarif
 
@@ -20,8 +22,8 @@ from tachk.report.check_report import Checked, Size, checks_to_github, checks_to
 def run_check(
     models: tuple[str, ...],
     definitions: tuple[str, ...],
-    version: str | None = None,
-    format: str = "text",
+    version: Version | None = None,
+    form: ReportForm = ReportForm.TEXT,
     output: Path | None = None,
     strict_xta: bool = False,
 ) -> ExitStatus:
@@ -29,26 +31,25 @@ def run_check(
 
     Args:
         version: of UPPAAL; report also what it would refuse or treat otherwise.
-        format: ``text`` for people, one line about each model that has no error, the rest on standard error; or
-            ``json``, ``sarif`` or ``github``, with everything in one report.
+        form: TEXT for people, one line about each model that has no error, the rest on standard error; or JSON, SARIF
+            or GITHUB, with everything in one report.
         output: the file of the report, standard output without.
         strict_xta: refuse what tachk adds to the language of UPPAAL.
     """
     constants = parse_definitions(definitions)
-    wanted = None if version is None else Version(version)
     checks: list[Checked] = []
     with destination(output) as out:
         assert out is not None
         for path in models:
-            checks.append(_check(path, constants, wanted, strict_xta))
-            if format == "text":
-                _tell(checks[-1], wanted, len(models) > 1, out)
-        match format:
-            case "json":
+            checks.append(_check(path, constants, version, strict_xta))
+            if form is ReportForm.TEXT:
+                _tell(checks[-1], version, len(models) > 1, out)
+        match form:
+            case ReportForm.JSON:
                 print(json.dumps(checks_to_json(checks), indent=2), file=out)
-            case "sarif":
+            case ReportForm.SARIF:
                 print(json.dumps(checks_to_sarif(checks), indent=2), file=out)
-            case "github":
+            case ReportForm.GITHUB:
                 out.writelines(f"{line}\n" for line in checks_to_github(checks))
     return worst(_status(check) for check in checks)
 

@@ -14,6 +14,7 @@ from tachk.cli.guard import print_diagnostics
 from tachk.diagnostics.diagnostic import InputError, TachkError, UsageError
 from tachk.diagnostics.span import Span
 from tachk.formats.catalogue import export_model, format_of
+from tachk.formats.exported import Writing
 from tachk.formats.layout_json import layout_path, layout_to_json
 from tachk.formats.plain.expansion import document_repairs
 from tachk.formats.plain.model import PlainQuery, Step
@@ -47,7 +48,7 @@ def run_convert(source: str, output: Path, query_files: tuple[Path, ...], fix: b
             raise UsageError("-q goes with a .ta file as output", "convert to .ta first, then to the other format")
         model = api.load(source)
         print_diagnostics(model.warnings)
-        exported = export_model(model.loaded, format_of(output, (".ta",)), (), fix)
+        exported = export_model(model.loaded, format_of(output, (".ta",)), Writing(repair_names=fix))
         _tell([step for step in exported.steps if step.kind == "name"])
         files = files_of(exported, output)
     if str(output) == "-":

@@ -11,13 +11,14 @@ from tachk import api
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
-from tachk.formats.catalogue import Exported, ExportFormat, export_model, format_of
+from tachk.formats.catalogue import ExportFormat, export_model, format_of
+from tachk.formats.exported import Exported, Writing
 
 
 def run_export(
     path: str,
     output: Path | None,
-    format_name: str | None,
+    format: ExportFormat | None,
     definitions: tuple[str, ...],
     explain: bool,
     keep_names: bool,
@@ -25,20 +26,14 @@ def run_export(
 ) -> ExitStatus:
     """Writes a model in another format, with its queries beside it where the format has no place for them."""
     constants = parse_definitions(definitions)
-    format_ = _format(output, format_name)
+    wanted = format or (ExportFormat.XTA if output is None else format_of(output))
     model = api.load(path, **constants)
     print_diagnostics(model.warnings)
-    exported = export_model(model.loaded, format_, tuple(constants), not keep_names, observers=observers)
+    exported = export_model(model.loaded, wanted, Writing(tuple(constants), not keep_names, observers))
     write_exported(exported, output)
     if explain:
         _explain(exported)
     return ExitStatus.AS_EXPECTED
-
-
-def _format(output: Path | None, name: str | None) -> ExportFormat:
-    if name is not None:
-        return ExportFormat(name)
-    return ExportFormat.XTA if output is None else format_of(output)
 
 
 def write_exported(exported: Exported, output: Path | None) -> None:

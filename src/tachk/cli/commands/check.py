@@ -7,6 +7,8 @@ from pathlib import Path
 import click
 
 from tachk.cli import options
+from tachk.cli.reporting import ReportForm
+from tachk.formats.uppaal.versions import Version
 
 
 @click.command(name="check", short_help="Report every mistake in models.")
@@ -15,13 +17,14 @@ from tachk.cli import options
 @click.option(
     "version",
     "--for",
-    type=click.Choice(["uppaal-4.1", "uppaal-5.0"]),
+    type=options.Choice(Version),
     help="Report what this version of UPPAAL would refuse or do otherwise.",
 )
 @click.option(
+    "form",
     "--format",
-    type=click.Choice(["text", "json", "sarif", "github"]),
-    default="text",
+    type=options.Choice((ReportForm.TEXT, ReportForm.JSON, ReportForm.SARIF, ReportForm.GITHUB)),
+    default=ReportForm.TEXT.value,
     show_default=True,
     help="Form of the report: for people, programs, code scanning, or annotations of GitHub Actions.",
 )
@@ -30,12 +33,12 @@ from tachk.cli import options
 def command(
     models: tuple[str, ...],
     definitions: tuple[str, ...],
-    version: str | None,
-    format: str,
+    version: Version | None,
+    form: ReportForm,
     output: Path | None,
     strict_xta: bool,
 ) -> None:
     """Read models and report every mistake and warning, without checking a property."""
     from tachk.cli.actions.check import run_check
 
-    options.finish(lambda: run_check(models, definitions, version, format, output, strict_xta))
+    options.finish(lambda: run_check(models, definitions, version, form, output, strict_xta))

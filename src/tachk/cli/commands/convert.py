@@ -7,9 +7,17 @@ from pathlib import Path
 import click
 
 from tachk.cli import options
+from tachk.formats.catalogue import SUFFIXES
+
+_ENDINGS = (".ta", *SUFFIXES)
+_HELP = f"""Write a model in another form: {", ".join(_ENDINGS[:-1])} or {_ENDINGS[-1]}.
+
+Formats but .ta are written in full: imports are followed, and what tachk adds to UPPAAL's language is expanded.
+A file that exists and says something else is not overwritten without --force.
+"""
 
 
-@click.command(name="convert", short_help="Write a model in another form.")
+@click.command(name="convert", short_help="Write a model in another form.", help=_HELP)
 @click.argument("source", metavar="IN", type=click.Path(), help="A model, or a file of queries.")
 @click.argument(
     "output", metavar="OUT", type=options.type_of_file, help="Its ending says the format; - prints tachk's own."
@@ -18,11 +26,6 @@ from tachk.cli import options
 @click.option("--fix", is_flag=True, help="Replace names that some version of UPPAAL refuses.")
 @click.option("--force", is_flag=True, help="Overwrite files that say something else, edited ones too.")
 def command(source: str, output: Path, query_files: tuple[Path, ...], fix: bool, force: bool) -> None:
-    """Write a model in another form: .ta, .xta, .xml, .q, .tck, .dot or .json.
-
-    Formats but .ta are written in full: imports are followed, and what tachk adds to UPPAAL's language is expanded.
-    A file that exists and says something else is not overwritten without --force.
-    """
     from tachk.cli.actions.convert import run_convert
 
     options.finish(lambda: run_convert(source, output, query_files, fix, force))

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from tachk.cli import options
+from tachk.formats.catalogue import ExportFormat
 
 
 @click.command(name="export", short_help="Write a model for UPPAAL, TChecker or Graphviz.")
@@ -14,7 +15,7 @@ from tachk.cli import options
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Where to write it.")
 @click.option(
     "--format",
-    type=click.Choice(["xta", "xml", "q", "tchecker", "dot", "json"]),
+    type=options.Choice(ExportFormat),
     help="The format; without it, what the ending of FILE says.",
 )
 @options.definitions
@@ -29,7 +30,7 @@ from tachk.cli import options
 def command(
     model: str,
     output: Path | None,
-    format: str | None,
+    format: ExportFormat | None,
     definitions: tuple[str, ...],
     explain: bool,
     keep_names: bool,

@@ -13,7 +13,7 @@ from tachk.runtime.conventions import Ending
 
 @click.command(name="monitor", short_help="Judge a recorded trace by properties.")
 @trace_options.formula
-@click.argument("trace", type=click.Path(), help="A CSV, Parquet or VCD file; - reads CSV rows as they come.")
+@trace_options.trace("; - reads CSV rows as they come")
 @trace_options.columns
 @click.option(
     "ending",

@@ -12,7 +12,7 @@ from tachk.cli import options, trace_options
 
 @click.command(name="plot", short_help="Draw a trace, and where properties are violated.")
 @trace_options.formula
-@click.argument("trace", type=click.Path(), help="A CSV, Parquet or VCD file.")
+@trace_options.trace()
 @click.option(
     "output",
     "-o",

@@ -6,7 +6,6 @@ The rules come from UPPAAL's documentation and from its open parser UTAP 2.1.1.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from enum import StrEnum
 
 from tachk.compiler.features import Feature, network_features
 from tachk.diagnostics.diagnostic import Diagnostic
@@ -14,6 +13,7 @@ from tachk.diagnostics.span import Span
 from tachk.formats.plain.free_names import DECLARED_5, QUERY_WORDS, WORDS_4_1, WORDS_5, declared_names
 from tachk.formats.uppaal.portability_constants import open_constants
 from tachk.formats.uppaal.portability_queries import query_findings
+from tachk.formats.uppaal.versions import Version
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_TYPES
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.types import ArrayType, ClockType
@@ -21,15 +21,6 @@ from tachk.syntax import ast
 from tachk.syntax.parsing.strict import additions
 from tachk.syntax.rewrite import names_in
 from tachk.syntax.walk import nodes_of_kind
-
-
-class Version(StrEnum):
-    UPPAAL_4_1 = "uppaal-4.1"
-    UPPAAL_5_0 = "uppaal-5.0"
-
-    @property
-    def full_name(self) -> str:
-        return self.value.replace("uppaal-", "UPPAAL ")
 
 
 def portability(model: LoadedModel, version: Version) -> tuple[Diagnostic, ...]:
