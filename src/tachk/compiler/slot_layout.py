@@ -58,7 +58,7 @@ class Layout:
             self.channels.append(ProgramChannel(name, type_.broadcast, type_.urgent, priority))
             return Slot(name, number, number, number)
         low, high = cell_range(type_)
-        return Slot(name, low, high, initial, variable.meta)
+        return Slot(name, low, high, initial, network.resets(variable))
 
     def first_slot(self, variable: Variable) -> int:
         """The first slot of a variable; a frame variable gets its slots when it is first asked for."""

@@ -126,7 +126,7 @@ def _declaration(variable: Variable, name: str, network: Network, owner: str) ->
         base = base.element
     if len(set(variable.priorities)) > 0:
         raise NotWritable("priorities of channels")
-    prefixes = ("meta",) if variable.meta else ()
+    prefixes = ("meta",) if network.resets(variable) else ()
     written: ast.TypeExpression
     match base:
         case ClockType():

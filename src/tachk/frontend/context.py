@@ -68,7 +68,6 @@ class Context:
     in_function: elaborating the body of a function.
     scalar_sets: how many anonymous scalar types there are.
     time_unit: as `Network.time_unit`.
-    lasting: the places of the names of meta variables that carry values from one transition to the next.
     """
 
     findings: Findings
@@ -79,7 +78,6 @@ class Context:
     scalar_sets: int = 0
     budget: Budget = field(default_factory=Budget)
     time_unit: str = ""
-    lasting: frozenset[Span] = frozenset()
 
     def error(self, code: str, span: Span, message: str, help: str | None = None) -> None:
         self.findings.add(code, span, message, help)

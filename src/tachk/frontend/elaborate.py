@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from tachk.diagnostics.diagnostic import Label
 from tachk.diagnostics.span import Span
@@ -16,7 +16,7 @@ from tachk.frontend.scope import Scope, TemplateSymbol
 from tachk.frontend.templates.impossible_edges import warn_of_impossible_edges
 from tachk.frontend.templates.instances import Instances
 from tachk.frontend.templates.templates import warn_unreachable
-from tachk.model.metas import lasting_metas
+from tachk.model.metas import keep_lasting
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.syntax import ast
@@ -46,20 +46,6 @@ def elaborate(
         whole: the place of the document, for what is missing.
         overrides: values for global constants.
     """
-    budget, scalar_sets = replace(context.budget), context.scalar_sets
-    first = _elaborated(items, whole, overrides, context)
-    lasting = frozenset() if context.findings.has_mistakes else lasting_metas(first.network)
-    if not lasting:
-        return first
-    # Only the whole network tells which meta variables are none; with them as ordinary ones it is another network.
-    context.lasting = frozenset(variable.span for variable in lasting)
-    context.budget, context.scalar_sets = budget, scalar_sets
-    return _elaborated(items, whole, overrides, context)
-
-
-def _elaborated(
-    items: Sequence[ast.Item], whole: Span, overrides: Mapping[str, ast.Expression], context: Context
-) -> Elaborated:
     globals_ = Scope(None, "the globals")
     declared = Declared(overrides=overrides)
     declarations = [
@@ -109,9 +95,22 @@ def _elaborated(
         context.time_unit,
         _hidden(items, instances, context),
     )
+    if not context.findings.has_mistakes:
+        network = keep_lasting(network)
+        _warn_of_lasting(network, context)
     if not context.findings.has_errors:
         warn_of_impossible_edges(network, context)
     return Elaborated(network, queries, unchecked, scope, context)
+
+
+def _warn_of_lasting(network: Network, context: Context) -> None:
+    for span in dict.fromkeys(variable.span for variable in network.all_variables() if variable in network.lasting):
+        context.findings.add(
+            "W0408",
+            span,
+            f"the meta variable `{span.text}` may be read before its transition has written it, so the state holds it",
+            "drop `meta`, or write the variable first wherever it is used",
+        )
 
 
 def _declared_names(declarations: Iterable[ast.Declaration]) -> Iterator[str]:

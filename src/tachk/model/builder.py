@@ -228,7 +228,7 @@ class _Declarations:
             cells = default_cells(type_)
         else:
             cells = (initial,) if isinstance(initial, int) else tuple(initial)
-        return self._add(Variable(self.prefix + name, type_, self.kind, cells, meta=meta))
+        return self._add(Variable(self.prefix + name, type_, self.kind, cells, declared_meta=meta))
 
     def clock(self, name: str) -> Term:
         return self.declare(name, ClockType())

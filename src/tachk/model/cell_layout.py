@@ -67,7 +67,7 @@ def cell_layout(network: Network) -> CellLayout:
             names.append(variable.name + path)
             types.append(leaf)
             initial.append(value)
-            meta.append(variable.meta)
+            meta.append(network.resets(variable))
     return CellLayout(
         first,
         tuple(names),

@@ -33,19 +33,21 @@ class Variable:
         name: unique within the network for global and local variables (``P.x`` for the local ``x`` of process ``P``).
         type: any type; clocks and channels are variables too.
         initial: one integer for each cell (see `types.leaves`); clocks and channels have 0 there.
-        meta: the variable is not part of the state; it has its initial value whenever a transition begins.
+        declared_meta: the declaration says `meta`. `Network.resets` tells whether transitions take it so.
         reference: a function parameter passed by reference.
         priorities: for channels, one priority for each cell; empty means the network's default priority.
+        carries: the channel whose values pass through this hidden variable, cell by cell.
     """
 
     name: str
     type: Type
     kind: VariableKind
     initial: tuple[int, ...] = ()
-    meta: bool = False
+    declared_meta: bool = False
     reference: bool = False
     priorities: tuple[int, ...] = ()
     span: Span = NOWHERE
+    carries: Variable | None = None
 
 
 class QuantifierKind(StrEnum):

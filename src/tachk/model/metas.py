@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from tachk.model.expressions import (
     Assert,
@@ -30,7 +31,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Direction, Edge, Network
 from tachk.model.traversal import children, roots
-from tachk.model.types import ChannelType, RecordType, Type, element_type
+from tachk.model.types import RecordType, Type
 
 Place = tuple[Variable, tuple[int | str, ...]]
 """A variable or a part of it: constant indices and names of fields, or first of all `_OF_THE_CHANNEL`."""
@@ -39,15 +40,24 @@ _OF_THE_CHANNEL = "[channel]"
 _SOMEWHERE = "[?]"
 
 
+def keep_lasting(network: Network) -> Network:
+    """The network whose states hold the meta variables that must last.
+
+    One of a template that must last in one process does so in all.
+    """
+    places = {variable.span for variable in lasting_metas(network)}
+    if not places:
+        return network
+    candidates = (v for v in network.all_variables() if v.declared_meta and v.carries is None)
+    return replace(network, lasting=frozenset(v for v in candidates if v.span in places))
+
+
 def lasting_metas(network: Network) -> frozenset[Variable]:
     """The meta variables that a transition may read before it has written them, part by part.
 
     Hidden variables for the values that channels pass are none: a receiver always reads what its sender wrote.
     """
-    channels = {
-        variable.span for variable in network.all_variables() if isinstance(element_type(variable.type), ChannelType)
-    }
-    metas = frozenset(v for v in network.all_variables() if v.meta and v.span not in channels)
+    metas = frozenset(v for v in network.all_variables() if v.declared_meta and v.carries is None)
     if not metas:
         return metas
     found: set[Variable] = set()

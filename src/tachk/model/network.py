@@ -105,6 +105,7 @@ class Network:
     constants: the global integer constants with their values, for reports.
     time_unit: what one time unit means, for output only: ``"1 ms"``.
     hidden: templates and processes that told runs leave out, for output only.
+    lasting: the variables declared `meta` that states hold nevertheless, see `tachk.model.metas`.
     """
 
     processes: tuple[Process, ...]
@@ -114,11 +115,16 @@ class Network:
     signals: tuple[Signal, ...] = ()
     time_unit: str = ""
     hidden: tuple[str, ...] = ()
+    lasting: frozenset[Variable] = frozenset()
 
     def __repr__(self) -> str:
         names = [process.name for process in self.processes]
         shown = ", ".join(names if len(names) <= 8 else [*names[:7], f"and {len(names) - 7} more"])
         return f"<Network of {shown or 'no process'}>"
+
+    def resets(self, variable: Variable) -> bool:
+        """Whether the variable is not part of the state: it has its initial value whenever a transition begins."""
+        return variable.declared_meta and variable not in self.lasting
 
     @property
     def has_priorities(self) -> bool:

@@ -125,7 +125,7 @@ def random_watched(random: Random, network: Network) -> Query | None:
 
 
 def _random_atom(random: Random, network: Network) -> ast.Expression:
-    integers = [v.name for v in network.variables if isinstance(v.type, IntType) and not v.meta]
+    integers = [v.name for v in network.variables if isinstance(v.type, IntType) and not network.resets(v)]
     if integers and random.random() < 0.3:
         value = ast.IntegerLiteral(NOWHERE, random.randint(0, 2))
         return ast.BinaryExpression(NOWHERE, "==", ast.NameExpression(NOWHERE, random.choice(integers)), value)

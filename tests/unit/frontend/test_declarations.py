@@ -71,8 +71,8 @@ def test_names_of_uppaal_5_may_be_declared(load: Any) -> None:
 
 
 def test_meta_variables(load: Any) -> None:
-    assert variables(load("meta int v = 3; int w;"))["v"].meta
-    assert not variables(load("meta int v = 3; int w;"))["w"].meta
+    assert variables(load("meta int v = 3; int w;"))["v"].declared_meta
+    assert not variables(load("meta int v = 3; int w;"))["w"].declared_meta
 
 
 def test_array_constants_are_variables_that_fold(load: Any) -> None:

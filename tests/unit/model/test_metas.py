@@ -7,8 +7,13 @@ from pathlib import Path
 import pytest
 
 import tachk
+from tachk.compiler.lower import lower
 from tachk.diagnostics.span import Source
+from tachk.formats.network_document import network_document
+from tachk.formats.network_json.network import network_from_json, network_to_json
 from tachk.loading.load import load_model
+from tachk.model.cell_layout import cell_layout
+from tachk.syntax.printing.printer import print_document
 
 DECLARATIONS = """
 typedef struct { int a; int b; } pair_t;
@@ -27,7 +32,7 @@ def lasting(own: str, other: str = "") -> list[str]:
         process Q() {{ state s; init s; trans s -> s {{ {other} }}; }}
         system P, Q;"""
     loaded = load_model(Source("m.ta", text))
-    ordinary = [v.name for v in loaded.network.variables if v.name in ("m", "t", "r") and not v.meta]
+    ordinary = [v.name for v in loaded.network.variables if v.name in ("m", "t", "r") and not loaded.network.resets(v)]
     warned = [d.span.text for d in loaded.warnings if d.code == "W0408"]
     assert warned == ordinary
     return ordinary
@@ -103,3 +108,44 @@ def test_a_value_that_lasts_is_seen_by_a_later_transition(tmp_path: Path) -> Non
     (verdict,) = tachk.load(file).verify("E<> P.C")
     assert verdict.answer is tachk.Answer.HOLDS
     assert verdict.trace is not None
+
+
+def test_what_lasts_is_a_part_of_the_state_everywhere() -> None:
+    text = """meta int[0,3] kept, reset;
+        process P() { state s; init s; trans s -> s { guard kept == 0; assign reset = 1, kept = reset; }; }
+        system P;"""
+    network = load_model(Source("m.ta", text)).network
+    kept, reset = network.variables
+    assert (network.resets(kept), network.resets(reset)) == (False, True)
+    assert cell_layout(network).meta == (False, True)
+    program, _ = lower(network, [])
+    assert [(slot.name, slot.meta) for slot in program.slots if slot.name in ("kept", "reset")] == [
+        ("kept", False),
+        ("reset", True),
+    ]
+    again = network_from_json(network_to_json(network))
+    assert [again.resets(variable) for variable in again.variables] == [False, True]
+    written = print_document(network_document(network, "m.ta"))
+    assert "meta int[0, 3] reset" in written and "meta int[0, 3] kept" not in written
+
+
+def test_a_variable_of_a_template_lasts_in_all_processes_or_in_none() -> None:
+    text = """chan c, d; int n;
+        process S() { state s; init s; trans s -> s { sync c!; }; }
+        process R(chan &heard) { meta int m; state s; init s; trans s -> s { sync heard?; assign n = m; }; }
+        A = R(c);
+        B = R(d);
+        system S, A, B;"""
+    loaded = load_model(Source("m.ta", text))
+    assert sorted(variable.name for variable in loaded.network.lasting) == ["A.m", "B.m"]
+    assert [d.code for d in loaded.warnings].count("W0408") == 1
+
+
+def test_a_value_over_a_channel_is_reset_even_where_one_of_the_same_name_lasts() -> None:
+    text = """chan c; int n; meta int c_value;
+        process S() { state s; init s; trans s -> s { sync c!1; assign n = c_value; }; }
+        process R() { state s; init s; trans s -> s { sync c?n; }; }
+        system S, R;"""
+    network = load_model(Source("m.ta", text)).network
+    assert [variable.name for variable in network.lasting] == ["c_value"]
+    assert [v.name for v in network.variables if network.resets(v)] == ["c_value_1"]

@@ -25,7 +25,7 @@ def network() -> Network:
     press = Variable("press", ArrayType(ChannelType(), IntType(0, 1)), VariableKind.GLOBAL, (0, 0))
     n = Variable("n", IntType(0, 5), VariableKind.GLOBAL, (0,))
     lit = Variable("lit", BoolType(), VariableKind.GLOBAL, (0,))
-    scratch = Variable("scratch", IntType(0, 9), VariableKind.GLOBAL, (0,), meta=True)
+    scratch = Variable("scratch", IntType(0, 9), VariableKind.GLOBAL, (0,), declared_meta=True)
     x = Variable("User.x", ClockType(), VariableKind.LOCAL, (0,))
     which = Variable("b", IntType(0, 1), VariableKind.BOUND)
 

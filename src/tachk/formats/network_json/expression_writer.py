@@ -47,6 +47,7 @@ class ExpressionWriter:
     functions: those called so far, in order of their first call; ``bodies`` has their JSON.
     """
 
+    lasting: frozenset[Variable] = frozenset()
     numbers: dict[Variable, int] = field(default_factory=dict)
     functions: dict[Function, int] = field(default_factory=dict)
     bodies: list[Json] = field(default_factory=list)
@@ -64,7 +65,7 @@ class ExpressionWriter:
         }
         if variable.initial:
             value["initial"] = list(variable.initial)
-        if variable.meta:
+        if variable.declared_meta and variable not in self.lasting:
             value["meta"] = True
         if variable.reference:
             value["reference"] = True

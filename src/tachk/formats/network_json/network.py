@@ -17,7 +17,7 @@ FORMAT, VERSION = "tachk network", 1
 
 def network_to_json(network: Network) -> Json:
     """What `json.dumps` takes."""
-    writer = ExpressionWriter()
+    writer = ExpressionWriter(network.lasting)
     variables = [writer.variable(v) for v in network.variables]
     local = [[writer.variable(v) for v in p.variables] for p in network.processes]
     processes = [_process(p, v, writer) for p, v in zip(network.processes, local, strict=True)]

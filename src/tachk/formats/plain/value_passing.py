@@ -86,7 +86,7 @@ class ValuePassing:
         return None if hidden is None else _type_node(element_type(hidden.type), span)
 
     def _hidden(self, channel: str) -> Variable | None:
-        return next((v for v in self.variables if v.meta and v.name == f"{channel}_value"), None)
+        return next((v for v in self.variables if v.carries is not None and v.carries.name == channel), None)
 
     def _instantiation(
         self,
@@ -131,8 +131,8 @@ class ValuePassing:
         }
         result = []
         for hidden in self.variables:
-            channel = channels.get(hidden.span)
-            if channel is None or not hidden.meta or hidden.name != f"{channel.name.name}_value":
+            channel = None if hidden.carries is None else channels.get(hidden.carries.span)
+            if channel is None:
                 continue
             base = _type_node(element_type(hidden.type), channel.span)
             name = ast.Identifier(channel.span, self._name(channel.name.name))

@@ -293,7 +293,7 @@ class _Exporter:
 
     def _metas(self) -> dict[Variable, tuple[int, ...]]:
         """The meta variables with the values they have whenever a transition begins."""
-        return {v: initial_cells(v) for v in self.network.all_variables() if v.meta}
+        return {v: initial_cells(v) for v in self.network.all_variables() if self.network.resets(v)}
 
     def _resets(
         self, edge: Edge, channel: tuple[Variable, int] | None, printer: TermPrinter
@@ -337,8 +337,8 @@ class _Exporter:
                 if edge.synchronisation is not None and channel_variable(edge.synchronisation.channel) is by
                 for update in edge.updates
             ]
-        found = (n.variable for u in updates for n in walk(u) if isinstance(n, Reference) and n.variable.meta)
-        return [variable for variable in dict.fromkeys(found) if variable not in self.known.values]
+        found = dict.fromkeys(n.variable for u in updates for n in walk(u) if isinstance(n, Reference))
+        return [v for v in found if self.network.resets(v) and v not in self.known.values]
 
     # ---- synchronisation --------------------------------------------------------------------------------------------
 

@@ -11,6 +11,7 @@ from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import INT, Expression, Index, Reference, Variable, VariableKind
 from tachk.model.network import Direction
 from tachk.model.types import ArrayType, ChannelType, RecordType, ScalarType, Type, element_type
+from tachk.syntax.rewrite import fresh_name
 
 
 @dataclass(slots=True)
@@ -59,8 +60,8 @@ class ChannelTable:
                 use.value_receiver = use.value_receiver or span
 
     def value_place(self, channel: Expression, type_: Type, span: Span, context: Context) -> Expression | None:
-        """The place that carries a value of the given type over a channel: the hidden variable ``c_value``, indexed
-        as the channel is."""
+        """The place that carries a value of the given type over a channel: a hidden variable, ``c_value`` where that
+        name is free, indexed as the channel is."""
         variable = channel_variable(channel)
         if variable is None:
             context.error("E0402", span, "values can only be passed over a channel that is named directly")
@@ -73,15 +74,17 @@ class ChannelTable:
             return None
         use = self.uses.setdefault(variable, ChannelUse())
         if use.value is None:
-            name = f"{variable.name}_value"
-            if name in self.taken:
-                context.error(
-                    "E0402", span, f"passing values over `{variable.name}` needs the name `{name}`, which is taken"
-                )
-                return None
+            name = fresh_name(f"{variable.name}_value", self.taken)
+            self.taken.add(name)
             hidden = _with_leaf(variable.type, carried)
             use.value = Variable(
-                name, hidden, VariableKind.GLOBAL, default_cells(hidden), meta=True, span=variable.span
+                name,
+                hidden,
+                VariableKind.GLOBAL,
+                default_cells(hidden),
+                declared_meta=True,
+                span=variable.span,
+                carries=variable,
             )
         place = _same_path(channel, use.value)
         if not same_shape(place.type, carried):

@@ -114,14 +114,6 @@ def _variable(
     if meta and not is_data(type_):
         context.error("E0315", node.span, f"a {describe(type_)} cannot be meta")
         meta = False
-    if node.name.span in context.lasting:
-        context.error(
-            "W0408",
-            node.name.span,
-            f"the meta variable `{name}` may be read before its transition has written it, so the state holds it",
-            "drop `meta`, or write the variable first wherever it is used",
-        )
-        meta = False
     if not context.allow_variable(type_, node.span):
         return None
     cells = default_cells(type_)
@@ -133,7 +125,7 @@ def _variable(
         if value is None:
             return None
         cells = value
-    variable = Variable(declared.full_name(name), type_, declared.kind, cells, meta=meta, span=node.name.span)
+    variable = Variable(declared.full_name(name), type_, declared.kind, cells, declared_meta=meta, span=node.name.span)
     declared.variables.append(variable)
     if isinstance(type_, ClockType):
         description = "clock"
