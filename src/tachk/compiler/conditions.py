@@ -7,7 +7,7 @@ those that cannot fail before those that can; among themselves those that can fa
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from tachk.compiler.fold import Known, fold, negate
 from tachk.compiler.slot_layout import cell_range
@@ -161,73 +161,72 @@ def split_conjunction(expression: Expression, known: Known) -> Conjunction:
 
     Raises UnsupportedError for a disjunction in which both sides have clocks.
     """
-    integers: list[Expression] = []
-    clocks: list[tuple[Expression | None, ClockAtom]] = []
-    _split(fold(expression, known), True, None, known, integers, clocks)
-    return Conjunction(tuple(integers), tuple(clocks))
+    parts = _Parts()
+    parts.split(fold(expression, known), True, None, known)
+    return Conjunction(tuple(parts.integers), tuple(parts.clocks))
 
 
-def _split(
-    expression: Expression,
-    positive: bool,
-    condition: Expression | None,
-    known: Known,
-    integers: list[Expression],
-    clocks: list[tuple[Expression | None, ClockAtom]],
-) -> None:
-    if not reads_clock(expression):
-        parts = conjuncts(expression, positive)
-        integers.extend(p if condition is None else fold(_or(negate(condition), p), known) for p in parts)
-        return
+@dataclass(slots=True)
+class _Parts:
+    """What a conjunction consists of. An expression that is split with ``positive`` false is one that is negated; with
+    a condition it has to hold where that does."""
 
-    def again(inner: Expression, positive: bool, condition: Expression | None) -> None:
+    integers: list[Expression] = field(default_factory=list)
+    clocks: list[tuple[Expression | None, ClockAtom]] = field(default_factory=list)
+
+    def split(self, expression: Expression, positive: bool, condition: Expression | None, known: Known) -> None:
         if isinstance(condition, Constant):
             if condition.value == 0:
                 return
             condition = None
-        _split(inner, positive, condition, known, integers, clocks)
+        if not reads_clock(expression):
+            parts = conjuncts(expression, positive)
+            self.integers.extend(p if condition is None else fold(_or(negate(condition), p), known) for p in parts)
+            return
+        match expression:
+            case Unary(UnaryOperator.NOT, operand):
+                self.split(operand, not positive, condition, known)
+            case Binary(BinaryOperator.AND | BinaryOperator.OR | BinaryOperator.IMPLY):
+                self._connective(expression, positive, condition, known)
+            case Conditional(test, then, otherwise) if not reads_clock(test):
+                self.split(then, positive, fold(both(condition, test), known), known)
+                self.split(otherwise, positive, fold(both(condition, negate(test)), known), known)
+            case Quantifier():
+                self._instances(expression, positive, condition, known)
+            case Binary(operator) if operator in COMPARISONS:
+                atoms = clock_atoms(expression, positive, known)
+                if not isinstance(atoms, tuple):
+                    self.split(atoms, True, condition, known)
+                elif len(atoms) == 1:
+                    self.clocks.extend((condition, atom) for atom in atoms[0])
+                else:
+                    raise _disjunction_unsupported(expression.span)
+            case _:
+                raise clock_form_unsupported(expression.span)
 
-    match expression:
-        case Unary(UnaryOperator.NOT, operand):
-            again(operand, not positive, condition)
-        case Binary(BinaryOperator.AND | BinaryOperator.OR | BinaryOperator.IMPLY as operator, left, right):
-            left_positive = positive if operator is not BinaryOperator.IMPLY else not positive
-            if (operator is BinaryOperator.AND) == positive:
-                again(left, left_positive, condition)
-                again(right, positive, condition)
-            elif not reads_clock(left):
-                again(right, positive, fold(both(condition, left if not left_positive else negate(left)), known))
-            elif not reads_clock(right):
-                again(left, left_positive, fold(both(condition, right if not positive else negate(right)), known))
-            else:
-                raise _disjunction_unsupported(expression.span)
-        case Conditional(test, then, otherwise) if not reads_clock(test):
-            again(then, positive, fold(both(condition, test), known))
-            again(otherwise, positive, fold(both(condition, negate(test)), known))
-        case Quantifier(kind, variable, body):
-            if (kind is QuantifierKind.FORALL) != positive or kind is QuantifierKind.SUM:
-                raise _disjunction_unsupported(expression.span)
-            low, high = cell_range(variable.type)
-            for value in range(low, high + 1):
-                inner = known.with_bound(variable, value)
-                _split(
-                    fold(body, inner),
-                    positive,
-                    None if condition is None else fold(condition, inner),
-                    inner,
-                    integers,
-                    clocks,
-                )
-        case Binary(operator) if operator in COMPARISONS:
-            atoms = clock_atoms(expression, positive, known)
-            if not isinstance(atoms, tuple):
-                again(atoms, True, condition)
-            elif len(atoms) == 1:
-                clocks.extend((condition, atom) for atom in atoms[0])
-            else:
-                raise _disjunction_unsupported(expression.span)
-        case _:
-            raise clock_form_unsupported(expression.span)
+    def _connective(self, expression: Binary, positive: bool, condition: Expression | None, known: Known) -> None:
+        operator, left, right = expression.operator, expression.left, expression.right
+        left_positive = positive if operator is not BinaryOperator.IMPLY else not positive
+        if (operator is BinaryOperator.AND) == positive:
+            self.split(left, left_positive, condition, known)
+            self.split(right, positive, condition, known)
+        elif not reads_clock(left):
+            where = left if not left_positive else negate(left)
+            self.split(right, positive, fold(both(condition, where), known), known)
+        elif not reads_clock(right):
+            where = right if not positive else negate(right)
+            self.split(left, left_positive, fold(both(condition, where), known), known)
+        else:
+            raise _disjunction_unsupported(expression.span)
+
+    def _instances(self, expression: Quantifier, positive: bool, condition: Expression | None, known: Known) -> None:
+        if (expression.kind is QuantifierKind.FORALL) != positive or expression.kind is QuantifierKind.SUM:
+            raise _disjunction_unsupported(expression.span)
+        low, high = cell_range(expression.variable.type)
+        for value in range(low, high + 1):
+            inner = known.with_bound(expression.variable, value)
+            where = None if condition is None else fold(condition, inner)
+            self.split(fold(expression.body, inner), positive, where, inner)
 
 
 def conjuncts(expression: Expression, positive: bool = True) -> Iterator[Expression]:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from math import floor
 
@@ -98,6 +98,49 @@ def _next_region(clocks: Clocks) -> Fraction | None:
     return to_go / 2 if any(v % 1 == 0 for v in clocks) else to_go
 
 
+@dataclass(slots=True)
+class _States:
+    """The states that were found.
+
+    Attributes:
+        found: of each goal that was reached, the path to it.
+        waiting: states whose successors are not computed yet, each with the path to it.
+        most: how many states there may be.
+    """
+
+    model: Model
+    goals: Sequence[Expression]
+    normalised: Callable[[Clocks], Clocks]
+    next_delay: Callable[[Clocks], Fraction | None]
+    most: int | None
+    found: dict[int, tuple[Transition, ...]] = field(default_factory=dict)
+    passed: set[TimedState] = field(default_factory=set)
+    waiting: deque[tuple[TimedState, tuple[Transition, ...]]] = field(default_factory=deque)
+
+    @property
+    def too_many(self) -> bool:
+        return self.most is not None and len(self.passed) > self.most
+
+    @property
+    def open(self) -> bool:
+        """Whether something is left to find and somewhere to look."""
+        return bool(self.waiting) and len(self.found) < len(self.goals)
+
+    def add(self, state: TimedState, path: tuple[Transition, ...]) -> None:
+        """A state that is reached on a path, and all to which time leads from there."""
+        following: TimedState | None = state
+        while following is not None and not self.too_many:
+            state = replace(following, clocks=self.normalised(following.clocks), time=Fraction(0))
+            if state in self.passed:
+                return
+            self.passed.add(state)
+            self.waiting.append((state, path))
+            for number, goal in enumerate(self.goals):
+                if number not in self.found and satisfies(self.model, state, goal):
+                    self.found[number] = path
+            following = _delayed(self.model, state, self.next_delay(state.clocks))
+
+
 def _explore(
     network: Network,
     goals: Sequence[Expression],
@@ -107,41 +150,22 @@ def _explore(
 ) -> Outcome:
     model = prepare(network)
     started = time.monotonic()
-    found: dict[int, tuple[Transition, ...]] = {}
-    passed: set[TimedState] = set()
-    waiting: deque[tuple[TimedState, tuple[Transition, ...]]] = deque()
+    states = _States(model, goals, normalised, next_delay, limits.states)
     explored = transitions = 0
     reason, fault = "", None
     path: tuple[Transition, ...] = ()
-
-    def too_many() -> bool:
-        return limits.states is not None and len(passed) > limits.states
-
-    def add(state: TimedState, state_path: tuple[Transition, ...]) -> None:
-        following: TimedState | None = state
-        while following is not None and not too_many():
-            state = replace(following, clocks=normalised(following.clocks), time=Fraction(0))
-            if state in passed:
-                return
-            passed.add(state)
-            waiting.append((state, state_path))
-            for number, goal in enumerate(goals):
-                if number not in found and satisfies(model, state, goal):
-                    found[number] = state_path
-            following = _delayed(model, state, next_delay(state.clocks))
-
     try:
         try:
-            add(initial_state(model), ())
+            states.add(initial_state(model), ())
         except StepError as error:
             raise ValueError(str(error)) from error
-        while waiting and len(found) < len(goals):
-            state, path = waiting.popleft()
+        while states.open:
+            state, path = states.waiting.popleft()
             explored += 1
             for transition, after in successors(model, state):
                 transitions += 1
-                add(after, (*path, transition))
-            if too_many():
+                states.add(after, (*path, transition))
+            if states.too_many:
                 reason = "state limit"
                 break
             if limits.seconds is not None and time.monotonic() - started > limits.seconds:
@@ -150,12 +174,13 @@ def _explore(
     except EvaluationFault as error:
         fault = RunTimeFault(error.kind, error.span, path, None)
         reason = "run-time error"
+    found = states.found
     if len(found) == len(goals) and fault is None:
         reason = ""
     otherwise = GoalOutcome(Status.UNDECIDED if reason else Status.UNREACHABLE)
     return Outcome(
         tuple(GoalOutcome(Status.REACHED, found[g]) if g in found else otherwise for g in range(len(goals))),
-        Statistics(explored, len(passed), transitions, time.monotonic() - started),
+        Statistics(explored, len(states.passed), transitions, time.monotonic() - started),
         reason,
         fault,
     )

@@ -27,6 +27,10 @@ _OPERANDS = {
     Opcode.CALL: 1,
     Opcode.CHECK_RANGE: 2,
 }
+_MEMORY = frozenset(
+    {Opcode.LOAD, Opcode.LOAD_INDIRECT, Opcode.STORE, Opcode.STORE_INDIRECT}
+    | {Opcode.COPY, Opcode.EQUAL_CELLS, Opcode.RESET}
+)
 _BINARY = {Opcode[operator.name]: operator for operator in BinaryOperator if operator not in CONNECTIVES}
 
 
@@ -43,7 +47,7 @@ class Machine:
 
     def run(self, position: int) -> int | None:
         """Runs a piece of code; its value, if it leaves one. Raises EvaluationFault."""
-        code, slots = self.program.code, self.slots
+        code = self.program.code
         stack: list[int] = []
         returns: list[int] = []
         for _ in range(INSTRUCTION_LIMIT):
@@ -56,53 +60,6 @@ class Machine:
                     if returns or len(stack) > 1:
                         raise InternalError(f"code ends with {len(stack)} values on the stack")
                     return stack[0] if stack else None
-                case Opcode.CONST:
-                    stack.append(operands[0])
-                case Opcode.LOAD:
-                    stack.append(slots[operands[0]])
-                case Opcode.LOAD_INDIRECT:
-                    stack.append(slots[stack.pop()])
-                case Opcode.STORE:
-                    self._store(operands[0], stack.pop(), position)
-                case Opcode.STORE_INDIRECT:
-                    value = stack.pop()
-                    self._store(stack.pop(), value, position)
-                case Opcode.INDEX:
-                    low, size, stride = operands
-                    index = stack.pop() - low
-                    if not 0 <= index < size:
-                        raise self._fault(RuntimeErrorKind.INDEX, position)
-                    stack.append(stack.pop() + index * stride)
-                case Opcode.COPY:
-                    source = stack.pop()
-                    target = stack.pop()
-                    values = slots[source : source + operands[0]]
-                    for i, value in enumerate(values):
-                        self._store(target + i, value, position)
-                case Opcode.EQUAL_CELLS:
-                    right = stack.pop()
-                    left = stack.pop()
-                    stack.append(int(slots[left : left + operands[0]] == slots[right : right + operands[0]]))
-                case Opcode.RESET:
-                    value = stack.pop()
-                    clock = stack.pop()
-                    if value < 0:
-                        raise self._fault(RuntimeErrorKind.NEGATIVE_CLOCK, position)
-                    self.resets[clock] = value
-                case Opcode.DUPLICATE:
-                    stack.append(stack[-1])
-                case Opcode.POP:
-                    stack.pop()
-                case Opcode.SWAP:
-                    stack[-1], stack[-2] = stack[-2], stack[-1]
-                case Opcode.OVER:
-                    stack.append(stack[-2])
-                case Opcode.NEGATE:
-                    stack[-1] = UnaryOperator.MINUS.compute(stack[-1])
-                case Opcode.NOT:
-                    stack[-1] = UnaryOperator.NOT.compute(stack[-1])
-                case Opcode.BOOLEAN:
-                    stack[-1] = int(stack[-1] != 0)
                 case Opcode.JUMP:
                     after = operands[0]
                 case Opcode.JUMP_IF_ZERO:
@@ -114,18 +71,80 @@ class Machine:
                     after = operands[0]
                 case Opcode.RETURN:
                     after = returns.pop()
-                case Opcode.ASSERT:
-                    if stack.pop() == 0:
-                        raise self._fault(RuntimeErrorKind.ASSERT, position)
-                case Opcode.CHECK_RANGE:
-                    if not operands[0] <= stack[-1] <= operands[1]:
-                        raise self._fault(RuntimeErrorKind.RANGE, position)
+                case _ if opcode in _MEMORY:
+                    self._access(opcode, operands, stack, position)
                 case _:
-                    right = stack.pop()
-                    left = stack.pop()
-                    stack.append(self._binary(opcode, left, right, position))
+                    self._compute(opcode, operands, stack, position)
             position = after
         raise self._fault(RuntimeErrorKind.LOOP, position)
+
+    def _access(self, opcode: Opcode, operands: Sequence[int], stack: list[int], position: int) -> None:
+        """Executes what reads or writes slots and clocks."""
+        slots = self.slots
+        match opcode:
+            case Opcode.LOAD:
+                stack.append(slots[operands[0]])
+            case Opcode.LOAD_INDIRECT:
+                stack.append(slots[stack.pop()])
+            case Opcode.STORE:
+                self._store(operands[0], stack.pop(), position)
+            case Opcode.STORE_INDIRECT:
+                value = stack.pop()
+                self._store(stack.pop(), value, position)
+            case Opcode.COPY:
+                source = stack.pop()
+                target = stack.pop()
+                values = slots[source : source + operands[0]]
+                for i, value in enumerate(values):
+                    self._store(target + i, value, position)
+            case Opcode.EQUAL_CELLS:
+                right = stack.pop()
+                left = stack.pop()
+                stack.append(int(slots[left : left + operands[0]] == slots[right : right + operands[0]]))
+            case Opcode.RESET:
+                value = stack.pop()
+                clock = stack.pop()
+                if value < 0:
+                    raise self._fault(RuntimeErrorKind.NEGATIVE_CLOCK, position)
+                self.resets[clock] = value
+            case _:
+                raise InternalError(f"{opcode.name} does not access memory")
+
+    def _compute(self, opcode: Opcode, operands: Sequence[int], stack: list[int], position: int) -> None:
+        """Executes what looks at the stack only."""
+        match opcode:
+            case Opcode.CONST:
+                stack.append(operands[0])
+            case Opcode.INDEX:
+                low, size, stride = operands
+                index = stack.pop() - low
+                if not 0 <= index < size:
+                    raise self._fault(RuntimeErrorKind.INDEX, position)
+                stack.append(stack.pop() + index * stride)
+            case Opcode.DUPLICATE:
+                stack.append(stack[-1])
+            case Opcode.POP:
+                stack.pop()
+            case Opcode.SWAP:
+                stack[-1], stack[-2] = stack[-2], stack[-1]
+            case Opcode.OVER:
+                stack.append(stack[-2])
+            case Opcode.NEGATE:
+                stack[-1] = UnaryOperator.MINUS.compute(stack[-1])
+            case Opcode.NOT:
+                stack[-1] = UnaryOperator.NOT.compute(stack[-1])
+            case Opcode.BOOLEAN:
+                stack[-1] = int(stack[-1] != 0)
+            case Opcode.ASSERT:
+                if stack.pop() == 0:
+                    raise self._fault(RuntimeErrorKind.ASSERT, position)
+            case Opcode.CHECK_RANGE:
+                if not operands[0] <= stack[-1] <= operands[1]:
+                    raise self._fault(RuntimeErrorKind.RANGE, position)
+            case _:
+                right = stack.pop()
+                left = stack.pop()
+                stack.append(self._binary(opcode, left, right, position))
 
     def _binary(self, opcode: Opcode, left: int, right: int, position: int) -> int:
         try:

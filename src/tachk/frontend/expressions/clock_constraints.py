@@ -8,7 +8,7 @@ conditional expressions and quantifiers over clock comparisons are rewritten int
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from tachk.diagnostics.span import Span
 from tachk.frontend.context import Context
@@ -157,94 +157,100 @@ def convex(condition: Expression, where: str, context: Context) -> Expression | 
     "invariant"."""
     if not mentions_comparison(condition):
         return condition
-    return _convex(condition, True, where, {}, context)
+    return _Former(where, context).formed(condition, True)
 
 
-def _convex(
-    node: Expression, positive: bool, where: str, known: dict[int, bool], context: Context
-) -> Expression | None:
-    if not compares_clocks(node, known):
-        value = fold.truth(node)
-        return value if positive else fold.negation(value, node.span)
-    match node:
-        case Unary(UnaryOperator.NOT, operand):
-            return _convex(operand, not positive, where, known, context)
-        case Binary(operator, left, _) if isinstance(left.type, ClockType):
-            if positive:
-                return node
-            if operator is BinaryOperator.EQUAL:
-                context.error(
-                    "E0332",
+@dataclass(slots=True)
+class _Former:
+    """Brings conditions into convex form; each method gives None after a report.
+
+    Attributes:
+        where: "guard" or "invariant".
+        known: of nodes, by their identity, whether they compare clocks.
+    """
+
+    where: str
+    context: Context
+    known: dict[int, bool] = field(default_factory=dict)
+
+    def _compares_clocks(self, node: Expression) -> bool:
+        return compares_clocks(node, self.known)
+
+    def formed(self, node: Expression, positive: bool) -> Expression | None:
+        """The condition, or its negation where ``positive`` is false."""
+        if not self._compares_clocks(node):
+            value = fold.truth(node)
+            return value if positive else fold.negation(value, node.span)
+        match node:
+            case Unary(UnaryOperator.NOT, operand):
+                return self.formed(operand, not positive)
+            case Binary(operator, left, _) if isinstance(left.type, ClockType):
+                if positive:
+                    return node
+                if operator is BinaryOperator.EQUAL:
+                    help = _SPLIT_HELP.format(where=self.where)
+                    self.context.error("E0332", node.span, "the negation of a clock equality is not convex", help)
+                    return None
+                return Binary(operator.negated, left, node.right, BOOL, node.span)
+            case Binary(BinaryOperator.AND, left, right):
+                return self._joined((left, positive), (right, positive), positive, node.span)
+            case Binary(BinaryOperator.OR, left, right):
+                return self._joined((left, positive), (right, positive), not positive, node.span)
+            case Binary(BinaryOperator.IMPLY, left, right):
+                return self._joined((left, not positive), (right, positive), not positive, node.span)
+            case Conditional(condition, then, otherwise) if not self._compares_clocks(condition):
+                first = self._joined((condition, False), (then, positive), False, node.span)
+                second = self._joined((condition, True), (otherwise, positive), False, node.span)
+                if first is None or second is None:
+                    return None
+                return fold.binary(BinaryOperator.AND, first, second, BOOL, node.span)
+            case Quantifier(QuantifierKind.FORALL | QuantifierKind.EXISTS):
+                return self._instances(node, positive)
+            case _:
+                self.context.error(
+                    "E0331",
                     node.span,
-                    "the negation of a clock equality is not convex",
-                    _SPLIT_HELP.format(where=where),
+                    "a comparison of clocks cannot be used as a value",
+                    "combine comparisons of clocks with `&&` only, or with `||` and a condition without clocks",
                 )
                 return None
-            return Binary(operator.negated, left, node.right, BOOL, node.span)
-        case Binary(BinaryOperator.AND, left, right):
-            return _connect(left, positive, right, positive, positive, node.span, where, known, context)
-        case Binary(BinaryOperator.OR, left, right):
-            return _connect(left, positive, right, positive, not positive, node.span, where, known, context)
-        case Binary(BinaryOperator.IMPLY, left, right):
-            return _connect(left, not positive, right, positive, not positive, node.span, where, known, context)
-        case Conditional(condition, then, otherwise) if not compares_clocks(condition, known):
-            first = _connect(condition, False, then, positive, False, node.span, where, known, context)
-            second = _connect(condition, True, otherwise, positive, False, node.span, where, known, context)
-            if first is None or second is None:
-                return None
-            return fold.binary(BinaryOperator.AND, first, second, BOOL, node.span)
-        case Quantifier(QuantifierKind.FORALL | QuantifierKind.EXISTS as kind, variable, body):
-            conjunctive = (kind is QuantifierKind.FORALL) is positive
-            assert isinstance(variable.type, IntType | BoolType | ScalarType)
-            low, high = bounds(variable.type)
-            if not context.allow_instances(high - low + 1, node.span):
-                return None
-            parts: list[Expression] = []
-            for number in range(low, high + 1):
-                instance = substitute(body, {variable: Constant(number, variable.type)}, context.constants)
-                part = _convex(instance, positive, where, {}, context)
-                if part is None:
-                    return None
-                if parts and not conjunctive:
-                    _not_convex(node.span, where, context)
-                    return None
-                parts.append(part)
-            return fold.joined(BinaryOperator.AND, parts, BOOL, node.span)
-        case _:
-            context.error(
-                "E0331",
-                node.span,
-                "a comparison of clocks cannot be used as a value",
-                "combine comparisons of clocks with `&&` only, or with `||` and a condition without clocks",
-            )
+
+    def _instances(self, node: Quantifier, positive: bool) -> Expression | None:
+        conjunctive = (node.kind is QuantifierKind.FORALL) is positive
+        variable = node.variable
+        assert isinstance(variable.type, IntType | BoolType | ScalarType)
+        low, high = bounds(variable.type)
+        if not self.context.allow_instances(high - low + 1, node.span):
             return None
+        parts: list[Expression] = []
+        for number in range(low, high + 1):
+            value = {variable: Constant(number, variable.type)}
+            instance = substitute(node.body, value, self.context.constants)
+            part = _Former(self.where, self.context).formed(instance, positive)
+            if part is None:
+                return None
+            if parts and not conjunctive:
+                self._not_convex(node.span)
+                return None
+            parts.append(part)
+        return fold.joined(BinaryOperator.AND, parts, BOOL, node.span)
 
+    def _joined(
+        self, left: tuple[Expression, bool], right: tuple[Expression, bool], conjunctive: bool, span: Span
+    ) -> Expression | None:
+        """Two conditions, each with whether it is positive, as a conjunction or a disjunction."""
+        if not conjunctive and self._compares_clocks(left[0]) and self._compares_clocks(right[0]):
+            self._not_convex(span)
+            return None
+        first, second = self.formed(*left), self.formed(*right)
+        if first is None or second is None:
+            return None
+        return fold.binary(BinaryOperator.AND if conjunctive else BinaryOperator.OR, first, second, BOOL, span)
 
-def _connect(
-    left: Expression,
-    left_positive: bool,
-    right: Expression,
-    right_positive: bool,
-    conjunctive: bool,
-    span: Span,
-    where: str,
-    known: dict[int, bool],
-    context: Context,
-) -> Expression | None:
-    if not conjunctive and compares_clocks(left, known) and compares_clocks(right, known):
-        _not_convex(span, where, context)
-        return None
-    first = _convex(left, left_positive, where, known, context)
-    second = _convex(right, right_positive, where, known, context)
-    if first is None or second is None:
-        return None
-    return fold.binary(BinaryOperator.AND if conjunctive else BinaryOperator.OR, first, second, BOOL, span)
-
-
-def _not_convex(span: Span, where: str, context: Context) -> None:
-    context.error(
-        "E0331",
-        span,
-        "clocks on both sides of a disjunction: the condition is not convex",
-        _SPLIT_HELP.format(where=where),
-    )
+    def _not_convex(self, span: Span) -> None:
+        self.context.error(
+            "E0331",
+            span,
+            "clocks on both sides of a disjunction: the condition is not convex",
+            _SPLIT_HELP.format(where=self.where),
+        )

@@ -139,20 +139,14 @@ class Lexer:
                 if comment.own_line and comment.text.startswith("///") and not comment.text.startswith("////"):
                     docs.append(comment)
                 else:
-                    lexed.comments += docs
+                    lexed.comments += (*docs, comment)
                     docs = []
-                    lexed.comments.append(comment)
             elif kind == "OPEN_COMMENT":
-                lexed.errors.append(
-                    Diagnostic("E0003", "this comment is never closed", Span(source, position, position + 2), "add */")
-                )
+                lexed.errors.append(_open_comment(Span(source, position, position + 2)))
                 break
             elif kind == "OPEN_STRING":
                 fresh = False
-                lexed.errors.append(
-                    Diagnostic("E0004", "this string is not closed on its line", Span(source, position, after), 'add "')
-                )
-                lexed.tokens.append(Token("STRING", text[position:after] + '"', Span(source, position, after)))
+                _close_string(Span(source, position, after), lexed)
             elif kind != "CONTINUATION":
                 word = found.group()
                 fresh = False
@@ -161,14 +155,7 @@ class Lexer:
                 elif kind == "SYMBOL":
                     kind = symbols[word]
                 elif kind == "INTEGER" and (len(word) > 12 or int(word) > LARGEST_LITERAL):
-                    lexed.errors.append(
-                        Diagnostic(
-                            "E0005",
-                            "this number does not fit into 32 bits",
-                            Span(source, position, after),
-                            f"the largest integer is {LARGEST_LITERAL - 1}",
-                        )
-                    )
+                    lexed.errors.append(_large_number(Span(source, position, after)))
                     word = "0"
                 assert kind is not None
                 token = Token(kind, word, Span(source, position, after))
@@ -186,6 +173,20 @@ class Lexer:
 def _doc_line(text: str) -> str:
     line = text[3:].rstrip()
     return line[1:] if line.startswith(" ") else line
+
+
+def _open_comment(span: Span) -> Diagnostic:
+    return Diagnostic("E0003", "this comment is never closed", span, "add */")
+
+
+def _close_string(span: Span, lexed: Lexed) -> None:
+    lexed.errors.append(Diagnostic("E0004", "this string is not closed on its line", span, 'add "'))
+    lexed.tokens.append(Token("STRING", span.text + '"', span))
+
+
+def _large_number(span: Span) -> Diagnostic:
+    help = f"the largest integer is {LARGEST_LITERAL - 1}"
+    return Diagnostic("E0005", "this number does not fit into 32 bits", span, help)
 
 
 def _unknown_characters(source: Source, start: int, stop: int, match: Match, lexed: Lexed) -> int:
