@@ -10,12 +10,12 @@ from dataclasses import replace
 from fractions import Fraction
 
 from tachk.diagnostics.span import Span
-from tachk.model.cell_layout import CellLayout, cell_layout
-from tachk.model.evaluate import Environment, channel_number, execute
+from tachk.model.evaluate import channel_number
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable
 from tachk.model.network import Direction, Edge, Network
 from tachk.model.types import BoolType, ChannelType, ClockType, cell_count
 from tachk.records import dataclass
+from tachk.semantics.discrete import bind_selects, environment, execute_updates, initial_discrete, prepare
 from tachk.semantics.timed_trace import DiscreteState, Participant, TimedState, TimedTrace, Transition
 
 
@@ -130,12 +130,12 @@ def view_trace(network: Network, trace: TimedTrace) -> TraceView:
 def view_path(network: Network, path: Sequence[Transition]) -> TraceView:
     """The view of a path that is known without times: locations and variables follow from the updates."""
     names = Names(network)
-    state = names.start
+    state = initial_discrete(names.model)
     initial = names.snapshot(state)
     steps = []
     for transition in path:
         event = names.event(state, transition)
-        state = names.fire(state, transition)
+        state, _ = execute_updates(names.model, state, transition)
         steps.append(ViewStep(None, event, names.snapshot(state)))
     return names.view(initial, steps)
 
@@ -143,9 +143,9 @@ def view_path(network: Network, path: Sequence[Transition]) -> TraceView:
 def view_event(network: Network, path: Sequence[Transition], transition: Transition) -> Event:
     """The view of a transition that is tried after a path."""
     names = Names(network)
-    state = names.start
+    state = initial_discrete(names.model)
     for fired in path:
-        state = names.fire(state, fired)
+        state, _ = execute_updates(names.model, state, fired)
     return names.event(state, transition)
 
 
@@ -154,8 +154,8 @@ class Names:
 
     def __init__(self, network: Network) -> None:
         self.network = network
-        self.layout = cell_layout(network)
-        self.start = DiscreteState(tuple(p.initial for p in network.processes), self.layout.initial)
+        self.model = prepare(network)
+        self.layout = self.model.layout
         self._indices = _index_names(network)
         self._hidden = tuple(network.hides(process) for process in network.processes)
         self._variables = [
@@ -194,28 +194,15 @@ class Names:
 
     def event(self, before: DiscreteState, transition: Transition) -> Event:
         first = transition.participants[0]
-        synchronisation = _edge(self.network, first).synchronisation
+        synchronisation = self.model.edge(first).synchronisation
         channel = ""
         if synchronisation is not None:
-            environment = _environment(
-                self.layout, list(before.values), before.locations, _edge(self.network, first), first
-            )
-            number = channel_number(synchronisation.channel, environment)
+            # `channel_of` would look over all edges of the network first.
+            scratch = environment(self.model, before)
+            bind_selects(self.model, first, scratch)
+            number = channel_number(synchronisation.channel, scratch)
             channel = self._channel(self.layout.channel_cells[number])
         return Event(channel, tuple(self._move(participant) for participant in transition.participants))
-
-    def fire(self, state: DiscreteState, transition: Transition) -> DiscreteState:
-        layout = self.layout
-        values = [
-            initial if meta else value
-            for value, initial, meta in zip(state.values, layout.initial, layout.meta, strict=True)
-        ]
-        locations = list(state.locations)
-        for participant in transition.participants:
-            edge = _edge(self.network, participant)
-            execute(edge.updates, _environment(layout, values, state.locations, edge, participant))
-            locations[participant.process] = edge.target
-        return DiscreteState(tuple(locations), tuple(values))
 
     def _channel(self, cell: int) -> str:
         """The name of a channel, with constants of the model as indices where its edges write them."""
@@ -271,16 +258,3 @@ def _indices(edge: Edge) -> Iterator[tuple[tuple[Variable, int], Expression]]:
     if isinstance(place, Reference):
         for position, index in enumerate(reversed(indices)):
             yield (place.variable, position), index
-
-
-def _edge(network: Network, participant: Participant) -> Edge:
-    return network.processes[participant.process].edges[participant.edge]
-
-
-def _environment(
-    layout: CellLayout, values: list[int], locations: Sequence[int], edge: Edge, participant: Participant
-) -> Environment:
-    environment = Environment(layout, values, locations)
-    for variable, value in zip(edge.selects, participant.selects, strict=True):
-        environment.bind(variable, value)
-    return environment
