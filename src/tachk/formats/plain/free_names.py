@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_TYPES, FLOATING_FUNCTIONS
 from tachk.syntax import ast
 from tachk.syntax.rewrite import names_in
+from tachk.syntax.walk import nodes_of_kind
 
 # fmt: off
 WORDS_4_1 = frozenset(
@@ -67,32 +68,23 @@ def refusal(name: str, in_query: bool) -> str | None:
     return None
 
 
+_DECLARING = (
+    ast.Declarator,
+    ast.Parameter,
+    ast.FunctionDeclaration,
+    ast.SelectBinding,
+    ast.LocationDeclaration,
+    ast.Branchpoint,
+    ast.Template,
+    ast.Instantiation,
+)
+_BINDING = (ast.QuantifierExpression, ast.IterationStatement)
+
+
 def declared_names(nodes: object) -> dict[str, ast.Identifier]:
     """Every name that is declared somewhere, with its first declaration."""
     found: dict[str, ast.Identifier] = {}
-    pending: list[object] = [nodes]
-    while pending:
-        node = pending.pop()
-        if isinstance(node, tuple | list):
-            pending += reversed(node)
-            continue
-        if not isinstance(node, ast.Node):
-            continue
-        match node:
-            case (
-                ast.Declarator(name=name)
-                | ast.Parameter(name=name)
-                | ast.FunctionDeclaration(name=name)
-                | ast.SelectBinding(name=name)
-                | ast.LocationDeclaration(name=name)
-                | ast.Branchpoint(name=name)
-                | ast.Template(name=name)
-                | ast.Instantiation(name=name)
-                | ast.QuantifierExpression(variable=name)
-                | ast.IterationStatement(variable=name)
-            ):
-                found.setdefault(name.name, name)
-            case _:
-                pass
-        pending += [getattr(node, part) for part in reversed(node.__dataclass_fields__) if part != "span"]
+    for node in nodes_of_kind(nodes, *_DECLARING, *_BINDING):
+        name = node.variable if isinstance(node, _BINDING) else node.name
+        found.setdefault(name.name, name)
     return found

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from typing import Any
 
 from tachk.formats.plain.model import PlainModel
 from tachk.syntax import ast
 from tachk.syntax.rewrite import names_in
+from tachk.syntax.walk import nodes_of_kind
 
 
 def refuses_deadlock(plain: PlainModel) -> bool:
@@ -30,7 +30,7 @@ def refused(formula: ast.PropertyFormula, always: bool) -> bool:
     """
     if not isinstance(formula, ast.QueryFormula):
         return isinstance(formula, ast.TemporalFormula)
-    if not any(isinstance(node, ast.DeadlockExpression) for node in _nodes(formula)):
+    if not any(nodes_of_kind(formula, ast.DeadlockExpression)):
         return False
     return always or formula.kind not in ("E<>", "A[]")
 
@@ -69,15 +69,4 @@ def _declared(
 
 
 def _is_clock(type_: ast.TypeExpression) -> bool:
-    return any(isinstance(node, ast.BuiltinType) and node.name == "clock" for node in _nodes(type_))
-
-
-def _nodes(root: Any) -> Iterator[ast.Node]:
-    pending = [root]
-    while pending:
-        node = pending.pop()
-        if isinstance(node, tuple):
-            pending += node
-        elif isinstance(node, ast.Node):
-            yield node
-            pending += [getattr(node, name) for name in node.__dataclass_fields__ if name != "span"]
+    return any(node.name == "clock" for node in nodes_of_kind(type_, ast.BuiltinType))

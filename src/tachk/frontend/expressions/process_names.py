@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import fields
 from itertools import islice
 
 from tachk.diagnostics.suggestion import did_you_mean
@@ -19,6 +18,7 @@ from tachk.frontend.scope import (
     TemplateSymbol,
 )
 from tachk.syntax import ast
+from tachk.syntax.walk import nodes_of_kind
 
 ConstantArgument = Callable[[ast.Expression, Scope, Context], int | None]
 
@@ -144,19 +144,6 @@ def select_member(process: ProcessSymbol | BrokenSymbol, name: ast.Identifier, c
 def mentions_family(node: object, scope: Scope) -> bool:
     """Whether an expression names a process by arguments, as in ``T(i).x``."""
     return any(
-        isinstance(inner, ast.CallExpression)
-        and isinstance(inner.function, ast.NameExpression)
-        and isinstance(scope.lookup(inner.function.name), FamilySymbol)
-        for inner in _nodes(node)
+        isinstance(call.function, ast.NameExpression) and isinstance(scope.lookup(call.function.name), FamilySymbol)
+        for call in nodes_of_kind(node, ast.CallExpression)
     )
-
-
-def _nodes(node: object) -> Iterator[ast.Node]:
-    pending = [node]
-    while pending:
-        current = pending.pop()
-        if isinstance(current, tuple):
-            pending.extend(current)
-        elif isinstance(current, ast.Node):
-            yield current
-            pending.extend(getattr(current, f.name) for f in fields(current) if f.name != "span")

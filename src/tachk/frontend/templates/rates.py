@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
-
 from tachk.frontend.context import Context
 from tachk.frontend.dropped import drop_rate
 from tachk.frontend.expressions import folding as fold
@@ -15,6 +13,7 @@ from tachk.model.expressions import BOOL, Block, Call, Constant, Expression, Fun
 from tachk.model.types import ClockType, IntType, bounds
 from tachk.operators import BinaryOperator
 from tachk.syntax import ast
+from tachk.syntax.walk import nodes_of_kind
 
 Rates = tuple[tuple[Expression, Expression], ...]
 
@@ -69,12 +68,8 @@ def _conjuncts(node: ast.Expression, scope: Scope, context: Context) -> list[tup
     return result
 
 
-def _has_rate(node: object) -> bool:
-    if isinstance(node, ast.RateExpression):
-        return True
-    if isinstance(node, tuple):
-        return any(_has_rate(item) for item in node)
-    return isinstance(node, ast.Node) and any(_has_rate(getattr(node, f.name)) for f in fields(node))
+def _has_rate(node: ast.Expression) -> bool:
+    return any(nodes_of_kind(node, ast.RateExpression))
 
 
 def _rate_sides(node: ast.Expression) -> tuple[ast.RateExpression, ast.Expression] | None:
