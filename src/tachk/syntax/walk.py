@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields
+from functools import cache
 from typing import Any
 
 from tachk.syntax import ast
@@ -19,4 +20,10 @@ def nodes_of_kind(tree: object, *kinds: type[Any]) -> Iterator[Any]:
         elif isinstance(node, ast.Node):
             if isinstance(node, kinds):
                 yield node
-            pending += [getattr(node, field.name) for field in reversed(fields(node)) if field.name != "span"]
+            pending += [getattr(node, name) for name in _parts(type(node))]
+
+
+@cache
+def _parts(kind: type[ast.Node]) -> tuple[str, ...]:
+    """The fields of a kind of node that may hold nodes, the last first."""
+    return tuple(field.name for field in reversed(fields(kind)) if field.name != "span")

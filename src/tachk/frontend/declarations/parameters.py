@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.declarations import Declared, argument_value
@@ -14,22 +14,31 @@ from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
 
 
-def as_variables(template: ast.Template, parameters: Scope, declared: Declared, context: Context) -> Scope:
+def changed_parameters(template: ast.Template) -> tuple[ast.Parameter, ...]:
+    """The parameters passed by value that the template assigns to."""
+    changed = set(_assigned(template))
+    return tuple(
+        parameter
+        for parameter in template.parameters
+        if parameter.name.name in changed and not parameter.reference and "const" not in parameter.type.prefixes
+    )
+
+
+def as_variables(changed: Iterable[ast.Parameter], parameters: Scope, declared: Declared, context: Context) -> Scope:
     """The parameters of a process with variables in place of the values that the template changes.
 
     UPPAAL treats them so; they start at the value of the argument.
 
     Args:
+        changed: the `changed_parameters` of the template.
         parameters: what the parameters mean; stays as it is.
         declared: gets the variables.
     """
     symbols = dict(parameters.symbols)
-    changed = set(_assigned(template))
-    for parameter in template.parameters:
+    for parameter in changed:
         name = parameter.name.name
         symbol = symbols.get(name)
-        constant = parameter.reference or "const" in parameter.type.prefixes
-        if name not in changed or constant or not isinstance(symbol, ValueSymbol):
+        if not isinstance(symbol, ValueSymbol):
             continue
         value = symbol.expression
         if not isinstance(value, Constant):

@@ -12,7 +12,7 @@ from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable
 from tachk.frontend.declarations.declarations import Declared, argument_value, constant_symbol, widened
-from tachk.frontend.declarations.parameters import as_variables
+from tachk.frontend.declarations.parameters import as_variables, changed_parameters
 from tachk.frontend.expressions.places import assignable, is_place
 from tachk.frontend.expressions.typed_expressions import expression, type_reader
 from tachk.frontend.expressions.typing import can_assign, describe, is_bounded, is_data, same_shape
@@ -56,6 +56,7 @@ class Instances:
     processes: list[Process] = field(default_factory=list)
     symbols: dict[str, Symbol] = field(default_factory=dict)
     used: set[str] = field(default_factory=set)
+    _changed: dict[str, tuple[ast.Parameter, ...]] = field(default_factory=dict, repr=False)
 
     # ---- the system line --------------------------------------------------------------------------------------------
 
@@ -171,13 +172,21 @@ class Instances:
             return None
         template, parameters = resolved
         self.used.add(template.name.name)
-        parameters = as_variables(template, parameters, declared, self.context)
-        process, members = elaborate_process(template, name, parameters, declared, self.channels, self.context)
+        process, members = self._elaborate(template, name, parameters, declared)
         symbol = ProcessSymbol(len(self.processes), members, at.span)
         self.processes.append(replace(process, priority=priority))
         if not values:
             self.symbols[name] = symbol
         return symbol
+
+    def _elaborate(
+        self, template: ast.Template, name: str, parameters: Scope, declared: Declared
+    ) -> tuple[Process, Scope]:
+        changed = self._changed.get(template.name.name)
+        if changed is None:
+            changed = self._changed[template.name.name] = changed_parameters(template)
+        parameters = as_variables(changed, parameters, declared, self.context)
+        return elaborate_process(template, name, parameters, declared, self.channels, self.context)
 
     # ---- arguments --------------------------------------------------------------------------------------------------
 
@@ -311,8 +320,7 @@ class Instances:
                     resolved = checker._resolve(symbol.template, bound, declared)
                     if resolved is not None and isinstance(symbol.template, ast.Template):
                         template, parameters = resolved
-                        parameters = as_variables(template, parameters, declared, context)
-                        elaborate_process(template, name, parameters, declared, checker.channels, context)
+                        checker._elaborate(template, name, parameters, declared)
         for found in own.sorted():
             if found.is_unsupported:
                 self.context.error("W0405", found.span, f"{found.message}, but no process uses it", found.help)
