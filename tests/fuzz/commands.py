@@ -9,7 +9,21 @@ from random import Random
 import click
 
 from tachk.cli.main import COMMANDS
-from tests.fuzz.inputs import CSV, FORMULAS, LIMITS, MODEL, NUMBERS, QUERIES, SMALL, SMALL_QUERIES, VCD, WORDS, sound
+from tests.fuzz.inputs import (
+    CSV,
+    FORMULAS,
+    LIMITS,
+    MODEL,
+    NUMBERS,
+    QUERIES,
+    SMALL,
+    SMALL_QUERIES,
+    TIME,
+    VCD,
+    WITHOUT_TIME,
+    WORDS,
+    sound,
+)
 from tests.fuzz.worker import Case
 
 _NUMBERS = (*NUMBERS, "nan", "inf", "-inf", "٣", "1,5", "--")
@@ -90,6 +104,8 @@ def random_command(random: Random) -> Case:
     words += [_argument(random, name, place) for place in range(count)]
     if name == "verify" and random.random() < 0.9:
         words = [*LIMITS, *words]  # the last value of an option counts
+    elif name not in WITHOUT_TIME and random.random() < 0.9:
+        words = [*TIME, *words]
     if random.random() < 0.08:
         words.insert(random.randrange(len(words) + 1), random.choice((*WORDS, *_TEXTS, "--help", "-x", "--nonsense=1")))
     if random.random() < 0.05:

@@ -128,6 +128,15 @@ r-2.25 $
 """
 
 LIMITS = ("--max-states", "2000", "--max-seconds", "2", "--max-memory", "200M")
+TIME = ("--max-seconds", "5")
+WITHOUT_TIME = frozenset({"verify", "verifyta", "sentences", "models", "completion"})
+"""Commands that have `LIMITS`, or nothing that takes long."""
+
+
+def within_time(arguments: tuple[str, ...]) -> tuple[str, ...]:
+    """The command line with a limit on time, which makes a command without an end one that is out of time."""
+    name, *others = arguments
+    return arguments if name in WITHOUT_TIME else (name, *TIME, *others)
 
 
 @cache
@@ -153,7 +162,7 @@ def sound_cases() -> Iterator[Case]:
     for ending, contents in sound().items():
         if ending != "parquet":
             name = f"m.{ending}"
-            yield from (Case(use(name), {**_beside(), name: contents[0]}) for use in _uses(ending))
+            yield from (Case(within_time(use(name)), {**_beside(), name: contents[0]}) for use in _uses(ending))
 
 
 def _beside() -> dict[str, bytes]:
@@ -169,8 +178,8 @@ def random_input(random: Random) -> Case:
     files = {**_beside(), name: damaged}
     arguments = random.choice(_uses(ending))(name)
     if ending == "csv" and random.random() < 0.2:
-        return Case(("monitor", "G (p -> F[0,5] q)", "-"), files, damaged)
-    return Case(arguments, files)
+        return Case(within_time(("monitor", "G (p -> F[0,5] q)", "-")), files, damaged)
+    return Case(within_time(arguments), files)
 
 
 _Use = Callable[[str], tuple[str, ...]]

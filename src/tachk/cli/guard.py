@@ -13,7 +13,7 @@ from tachk.time_limit import OutOfTimeError
 
 _DIAGNOSTICS_SHOWN = 20
 
-OUT_OF_TIME = "the time limit was over before the model and the queries were read"
+OUT_OF_TIME = "the time limit was over before there was a result"
 
 
 def guarded(action: Callable[[], ExitStatus], subject: str = "") -> ExitStatus:

@@ -13,6 +13,7 @@ import click
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import guarded
 from tachk.cli.reporting import ReportForm
+from tachk.time_limit import time_limit
 
 type_of_file = click.Path(path_type=Path)
 """A file to read or write. Whether it exists is for the command to say, which knows what was meant."""
@@ -32,9 +33,23 @@ class Choice(click.Choice[_E]):
         return str(choice)
 
 
-def finish(action: Callable[[], ExitStatus]) -> None:
-    """Runs a command and ends the program with its status; an error becomes a message."""
-    click.get_current_context().exit(guarded(action))
+def finish(action: Callable[[], ExitStatus], seconds: float | None = None) -> None:
+    """Runs a command and ends the program with its status; an error becomes a message.
+
+    Args:
+        seconds: the limit on the time of the command as a whole, see `max_seconds`.
+    """
+
+    def limited() -> ExitStatus:
+        with time_limit(seconds):
+            return action()
+
+    click.get_current_context().exit(guarded(limited))
+
+
+def max_seconds(help: str = "Give up after this time, with exit status 20.") -> Callable[[Decorated], Decorated]:
+    """``--max-seconds``: the limit on time of whatever reads models or traces."""
+    return click.option("seconds", "--max-seconds", metavar="SECONDS", type=click.FloatRange(min=0), help=help)
 
 
 def distributed(given: Mapping[str, Any], *kinds: type) -> list[Any]:

@@ -57,11 +57,9 @@ def _dot(model: LoadedModel, writing: Writing) -> Exported:
 
 
 def _json(model: LoadedModel, writing: Writing) -> Exported:
-    import json
+    from tachk.formats.network_json.network import network_to_json_text
 
-    from tachk.formats.network_json.network import network_to_json
-
-    return Exported(json.dumps(network_to_json(model.network), indent=1) + "\n")
+    return Exported(network_to_json_text(model.network))
 
 
 class _Row(NamedTuple):

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 
 from tachk.formats.network_text import expression_text, type_text
 from tachk.model.network import Edge, Location, Network, Process
+from tachk.time_limit import check_time
 
 
 def to_dot(network: Network) -> str:
@@ -25,6 +26,7 @@ def to_dot(network: Network) -> str:
 
 
 def _process(number: int, process: Process, network: Network) -> Iterator[str]:
+    check_time()
     yield f"    subgraph cluster_{number} {{"
     yield f"        label={_quoted(process.name)};"
     for place, location in enumerate(process.locations):

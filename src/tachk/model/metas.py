@@ -32,6 +32,7 @@ from tachk.model.expressions import (
 from tachk.model.network import Direction, Edge, Network
 from tachk.model.traversal import children, roots
 from tachk.model.types import RecordType, Type
+from tachk.time_limit import check_time
 
 Place = tuple[Variable, tuple[int | str, ...]]
 """A variable or a part of it: constant indices and names of fields, or first of all `_OF_THE_CHANNEL`."""
@@ -63,6 +64,7 @@ def lasting_metas(network: Network) -> frozenset[Variable]:
     found: set[Variable] = set()
     sent: dict[Variable, frozenset[Place]] = {}  # what every sender on a channel writes
     for process in network.processes:
+        check_time()
         for location in process.locations:
             rates = [part for pair in location.rates for part in pair]
             _Search(metas, found).values([e for e in (location.invariant, *rates) if e], _NONE)

@@ -36,6 +36,7 @@ class Checked:
         portability: what a version of UPPAAL would refuse or treat otherwise, where that was asked for.
         complaint: what is wrong that has no place in a text, such as a file that is not there.
         help: how to mend the complaint.
+        out_of_time: whether the complaint is that the limit on time was over, and nothing else is known.
     """
 
     model: str
@@ -44,6 +45,7 @@ class Checked:
     portability: tuple[Diagnostic, ...] | None = None
     complaint: str | None = None
     help: str | None = None
+    out_of_time: bool = False
 
     @property
     def everything(self) -> tuple[Diagnostic, ...]:

@@ -18,6 +18,7 @@ from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import NodeSignal, Truth
 from tachk.runtime.trace import FloatTimes, Ticks, Trace, Values, changed_trace
+from tachk.time_limit import check_time
 
 _SLICE = 1 << 18
 """Rows between two looks at whether Ctrl-C was pressed."""
@@ -285,6 +286,7 @@ def _linear(program: MonitorProgram, trace: Trace, measure: int, parts: int = MO
     core = _core.LinearMonitor(program, measure=measure)
     columns = _columns(program, trace)
     for begin in range(0, trace.rows, _SLICE):
+        check_time()
         end = begin + _SLICE
         core.push(trace.times[begin:end], [column[begin:end] for column in columns])
     core.finish(trace.end, parts)
@@ -296,6 +298,7 @@ def _first_value(core: _core.LinearMonitor, program: MonitorProgram) -> Robustne
     root = len(program.nodes) - 1
     for node in range(root):
         for high in (False, True):
+            check_time()
             core.compute(node, high)
     low, high = (core.robustness(root, side)[1][0] for side in (False, True))
     return _robustness_result(float(low), float(high))
@@ -328,6 +331,7 @@ def _push(core: _core.OfflineTruth | _core.OfflineRobustness, times: Ticks, colu
     soon."""
     begin, size = 0, _FIRST_SLICE
     while begin < len(times) and not core.settled():
+        check_time()
         end = begin + size
         core.push(times[begin:end], [column[begin:end] for column in columns])
         begin, size = end, min(4 * size, _SLICE)

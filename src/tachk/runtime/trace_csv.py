@@ -19,6 +19,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.span import Source, Span
 from tachk.runtime.trace import LARGEST_TICK, Ticks, Trace, Values
 from tachk.runtime.trace_header import Header, read_header
+from tachk.time_limit import check_time
 
 PIECE = 1 << 20
 """Bytes that are read at a time."""
@@ -102,6 +103,7 @@ class CsvRecording:
         with closing(self.opened()) as stream:
             read = 0
             while piece := stream.read1(PIECE):
+                check_time()
                 if not reader.feed(piece):
                     break
                 if read == 0 and self.size is not None and self.size > len(piece):
@@ -129,6 +131,7 @@ class CsvRecording:
         reader = self._reader(places, decimals, decimals)
         with closing(self.opened()) as stream:
             while piece := stream.read1(PIECE):
+                check_time()
                 going_on = reader.feed(piece)
                 if reader.rows():
                     yield self._taken(reader, places)

@@ -17,6 +17,7 @@ from tachk.diagnostics.span import Source, Span
 from tachk.runtime.trace import Trace, Values
 from tachk.runtime.trace_arrays import trace_of, whole_times
 from tachk.runtime.trace_header import known_unit, no_such_column
+from tachk.time_limit import check_time
 
 if TYPE_CHECKING:
     from _typeshed import WriteableBuffer
@@ -110,6 +111,7 @@ class VcdRecording:
             rows.append(tuple(value for value in values if value is not None))
 
         for token in tokens:
+            check_time()
             if token.kind is TokenKind.CHANGE_TIME:
                 time = token.time_change
                 if now is not None and time < now:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields
-from functools import cache
 from typing import Any
 
 from tachk.syntax import ast
@@ -20,10 +19,15 @@ def nodes_of_kind(tree: object, *kinds: type[Any]) -> Iterator[Any]:
         elif isinstance(node, ast.Node):
             if isinstance(node, kinds):
                 yield node
-            pending += [getattr(node, name) for name in _parts(type(node))]
+            pending += [getattr(node, name) for name in _parts(node)]
 
 
-@cache
-def _parts(kind: type[ast.Node]) -> tuple[str, ...]:
-    """The fields of a kind of node that may hold nodes, the last first."""
-    return tuple(field.name for field in reversed(fields(kind)) if field.name != "span")
+_known_parts: dict[type, tuple[str, ...]] = {}
+
+
+def _parts(node: ast.Node) -> tuple[str, ...]:
+    """The fields that may hold nodes, the last first."""
+    kind = type(node)
+    if kind not in _known_parts:
+        _known_parts[kind] = tuple(field.name for field in reversed(fields(node)) if field.name != "span")
+    return _known_parts[kind]

@@ -158,7 +158,7 @@ def test_a_time_limit_is_no_error(tmp_path: Path, capsys: pytest.CaptureFixture[
     as_json = RunReporting(ReportForm.JSON)
     assert run_verify(Asked((str(model),)), limits=Limits(seconds=0), reporting=as_json) is ExitStatus.UNKNOWN
     captured = capsys.readouterr()
-    assert captured.err == "error: the time limit was over before the model and the queries were read\n"
+    assert captured.err == "error: the time limit was over before there was a result\n"
     assert "the time limit was over" in captured.out
 
 

@@ -10,13 +10,14 @@ from tachk import api
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
-from tachk.cli.guard import complain, print_diagnostics
+from tachk.cli.guard import OUT_OF_TIME, complain, print_diagnostics
 from tachk.cli.reporting import ReportForm
 from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
 from tachk.formats.uppaal.portability import portability
 from tachk.formats.uppaal.versions import Version
 from tachk.loading.load import load_model
 from tachk.report.check_report import Checked, Size, checks_to_github, checks_to_json, checks_to_sarif
+from tachk.time_limit import OutOfTimeError, time_limit
 
 
 def run_check(
@@ -26,6 +27,7 @@ def run_check(
     form: ReportForm = ReportForm.TEXT,
     output: Path | None = None,
     strict_xta: bool = False,
+    max_seconds: float | None = None,
 ) -> ExitStatus:
     """Reads every model and tells what is wrong or odd about each.
 
@@ -35,13 +37,14 @@ def run_check(
             or GITHUB, with everything in one report.
         output: the file of the report, standard output without.
         strict_xta: refuse what tachk adds to the language of UPPAAL.
+        max_seconds: of each model; one that takes longer is left, and the status is UNKNOWN if it is no worse.
     """
     constants = parse_definitions(definitions)
     checks: list[Checked] = []
     with destination(output) as out:
         assert out is not None
         for path in models:
-            checks.append(_check(path, constants, version, strict_xta))
+            checks.append(_within(max_seconds, path, constants, version, strict_xta))
             if form is ReportForm.TEXT:
                 _tell(checks[-1], version, len(models) > 1, out)
         match form:
@@ -52,6 +55,16 @@ def run_check(
             case ReportForm.GITHUB:
                 out.writelines(f"{line}\n" for line in checks_to_github(checks))
     return worst(_status(check) for check in checks)
+
+
+def _within(
+    max_seconds: float | None, path: str, constants: dict[str, str], version: Version | None, strict_xta: bool
+) -> Checked:
+    try:
+        with time_limit(max_seconds):
+            return _check(path, constants, version, strict_xta)
+    except OutOfTimeError:
+        return Checked(path, complaint=OUT_OF_TIME, out_of_time=True)
 
 
 def _check(path: str, constants: dict[str, str], version: Version | None, strict_xta: bool) -> Checked:
@@ -99,6 +112,8 @@ def _tell(check: Checked, version: Version | None, named: bool, out: TextIO) -> 
 
 
 def _status(check: Checked) -> ExitStatus:
+    if check.out_of_time:
+        return ExitStatus.UNKNOWN
     errors = [found for found in check.findings if found.severity is Severity.ERROR]
     if check.complaint is not None or any(not found.is_unsupported for found in errors):
         return ExitStatus.BAD_INPUT

@@ -29,6 +29,7 @@ from tachk.formats.uppaal.versions import Version
     help="Form of the report: for people, programs, code scanning, or annotations of GitHub Actions.",
 )
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
+@options.max_seconds("Give up a model after this time, with exit status 20.")
 @click.option("strict_xta", "--strict-xta", is_flag=True, help="Refuse what tachk adds to the language of UPPAAL.")
 def command(
     models: tuple[str, ...],
@@ -36,9 +37,10 @@ def command(
     version: Version | None,
     form: ReportForm,
     output: Path | None,
+    seconds: float | None,
     strict_xta: bool,
 ) -> None:
     """Read models and report every mistake and warning, without checking a property."""
     from tachk.cli.actions.check import run_check
 
-    options.finish(lambda: run_check(models, definitions, version, form, output, strict_xta))
+    options.finish(lambda: run_check(models, definitions, version, form, output, strict_xta, seconds))

@@ -25,7 +25,10 @@ A file that exists and says something else is not overwritten without --force.
 @options.query_files("Take these queries into a .ta file.")
 @click.option("--fix", is_flag=True, help="Replace names that some version of UPPAAL refuses.")
 @click.option("--force", is_flag=True, help="Overwrite files that say something else, edited ones too.")
-def command(source: str, output: Path, query_files: tuple[Path, ...], fix: bool, force: bool) -> None:
+@options.max_seconds()
+def command(
+    source: str, output: Path, query_files: tuple[Path, ...], fix: bool, force: bool, seconds: float | None
+) -> None:
     from tachk.cli.actions.convert import run_convert
 
-    options.finish(lambda: run_convert(source, output, query_files, fix, force))
+    options.finish(lambda: run_convert(source, output, query_files, fix, force), seconds)

@@ -10,11 +10,12 @@ from tachk.cli import options
 @click.command(name="diff", short_help="Tell what is different between two models.")
 @click.argument("before", metavar="A", type=click.Path(), help="A model.")
 @click.argument("after", metavar="B", type=click.Path(), help="The same model, changed.")
-def command(before: str, after: str) -> None:
+@options.max_seconds()
+def command(before: str, after: str, seconds: float | None) -> None:
     """Tell what is different in the behaviour of two models; layout, comments and most order do not count.
 
     Exit status: 0 nothing, 1 something.
     """
     from tachk.cli.actions.diff import run_diff
 
-    options.finish(lambda: run_diff(before, after))
+    options.finish(lambda: run_diff(before, after), seconds)

@@ -23,11 +23,14 @@ from tachk.cli import options
 )
 @click.option("--template", metavar="NAME", help="Draw this template only.")
 @options.definitions
-def command(model: str, output: Path, template: str | None, definitions: tuple[str, ...]) -> None:
+@options.max_seconds()
+def command(
+    model: str, output: Path, template: str | None, definitions: tuple[str, ...], seconds: float | None
+) -> None:
     """Draw the templates of a model as SVG or PNG, with the picture that a UPPAAL file has or an automatic one.
 
     With -D a constant is shown as its value.
     """
     from tachk.cli.actions.draw import run_draw
 
-    options.finish(lambda: run_draw(model, output, template, definitions))
+    options.finish(lambda: run_draw(model, output, template, definitions), seconds)

@@ -14,7 +14,8 @@ from tachk.cli import options
     type=click.Path(),
     help="The code of a message, such as E0214; a formula or sentence; or a file that states some.",
 )
-def command(what: str) -> None:
+@options.max_seconds()
+def command(what: str, seconds: float | None) -> None:
     """Explain a message, or what a property written as a formula or a sentence says.
 
     Of a message: what it means, an example, how to mend it. Of a property: its formula in canonical form, how far it
@@ -22,4 +23,4 @@ def command(what: str) -> None:
     """
     from tachk.cli.actions.explain import run_explain
 
-    options.finish(lambda: run_explain(what))
+    options.finish(lambda: run_explain(what), seconds)

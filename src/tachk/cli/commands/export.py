@@ -27,6 +27,7 @@ from tachk.formats.catalogue import ExportFormat
     show_default=True,
     help="Temporal properties become automata beside the model; without, comments.",
 )
+@options.max_seconds()
 def command(
     model: str,
     output: Path | None,
@@ -35,8 +36,9 @@ def command(
     explain: bool,
     keep_names: bool,
     observers: bool,
+    seconds: float | None,
 ) -> None:
     """Write a model for UPPAAL, TChecker, Graphviz or other programs, with its queries beside it."""
     from tachk.cli.actions.export import run_export
 
-    options.finish(lambda: run_export(model, output, format, definitions, explain, keep_names, observers))
+    options.finish(lambda: run_export(model, output, format, definitions, explain, keep_names, observers), seconds)

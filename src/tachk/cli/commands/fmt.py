@@ -15,8 +15,9 @@ from tachk.cli import options
 )
 @click.option("check_only", "--check", is_flag=True, help="Change nothing; fail if a file would change.")
 @click.option("to_stdout", "--stdout", is_flag=True, help="Print the result instead of changing the file.")
-def command(files: tuple[Path, ...], check_only: bool, to_stdout: bool) -> None:
+@options.max_seconds()
+def command(files: tuple[Path, ...], check_only: bool, to_stdout: bool, seconds: float | None) -> None:
     """Rewrite models in canonical form."""
     from tachk.cli.actions.fmt import run_fmt
 
-    options.finish(lambda: run_fmt(files, check_only, to_stdout))
+    options.finish(lambda: run_fmt(files, check_only, to_stdout), seconds)

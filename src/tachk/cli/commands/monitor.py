@@ -42,11 +42,12 @@ from tachk.runtime.conventions import Ending
     type=click.IntRange(0, 15),
     help="Row by row: the decimals of times and bounds; by default as many as make nanoseconds, at most 9.",
 )
+@options.max_seconds()
 @options.report(ReportForm.TEXT, ReportForm.JSON, ReportForm.JUNIT)
-def command(**given: Any) -> None:
+def command(seconds: float | None, **given: Any) -> None:
     """Judge a recorded trace by formulas, sentences or the properties of a model.
 
-    Exit status: 0 all are true, 10 some are false, 20 nothing worse than undetermined, 2 bad input.
+    Exit status: 0 all are true, 10 some are false, 20 nothing worse than undetermined or out of time, 2 bad input.
     """
     from tachk.cli.actions.judged import Judged
     from tachk.cli.actions.monitor import run_monitor
@@ -55,4 +56,4 @@ def command(**given: Any) -> None:
     from tachk.monitoring.offline import Judging
 
     arguments = options.distributed(given, Judged, Judging, RowByRow, Reporting)
-    options.finish(lambda: run_monitor(*arguments))
+    options.finish(lambda: run_monitor(*arguments), seconds)

@@ -25,11 +25,12 @@ from tachk.cli import options, trace_options
 @trace_options.columns
 @click.option("begin", "--from", metavar="TIME", type=float, help="Draw from here.")
 @click.option("end", "--to", metavar="TIME", type=float, help="Draw up to here.")
-def command(output: Path, begin: float | None, end: float | None, **given: Any) -> None:
+@options.max_seconds()
+def command(output: Path, begin: float | None, end: float | None, seconds: float | None, **given: Any) -> None:
     """Draw a trace with what formulas and their parts are worth on it, and where they are violated."""
     from tachk.cli.actions.judged import Judged
     from tachk.cli.actions.plot import run_plot
     from tachk.monitoring.offline import Judging
 
     judged, judging = options.distributed(given, Judged, Judging)
-    options.finish(lambda: run_plot(judged, judging, output, begin, end))
+    options.finish(lambda: run_plot(judged, judging, output, begin, end), seconds)

@@ -55,13 +55,7 @@ _DEFAULT = Options()
     type=click.IntRange(min=1),
     help="Give up a search beyond so many stored states.",
 )
-@click.option(
-    "seconds",
-    "--max-seconds",
-    metavar="SECONDS",
-    type=click.FloatRange(min=0),
-    help="Give up a model after this time, which its properties share fairly.",
-)
+@options.max_seconds("Give up a model after this time, which its properties share fairly.")
 @click.option(
     "seconds_each",
     "--max-seconds-each",

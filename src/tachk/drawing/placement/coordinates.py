@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import accumulate, pairwise
 
 from tachk.drawing.placement.layers import Layering
+from tachk.time_limit import check_time
 
 Extent = tuple[float, float]
 """How much room a node needs before and after its coordinate."""
@@ -92,6 +93,7 @@ class _Blocks:
     def settle(self) -> None:
         """Moves blocks as long as the sum of the distances gets smaller, a few times at most."""
         for _ in range(12):
+            check_time()
             if not sum(self._move(block) for block in self._blocks()):
                 break
         for block in self._blocks():

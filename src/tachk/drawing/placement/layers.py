@@ -12,6 +12,8 @@ from enum import Enum, auto
 
 import networkx as nx
 
+from tachk.time_limit import check_time
+
 Arc = tuple[int, int]
 
 
@@ -145,6 +147,7 @@ class Layering:
     def _swap(self) -> None:
         place = self._places()
         for layer in self.layers:
+            check_time()
             for at in range(len(layer) - 1):
                 a, b = layer[at], layer[at + 1]
                 now = after = 0

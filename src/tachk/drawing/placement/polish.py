@@ -15,6 +15,7 @@ from tachk.drawing.placement.geometry import Box, node_box, segment_meets_box
 from tachk.drawing.placement.routing import crossings, shortened, spread
 from tachk.drawing.placement.sketch import Drawing, Size, Sketch
 from tachk.syntax.picture_layout import Point
+from tachk.time_limit import check_time
 
 _LOOP_LENGTH, _LOOP_HALF_WIDTH = 44, 10
 _LABEL_GAP = 3
@@ -38,6 +39,7 @@ def redraw_loops(sketch: Sketch, drawing: Drawing) -> Drawing:
     """The drawing with short self-loops, where possible."""
     scene = _Scene(sketch, drawing)
     for at, edge in enumerate(sketch.edges):
+        check_time()
         if edge.source == edge.target:
             scene.redraw_loop(at)
     return replace(drawing, routes=tuple(scene.routes), edge_labels=tuple(scene.labels))
@@ -47,6 +49,7 @@ def redraw_edges(sketch: Sketch, drawing: Drawing) -> Drawing:
     """The drawing with straighter edges, where possible."""
     scene = _Scene(sketch, drawing)
     for at, edge in enumerate(sketch.edges):
+        check_time()
         if edge.source != edge.target:
             scene.redraw_edge(at)
     return replace(drawing, routes=tuple(scene.routes), edge_labels=tuple(scene.labels))

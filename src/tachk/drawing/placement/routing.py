@@ -20,6 +20,7 @@ from tachk.drawing.placement.geometry import (
 )
 from tachk.drawing.placement.sketch import Drawing, Sketch
 from tachk.syntax.picture_layout import Point
+from tachk.time_limit import check_time
 
 _CLEARANCE = 6
 _FARTHEST_FROM_LABEL = 14
@@ -45,6 +46,7 @@ def straighten(sketch: Sketch, drawing: Drawing) -> Drawing:
             obstacles.add((-1, wide), wide)
     routes = list(drawing.routes)
     for at, edge in enumerate(sketch.edges):
+        check_time()
         if edge.source != edge.target:
             ends = {edge.source, edge.target}
 
@@ -146,6 +148,7 @@ def clear_texts(sketch: Sketch, drawing: Drawing) -> Drawing:
         taken.add(text, text)
     names, labels = list(drawing.names), list(drawing.node_labels)
     for at, centre in enumerate(drawing.centres):
+        check_time()
         own: tuple[Box, Box | None] = names[at], labels[at]
         best = float("inf")
         node = sketch.nodes[at]

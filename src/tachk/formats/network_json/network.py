@@ -6,11 +6,15 @@ equal JSON, so it is also how networks are compared: `same_network`.
 
 from __future__ import annotations
 
+import json
+from itertools import islice
+
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.formats.network_json.expression_reader import ExpressionReader
 from tachk.formats.network_json.expression_writer import ExpressionWriter
 from tachk.formats.network_json.types import Json
 from tachk.model.network import Direction, Edge, Location, Network, Process, Signal, Synchronisation
+from tachk.time_limit import check_time
 
 FORMAT, VERSION = "tachk network", 1
 
@@ -35,6 +39,15 @@ def network_to_json(network: Network) -> Json:
     }
 
 
+def network_to_json_text(network: Network) -> str:
+    """What `json.dumps` gives, in pieces: the JSON of a large network takes long."""
+    written, pieces = json.JSONEncoder(indent=1).iterencode(network_to_json(network)), []
+    while piece := "".join(islice(written, 10_000)):
+        check_time()
+        pieces.append(piece)
+    return "".join((*pieces, "\n"))
+
+
 def network_from_json(value: Json) -> Network:
     """The network; ``network_to_json`` of it is ``value`` again. Raises UsageError for anything else."""
     try:
@@ -51,6 +64,7 @@ def same_network(left: Network, right: Network) -> bool:
 
 
 def _process(process: Process, variables: list[Json], writer: ExpressionWriter) -> Json:
+    check_time()
     return {
         "name": process.name,
         "template": process.template,

@@ -11,6 +11,7 @@ from tachk.model.expressions import Binary, Constant, Expression
 from tachk.model.network import Edge, Network, Process
 from tachk.model.types import ClockType
 from tachk.operators import BinaryOperator
+from tachk.time_limit import check_time
 
 _BELOW = (BinaryOperator.LESS, BinaryOperator.LESS_EQUAL, BinaryOperator.EQUAL)
 _ABOVE = (BinaryOperator.GREATER, BinaryOperator.GREATER_EQUAL, BinaryOperator.EQUAL)
@@ -24,6 +25,7 @@ def warn_of_impossible_edges(network: Network, context: Context) -> None:
     """Warns of edges whose guard contradicts the invariant of their source in every process of the template."""
     contradictions: dict[Span, tuple[str, Bound, Bound] | None] = {}
     for process in network.processes:
+        check_time()
         for edge in process.edges:
             found = _contradiction(process, edge)
             if found is None:

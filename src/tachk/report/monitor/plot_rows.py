@@ -12,6 +12,7 @@ from tachk.report.monitor.record import MonitorVerdict
 from tachk.runtime.monitor_program import MonitorProgram, NodeKind, Relation, ValueOperator
 from tachk.runtime.node_signal import NodeSignal, Truth
 from tachk.runtime.trace import Trace
+from tachk.time_limit import check_time
 
 MOST_ROWS = 9
 """Subformulas that are shown of one formula, the outer ones first."""
@@ -72,6 +73,7 @@ def bands_of(signal: NodeSignal, truth: Truth, begin: float, end: float, pixel: 
     """Where a subformula has a value; what is narrower than a pixel is made that wide, so that no instant is lost."""
     bands: list[Band] = []
     for first, last, value in signal.stretches():
+        check_time()
         if value is not truth:
             continue
         left = first / 2 if first % 2 == 0 else (first - 1) / 2

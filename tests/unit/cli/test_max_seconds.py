@@ -1,0 +1,165 @@
+"""``--max-seconds``: every command that reads models or traces ends with status 20 when its time is over."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from importlib import import_module
+from itertools import count
+from pathlib import Path
+
+import click
+import pytest
+
+from tachk import time_limit as module
+from tachk.cli.actions.check import run_check
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.main import COMMANDS, app
+from tachk.cli.reporting import ReportForm
+from tachk.diagnostics.span import Source
+from tachk.drawing.placement.template import place
+from tachk.formats.catalogue import ExportFormat, export_model
+from tachk.frontend.loaded import LoadedModel
+from tachk.frontend.templates import instances
+from tachk.loading.load import load_model
+from tachk.monitoring.formulas import read_formulas
+from tachk.monitoring.offline import judge
+from tachk.runtime.trace_files import open_trace
+from tachk.time_limit import OutOfTimeError, time_limit
+
+MODEL = """
+int n;
+process P(int[0,2] id) { clock x; init location A { to B { guard x > 1; assign n = id, id = 1; } } location B; }
+process Q(const int[0,40] id) {
+    init location A { to B; to C; } location B { to A; to C; } location C { to B; to A; }
+}
+system P, Q;
+property p : A[] n < 3;
+"""
+VCD = "$timescale 1 ms $end\n$var wire 1 ! p $end\n$enddefinitions $end\n" + "".join(
+    f"#{i}\n{i % 2}!\n" for i in range(60)
+)
+
+WITHOUT = {"sentences", "models", "completion", "verifyta"}
+"""They read nothing of the user's, or take the options of another program."""
+
+COMMAND_LINES = (
+    "verify m.ta",
+    "check m.ta",
+    "fmt m.ta",
+    "convert m.ta out.xml",
+    "convert m.ta out.ta",
+    "export m.ta -o out.tck",
+    "diff m.ta m.ta",
+    "draw m.ta -o out.svg",
+    "monitor p m.csv",
+    "monitor p m.csv --online",
+    "plot p m.csv -o out.svg",
+    "explain m.ta",
+)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "m.ta").write_text(MODEL)
+    (tmp_path / "m.csv").write_text("time,p\n0,1\n1,0\n")
+    return tmp_path
+
+
+@pytest.fixture
+def looks(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
+    """A clock that goes on by a second whenever the time is looked at."""
+    ticks = count()
+    monkeypatch.setattr(module, "monotonic", lambda: float(next(ticks)))
+    return ticks
+
+
+def run(line: str) -> int:
+    status = app.main(line.split(), prog_name="tachk", standalone_mode=False)
+    assert isinstance(status, int)
+    return status
+
+
+@pytest.mark.parametrize("name", sorted({*COMMANDS} - WITHOUT))
+def test_a_command_that_reads_files_has_the_option(name: str) -> None:
+    command = import_module(f"tachk.cli.commands.{name}").command
+    assert isinstance(command, click.Command)
+    assert "--max-seconds" in [option for parameter in command.params for option in parameter.opts]
+    assert any(line.split()[0] == name for line in COMMAND_LINES)
+
+
+@pytest.mark.parametrize("line", COMMAND_LINES)
+def test_without_time_there_is_one_message_and_one_status(
+    folder: Path, capsys: pytest.CaptureFixture[str], line: str
+) -> None:
+    before = sorted(folder.iterdir())
+    assert run(f"{line} --max-seconds 0") == 20
+    assert capsys.readouterr().err == "error: the time limit was over before there was a result\n"
+    assert sorted(folder.iterdir()) == before
+    assert (folder / "m.ta").read_text() == MODEL
+
+
+@pytest.mark.parametrize("line", ["check m.ta", "convert m.ta out.json", "explain G(p)", "diff m.ta m.ta"])
+def test_time_enough_changes_nothing(folder: Path, line: str) -> None:
+    assert run(f"{line} --max-seconds 1000") == 0
+
+
+def test_a_model_without_time_is_in_the_reports_and_keeps_no_other_from_being_checked(
+    folder: Path, capsys: pytest.CaptureFixture[str], looks: Iterator[int]
+) -> None:
+    (folder / "small.ta").write_text("process P() { init location A; }\nsystem P;\n")
+    status = run_check(("m.ta", "small.ta"), (), form=ReportForm.JSON, max_seconds=60)
+    assert status is ExitStatus.UNKNOWN
+    long, short = json.loads(capsys.readouterr().out)["models"]
+    assert long["size"] is None
+    assert [found["message"] for found in long["findings"]] == ["the time limit was over before there was a result"]
+    assert short["size"]["processes"] == 1
+
+
+def test_a_mistake_is_graver_than_no_time(folder: Path, looks: Iterator[int]) -> None:
+    (folder / "wrong.ta").write_text("system P;\n")
+    assert run_check(("m.ta", "wrong.ta"), (), max_seconds=60) is ExitStatus.BAD_INPUT
+
+
+@pytest.mark.parametrize(
+    ("work", "seconds"),
+    [
+        (lambda model: export_model(model, ExportFormat.JSON), 40),
+        (lambda model: export_model(model, ExportFormat.DOT), 40),
+        (lambda model: place(model.document), 4),
+    ],
+)
+def test_writing_ends(looks: Iterator[int], work: Callable[[LoadedModel], object], seconds: int) -> None:
+    model = load_model(Source("m.ta", MODEL))
+    with pytest.raises(OutOfTimeError), time_limit(seconds):
+        work(model)
+
+
+def test_reading_a_trace_ends(tmp_path: Path, looks: Iterator[int]) -> None:
+    (tmp_path / "m.vcd").write_text(VCD)
+    (tmp_path / "m.csv").write_text("time,p\n0,1\n1,0\n")
+    with pytest.raises(OutOfTimeError), time_limit(50):
+        open_trace(str(tmp_path / "m.vcd")).read()
+    for text in ("p", "F[0,1] p"):
+        (formula,) = read_formulas(text)
+        with pytest.raises(OutOfTimeError), time_limit(1.5):
+            judge((formula,), open_trace(str(tmp_path / "m.csv")))
+
+
+def test_what_a_template_assigns_to_is_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+    found = instances.changed_parameters
+
+    def counted(template: object) -> object:
+        asked.append(template.name.name)  # type: ignore[attr-defined]
+        return found(template)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(instances, "changed_parameters", counted)
+    network = load_model(Source("m.ta", MODEL)).network
+    assert asked == ["P", "Q"]
+    assert [[v.name for v in p.variables if "id" in v.name] for p in network.processes[:3]] == [
+        ["P(0).id"],
+        ["P(1).id"],
+        ["P(2).id"],
+    ]
