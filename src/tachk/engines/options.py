@@ -53,9 +53,9 @@ class Options:
             so many in a row; 0: all are stored. It takes less memory; those that are reached in several ways are
             explored again. Not with `shortest`, with a limit on depth, or while `deadlock` is asked for.
         chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
-        spectators: explore processes too that cannot influence the answer; off: hold them still.
-        bystanders: explore at once processes that can only hinder the others; off: first look whether the target is
-            unreachable without them.
+        hold_spectators: hold processes still that cannot influence the answer; off: explore them too.
+        drop_bystanders: first look whether the target is unreachable without the processes that can only hinder the
+            others; off: explore all at once.
         shortest: find paths of as few transitions as possible; with BFS only. It may take more states: a state is
             dropped for a larger one only if that is not further from the initial state.
 
@@ -74,8 +74,8 @@ class Options:
     pack_clocks: int = 16
     passing: int = 0
     chunk_words: int = 8
-    spectators: bool = False
-    bystanders: bool = False
+    hold_spectators: bool = True
+    drop_bystanders: bool = True
     shortest: bool = False
 
     def __post_init__(self) -> None:

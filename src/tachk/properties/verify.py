@@ -180,7 +180,9 @@ def _run(
                 model = prepare(observed(model.network, search.observer))
     except OutOfTimeError:
         return _none_begun(search.tasks, TIME_LIMIT)
-    settled = {} if options.bystanders else _settle_without_bystanders(model.network, search, options, limits, progress)
+    settled = {}
+    if options.drop_bystanders:
+        settled = _settle_without_bystanders(model.network, search, options, limits, progress)
     if any(verdict.reason == INTERRUPTED for verdict in settled.values()):
         return settled
     limits = _remaining(limits, started)
@@ -230,7 +232,7 @@ def _explore(
     targets = [task.target for task in search.tasks]
     try:
         with time_limit(limits.seconds):
-            reduced = network if options.spectators else without_spectators(network, targets)
+            reduced = without_spectators(network, targets) if options.hold_spectators else network
             program, goals = lower(reduced, targets)
     except OutOfTimeError:
         return _none_begun(search.tasks, TIME_LIMIT)
@@ -245,7 +247,7 @@ def _explore(
     for task, goal in zip(search.tasks, outcome.goals, strict=True):
         verdict = _verdict(model, searched, task, goal, outcome, trace)
         if verdict is None:
-            everything = replace(options, spectators=True)
+            everything = replace(options, hold_spectators=False)
             rest = limits
             if limits.seconds is not None:
                 rest = replace(limits, seconds=max(limits.seconds - outcome.statistics.seconds, 0.0))
