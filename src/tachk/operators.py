@@ -10,8 +10,10 @@ from __future__ import annotations
 import operator as op
 from collections.abc import Callable
 from enum import Enum, StrEnum
-from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from fractions import Fraction
 
 CONSTANT_LOW, CONSTANT_HIGH = -(2**31), 2**31 - 1
 """Numbers have 32 bits."""
@@ -58,6 +60,23 @@ class UnaryOperator(StrEnum):
         return _UNARY[self](operand)
 
 
+class PrefixOperator(StrEnum):
+    """What the text may have before an operand; the plus says nothing, so networks do not have it."""
+
+    PLUS = "+"
+    MINUS = "-"
+    NOT = "!"
+
+    def __repr__(self) -> str:
+        """As it is written: a tree that is shown reads like its text."""
+        return repr(self.value)
+
+    @property
+    def word(self) -> str | None:
+        """Another spelling."""
+        return "not" if self is PrefixOperator.NOT else None
+
+
 class BinaryOperator(StrEnum):
     """The value of a member is how it is written."""
 
@@ -87,6 +106,10 @@ class BinaryOperator(StrEnum):
     GREATER_EQUAL = ">="
     MINIMUM = "<?"
     MAXIMUM = ">?"
+
+    def __repr__(self) -> str:
+        """As it is written: a tree that is shown reads like its text."""
+        return repr(self.value)
 
     @property
     def word(self) -> str | None:

@@ -10,6 +10,7 @@ from tachk.model.expressions import Expression, LocationTest, Variable
 from tachk.model.network import DEFAULT_PRIORITY, Edge, Location, Network, Process
 from tachk.model.traversal import walk
 from tachk.model.types import ArrayType, BoolType, ChannelType, ClockType, IntType, Type, element_type
+from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 
 AT = NOWHERE
@@ -85,10 +86,12 @@ def _location(location: Location, initial: bool, process: Process, network: Netw
     parts = [] if location.invariant is None else [expression_node(location.invariant, network, process.name)]
     for clock, rate in location.rates:
         derivative = ast.RateExpression(AT, expression_node(clock, network, process.name))
-        parts.append(ast.BinaryExpression(AT, "==", derivative, expression_node(rate, network, process.name)))
+        parts.append(
+            ast.BinaryExpression(AT, BinaryOperator.EQUAL, derivative, expression_node(rate, network, process.name))
+        )
     invariant = None
     for part in parts:
-        invariant = part if invariant is None else ast.BinaryExpression(AT, "&&", invariant, part)
+        invariant = part if invariant is None else ast.BinaryExpression(AT, BinaryOperator.AND, invariant, part)
     return ast.LocationDeclaration(
         AT,
         _identifier(location.name),
@@ -157,7 +160,7 @@ def _initialiser(type_: Type, cells: list[int]) -> ast.Expression:
     if isinstance(element_type(type_), BoolType):
         return ast.BooleanLiteral(AT, bool(value))
     positive = ast.IntegerLiteral(AT, abs(value))
-    return positive if value >= 0 else ast.UnaryExpression(AT, "-", positive)
+    return positive if value >= 0 else ast.UnaryExpression(AT, PrefixOperator.MINUS, positive)
 
 
 def _identifier(name: str) -> ast.Identifier:

@@ -23,6 +23,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Network
 from tachk.model.types import BoolType, IntType, ScalarType, Type
+from tachk.operators import PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.printing.expression_printer import print_expression, print_type
 
@@ -84,17 +85,16 @@ def _node(expression: Expression, network: Network, prefix: str) -> ast.Expressi
         case Aggregate(items):
             return ast.InitialiserList(at, tuple((None, inner(item)) for item in items))
         case Unary(operator, operand):
-            return ast.UnaryExpression(at, operator.value, inner(operand))
+            return ast.UnaryExpression(at, PrefixOperator(operator), inner(operand))
         case Binary(operator, left, right):
-            return ast.BinaryExpression(at, operator.value, inner(left), inner(right))
+            return ast.BinaryExpression(at, operator, inner(left), inner(right))
         case Conditional(condition, then, otherwise):
             return ast.ConditionalExpression(at, inner(condition), inner(then), inner(otherwise))
         case Quantifier(kind, variable, body):
             bound = ast.Identifier(at, variable.name)
             return ast.QuantifierExpression(at, kind.value, bound, type_node(variable.type), inner(body))
         case Assign(target, value, _, operator):
-            sign = "=" if operator is None else f"{operator.value}="
-            return ast.AssignmentExpression(at, sign, inner(target), inner(value))
+            return ast.AssignmentExpression(at, operator, inner(target), inner(value))
         case Increment(target, delta, before):
             return ast.IncrementExpression(at, "++" if delta > 0 else "--", before, inner(target))
         case Call(function, arguments):

@@ -16,6 +16,7 @@ from tachk.diagnostics.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_FUNCTIONS, FLOATING_FUNCTIONS
 from tachk.frontend.scope import DroppedSymbol, Scope, ValueSymbol
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
 
@@ -135,9 +136,11 @@ def is_harmless(node: ast.Expression, scope: Scope) -> bool:
             return isinstance(scope.lookup(name), ValueSymbol | DroppedSymbol)
         case ast.UnaryExpression(operand=operand):
             return is_harmless(operand, scope)
-        case ast.BinaryExpression(operator="+" | "-" | "*", left=left, right=right):
+        case ast.BinaryExpression(
+            operator=BinaryOperator.ADD | BinaryOperator.SUBTRACT | BinaryOperator.MULTIPLY, left=left, right=right
+        ):
             return is_harmless(left, scope) and is_harmless(right, scope)
-        case ast.BinaryExpression(operator="/", left=left, right=ast.IntegerLiteral(value=value)):
+        case ast.BinaryExpression(operator=BinaryOperator.DIVIDE, left=left, right=ast.IntegerLiteral(value=value)):
             return value != 0 and is_harmless(left, scope)
         case ast.CallExpression(function=ast.NameExpression(name=name), arguments=arguments):
             known = name in FLOATING_FUNCTIONS and scope.lookup(name) is None

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from fractions import Fraction
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
+from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 
 Evaluate = Callable[[ast.Expression], Fraction | int]
@@ -34,18 +35,25 @@ def value_of(expression: ast.Expression, evaluate: Evaluate, divide: Divide = op
             return Fraction(value)
         case ast.FloatLiteral(text=text):
             return Fraction(text)
-        case ast.UnaryExpression(operator="-", operand=operand):
+        case ast.UnaryExpression(operator=PrefixOperator.MINUS, operand=operand):
             return -value_of(operand, evaluate, divide)
-        case ast.UnaryExpression(operator="+", operand=operand):
+        case ast.UnaryExpression(operator=PrefixOperator.PLUS, operand=operand):
             return value_of(operand, evaluate, divide)
-        case ast.BinaryExpression(operator="+" | "-" | "*" | "/" as sign, left=left, right=right):
+        case ast.BinaryExpression(
+            operator=BinaryOperator.ADD
+            | BinaryOperator.SUBTRACT
+            | BinaryOperator.MULTIPLY
+            | BinaryOperator.DIVIDE as sign,
+            left=left,
+            right=right,
+        ):
             first, second = value_of(left, evaluate, divide), value_of(right, evaluate, divide)
             match sign:
-                case "+":
+                case BinaryOperator.ADD:
                     return first + second
-                case "-":
+                case BinaryOperator.SUBTRACT:
                     return first - second
-                case "*":
+                case BinaryOperator.MULTIPLY:
                     return first * second
             if second == 0:
                 raise InputError([Diagnostic("E0602", "this divides by zero", expression.span)])

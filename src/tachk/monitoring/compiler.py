@@ -14,6 +14,7 @@ from math import lcm
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, InternalError
 from tachk.diagnostics.span import Span
 from tachk.diagnostics.suggestion import did_you_mean
+from tachk.operators import COMPARISONS, CONNECTIVES, BinaryOperator, PrefixOperator
 from tachk.runtime.monitor_program import (
     UNBOUNDED,
     MonitorAtom,
@@ -33,25 +34,9 @@ from tachk.syntax.walk import nodes_of_kind
 LAST_TICK = 2**58
 """The durations of a formula add up to less than this number of ticks."""
 
-RELATIONS = {
-    "<": Relation.LESS,
-    "<=": Relation.LESS_EQUAL,
-    ">": Relation.GREATER,
-    ">=": Relation.GREATER_EQUAL,
-    "==": Relation.EQUAL,
-    "!=": Relation.NOT_EQUAL,
-}
-ARITHMETIC = {
-    "+": ValueOperator.ADD,
-    "-": ValueOperator.SUBTRACT,
-    "*": ValueOperator.MULTIPLY,
-    "/": ValueOperator.DIVIDE,
-    "%": ValueOperator.MODULO,
-    "<?": ValueOperator.MINIMUM,
-    ">?": ValueOperator.MAXIMUM,
-}
+RELATIONS = {each: Relation[each.name] for each in COMPARISONS}
+ARITHMETIC = {each: ValueOperator[each.name] for each in BinaryOperator if each.name in ValueOperator.__members__}
 EXTREMES = {"min": ValueOperator.MINIMUM, "max": ValueOperator.MAXIMUM}
-CONNECTIVES = frozenset({"&&", "||", "imply", "xor"})
 _NAMES = (ast.NameExpression, ast.MemberExpression, ast.IndexExpression)
 
 
@@ -178,19 +163,19 @@ class _Compiler:
         match expression:
             case ast.BooleanLiteral(value=value):
                 return self._truth(value)
-            case ast.UnaryExpression(operator="!", operand=operand):
+            case ast.UnaryExpression(operator=PrefixOperator.NOT, operand=operand):
                 return self._node(NodeKind.NOT, text, self.condition(operand))
             case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in CONNECTIVES:
                 first, second = self.condition(left), self.condition(right)
-                if operator == "imply":
+                if operator == BinaryOperator.IMPLY:
                     return self._implication(text, first, second)
-                if operator == "xor":
+                if operator == BinaryOperator.XOR:
                     return self._negation(self._equivalence(text, first, second))
-                return self._node(NodeKind.AND if operator == "&&" else NodeKind.OR, text, first, second)
+                return self._node(NodeKind.AND if operator == BinaryOperator.AND else NodeKind.OR, text, first, second)
             case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in RELATIONS:
-                if operator in {"==", "!="} and self._compares_truth(left, right):
+                if operator in {BinaryOperator.EQUAL, BinaryOperator.NOT_EQUAL} and self._compares_truth(left, right):
                     same = self._equivalence(text, self.condition(left), self.condition(right))
-                    return same if operator == "==" else self._negation(same)
+                    return same if operator == BinaryOperator.EQUAL else self._negation(same)
                 self._refuse_chain(expression, left, right)
                 return self._atom(MonitorAtom(RELATIONS[operator], self._value(left), self._value(right), text))
             case _:
@@ -233,9 +218,9 @@ class _Compiler:
                 return (ValueInstruction(ValueOperator.CONSTANT, float(value)),)
             case ast.FloatLiteral(text=text):
                 return (ValueInstruction(ValueOperator.CONSTANT, float(text)),)
-            case ast.UnaryExpression(operator="+", operand=operand):
+            case ast.UnaryExpression(operator=PrefixOperator.PLUS, operand=operand):
                 return self._value(operand)
-            case ast.UnaryExpression(operator="-", operand=operand):
+            case ast.UnaryExpression(operator=PrefixOperator.MINUS, operand=operand):
                 return (*self._value(operand), ValueInstruction(ValueOperator.NEGATE))
             case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in ARITHMETIC:
                 return (*self._value(left), *self._value(right), ValueInstruction(ARITHMETIC[operator]))
@@ -336,7 +321,7 @@ def is_condition(expression: ast.Expression) -> bool:
     """Whether an expression is true or false by its form."""
     match expression:
         case ast.UnaryExpression(operator=operator):
-            return operator == "!"
+            return operator == PrefixOperator.NOT
         case ast.BinaryExpression(operator=operator):
             return operator in CONNECTIVES or operator in RELATIONS
         case _:
@@ -349,9 +334,9 @@ def _hint(expression: ast.Expression) -> str | None:
             return "write the two cases with `&&` and `||`"
         case ast.CallExpression():
             return "the functions are abs, min and max"
-        case ast.BinaryExpression(operator="&"):
+        case ast.BinaryExpression(operator=BinaryOperator.BIT_AND):
             return "conditions are joined by &&"
-        case ast.BinaryExpression(operator="|"):
+        case ast.BinaryExpression(operator=BinaryOperator.BIT_OR):
             return "conditions are joined by ||"
         case _:
             return None

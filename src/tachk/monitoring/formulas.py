@@ -19,6 +19,7 @@ from tachk.logic.durations import resolve, scaled
 from tachk.logic.sentences import meaning
 from tachk.monitoring import compiler as monitoring
 from tachk.monitoring.given_constants import constants_by_name
+from tachk.operators import PrefixOperator
 from tachk.runtime.trace_files import TRACE_SUFFIXES
 from tachk.syntax import ast
 from tachk.syntax.formula import Formula
@@ -122,7 +123,7 @@ def in_trace_units(named: NamedFormula, columns: Collection[str], unit: str) -> 
             case ast.NameExpression(name=name, span=span) if name in constants:
                 number = constants[name]
                 literal = ast.IntegerLiteral(span, abs(number))
-                return literal if number >= 0 else ast.UnaryExpression(span, "-", literal)
+                return literal if number >= 0 else ast.UnaryExpression(span, PrefixOperator.MINUS, literal)
             case _:
                 return node
 

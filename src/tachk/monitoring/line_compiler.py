@@ -11,14 +11,20 @@ from collections.abc import Collection, Iterator
 from fractions import Fraction
 
 from tachk.diagnostics.diagnostic import Diagnostic
-from tachk.monitoring.compiler import ARITHMETIC, CONNECTIVES, EXTREMES, RELATIONS, column_name, is_condition
+from tachk.monitoring.compiler import ARITHMETIC, EXTREMES, RELATIONS, column_name, is_condition
+from tachk.operators import CONNECTIVES, BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax import formula as syntax
 from tachk.syntax.printing.expression_printer import print_expression
 from tachk.syntax.walk import nodes_of_kind
 
 _NAMES = (ast.NameExpression, ast.MemberExpression, ast.IndexExpression)
-_OTHER = {"<": "<=", ">": ">=", "<=": "<", ">=": ">"}
+_OTHER = {
+    BinaryOperator.LESS: BinaryOperator.LESS_EQUAL,
+    BinaryOperator.GREATER: BinaryOperator.GREATER_EQUAL,
+    BinaryOperator.LESS_EQUAL: BinaryOperator.LESS,
+    BinaryOperator.GREATER_EQUAL: BinaryOperator.GREATER,
+}
 
 
 def line_findings(formula: syntax.Formula, moving: Collection[str]) -> tuple[Diagnostic, ...]:
@@ -55,13 +61,13 @@ class _Checker:
         for node in nodes_of_kind(expression, ast.BinaryExpression):
             text = f"`{print_expression(node)}`"
             match node.operator:
-                case "*" if _reads(node.left) and _reads(node.right):
+                case BinaryOperator.MULTIPLY if _reads(node.left) and _reads(node.right):
                     yield _refusal(node, f"{text}, a product of columns, is not linear between rows")
-                case "/" if _reads(node.right):
+                case BinaryOperator.DIVIDE if _reads(node.right):
                     yield _refusal(node, f"{text}, a quotient with a column below, is not linear between rows")
-                case "/" if _constant(node.right) == 0:
+                case BinaryOperator.DIVIDE if _constant(node.right) == 0:
                     yield Diagnostic("E0905", f"{text} divides by zero", node.span)
-                case "%":
+                case BinaryOperator.MODULO:
                     yield _refusal(node, f"{text}, a remainder, is not linear between rows")
 
     def changing(self, expression: ast.Expression) -> Iterator[Diagnostic]:
@@ -92,11 +98,11 @@ class _Checker:
         if not self.moves(expression):
             return
         match expression:
-            case ast.UnaryExpression(operator="!", operand=operand):
+            case ast.UnaryExpression(operator=PrefixOperator.NOT, operand=operand):
                 yield from self._open(operand, not wanted, becomes)
             case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in CONNECTIVES:
-                both = operator == "xor"
-                for side, sign in ((left, not wanted if operator == "imply" else wanted), (right, wanted)):
+                both = operator == BinaryOperator.XOR
+                for side, sign in ((left, not wanted if operator == BinaryOperator.IMPLY else wanted), (right, wanted)):
                     yield from self._open(side, sign, becomes)
                     if both:
                         yield from self._open(side, not sign, becomes)
@@ -105,7 +111,10 @@ class _Checker:
                 for side in inner:
                     yield from self._open(side, True, becomes)
                     yield from self._open(side, False, becomes)
-                if not inner and (operator in {"<", ">", "!="}) == wanted:
+                if (
+                    not inner
+                    and (operator in {BinaryOperator.LESS, BinaryOperator.GREATER, BinaryOperator.NOT_EQUAL}) == wanted
+                ):
                     yield _no_first_instant(expression, becomes, _OTHER.get(operator))
             case _:
                 if wanted:
@@ -138,9 +147,9 @@ def _constant(expression: ast.Expression) -> Fraction | None:
             return Fraction(value)
         case ast.FloatLiteral(text=text):
             return Fraction(text)
-        case ast.UnaryExpression(operator="-" | "+" as sign, operand=operand):
+        case ast.UnaryExpression(operator=PrefixOperator.MINUS | PrefixOperator.PLUS as sign, operand=operand):
             inner = _constant(operand)
-            return inner if inner is None or sign == "+" else -inner
+            return inner if inner is None or sign is PrefixOperator.PLUS else -inner
         case ast.BinaryExpression(operator=operator) if operator in ARITHMETIC:
             left, right = _constant(expression.left), _constant(expression.right)
             return None if left is None or right is None else _computed(operator, left, right)
@@ -153,19 +162,19 @@ def _constant(expression: ast.Expression) -> Fraction | None:
             return None
 
 
-def _computed(operator: str, left: Fraction, right: Fraction) -> Fraction | None:
+def _computed(operator: BinaryOperator, left: Fraction, right: Fraction) -> Fraction | None:
     match operator:
-        case "+":
+        case BinaryOperator.ADD:
             return left + right
-        case "-":
+        case BinaryOperator.SUBTRACT:
             return left - right
-        case "*":
+        case BinaryOperator.MULTIPLY:
             return left * right
-        case "/":
+        case BinaryOperator.DIVIDE:
             return left / right if right != 0 else None
-        case "<?":
+        case BinaryOperator.MINIMUM:
             return min(left, right)
-        case ">?":
+        case BinaryOperator.MAXIMUM:
             return max(left, right)
         case _:
             return None

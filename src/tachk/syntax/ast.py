@@ -10,6 +10,7 @@ from dataclasses import field
 from typing import TYPE_CHECKING
 
 from tachk.diagnostics.span import Span
+from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.records import dataclass
 
 if TYPE_CHECKING:
@@ -58,27 +59,26 @@ class StringLiteral(Node):
 
 @dataclass(frozen=True, slots=True)
 class UnaryExpression(Node):
-    """``operator`` is ``-``, ``+`` or ``!`` (``not`` is read as ``!``)."""
+    """``not`` is read as ``!``."""
 
-    operator: str
+    operator: PrefixOperator
     operand: Expression
 
 
 @dataclass(frozen=True, slots=True)
 class BinaryExpression(Node):
-    """``operator`` in its symbolic spelling: ``and`` is ``&&``, ``or`` is ``||``; ``imply`` and ``xor`` stay words."""
+    """``and`` is read as ``&&``, ``or`` as ``||``."""
 
-    operator: str
+    operator: BinaryOperator
     left: Expression
     right: Expression
 
 
 @dataclass(frozen=True, slots=True)
 class AssignmentExpression(Node):
-    """``operator`` is ``=`` (``:=`` is read as that), ``+=``, ``-=``, ``*=``, ``/=``, ``%=``, ``&=``, ``|=``, ``^=``,
-    ``<<=`` or ``>>=``."""
+    """``target = value`` (``:=`` is read as ``=``); ``operator`` ADD means ``target += value`` and so on."""
 
-    operator: str
+    operator: BinaryOperator | None
     target: Expression
     value: Expression
 

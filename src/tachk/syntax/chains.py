@@ -12,17 +12,16 @@ from collections.abc import Sequence
 from typing import TypeGuard
 
 from tachk.diagnostics.span import Span
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
-
-ASSOCIATIVE = frozenset({"&&", "||", "xor", "+", "*", "&", "|", "^", "<?", ">?"})
 
 LONGEST_FROM_LEFT = 32
 """Operands of a chain that is still built from the left."""
 
 
-def chain(operator: str, operands: Sequence[ast.Expression]) -> ast.Expression:
+def chain(operator: BinaryOperator, operands: Sequence[ast.Expression]) -> ast.Expression:
     """The tree of ``operands[0] operator operands[1] operator ...``."""
-    if operator in ASSOCIATIVE and len(operands) > LONGEST_FROM_LEFT:
+    if operator.associative and len(operands) > LONGEST_FROM_LEFT:
         middle = _middle(len(operands))
         return _join(operator, chain(operator, operands[:middle]), chain(operator, operands[middle:]))
     tree = operands[0]
@@ -34,7 +33,7 @@ def chain(operator: str, operands: Sequence[ast.Expression]) -> ast.Expression:
 def operands_of(expression: ast.BinaryExpression) -> list[ast.Expression]:
     """The operands of which `chain` makes this very tree, as many as possible; two or more."""
     operator = expression.operator
-    if operator not in ASSOCIATIVE:
+    if not operator.associative:
         return [expression.left, expression.right]
     long = _long_chain(expression)
     if long is not None:
@@ -53,12 +52,12 @@ def _middle(count: int) -> int:
     return (count + 1) // 2
 
 
-def _join(operator: str, left: ast.Expression, right: ast.Expression) -> ast.BinaryExpression:
+def _join(operator: BinaryOperator, left: ast.Expression, right: ast.Expression) -> ast.BinaryExpression:
     span = left.span
     return ast.BinaryExpression(Span(span.source, span.start, right.span.end), operator, left, right)
 
 
-def _continues(expression: ast.Expression, operator: str) -> TypeGuard[ast.BinaryExpression]:
+def _continues(expression: ast.Expression, operator: BinaryOperator) -> TypeGuard[ast.BinaryExpression]:
     return isinstance(expression, ast.BinaryExpression) and expression.operator == operator
 
 
@@ -79,7 +78,7 @@ def _long_chain(expression: ast.BinaryExpression) -> list[ast.Expression] | None
     return operands if balanced else None
 
 
-def _is_chain(tree: ast.Expression, operator: str, count: int) -> bool:
+def _is_chain(tree: ast.Expression, operator: BinaryOperator, count: int) -> bool:
     """Whether `chain` makes this tree of its ``count`` innermost operands."""
     if count == 1:
         return not _continues(tree, operator)

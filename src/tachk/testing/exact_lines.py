@@ -26,6 +26,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Protocol
 
+from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax import formula as syntax
 from tachk.testing.exact_monitor import (
@@ -176,7 +177,7 @@ class OnLines:
     def _crossings(self, atom: ast.Expression, level: Level, start: Fraction, end: Fraction) -> Iterator[Fraction]:
         match atom:
             case ast.BinaryExpression(left=left, right=right) if is_condition(atom):
-                difference = self._number(ast.BinaryExpression(atom.span, "-", left, right))
+                difference = self._number(ast.BinaryExpression(atom.span, BinaryOperator.SUBTRACT, left, right))
                 breaks = [start, *sorted({*self._breaks(left, start, end), *self._breaks(right, start, end)}), end]
             case _:
                 difference = self._number(atom)
@@ -195,14 +196,14 @@ class OnLines:
                 parts = (operand,)
             case ast.BinaryExpression(operator=operator, left=left, right=right):
                 parts = (left, right)
-                if operator in {"<?", ">?"}:
-                    zeros = (ast.BinaryExpression(expression.span, "-", left, right),)
+                if operator in {BinaryOperator.MINIMUM, BinaryOperator.MAXIMUM}:
+                    zeros = (ast.BinaryExpression(expression.span, BinaryOperator.SUBTRACT, left, right),)
             case ast.CallExpression(function=ast.NameExpression(name="abs"), arguments=arguments):
                 parts = zeros = arguments
             case ast.CallExpression(arguments=arguments):
                 parts = arguments
                 pairs = [(a, b) for n, a in enumerate(arguments) for b in arguments[n + 1 :]]
-                zeros = tuple(ast.BinaryExpression(expression.span, "-", a, b) for a, b in pairs)
+                zeros = tuple(ast.BinaryExpression(expression.span, BinaryOperator.SUBTRACT, a, b) for a, b in pairs)
         found = {instant for part in parts for instant in self._breaks(part, start, end)}
         for first, last in pairwise([start, *sorted(found), end]):
             for zero in zeros:
@@ -292,20 +293,20 @@ def _condition(expression: ast.Expression, worth: Worth, level: Level) -> ExactS
         return combined([combined(list(pair), lambda a, b: a & b) for pair in pairs], lambda a, b: a | b)
 
     match expression:
-        case ast.UnaryExpression(operator="!", operand=operand):
+        case ast.UnaryExpression(operator=PrefixOperator.NOT, operand=operand):
             return _negated(_condition(operand, worth, opposite))
-        case ast.BinaryExpression(operator="&&" | "||" as operator, left=left, right=right):
+        case ast.BinaryExpression(operator=BinaryOperator.AND | BinaryOperator.OR as operator, left=left, right=right):
             sides = [_condition(left, worth, level), _condition(right, worth, level)]
-            return combined(sides, (lambda a, b: a & b) if operator == "&&" else (lambda a, b: a | b))
-        case ast.BinaryExpression(operator="imply", left=left, right=right):
+            return combined(sides, (lambda a, b: a & b) if operator == BinaryOperator.AND else (lambda a, b: a | b))
+        case ast.BinaryExpression(operator=BinaryOperator.IMPLY, left=left, right=right):
             sides = [_negated(_condition(left, worth, opposite)), _condition(right, worth, level)]
             return combined(sides, lambda a, b: a | b)
-        case ast.BinaryExpression(operator="xor", left=left, right=right):
+        case ast.BinaryExpression(operator=BinaryOperator.XOR, left=left, right=right):
             return either(left, right, same=False)
-        case ast.BinaryExpression(operator="==" | "!=" as operator, left=left, right=right) if _compares_truth(
-            left, right, worth
-        ):
-            return either(left, right, same=operator == "==")
+        case ast.BinaryExpression(
+            operator=BinaryOperator.EQUAL | BinaryOperator.NOT_EQUAL as operator, left=left, right=right
+        ) if _compares_truth(left, right, worth):
+            return either(left, right, same=operator == BinaryOperator.EQUAL)
         case _:
             return worth.above(expression, level)
 

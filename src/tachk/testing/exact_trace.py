@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
 
+from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.printing.expression_printer import print_expression
 
@@ -123,22 +124,31 @@ def pulses(end: Fraction | int, **signals: Sequence[tuple[Fraction | int, Fracti
 def condition(expression: ast.Expression, state: Mapping[str, Scalar]) -> Value:
     """The worth of an expression as a condition: the robustness of a comparison is the distance to its boundary."""
     match expression:
-        case ast.UnaryExpression(operator="!", operand=operand):
+        case ast.UnaryExpression(operator=PrefixOperator.NOT, operand=operand):
             return ~condition(operand, state)
-        case ast.BinaryExpression(operator="&&", left=left, right=right):
+        case ast.BinaryExpression(operator=BinaryOperator.AND, left=left, right=right):
             return condition(left, state) & condition(right, state)
-        case ast.BinaryExpression(operator="||", left=left, right=right):
+        case ast.BinaryExpression(operator=BinaryOperator.OR, left=left, right=right):
             return condition(left, state) | condition(right, state)
-        case ast.BinaryExpression(operator="imply", left=left, right=right):
+        case ast.BinaryExpression(operator=BinaryOperator.IMPLY, left=left, right=right):
             return ~condition(left, state) | condition(right, state)
-        case ast.BinaryExpression(operator="xor", left=left, right=right):
+        case ast.BinaryExpression(operator=BinaryOperator.XOR, left=left, right=right):
             return ~equivalence(condition(left, state), condition(right, state))
-        case ast.BinaryExpression(operator="==" | "!=" as operator, left=left, right=right) if is_truth(
-            left, state
-        ) and is_truth(right, state):
+        case ast.BinaryExpression(
+            operator=BinaryOperator.EQUAL | BinaryOperator.NOT_EQUAL as operator, left=left, right=right
+        ) if is_truth(left, state) and is_truth(right, state):
             same = equivalence(condition(left, state), condition(right, state))
-            return same if operator == "==" else ~same
-        case ast.BinaryExpression(operator="<" | "<=" | ">" | ">=" | "==" | "!=" as operator, left=left, right=right):
+            return same if operator == BinaryOperator.EQUAL else ~same
+        case ast.BinaryExpression(
+            operator=BinaryOperator.LESS
+            | BinaryOperator.LESS_EQUAL
+            | BinaryOperator.GREATER
+            | BinaryOperator.GREATER_EQUAL
+            | BinaryOperator.EQUAL
+            | BinaryOperator.NOT_EQUAL as operator,
+            left=left,
+            right=right,
+        ):
             return _comparison(operator, number(left, state), number(right, state))
         case _:
             return TRUE if number(expression, state) != 0 else FALSE
@@ -153,11 +163,19 @@ def number(expression: ast.Expression, state: Mapping[str, Scalar]) -> Fraction:
             return Fraction(value)
         case ast.FloatLiteral(text=text):
             return Fraction(text)
-        case ast.UnaryExpression(operator="-", operand=operand):
+        case ast.UnaryExpression(operator=PrefixOperator.MINUS, operand=operand):
             return -number(operand, state)
-        case ast.UnaryExpression(operator="+", operand=operand):
+        case ast.UnaryExpression(operator=PrefixOperator.PLUS, operand=operand):
             return number(operand, state)
-        case ast.BinaryExpression(operator="+" | "-" | "*" | "/" | "%" | "<?" | ">?" as operator):
+        case ast.BinaryExpression(
+            operator=BinaryOperator.ADD
+            | BinaryOperator.SUBTRACT
+            | BinaryOperator.MULTIPLY
+            | BinaryOperator.DIVIDE
+            | BinaryOperator.MODULO
+            | BinaryOperator.MINIMUM
+            | BinaryOperator.MAXIMUM as operator
+        ):
             return _arithmetic(operator, number(expression.left, state), number(expression.right, state))
         case ast.CallExpression(function=ast.NameExpression(name="abs"), arguments=(argument,)):
             return abs(number(argument, state))
@@ -173,17 +191,17 @@ def number(expression: ast.Expression, state: Mapping[str, Scalar]) -> Fraction:
 
 def _arithmetic(operator: str, left: Fraction, right: Fraction) -> Fraction:
     match operator:
-        case "+":
+        case BinaryOperator.ADD:
             return left + right
-        case "-":
+        case BinaryOperator.SUBTRACT:
             return left - right
-        case "*":
+        case BinaryOperator.MULTIPLY:
             return left * right
-        case "/":
+        case BinaryOperator.DIVIDE:
             return left / right
-        case "%":
+        case BinaryOperator.MODULO:
             return left - right * math.trunc(left / right)
-        case "<?":
+        case BinaryOperator.MINIMUM:
             return min(left, right)
         case _:
             return max(left, right)
@@ -191,15 +209,15 @@ def _arithmetic(operator: str, left: Fraction, right: Fraction) -> Fraction:
 
 def _comparison(operator: str, left: Fraction, right: Fraction) -> Value:
     match operator:
-        case "<":
+        case BinaryOperator.LESS:
             truth, margin = left < right, right - left
-        case "<=":
+        case BinaryOperator.LESS_EQUAL:
             truth, margin = left <= right, right - left
-        case ">":
+        case BinaryOperator.GREATER:
             truth, margin = left > right, left - right
-        case ">=":
+        case BinaryOperator.GREATER_EQUAL:
             truth, margin = left >= right, left - right
-        case "==":
+        case BinaryOperator.EQUAL:
             truth, margin = left == right, -abs(left - right)
         case _:
             truth, margin = left != right, abs(left - right)
@@ -214,9 +232,20 @@ def is_condition(expression: ast.Expression) -> bool:
     """Whether an expression is a condition by its form."""
     match expression:
         case ast.UnaryExpression(operator=operator):
-            return operator == "!"
+            return operator == PrefixOperator.NOT
         case ast.BinaryExpression(operator=operator):
-            return operator in {"&&", "||", "imply", "xor", "<", "<=", ">", ">=", "==", "!="}
+            return operator in {
+                BinaryOperator.AND,
+                BinaryOperator.OR,
+                BinaryOperator.IMPLY,
+                BinaryOperator.XOR,
+                BinaryOperator.LESS,
+                BinaryOperator.LESS_EQUAL,
+                BinaryOperator.GREATER,
+                BinaryOperator.GREATER_EQUAL,
+                BinaryOperator.EQUAL,
+                BinaryOperator.NOT_EQUAL,
+            }
         case _:
             return isinstance(expression, ast.BooleanLiteral)
 

@@ -13,6 +13,7 @@ from random import Random
 from typing import TYPE_CHECKING
 
 from tachk.diagnostics.span import NOWHERE
+from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax import formula as syntax
 from tachk.testing.exact_trace import ExactTrace, Scalar
@@ -145,7 +146,7 @@ def _leaf(random: Random, shape: FormulaShape) -> syntax.Formula:
     if not shape.numeric or kind < 0.44:
         return syntax.Atom(NOWHERE, _name(random.choice(FLAGS)))
     if kind < 0.48:
-        operator, second = random.choice(("==", "!=")), _name(random.choice(FLAGS))
+        operator, second = random.choice((BinaryOperator.EQUAL, BinaryOperator.NOT_EQUAL)), _name(random.choice(FLAGS))
         return syntax.Atom(NOWHERE, ast.BinaryExpression(NOWHERE, operator, _name(random.choice(FLAGS)), second))
     return syntax.Atom(NOWHERE, _comparison(random, shape))
 
@@ -157,23 +158,48 @@ def _changing(random: Random, shape: FormulaShape) -> ast.Expression:
 
 
 def _comparison(random: Random, shape: FormulaShape) -> ast.Expression:
-    operator = random.choice(("<", "<=", ">", ">=", "<", "<=", ">", ">=", "==", "!="))
+    operator = random.choice(
+        (
+            BinaryOperator.LESS,
+            BinaryOperator.LESS_EQUAL,
+            BinaryOperator.GREATER,
+            BinaryOperator.GREATER_EQUAL,
+            BinaryOperator.LESS,
+            BinaryOperator.LESS_EQUAL,
+            BinaryOperator.GREATER,
+            BinaryOperator.GREATER_EQUAL,
+            BinaryOperator.EQUAL,
+            BinaryOperator.NOT_EQUAL,
+        )
+    )
     return ast.BinaryExpression(NOWHERE, operator, _name(random.choice(NUMBERS)), _term(random, shape))
 
 
 def _term(random: Random, shape: FormulaShape) -> ast.Expression:
     """Divisors and moduli are powers of two, so that the result is dyadic."""
     literal = ast.FloatLiteral(NOWHERE, str(random.randint(0, 4) / 2))
-    number: ast.Expression = ast.UnaryExpression(NOWHERE, "-", literal) if random.random() < 0.4 else literal
+    number: ast.Expression = (
+        ast.UnaryExpression(NOWHERE, PrefixOperator.MINUS, literal) if random.random() < 0.4 else literal
+    )
     column = _name(random.choice(NUMBERS))
     kind = random.random()
     if kind < 0.6:
         return number
     if kind < 0.8 or not shape.arithmetic:
-        return ast.BinaryExpression(NOWHERE, random.choice(("+", "-", "*")), column, number)
+        return ast.BinaryExpression(
+            NOWHERE,
+            random.choice((BinaryOperator.ADD, BinaryOperator.SUBTRACT, BinaryOperator.MULTIPLY)),
+            column,
+            number,
+        )
     if kind < 0.87:
         power = ast.IntegerLiteral(NOWHERE, random.choice((1, 2, 4)))
-        return ast.BinaryExpression(NOWHERE, "/" if shape.linear else random.choice(("/", "%")), column, power)
+        return ast.BinaryExpression(
+            NOWHERE,
+            BinaryOperator.DIVIDE if shape.linear else random.choice((BinaryOperator.DIVIDE, BinaryOperator.MODULO)),
+            column,
+            power,
+        )
     if kind < 0.93:
         return ast.CallExpression(NOWHERE, _name("abs"), (column,))
     return ast.CallExpression(NOWHERE, _name(random.choice(("min", "max"))), (column, number))

@@ -26,6 +26,7 @@ from tachk.logic.durations import scaled
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.types import IntType
+from tachk.operators import BinaryOperator
 from tachk.properties.observed import observed
 from tachk.syntax import ast
 from tachk.syntax import formula as syntax
@@ -128,7 +129,9 @@ def _random_atom(random: Random, network: Network) -> ast.Expression:
     integers = [v.name for v in network.variables if isinstance(v.type, IntType) and not network.resets(v)]
     if integers and random.random() < 0.3:
         value = ast.IntegerLiteral(NOWHERE, random.randint(0, 2))
-        return ast.BinaryExpression(NOWHERE, "==", ast.NameExpression(NOWHERE, random.choice(integers)), value)
+        return ast.BinaryExpression(
+            NOWHERE, BinaryOperator.EQUAL, ast.NameExpression(NOWHERE, random.choice(integers)), value
+        )
     process = random.choice(network.processes)
     location = ast.Identifier(NOWHERE, random.choice(process.locations).name)
     return ast.MemberExpression(NOWHERE, ast.NameExpression(NOWHERE, process.name), location)

@@ -7,8 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tachk.diagnostics.span import NOWHERE, Source
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
-from tachk.syntax.chains import ASSOCIATIVE, LONGEST_FROM_LEFT, chain, operands_of
+from tachk.syntax.chains import LONGEST_FROM_LEFT, chain, operands_of
 from tachk.syntax.parsing.parser import parse_expression
 from tachk.syntax.printing.expression_printer import print_expression
 
@@ -32,7 +33,7 @@ def leaves(expression: ast.Expression) -> list[str]:
     return leaves(expression.left) + leaves(expression.right)
 
 
-@pytest.mark.parametrize("operator", sorted(ASSOCIATIVE))
+@pytest.mark.parametrize("operator", [each for each in BinaryOperator if each.associative])
 def test_a_long_chain_is_shallow_in_order_and_prints_as_written(operator: str) -> None:
     names = [f"a{number}" for number in range(5000)]
     text = f" {operator} ".join(names)
@@ -80,11 +81,11 @@ def name(text: str) -> ast.Expression:
 @st.composite
 def joined(draw: st.DrawFn) -> ast.Expression:
     """Chains of chains, so long that some are balanced."""
-    operator = draw(st.sampled_from(["+", "&&"]))
+    operator = draw(st.sampled_from([BinaryOperator.ADD, BinaryOperator.AND]))
     inner = st.one_of(
         st.just(name("a")),
         st.integers(2, 50).map(lambda count: chain(operator, [name("b")] * count)),
-        st.integers(2, 50).map(lambda count: chain("-", [name("c")] * count)),
+        st.integers(2, 50).map(lambda count: chain(BinaryOperator.SUBTRACT, [name("c")] * count)),
     )
     return chain(operator, draw(st.lists(inner, min_size=2, max_size=60)))
 

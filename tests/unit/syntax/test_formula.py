@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tachk.diagnostics.span import NOWHERE, Source, Span
+from tachk.operators import COMPARISONS, BinaryOperator, Group, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax import formula as f
 from tachk.syntax.formulas.parser import parse_formula
@@ -189,6 +190,7 @@ def test_large_numbers_are_within_the_language() -> None:
 
 # ---- random trees -------------------------------------------------------------------------------------------------
 
+ARITHMETIC = [each for each in BinaryOperator if each.group is Group.ARITHMETIC]
 NAMES = st.sampled_from(["p", "q", "x", "G", "F", "U", "rise", "inf", "forall", "deadlock", "a b"])
 NUMBERS = st.builds(lambda n, d: Fraction(n, d), st.integers(0, 10**10), st.sampled_from([1, 2, 4, 5, 10, 1000]))
 
@@ -202,8 +204,8 @@ def values() -> st.SearchStrategy[Any]:
     return st.recursive(
         leaves,
         lambda inner: st.one_of(
-            st.builds(ast.BinaryExpression, st.just(NOWHERE), st.sampled_from(["+", "-", "*", "%"]), inner, inner),
-            st.builds(ast.UnaryExpression, st.just(NOWHERE), st.just("-"), inner),
+            st.builds(ast.BinaryExpression, st.just(NOWHERE), st.sampled_from(ARITHMETIC), inner, inner),
+            st.builds(ast.UnaryExpression, st.just(NOWHERE), st.just(PrefixOperator.MINUS), inner),
             st.builds(
                 ast.CallExpression, st.just(NOWHERE), st.sampled_from(["min", "abs"]).map(name), st.tuples(inner, inner)
             ),
@@ -219,7 +221,9 @@ def values() -> st.SearchStrategy[Any]:
 
 
 def atoms() -> st.SearchStrategy[Any]:
-    compared = st.builds(ast.BinaryExpression, st.just(NOWHERE), st.sampled_from(["<", ">=", "=="]), values(), values())
+    compared = st.builds(
+        ast.BinaryExpression, st.just(NOWHERE), st.sampled_from(sorted(COMPARISONS)), values(), values()
+    )
     return st.one_of(
         NAMES.map(atom),
         compared.map(lambda expression: f.Atom(NOWHERE, expression)),

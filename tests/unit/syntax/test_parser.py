@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from tachk.diagnostics.span import NOWHERE, Source
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.parsing import parser
 from tachk.syntax.parsing.contextual import SPELLING
@@ -40,7 +41,7 @@ def bracketed(node: Any) -> str:
         case ast.UnaryExpression(operator=operator, operand=operand):
             return f"({operator}{bracketed(operand)})"
         case ast.AssignmentExpression(operator=operator, target=target, value=value):
-            return f"({bracketed(target)} {operator} {bracketed(value)})"
+            return f"({bracketed(target)} {operator or ''}= {bracketed(value)})"
         case ast.ConditionalExpression(condition=condition, then=then, otherwise=otherwise):
             return f"({bracketed(condition)} ? {bracketed(then)} : {bracketed(otherwise)})"
         case ast.QuantifierExpression(kind=kind, variable=variable, body=body):
@@ -99,7 +100,7 @@ def test_postfix_operations() -> None:
     assert expression("x[1]' == 0").left == ast.RateExpression(NOWHERE, expression("x[1]"))
     assert expression("a++ + ++b") == ast.BinaryExpression(
         NOWHERE,
-        "+",
+        BinaryOperator.ADD,
         ast.IncrementExpression(NOWHERE, "++", False, expression("a")),
         ast.IncrementExpression(NOWHERE, "++", True, expression("b")),
     )
@@ -344,7 +345,7 @@ def test_deadlock_is_a_name_outside_queries_and_behind_a_dot() -> None:
     assert entry is not None
     assert isinstance(entry.formula, ast.QueryFormula)
     assert entry.formula.predicate == ast.BinaryExpression(
-        NOWHERE, "&&", expression("P.deadlock"), ast.DeadlockExpression(NOWHERE)
+        NOWHERE, BinaryOperator.AND, expression("P.deadlock"), ast.DeadlockExpression(NOWHERE)
     )
 
 

@@ -10,12 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tachk.diagnostics.span import NOWHERE, Source
+from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.resources import data_root
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import has_errors, parse_document, parse_expression, parse_query
 from tachk.syntax.parsing.tables import lexer
 from tachk.syntax.printing.canonical import canonical
-from tachk.syntax.printing.expression_printer import BINARY_LEVEL, print_expression
+from tachk.syntax.printing.expression_printer import print_expression
 from tachk.syntax.printing.printer import print_document
 from tachk.syntax.printing.query_printer import print_query
 
@@ -247,10 +248,15 @@ _types = st.just(ast.TypeExpression(NOWHERE, (), ast.NamedType(NOWHERE, "T")))
 
 def _compound(inner: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
     return st.one_of(
-        _node(ast.BinaryExpression, st.sampled_from(sorted(BINARY_LEVEL)), inner, inner),
-        _node(ast.UnaryExpression, st.sampled_from(["-", "+", "!"]), inner),
+        _node(ast.BinaryExpression, st.sampled_from(BinaryOperator), inner, inner),
+        _node(ast.UnaryExpression, st.sampled_from(PrefixOperator), inner),
         _node(ast.IncrementExpression, st.sampled_from(["++", "--"]), st.booleans(), inner),
-        _node(ast.AssignmentExpression, st.sampled_from(["=", "+=", "<<="]), inner, inner),
+        _node(
+            ast.AssignmentExpression,
+            st.sampled_from([None, BinaryOperator.ADD, BinaryOperator.SHIFT_LEFT]),
+            inner,
+            inner,
+        ),
         _node(ast.ConditionalExpression, inner, inner, inner),
         _node(ast.QuantifierExpression, st.sampled_from(["forall", "exists", "sum"]), _identifiers, _types, inner),
         _node(ast.CallExpression, inner, st.lists(inner, max_size=2).map(tuple)),

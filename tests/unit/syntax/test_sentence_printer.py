@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from tachk.diagnostics.span import NOWHERE, Source
 from tachk.logic.sentences import meaning
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax import formula as f
 from tachk.syntax.formulas.parser import parse_formula
@@ -28,7 +29,7 @@ def named(name: str) -> ast.Expression:
 
 
 def comparison(name: str, operator: str, number: int) -> ast.Expression:
-    return ast.BinaryExpression(NOWHERE, operator, named(name), ast.IntegerLiteral(NOWHERE, number))
+    return ast.BinaryExpression(NOWHERE, BinaryOperator(operator), named(name), ast.IntegerLiteral(NOWHERE, number))
 
 
 VALUES = st.one_of(
@@ -61,11 +62,15 @@ CONDITIONS: st.SearchStrategy[f.Formula] = st.recursive(
     max_leaves=4,
 )
 
+TWO = ast.IntegerLiteral(NOWHERE, 2)
 AMOUNTS = st.one_of(
     st.integers(0, 200).map(Fraction),
     st.integers(1, 999).map(lambda n: Fraction(n, 100)),
     st.builds(named, NAMES),
-    st.builds(lambda n: ast.BinaryExpression(NOWHERE, "*", ast.IntegerLiteral(NOWHERE, 2), named(n)), NAMES),
+    st.builds(
+        lambda n: ast.BinaryExpression(NOWHERE, BinaryOperator.MULTIPLY, ast.IntegerLiteral(NOWHERE, 2), named(n)),
+        NAMES,
+    ),
 )
 DURATIONS = st.builds(lambda value, unit: f.Duration(NOWHERE, value, unit), AMOUNTS, UNITS)
 PAIRS = st.builds(

@@ -21,6 +21,7 @@ from tachk.frontend.scope import FamilySymbol, LocationSymbol, ProcessSymbol, Sc
 from tachk.model.expressions import Constant, Reference, Variable, VariableKind
 from tachk.model.network import Network
 from tachk.model.types import BoolType, IntType, bounds
+from tachk.operators import PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.printing.expression_printer import print_expression
 from tachk.syntax.rewrite import fresh_name, names_in, rewrite
@@ -315,7 +316,7 @@ class Mirrors:
             place: ast.Expression = ast.NameExpression(span, mirror.name)
             for index in mirror.indices:
                 place = ast.IndexExpression(span, place, ast.NameExpression(span, index))
-            yield ast.AssignmentExpression(span, "=", place, value)
+            yield ast.AssignmentExpression(span, None, place, value)
 
 
 def _system_names(items: Iterable[ast.Item]) -> set[str]:
@@ -325,7 +326,7 @@ def _system_names(items: Iterable[ast.Item]) -> set[str]:
 def _number(span: Span, value: int) -> ast.Expression:
     if value >= 0:
         return ast.IntegerLiteral(span, value)
-    return ast.UnaryExpression(span, "-", ast.IntegerLiteral(span, -value))
+    return ast.UnaryExpression(span, PrefixOperator.MINUS, ast.IntegerLiteral(span, -value))
 
 
 def _arguments(process: str) -> tuple[int, ...]:

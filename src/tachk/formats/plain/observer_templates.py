@@ -16,6 +16,7 @@ from tachk.formats.plain.mirrors import Mirrors, NoMirror, all_names
 from tachk.formats.plain.model import Step
 from tachk.frontend.loaded import LoadedModel, temporal_formula_of
 from tachk.logic.observer.construction import BAD, NoObserver, build_observer
+from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.formula import Atom, Change, Formula
 from tachk.syntax.formulas.printer import print_formula
@@ -173,7 +174,7 @@ class _Weaver:
         type_ = ast.TypeExpression(span, (), ast.RangeType(span, low, high))
         name = self._fresh("number")
         update = ast.AssignmentExpression(
-            span, "=", ast.NameExpression(span, self.chosen), ast.NameExpression(span, name)
+            span, None, ast.NameExpression(span, self.chosen), ast.NameExpression(span, name)
         )
         edge = ast.EdgeDeclaration(
             span,
@@ -199,7 +200,7 @@ class _Weaver:
             if isinstance(d, ast.VariableDeclaration) and d.type is not None and "broadcast" in d.type.prefixes
         )
         guard = ast.BinaryExpression(
-            span, "==", ast.NameExpression(span, self.chosen), ast.IntegerLiteral(span, number)
+            span, BinaryOperator.EQUAL, ast.NameExpression(span, self.chosen), ast.IntegerLiteral(span, number)
         )
         label = ast.SynchronisationLabel(span, ast.NameExpression(span, channel), "!")
         edge = ast.EdgeDeclaration(span, None, first.name, (), guard, label)
@@ -222,6 +223,6 @@ class _Weaver:
             asked = f"{item.formula.sentence}\n{asked}"
         return replace(
             item,
-            formula=ast.QueryFormula(span, "A[]", ast.UnaryExpression(span, "!", bad)),
+            formula=ast.QueryFormula(span, "A[]", ast.UnaryExpression(span, PrefixOperator.NOT, bad)),
             doc="\n".join(part for part in (item.doc, asked) if part),
         )

@@ -172,7 +172,7 @@ class ValuePassing:
             return edge
         carrier = _with_root(label.channel, self._name(_root(label.channel)))
         target, value = (carrier, label.value) if label.direction == "!" else (label.value, carrier)
-        update = ast.AssignmentExpression(label.span, "=", target, value)
+        update = ast.AssignmentExpression(label.span, None, target, value)
         plain = replace(label, value=None)
         self.steps.append(
             Step(

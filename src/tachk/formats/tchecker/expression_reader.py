@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Set
 from contextlib import contextmanager
 from dataclasses import dataclass
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.diagnostics.span import Source, Span
+from tachk.operators import COMPARISONS, BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 
 _TOKEN = re.compile(r"\s+|(?P<number>\d+)|(?P<name>[A-Za-z_][\w.]*)|(?P<sign>&&|[=!<>]=|[-+*/%<>=!()\[\];,])")
-_COMPARISONS = frozenset({"==", "!=", "<", "<=", ">", ">="})
 _WORDS = frozenset({"if", "then", "else", "end", "while", "do", "nop", "local"})
 
 DEPTH = 60
@@ -86,40 +86,40 @@ class Reader:
     def expression(self) -> ast.Expression:
         """A conjunction."""
         with self._deeper():
-            return self._binary(self._comparison, {"&&"})
+            return self._binary(self._comparison, {BinaryOperator.AND})
 
     def _comparison(self) -> ast.Expression:
         if self.peek() == "!":
             sign = self.take()
             with self._deeper():
                 operand = self._comparison()
-            return ast.UnaryExpression(sign.span.to(operand.span), "!", operand)
-        return self._binary(self.sum, _COMPARISONS)
+            return ast.UnaryExpression(sign.span.to(operand.span), PrefixOperator.NOT, operand)
+        return self._binary(self.sum, COMPARISONS)
 
     def sum(self) -> ast.Expression:
         """Sums and what binds more strongly."""
-        return self._binary(self._product, {"+", "-"})
+        return self._binary(self._product, {BinaryOperator.ADD, BinaryOperator.SUBTRACT})
 
     def _product(self) -> ast.Expression:
-        return self._binary(self._prefixed, {"*", "/", "%"})
+        return self._binary(self._prefixed, {BinaryOperator.MULTIPLY, BinaryOperator.DIVIDE, BinaryOperator.MODULO})
 
-    def _binary(self, operand: Callable[[], ast.Expression], operators: frozenset[str] | set[str]) -> ast.Expression:
+    def _binary(self, operand: Callable[[], ast.Expression], operators: Set[BinaryOperator]) -> ast.Expression:
         result = operand()
         while self.peek() in operators:
-            operator = self.take().text
+            operator = BinaryOperator(self.take().text)
             right = operand()
             result = ast.BinaryExpression(result.span.to(right.span), operator, result, right)
         return result
 
     def _prefixed(self) -> ast.Expression:
-        if self.peek() == "-":
+        if self.peek() == BinaryOperator.SUBTRACT:
             sign = self.take()
             with self._deeper():
                 operand = self._prefixed()
             span = sign.span.to(operand.span)
             if isinstance(operand, ast.IntegerLiteral):
                 return ast.IntegerLiteral(span, -operand.value)
-            return ast.UnaryExpression(span, "-", operand)
+            return ast.UnaryExpression(span, PrefixOperator.MINUS, operand)
         return self._primary()
 
     def _primary(self) -> ast.Expression:
@@ -198,7 +198,7 @@ class Reader:
         self.take("=")
         value = self.sum()
         span = target.span.to(value.span)
-        return ast.ExpressionStatement(span, ast.AssignmentExpression(span, "=", target, value))
+        return ast.ExpressionStatement(span, ast.AssignmentExpression(span, None, target, value))
 
     def _local(self, declarations: list[ast.VariableDeclaration], statements: list[ast.Statement]) -> None:
         """``local v``, ``local v = e``, ``local v[n]``: declared where the block begins, assigned in its place."""

@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.diagnostics.span import Source, Span
 from tachk.formats.tchecker.expression_reader import Reader, failure
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.parsing.tables import lexer
 from tachk.syntax.rewrite import fresh_name
@@ -323,7 +324,7 @@ class _Reader:
             ]
             value = tests[0]
             for test in tests[1:]:
-                value = ast.BinaryExpression(test.span, "||", value, test)
+                value = ast.BinaryExpression(test.span, BinaryOperator.OR, value, test)
             span = places[0][0]
             yield ast.SignalDeclaration(span, ast.Identifier(span, self._fresh(label)), value)
 

@@ -17,10 +17,17 @@ from tachk.formats.uppaal.versions import Version
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_TYPES
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.types import ArrayType, ClockType
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.parsing.strict import additions
 from tachk.syntax.rewrite import names_in
 from tachk.syntax.walk import nodes_of_kind
+
+_INSTEAD = {
+    BinaryOperator.XOR: "compare two boolean values with `!=`",
+    BinaryOperator.POWER: "multiply, or write a function",
+}
+"""What to write for an operator that a version does not know."""
 
 
 def portability(model: LoadedModel, version: Version) -> tuple[Diagnostic, ...]:
@@ -73,21 +80,19 @@ def _names(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
 
 
 def _newer(items: Sequence[ast.Item], version: Version) -> Iterator[Diagnostic]:
-    """What came with version 5."""
+    """What the version does not know yet."""
+    for expression in nodes_of_kind(items, ast.BinaryExpression):
+        if not version.knows(expression.operator):
+            instead = _INSTEAD.get(expression.operator)
+            yield _too_new(f"`{expression.operator}`", expression.span, version, instead)
     if version is not Version.UPPAAL_4_1:
         return
-    for node in nodes_of_kind(items, ast.AssertStatement, ast.BinaryExpression, ast.ForeignImport):
+    for node in nodes_of_kind(items, ast.AssertStatement, ast.ForeignImport):
         match node:
             case ast.AssertStatement(span):
                 yield _too_new("`assert`", span, version, "leave it out, or test it in a query")
-            case ast.BinaryExpression(operator="xor", span=span):
-                yield _too_new("`xor`", span, version, "compare two boolean values with `!=`")
-            case ast.BinaryExpression(operator="**", span=span):
-                yield _too_new("`**`", span, version, "multiply, or write a function")
             case ast.ForeignImport(span=span):
                 yield _too_new("functions of foreign libraries", span, version, None)
-            case _:
-                pass
 
 
 def _too_new(what: str, span: Span, version: Version, mend: str | None) -> Diagnostic:
@@ -155,7 +160,9 @@ def _invariants(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
     for template in (item for item in model.items if isinstance(item, ast.Template)):
         for location in template.locations:
             for node in nodes_of_kind(location.invariant, ast.BinaryExpression):
-                if node.operator == "==" and _is_named(node.left, clocks) != _is_named(node.right, clocks):
+                if node.operator == BinaryOperator.EQUAL and _is_named(node.left, clocks) != _is_named(
+                    node.right, clocks
+                ):
                     yield Diagnostic(
                         "E0818",
                         f"{version.full_name} does not take a clock that equals something as an invariant",
@@ -192,19 +199,19 @@ def _other_treatment(model: LoadedModel, version: Version) -> Iterator[Diagnosti
 def _invariant(invariant: ast.Expression, version: Version, model: LoadedModel) -> Iterator[Diagnostic]:
     clocks = {v.name.rpartition(".")[2] for v in model.network.all_variables() if _is_clock(v.type)}
     for node in nodes_of_kind(invariant, ast.BinaryExpression):
-        if node.operator not in ("<", ">", ">="):
+        if node.operator not in (BinaryOperator.LESS, BinaryOperator.GREATER, BinaryOperator.GREATER_EQUAL):
             continue
         left, right = _is_named(node.left, clocks), _is_named(node.right, clocks)
         if left == right:
             continue
-        upper = (node.operator == "<") == left
+        upper = (node.operator == BinaryOperator.LESS) == left
         if not upper:
             yield _otherwise(
                 node.span,
                 f"the documentation of {version.full_name} wants upper bounds in invariants, this is a lower one",
                 "put it into the guards of the edges that lead here",
             )
-        elif node.operator != ">=" and version is Version.UPPAAL_5_0:
+        elif node.operator != BinaryOperator.GREATER_EQUAL and version is Version.UPPAAL_5_0:
             yield _otherwise(node.span, f"{version.full_name} warns about a strict bound in an invariant", None)
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from enum import StrEnum
 
+from tachk.operators import BinaryOperator
+
 
 class Version(StrEnum):
     UPPAAL_4_1 = "uppaal-4.1"
@@ -12,3 +14,10 @@ class Version(StrEnum):
     @property
     def full_name(self) -> str:
         return self.value.replace("uppaal-", "UPPAAL ")
+
+    @property
+    def number(self) -> tuple[int, int]:
+        return (4, 1) if self is Version.UPPAAL_4_1 else (5, 0)
+
+    def knows(self, operator: BinaryOperator) -> bool:
+        return operator.since is not None and operator.since <= self.number

@@ -7,7 +7,6 @@ from tachk.frontend.expressions.places import converted
 from tachk.frontend.expressions.typing import CHANNEL_HELP, can_assign, describe, is_integral
 from tachk.model.expressions import Assign, Expression
 from tachk.model.types import ChannelType, ClockType, ScalarType, Type, element_type
-from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 
 
@@ -15,7 +14,7 @@ def assignment(
     target: Expression, value: Expression, node: ast.AssignmentExpression, context: Context
 ) -> Expression | None:
     """A value stored in a place; None after a report."""
-    operator = None if node.operator == "=" else BinaryOperator(node.operator[:-1])
+    operator = node.operator
     if isinstance(target.type, ClockType):
         if not (is_integral(value.type) or isinstance(value.type, ClockType)):
             context.error("E0302", node.span, f"a clock cannot be set to {describe(value.type)}")
@@ -32,7 +31,7 @@ def assignment(
     if operator is not None:
         for side in (target, value):
             if not is_integral(side.type):
-                context.error("E0301", side.span, f"`{node.operator}` needs integers, not {describe(side.type)}")
+                context.error("E0301", side.span, f"`{operator}=` needs integers, not {describe(side.type)}")
                 return None
         return Assign(target, value, target.type, operator, node.span)
     if not can_assign(target.type, value.type):

@@ -60,7 +60,7 @@ from tachk.model.expressions import (
     VariableKind,
 )
 from tachk.model.types import BoolType, ClockType, IntType, Type, bounds
-from tachk.operators import CONNECTIVES, CONSTANT_HIGH, BinaryOperator, UnaryOperator
+from tachk.operators import CONNECTIVES, CONSTANT_HIGH, BinaryOperator, PrefixOperator, UnaryOperator
 from tachk.syntax import ast
 from tachk.time_limit import check_time
 
@@ -185,16 +185,20 @@ def expression(node: ast.Expression, scope: Scope, context: Context) -> Expressi
 
 
 def _unary(node: ast.UnaryExpression, scope: Scope, context: Context) -> Expression | None:
-    if node.operator == "-" and isinstance(node.operand, ast.IntegerLiteral) and node.operand.value == 2**31:
+    if (
+        node.operator is PrefixOperator.MINUS
+        and isinstance(node.operand, ast.IntegerLiteral)
+        and node.operand.value == 2**31
+    ):
         return Constant(-(2**31), WIDE, node.span)
-    if node.operator == "!":
+    if node.operator is PrefixOperator.NOT:
         operand = condition(node.operand, scope, context)
         return None if operand is None else fold.negation(operand, node.span)
     value = expression(node.operand, scope, context)
     if value is None:
         return None
     if isinstance(value.type, ClockType) or is_integral(value.type):
-        if node.operator == "+":
+        if node.operator is PrefixOperator.PLUS:
             return value
         type_ = value.type if isinstance(value.type, ClockType) else INT
         return fold.unary(UnaryOperator.MINUS, value, type_, node.span)
@@ -203,7 +207,7 @@ def _unary(node: ast.UnaryExpression, scope: Scope, context: Context) -> Express
 
 
 def _binary(node: ast.BinaryExpression, scope: Scope, context: Context) -> Expression | None:
-    operator = BinaryOperator(node.operator)
+    operator = node.operator
     if operator in CONNECTIVES:
         first, second = condition(node.left, scope, context), condition(node.right, scope, context)
         if first is None or second is None:

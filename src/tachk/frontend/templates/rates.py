@@ -52,7 +52,7 @@ def _conjuncts(node: ast.Expression, scope: Scope, context: Context) -> list[tup
     while pending:
         current, inner = pending.pop()
         match current:
-            case ast.BinaryExpression(operator="&&", left=left, right=right):
+            case ast.BinaryExpression(operator=BinaryOperator.AND, left=left, right=right):
                 pending += [(right, inner), (left, inner)]
             case ast.QuantifierExpression(kind="forall", variable=name, type=type_, body=body) if _has_rate(body):
                 bounded = type_reader(inner, context).bounded(type_, "the variable of `forall`")
@@ -74,9 +74,9 @@ def _has_rate(node: ast.Expression) -> bool:
 
 def _rate_sides(node: ast.Expression) -> tuple[ast.RateExpression, ast.Expression] | None:
     match node:
-        case ast.BinaryExpression(operator="==", left=ast.RateExpression() as rate, right=value):
+        case ast.BinaryExpression(operator=BinaryOperator.EQUAL, left=ast.RateExpression() as rate, right=value):
             return rate, value
-        case ast.BinaryExpression(operator="==", left=value, right=ast.RateExpression() as rate):
+        case ast.BinaryExpression(operator=BinaryOperator.EQUAL, left=value, right=ast.RateExpression() as rate):
             return rate, value
         case _:
             return None

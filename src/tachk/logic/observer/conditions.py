@@ -6,10 +6,9 @@ from collections.abc import Iterable
 from functools import reduce
 
 from tachk.diagnostics.span import Span
+from tachk.operators import COMPARISONS, BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.printing.expression_printer import print_expression
-
-_NEGATED = {"==": "!=", "!=": "==", "<": ">=", ">=": "<", "<=": ">", ">": "<="}
 
 Conjunction = frozenset[ast.Expression]
 """Expressions that are all true; the empty one is true."""
@@ -25,25 +24,29 @@ def negated(expression: ast.Expression) -> ast.Expression:
     match expression:
         case ast.BooleanLiteral(value=value):
             return ast.BooleanLiteral(span, not value)
-        case ast.UnaryExpression(operator="!", operand=operand):
+        case ast.UnaryExpression(operator=PrefixOperator.NOT, operand=operand):
             return operand
-        case ast.BinaryExpression(operator="&&", left=left, right=right):
-            return ast.BinaryExpression(span, "||", negated(left), negated(right))
-        case ast.BinaryExpression(operator="||", left=left, right=right):
-            return ast.BinaryExpression(span, "&&", negated(left), negated(right))
-        case ast.BinaryExpression(operator="imply", left=left, right=right):
-            return ast.BinaryExpression(span, "&&", left, negated(right))
-        case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in _NEGATED:
-            return ast.BinaryExpression(span, _NEGATED[operator], left, right)
+        case ast.BinaryExpression(operator=BinaryOperator.AND, left=left, right=right):
+            return ast.BinaryExpression(span, BinaryOperator.OR, negated(left), negated(right))
+        case ast.BinaryExpression(operator=BinaryOperator.OR, left=left, right=right):
+            return ast.BinaryExpression(span, BinaryOperator.AND, negated(left), negated(right))
+        case ast.BinaryExpression(operator=BinaryOperator.IMPLY, left=left, right=right):
+            return ast.BinaryExpression(span, BinaryOperator.AND, left, negated(right))
+        case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in COMPARISONS:
+            return ast.BinaryExpression(span, operator.negated, left, right)
         case _:
-            return ast.UnaryExpression(span, "!", expression)
+            return ast.UnaryExpression(span, PrefixOperator.NOT, expression)
 
 
 def all_of(parts: Iterable[ast.Expression], span: Span) -> ast.Expression:
     """The conjunction as one expression."""
     found = conjunction(parts)
     ordered = sorted(found, key=_order)
-    return reduce(lambda a, b: ast.BinaryExpression(span, "&&", a, b), ordered) if ordered else truth(True, span)
+    return (
+        reduce(lambda a, b: ast.BinaryExpression(span, BinaryOperator.AND, a, b), ordered)
+        if ordered
+        else truth(True, span)
+    )
 
 
 def any_of(parts: Iterable[ast.Expression], span: Span) -> ast.Expression:
@@ -51,7 +54,9 @@ def any_of(parts: Iterable[ast.Expression], span: Span) -> ast.Expression:
     kept = [part for part in dict.fromkeys(parts) if part != truth(False, span)]
     if any(part == truth(True, span) for part in kept):
         return truth(True, span)
-    return reduce(lambda a, b: ast.BinaryExpression(span, "||", a, b), kept) if kept else truth(False, span)
+    return (
+        reduce(lambda a, b: ast.BinaryExpression(span, BinaryOperator.OR, a, b), kept) if kept else truth(False, span)
+    )
 
 
 def conjunction(parts: Iterable[ast.Expression]) -> Conjunction:
@@ -71,7 +76,7 @@ def _conjuncts(parts: Iterable[ast.Expression]) -> set[ast.Expression]:
         match pending.pop():
             case ast.BooleanLiteral(value=True):
                 pass
-            case ast.BinaryExpression(operator="&&", left=left, right=right):
+            case ast.BinaryExpression(operator=BinaryOperator.AND, left=left, right=right):
                 pending += (left, right)
             case part:
                 found.add(part)

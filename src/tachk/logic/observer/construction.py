@@ -19,6 +19,7 @@ from tachk.logic.observer.names import location_names
 from tachk.logic.observer.states import SHOWN, State
 from tachk.logic.observer.tableau import Step, Tableau
 from tachk.logic.observer.violation import violation
+from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.formula import Formula
 from tachk.syntax.printing.expression_printer import print_expression
@@ -113,7 +114,9 @@ class _Writer:
             found.append(self._declaration((), ast.BuiltinType(self.span, "clock"), self.clocks))
         if self.saved:
             high = ast.IntegerLiteral(self.span, 2**31 - 1)
-            low = self._binary("-", ast.UnaryExpression(self.span, "-", high), self._number(1))
+            low = self._binary(
+                BinaryOperator.SUBTRACT, ast.UnaryExpression(self.span, PrefixOperator.MINUS, high), self._number(1)
+            )
             found.append(self._declaration((), ast.RangeType(self.span, low, high), list(self.saved.values())))
         found.append(self._declaration(("urgent", "broadcast"), ast.BuiltinType(self.span, "chan"), [self.channel]))
         return tuple(found)
@@ -149,9 +152,16 @@ class _Writer:
             edges.append(self._edge(self._fallback(), guard, self._forgotten(state, None), urgent=True))
         limits = []
         for (clock, value), target in sorted(self.tableau.deadlines(state).items(), key=lambda entry: entry[0]):
-            limits.append(self._compare(clock, "<=", value))
+            limits.append(self._compare(clock, BinaryOperator.LESS_EQUAL, value))
             where = self._fallback() if target is None else self._name_of(target)
-            edges.append(self._edge(where, self._compare(clock, ">=", value), self._forgotten(state, target), False))
+            edges.append(
+                self._edge(
+                    where,
+                    self._compare(clock, BinaryOperator.GREATER_EQUAL, value),
+                    self._forgotten(state, target),
+                    False,
+                )
+            )
         return ast.LocationDeclaration(
             self.span,
             self._identifier(self.names[state]),
@@ -217,17 +227,17 @@ class _Writer:
         parts = [*clocks, *([all_of(condition, self.span)] if condition else [])]
         result: ast.Expression | None = None
         for part in parts:
-            result = part if result is None else self._binary("&&", result, part)
+            result = part if result is None else self._binary(BinaryOperator.AND, result, part)
         return None if result == truth(True, self.span) else result
 
-    def _compare(self, clock: int, operator: str, value: int) -> ast.Expression:
+    def _compare(self, clock: int, operator: BinaryOperator, value: int) -> ast.Expression:
         return self._binary(operator, ast.NameExpression(self.span, self.clocks[clock]), self._number(value))
 
-    def _binary(self, operator: str, left: ast.Expression, right: ast.Expression) -> ast.Expression:
+    def _binary(self, operator: BinaryOperator, left: ast.Expression, right: ast.Expression) -> ast.Expression:
         return ast.BinaryExpression(self.span, operator, left, right)
 
     def _assign(self, name: str, value: ast.Expression) -> ast.Expression:
-        return ast.AssignmentExpression(self.span, "=", ast.NameExpression(self.span, name), value)
+        return ast.AssignmentExpression(self.span, None, ast.NameExpression(self.span, name), value)
 
     def _number(self, value: int) -> ast.Expression:
         return ast.IntegerLiteral(self.span, value)

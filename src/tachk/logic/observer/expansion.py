@@ -28,6 +28,7 @@ from tachk.logic.observer.goals import (
     saved_expressions,
 )
 from tachk.logic.observer.states import FRESH, Task
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 
 SavedNames = Mapping[ast.Expression, str]
@@ -97,7 +98,7 @@ def comparison(expression: ast.Expression, equal: bool, saved: SavedNames) -> as
     """Whether the expression has the value that was saved, or another one."""
     span = expression.span
     name = ast.NameExpression(span, saved[expression])
-    return ast.BinaryExpression(span, "==" if equal else "!=", expression, name)
+    return ast.BinaryExpression(span, BinaryOperator.EQUAL if equal else BinaryOperator.NOT_EQUAL, expression, name)
 
 
 def looking_back(goal: Goal) -> Goal:

@@ -26,6 +26,7 @@ from tachk.logic.observer.goals import (
     Window,
     parts_of,
 )
+from tachk.operators import BinaryOperator
 from tachk.records import dataclass
 
 FRESH = -1
@@ -82,8 +83,21 @@ class ClockGuard:
     """``clock operator value``"""
 
     clock: int
-    operator: str
+    operator: BinaryOperator
     value: int
+
+
+def at_most(clock: int, value: int, closed: bool) -> ClockGuard:
+    return ClockGuard(clock, BinaryOperator.LESS_EQUAL if closed else BinaryOperator.LESS, value)
+
+
+def at_least(clock: int, value: int, closed: bool) -> ClockGuard:
+    return ClockGuard(clock, BinaryOperator.GREATER_EQUAL if closed else BinaryOperator.GREATER, value)
+
+
+def positive(clock: int) -> ClockGuard:
+    """Time has passed since the clock was reset."""
+    return at_least(clock, 0, False)
 
 
 # ---- small questions about states ------------------------------------------------------------------------------------
@@ -159,13 +173,13 @@ def readiness(item: Seen) -> tuple[ClockGuard, ...] | None:
         case Seen(phase="initial"):
             return ()
         case Seen(past=HeldFor(length=int(length)), clocks=(clock,)):
-            return (ClockGuard(clock, ">=", length),)
+            return (at_least(clock, length, True),)
         case Seen(past=Was(length=int(length)), phase="since", clocks=(clock,)):
-            return (ClockGuard(clock, "<", length),)
+            return (at_most(clock, length, False),)
         case Seen(past=Was(), phase="since"):
             return ()
         case Seen(clocks=(clock,)):
-            return (ClockGuard(clock, ">", 0),)
+            return (positive(clock),)
         case _:
             return None
 
@@ -175,22 +189,25 @@ def inside(window: Window, clocks: tuple[int, ...]) -> tuple[ClockGuard, ...]:
         return ()
     found = []
     if window.low > 0 or not window.low_closed:
-        found.append(ClockGuard(clocks[0], ">=" if window.low_closed else ">", window.low))
+        found.append(at_least(clocks[0], window.low, window.low_closed))
     if window.high is not None:
-        found.append(ClockGuard(clocks[0], "<=" if window.high_closed else "<", window.high))
+        found.append(at_most(clocks[0], window.high, window.high_closed))
     return tuple(found)
 
 
 def still(window: Window, clock: int) -> ClockGuard:
     """The window is not over: another instant of it is to come or is now."""
     assert window.high is not None
-    return ClockGuard(clock, "<=" if window.high_closed else "<", window.high)
+    return at_most(clock, window.high, window.high_closed)
 
 
 def over(window: Window, clock: int) -> ClockGuard:
     assert window.high is not None
-    return ClockGuard(clock, ">" if window.high_closed else ">=", window.high)
+    return at_least(clock, window.high, not window.high_closed)
 
 
 def implies_positive(guard: ClockGuard, clock: int) -> bool:
-    return guard.clock == clock and (guard.operator == ">" or (guard.operator in (">=", "==") and guard.value > 0))
+    return guard.clock == clock and (
+        guard.operator == BinaryOperator.GREATER
+        or (guard.operator in (BinaryOperator.GREATER_EQUAL, BinaryOperator.EQUAL) and guard.value > 0)
+    )

@@ -36,6 +36,7 @@ from tachk.logic.observer.states import (
     Settling,
     State,
     Task,
+    at_most,
     implies_positive,
     inside,
     is_there_initially,
@@ -44,10 +45,12 @@ from tachk.logic.observer.states import (
     ordered,
     over,
     pasts_wanted,
+    positive,
     readiness,
     still,
     waits_for_ever,
 )
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 
 
@@ -163,10 +166,11 @@ class Tableau:
                         yield from self._step(state, task, branch.tasks, branch.now, (*guards, *ready))
             case Task(goal=goal, phase="ahead", clocks=(clock, *_)):
                 on = replace(task, phase="on")
-                yield from self._step(state, task, (on,), frozenset(), (ClockGuard(clock, "==", goal.window.low),))
+                begins = ClockGuard(clock, BinaryOperator.EQUAL, goal.window.low)
+                yield from self._step(state, task, (on,), frozenset(), (begins,))
             case Task(goal=Recurring(window=window, answer=answer, length=length, closed=closed), phase="gap"):
                 window_clock, gap = task.clocks
-                in_time = ClockGuard(gap, "<=" if closed else "<", length)
+                in_time = at_most(gap, length, closed)
                 on = Task(task.goal, "on", (window_clock,))
                 now = conjunction((answer,))
                 yield from self._step(state, task, (on,), now, (in_time, still(window, window_clock)))
@@ -230,7 +234,7 @@ class Tableau:
         if is_false(condition):
             return
         if settled is not None and not any(implies_positive(clock, settled.clock) for clock in clocks):
-            clocks = (*clocks, ClockGuard(settled.clock, ">", 0))
+            clocks = (*clocks, positive(settled.clock))
         target, reset = numbered(frozenset(items))
         if not any(isinstance(item, Task | Settling) for item in target):
             target = SHOWN
@@ -261,7 +265,7 @@ class Tableau:
             return
         rest = state - {claim}
         if not any(isinstance(item, Task) for item in rest):
-            yield Step(state, SHOWN, (ClockGuard(claim.clock, ">", 0),))
+            yield Step(state, SHOWN, (positive(claim.clock),))
         elif not claim.conditions <= self.requirement(rest):
             ending = conjunction((negated(all_of(claim.conditions, self.span)),))
             if not self._is_goal(rest, ending):
@@ -291,7 +295,7 @@ class Tableau:
             if isinstance(past, Was) and item.phase == "on":
                 follow = Seen(past, "since", (FRESH,) if past.length is not None else ())
                 over = conjunction((past.since, negated(past.there)))
-                yield from self._past_step(state, without | {follow}, over, (ClockGuard(item.clocks[0], ">", 0),))
+                yield from self._past_step(state, without | {follow}, over, (positive(item.clocks[0]),))
             if isinstance(past, Was) and item.phase == "since":
                 again = Seen(past, "on", (FRESH,))
                 found = conjunction((past.there,))
@@ -309,7 +313,7 @@ class Tableau:
             return
         clocks: tuple[ClockGuard, ...] = ()
         if claim is not None:
-            state_after, clocks = state - {claim} | {item}, (ClockGuard(claim.clock, ">", 0),)
+            state_after, clocks = state - {claim} | {item}, (positive(claim.clock),)
         else:
             state_after = state | {item}
         for step in self._past_step(state, state_after, frozenset(), clocks, forced=not clocks):
@@ -335,7 +339,7 @@ class Tableau:
 def _or(one: ast.Expression, other: ast.Expression) -> ast.Expression:
     if isinstance(one, ast.BooleanLiteral):
         return one if one.value else other
-    return ast.BinaryExpression(one.span, "||", one, other)
+    return ast.BinaryExpression(one.span, BinaryOperator.OR, one, other)
 
 
 def _first_goals(tableau: Tableau, state: State) -> list[Branch]:

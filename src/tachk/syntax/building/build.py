@@ -10,6 +10,7 @@ import re
 from typing import Any
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.building.build_expressions import Children, ExpressionBuilder, ListOf, nodes, only, span_of
 from tachk.syntax.building.build_template import Clause, Line, clauses_of, template
@@ -312,7 +313,7 @@ class Builder(ExpressionBuilder, FormulaBuilder):
 
     def conjunction_list(self, children: Children) -> Any:
         """Conjuncts separated by commas, as in UPPAAL 3.x."""
-        return chain("&&", nodes(children))
+        return chain(BinaryOperator.AND, nodes(children))
 
     # ---- fragments ----
 

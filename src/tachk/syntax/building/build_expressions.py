@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, TypeVar
 
 from tachk.diagnostics.span import Span
+from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.chains import chain
 from tachk.syntax.parsing.tokens import Token
@@ -12,7 +13,9 @@ from tachk.syntax.parsing.tokens import Token
 Children = list[Any]
 T = TypeVar("T")
 
-_SYMBOLIC = {"and": "&&", "or": "||", "not": "!", ":=": "="}
+_BINARY = {spelling: each for each in BinaryOperator for spelling in (each.value, each.word) if spelling is not None}
+_PREFIX = {spelling: each for each in PrefixOperator for spelling in (each.value, each.word) if spelling is not None}
+_ASSIGNED = {"=": None, ":=": None, **{f"{each}=": each for each in BinaryOperator}}
 _TYPE_NAMES = ("double", "string")
 
 
@@ -78,7 +81,7 @@ class ExpressionBuilder:
 
     def assignment(self, children: Children) -> ast.AssignmentExpression:
         target, operator, value = children
-        return ast.AssignmentExpression(span_of(children), _SYMBOLIC.get(operator.text, operator.text), target, value)
+        return ast.AssignmentExpression(span_of(children), _ASSIGNED[operator.text], target, value)
 
     def conditional(self, children: Children) -> ast.ConditionalExpression:
         return ast.ConditionalExpression(span_of(children), children[0], children[2], children[4])
@@ -86,9 +89,9 @@ class ExpressionBuilder:
     def binary(self, children: Children) -> Any:
         """Operands with operators between them, which bind equally and to the left."""
         operands = [children[0]]
-        joined = _SYMBOLIC.get(children[1].text, children[1].text)
+        joined = _BINARY[children[1].text]
         for operator, operand in zip(children[1::2], children[2::2], strict=True):
-            symbol = _SYMBOLIC.get(operator.text, operator.text)
+            symbol = _BINARY[operator.text]
             if symbol != joined:
                 operands = [chain(joined, operands)]
                 joined = symbol
@@ -96,8 +99,7 @@ class ExpressionBuilder:
         return chain(joined, operands)
 
     def unary(self, children: Children) -> ast.UnaryExpression:
-        operator = children[0].text
-        return ast.UnaryExpression(span_of(children), _SYMBOLIC.get(operator, operator), children[1])
+        return ast.UnaryExpression(span_of(children), _PREFIX[children[0].text], children[1])
 
     def increment_before(self, children: Children) -> ast.IncrementExpression:
         return ast.IncrementExpression(span_of(children), children[0].text, True, children[1])

@@ -12,6 +12,7 @@ from typing import Any
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Span
+from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.records import dataclass
 from tachk.syntax import ast
 from tachk.syntax.building.build_expressions import Children, span_of
@@ -87,7 +88,7 @@ class FormulaBuilder:
         return TemporalExpression(span_of(children), letter.text, interval, (left, right))
 
     def implies(self, children: Children) -> ast.BinaryExpression:
-        return ast.BinaryExpression(span_of(children), "imply", children[0], children[2])
+        return ast.BinaryExpression(span_of(children), BinaryOperator.IMPLY, children[0], children[2])
 
     def interval(self, children: Children) -> Interval | RefusedPart:
         opening, lower, _, upper, closing = children
@@ -149,7 +150,9 @@ def _number(expression: ast.Expression) -> Fraction | ast.Expression:
             return Fraction(value)
         case ast.FloatLiteral(text=text):
             return Fraction(text)
-        case ast.UnaryExpression(operator="-", operand=ast.IntegerLiteral() | ast.FloatLiteral() as operand):
+        case ast.UnaryExpression(
+            operator=PrefixOperator.MINUS, operand=ast.IntegerLiteral() | ast.FloatLiteral() as operand
+        ):
             number = _number(operand)
             return -number if isinstance(number, Fraction) else expression
         case _:
@@ -202,15 +205,15 @@ def _formula(node: Any) -> Formula:
             return kind(span, given, _formula(operands[0]), _formula(operands[1]))
         case ast.BooleanLiteral(value=value):
             return Truth(span, value)
-        case ast.UnaryExpression(operator="!", operand=operand):
+        case ast.UnaryExpression(operator=PrefixOperator.NOT, operand=operand):
             return Not(span, _formula(operand))
-        case ast.BinaryExpression(operator="&&"):
+        case ast.BinaryExpression(operator=BinaryOperator.AND):
             return And(span, tuple(_parts(node, And)))
-        case ast.BinaryExpression(operator="||"):
+        case ast.BinaryExpression(operator=BinaryOperator.OR):
             return Or(span, tuple(_parts(node, Or)))
-        case ast.BinaryExpression(operator="imply", left=left, right=right):
+        case ast.BinaryExpression(operator=BinaryOperator.IMPLY, left=left, right=right):
             return Implies(span, _formula(left), _formula(right))
-        case ast.BinaryExpression(operator="xor", left=left, right=right):
+        case ast.BinaryExpression(operator=BinaryOperator.XOR, left=left, right=right):
             return _exclusive(span, left, right)
         case _:
             return Atom(span, _state_expression(node, _why(node)))
@@ -232,7 +235,9 @@ def _parts(node: ast.BinaryExpression, kind: type[And] | type[Or]) -> list[Formu
 def _exclusive(span: Span, left: Any, right: Any) -> Formula:
     """``a xor b`` as ``a && !b || !a && b``; chains of it would double at each step."""
     for operand in (left, right):
-        inner = next((n for n in nodes_of_kind(operand, ast.BinaryExpression) if n.operator == "xor"), None)
+        inner = next(
+            (n for n in nodes_of_kind(operand, ast.BinaryExpression) if n.operator == BinaryOperator.XOR), None
+        )
         if inner is not None:
             raise Misplaced(
                 Diagnostic(

@@ -5,28 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import assert_never
 
+from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
-from tachk.syntax.chains import ASSOCIATIVE, operands_of
+from tachk.syntax.chains import operands_of
 from tachk.syntax.edge_clauses import Clause, ClauseKind
 
 _QUANTIFIED, _ASSIGNED, _CONDITIONAL = 0, 1, 2
 _PREFIXED, _POSTFIXED = 15, 16
-
-BINARY_LEVEL = {
-    **dict.fromkeys(("||", "imply", "xor"), 3),
-    "&&": 4,
-    "|": 5,
-    "^": 6,
-    "&": 7,
-    **dict.fromkeys(("==", "!="), 8),
-    **dict.fromkeys(("<", "<=", ">=", ">"), 9),
-    **dict.fromkeys(("<?", ">?"), 10),
-    **dict.fromkeys(("<<", ">>"), 11),
-    **dict.fromkeys(("+", "-"), 12),
-    **dict.fromkeys(("*", "/", "%"), 13),
-    "**": 14,
-}
-"""How strongly a binary operator binds; all associate to the left."""
+"""Beside the levels of the binary operators."""
 
 
 def print_expression(expression: ast.Expression) -> str:
@@ -62,7 +48,7 @@ def _level(expression: ast.Expression) -> tuple[int, bool]:
         case ast.ConditionalExpression():
             return _CONDITIONAL, False
         case ast.BinaryExpression():
-            return BINARY_LEVEL[expression.operator], False
+            return expression.operator.level, False
         case ast.UnaryExpression() | ast.SpawnExpression():
             return _PREFIXED, False
         case ast.IncrementExpression():
@@ -89,9 +75,10 @@ def _text(expression: ast.Expression, open_right: bool) -> str:
             return "deadlock"
         case ast.UnaryExpression(operator=operator, operand=operand):
             inner = _print(operand, _PREFIXED, open_right)
-            return f"{operator}({inner})" if inner.startswith(operator) and operator != "!" else operator + inner
+            joins = inner.startswith(operator) and operator is not PrefixOperator.NOT
+            return f"{operator}({inner})" if joins else operator + inner
         case ast.BinaryExpression(operator=operator):
-            level = BINARY_LEVEL[operator]
+            level = operator.level
             head, *others, last = operands_of(expression)
             return f" {operator} ".join(
                 (
@@ -101,7 +88,7 @@ def _text(expression: ast.Expression, open_right: bool) -> str:
                 )
             )
         case ast.AssignmentExpression(operator=operator, target=target, value=value):
-            return f"{_print(target, _CONDITIONAL, False)} {operator} {_print(value, _ASSIGNED, open_right)}"
+            return f"{_print(target, _CONDITIONAL, False)} {operator or ''}= {_print(value, _ASSIGNED, open_right)}"
         case ast.IncrementExpression(operator=operator, prefix=True, target=target):
             return operator + _print(target, _PREFIXED, open_right)
         case ast.IncrementExpression(operator=operator, target=target):
@@ -128,9 +115,9 @@ def _text(expression: ast.Expression, open_right: bool) -> str:
             assert_never(expression)
 
 
-def needs_parentheses(first: ast.Expression, operator: str) -> bool:
+def needs_parentheses(first: ast.Expression, operator: BinaryOperator) -> bool:
     """Whether the first operand of a chain must not become a part of it."""
-    return operator in ASSOCIATIVE and isinstance(first, ast.BinaryExpression) and first.operator == operator
+    return operator.associative and isinstance(first, ast.BinaryExpression) and first.operator == operator
 
 
 def _initialiser(name: ast.Identifier | None, value: ast.Expression) -> str:

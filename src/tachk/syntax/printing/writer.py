@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.chains import operands_of
 from tachk.syntax.printing.comment_placement import Placement, line_nodes
-from tachk.syntax.printing.expression_printer import BINARY_LEVEL, needs_parentheses, print_expression
+from tachk.syntax.printing.expression_printer import needs_parentheses, print_expression
 
 WIDTH = 100
 """Columns after which the formatter breaks a line where it can."""
@@ -218,13 +219,17 @@ def _text(comment: ast.Comment) -> str:
 
 def _chain(expression: ast.Expression) -> list[str]:
     """The operands of a chain of ``&&``, or of ``||`` and ``imply``, each but the first with its operator."""
-    if not isinstance(expression, ast.BinaryExpression) or expression.operator not in ("&&", "||", "imply"):
+    if not isinstance(expression, ast.BinaryExpression) or expression.operator not in (
+        BinaryOperator.AND,
+        BinaryOperator.OR,
+        BinaryOperator.IMPLY,
+    ):
         return [print_expression(expression)]
-    level = BINARY_LEVEL[expression.operator]
+    level = expression.operator.level
     operands: list[tuple[str, ast.Expression]] = []
     rest: ast.Expression = expression
     grouped = False
-    while isinstance(rest, ast.BinaryExpression) and BINARY_LEVEL[rest.operator] == level and not grouped:
+    while isinstance(rest, ast.BinaryExpression) and rest.operator.level == level and not grouped:
         operator = rest.operator
         rest, *others = operands_of(rest)
         operands += ((operator, operand) for operand in reversed(others))
@@ -242,7 +247,7 @@ def _operand(expression: ast.Expression, least: int, last: bool) -> str:
     text = print_expression(expression)
     match expression:
         case ast.BinaryExpression(operator=operator):
-            return text if BINARY_LEVEL[operator] >= least and not _swallows(expression, last) else f"({text})"
+            return text if operator.level >= least and not _swallows(expression, last) else f"({text})"
         case ast.ConditionalExpression() | ast.AssignmentExpression():
             return f"({text})"
         case _:

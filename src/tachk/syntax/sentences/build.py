@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Span
+from tachk.operators import BinaryOperator
 from tachk.syntax.ast import BinaryExpression
 from tachk.syntax.formula import And, Atom, Duration, Formula, Not, Or, Rise
 from tachk.syntax.parsing.tokens import Token
@@ -168,27 +169,33 @@ class SentenceBuilder:
         return s.MustBeTrue(span, _compared(span, left, comparison.text, right))
 
     def below(self, children: Children) -> Mark:
-        return Mark("", _span(children), "<")
+        return Mark("", _span(children), BinaryOperator.LESS)
 
     def at_or_below(self, children: Children) -> Mark:
-        return Mark("", _span(children), "<=")
+        return Mark("", _span(children), BinaryOperator.LESS_EQUAL)
 
     def above(self, children: Children) -> Mark:
-        return Mark("", _span(children), ">")
+        return Mark("", _span(children), BinaryOperator.GREATER)
 
     def at_or_above(self, children: Children) -> Mark:
-        return Mark("", _span(children), ">=")
+        return Mark("", _span(children), BinaryOperator.GREATER_EQUAL)
 
     def must_be_inside(self, children: Children) -> s.MustBeTrue:
         value, _, low, _, high = children
         span = _span(children)
-        both = (_compared(span, low, "<=", value), _compared(span, value, "<=", high))
+        both = (
+            _compared(span, low, BinaryOperator.LESS_EQUAL, value),
+            _compared(span, value, BinaryOperator.LESS_EQUAL, high),
+        )
         return s.MustBeTrue(span, And(span, both))
 
     def must_be_outside(self, children: Children) -> s.MustBeTrue:
         value, _, low, _, high = children
         span = _span(children)
-        either = (_compared(span, value, "<", low), _compared(span, value, ">", high))
+        either = (
+            _compared(span, value, BinaryOperator.LESS, low),
+            _compared(span, value, BinaryOperator.GREATER, high),
+        )
         return s.MustBeTrue(span, Or(span, either))
 
     # ---- what parts are made of ----
@@ -232,7 +239,7 @@ def _condition(token: Token, wording: Token | None = None) -> Formula:
     return formula if _polarity(wording) else Not(formula.span, formula)
 
 
-def _compared(span: Span, left: Token, operator: str, right: Token) -> Atom:
+def _compared(span: Span, left: Token, operator: BinaryOperator, right: Token) -> Atom:
     return Atom(span, BinaryExpression(span, operator, read_number(left.span), read_number(right.span)))
 
 

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Span
+from tachk.operators import Group
 from tachk.syntax import ast
 from tachk.syntax.formula import And, Atom, Change, Duration, Fall, Formula, Implies, Not, Or, Rise, Truth, operands
 from tachk.syntax.formulas.parser import parse_formula
@@ -13,9 +14,6 @@ from tachk.syntax.sentences.text import Piece, cut
 from tachk.time_units import SPELLINGS
 
 _TEMPORAL_HELP = "a condition is about one instant; a property with operators like F and G is written as a formula"
-
-
-_COMPARISONS = frozenset({"<", "<=", "==", "!=", ">=", ">", "&&", "||", "imply", "xor"})
 
 
 class Refused(Exception):
@@ -72,7 +70,7 @@ def read_number(span: Span) -> ast.Expression:
     formula = read_condition(span)
     if isinstance(formula, Atom):
         expression = formula.expression
-        if not (isinstance(expression, ast.BinaryExpression) and expression.operator in _COMPARISONS):
+        if not (isinstance(expression, ast.BinaryExpression) and expression.operator.group is not Group.ARITHMETIC):
             return expression
     raise Refused(
         Diagnostic("E0144", "this is a condition, not a number", span, "write 'must be true', or name what is compared")
