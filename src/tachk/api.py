@@ -14,25 +14,23 @@ Wrong input raises `InputError` with every finding; a limit that is hit is an an
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from html import escape
-from io import StringIO
 from time import monotonic
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
-from tachk.diagnostics.suggestion import closest, unknown_key
 from tachk.engines.options import Extrapolation, Limits, Options, SearchOrder
-from tachk.frontend.loaded import LoadedModel, elaborate_query_file, other_readings_of
-from tachk.frontend.priority_readings import FIRST
+from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.queries.queries import UncheckedQuery
 from tachk.loading.load import load_model
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties.readings import agreed
+from tachk.properties.questions import Questions, checked, why_not
 from tachk.properties.verdict import Answer, Verdict
+from tachk.report.answers import Report
 from tachk.report.record import NotChecked, RunRecord
 from tachk.syntax.source_files import read_source
 from tachk.time_limit import time_limit
@@ -40,8 +38,6 @@ from tachk.time_limit import time_limit
 if TYPE_CHECKING:
     from tachk.drawing.svg import Picture
     from tachk.properties.verify import VerifyProgress
-    from tachk.report.json_report import Json
-    from tachk.report.run.told_run import Run
 
 __all__ = [
     "Answer",
@@ -163,7 +159,12 @@ class Model:
         self, network: Network | LoadedModel, path: str = "<network>", definitions: tuple[str, ...] = ()
     ) -> None:
         """A model of a network that was made in Python, or of what was read from a text."""
-        loaded = _made(network, path) if isinstance(network, Network) else network
+        if isinstance(network, Network):
+            from tachk.formats.network_document import network_model
+
+            loaded = network_model(network, path)
+        else:
+            loaded = network
         for name, value in (("path", path), ("loaded", loaded), ("definitions", definitions)):
             object.__setattr__(self, name, value)
 
@@ -175,9 +176,10 @@ class Model:
             UsageError: it was made in Python, and the language cannot say it.
         """
         if not self.loaded.items:
-            raise UsageError(
-                f"{self.path} cannot be written as a model, only be checked", _why_not_written(self.network)
-            )
+            from tachk.formats.network_document import why_not_writable
+
+            reason = why_not_writable(self.network)
+            raise UsageError(f"{self.path} cannot be written as a model, only be checked", reason)
         return self.loaded
 
     @property
@@ -229,64 +231,31 @@ class Model:
             UnsupportedError: the model uses a feature that the query cannot be decided with.
             OutOfTimeError: the limit on seconds was over before the queries were read.
         """
-        from tachk.properties.verify import refused
-        from tachk.properties.verify import verify as verify_queries
+        from tachk.properties.answering import answers
 
         started = monotonic()
         options, limits = options or Options(), limits or Limits()
-        names = (property,) if isinstance(property, str) else tuple(property)
-        sources = [Source("<query>", text) for text in queries]
-        files = [read_source(path) for path in query_files]
+        questions = Questions(
+            self.path,
+            (property,) if isinstance(property, str) else tuple(property),
+            tuple(read_source(path) for path in query_files),
+            tuple(Source("<query>", text) for text in queries),
+        )
         with time_limit(limits.seconds):
-            formulas = self._formulas(names, files, sources)
-        checked = _checked(formulas)
-        if self.refusals:
-            network, verdicts = self.loaded.heading, refused(checked, self.refusals[0])
-        else:
-            network = self.network
-            left = limits.after(monotonic() - started)
-            verdicts = verify_queries(network, checked, options, left, progress, trace)
-        others = []
-        open_ = any(verdict.answer is not Answer.UNKNOWN for verdict in verdicts)
-        for place, reading in other_readings_of(self.loaded) if open_ else ():
-            asked = _checked(Model(reading, self.path, self.definitions)._formulas(names, files, sources))
-            left = limits.after(monotonic() - started)
-            others.append((place, verify_queries(reading.network, asked, options, left, progress, trace=False)))
-        verdicts = tuple(
-            agreed(verdict, FIRST, [(place, found[number]) for place, found in others])
-            for number, verdict in enumerate(verdicts)
-        )
-        not_checked = tuple(
-            NotChecked(f.name, f.text, _why_not(f), f.diagnostics, f.title, f.span, number)
-            for number, f in enumerate(formulas, 1)
-            if isinstance(f, UncheckedQuery)
-        )
+            formulas = questions.about(self.loaded)
+        left = limits.after(monotonic() - started)
         record = RunRecord(
-            self.path, network, verdicts, not_checked, options, limits, self.definitions, self.refusals, trace
+            self.path,
+            self.loaded.heading if self.refusals else self.network,
+            answers(self.loaded, questions, checked(formulas), options, left, progress, trace),
+            _not_checked(formulas),
+            options,
+            limits,
+            self.definitions,
+            self.refusals,
+            trace,
         )
         return Report(record)
-
-    def _formulas(
-        self, names: Sequence[str], files: Sequence[Source], sources: Sequence[Source]
-    ) -> tuple[Query | UncheckedQuery, ...]:
-        """What is asked for, in order: the named properties and the queries of the texts, else all of the model."""
-        if not names and not sources and not files:
-            return self.loaded.formulas
-        given = self._given(files, sources)
-        return (*(self._property(name) for name in names), *given)
-
-    def _given(self, files: Iterable[Source], sources: Iterable[Source]) -> tuple[Query | UncheckedQuery, ...]:
-        """The queries of several texts, numbered through in their order whether they are checked or not."""
-        formulas: list[Query | UncheckedQuery] = []
-        diagnostics: list[Diagnostic] = []
-        for source, typed in [(file, False) for file in files] + [(source, True) for source in sources]:
-            found, others = elaborate_query_file(self.loaded, source, len(formulas) + 1)
-            formulas += sorted((*found, *others), key=lambda formula: formula.span.start)
-            if typed:
-                diagnostics += (finding for query in others if query.is_wrong for finding in query.diagnostics)
-        if diagnostics:
-            raise InputError(diagnostics)
-        return tuple(formulas)
 
     def zone_graph(self, limit: int = 10_000) -> Any:
         """The symbolic states that are reachable and what leads from one to the other, as a `networkx.DiGraph`.
@@ -324,135 +293,10 @@ class Model:
             return title
         return f"{title}\n{picture}"
 
-    def _property(self, name: str) -> Query:
-        for query in self.properties:
-            if query.name == name:
-                return query
-        for unchecked in self.loaded.unchecked:
-            if unchecked.name == name:
-                if unchecked.diagnostics:
-                    raise InputError(unchecked.diagnostics)
-                raise UsageError(f"{self.path}: {name} is not checked: {_why_not(unchecked)}")
-        names = [query.name for query in self.properties]
-        close = closest(name, names)
-        raise UsageError(
-            f"{self.path} has no property {name!r}",
-            f"did you mean {close}?" if close else f"it has: {', '.join(names) or 'none'}",
-        )
 
-
-def _made(network: Network, name: str) -> LoadedModel:
-    """A network with the names that queries may use and, where the language can say it, the text that it would have."""
-    from tachk.formats.network_document import NotWritable, empty_document, network_document
-    from tachk.frontend.made_network import made_model
-
-    try:
-        document = network_document(network, name)
-    except NotWritable:
-        document = empty_document(name)
-    return made_model(network, document)
-
-
-def _why_not_written(network: Network) -> str:
-    from tachk.formats.network_document import NotWritable, network_document
-
-    try:
-        network_document(network, "")
-    except NotWritable as reason:
-        return f"it has {reason}"
-    return "it has no process"
-
-
-def _checked(formulas: Iterable[Query | UncheckedQuery]) -> tuple[Query, ...]:
-    return tuple(formula for formula in formulas if isinstance(formula, Query))
-
-
-def _why_not(query: UncheckedQuery) -> str:
-    if query.diagnostics:
-        return query.diagnostics[0].message
-    return f"{query.family} query"
-
-
-@dataclass(frozen=True, slots=True)
-class Report(Sequence[Verdict]):
-    """The verdicts of one run, in the order of the queries; ``report["name"]`` finds one by name."""
-
-    record: RunRecord
-
-    @overload
-    def __getitem__(self, index: int | str) -> Verdict: ...
-    @overload
-    def __getitem__(self, index: slice) -> tuple[Verdict, ...]: ...
-    def __getitem__(self, index: int | str | slice) -> Verdict | tuple[Verdict, ...]:
-        if isinstance(index, str):
-            for verdict in self.record.verdicts:
-                if verdict.query.name == index:
-                    return verdict
-            for query in self.record.not_checked:
-                if query.name == index:
-                    raise KeyError(f"{index} is not checked: {query.reason}")
-            raise unknown_key(index, (verdict.query.name for verdict in self.record.verdicts))
-        return self.record.verdicts[index]
-
-    def __len__(self) -> int:
-        return len(self.record.verdicts)
-
-    @property
-    def met(self) -> bool | None:
-        """Whether every answer is as expected: False if one is not, else None if one is unknown, else True."""
-        return self.record.met
-
-    def run(self, index: int | str) -> Run | None:
-        """The run that shows why an answer is as it is, None where there is none: it can be printed and looked at."""
-        from tachk.report.run.told_run import Run
-
-        verdict = self[index]
-        return None if verdict.trace is None else Run(self.record.network, verdict)
-
-    def to_dict(self) -> dict[str, Json]:
-        """The run as docs/schema/verify.schema.json describes it."""
-        from tachk.report.json_report import run_to_json
-
-        return run_to_json(self.record)
-
-    def to_rows(self) -> list[dict[str, str | int | float | bool | None]]:
-        """One flat dictionary for each verdict, with the model's constants: what `pandas.DataFrame` takes."""
-        return [
-            {
-                "model": self.record.model,
-                **dict(self.record.network.constants),
-                "property": verdict.query.name,
-                "answer": verdict.answer.value,
-                "met": verdict.met,
-                "states_stored": verdict.statistics.states_stored,
-                "states_explored": verdict.statistics.states_explored,
-                "transitions": verdict.statistics.transitions,
-                "seconds": verdict.statistics.seconds,
-                "peak_bytes": verdict.statistics.peak_bytes,
-            }
-            for verdict in self.record.verdicts
-        ]
-
-    def to_text(self, every_trace: bool = False, clocks: bool = False) -> str:
-        """What `tachk verify` prints."""
-        from rich.console import Console
-
-        from tachk.report.run.telling import Telling
-        from tachk.report.text_report import print_run
-
-        out = StringIO()
-        print_run(self.record, Console(file=out, width=1000, highlight=False), every_trace, Telling(clocks))
-        return out.getvalue()
-
-    def __str__(self) -> str:
-        return self.to_text()
-
-    def __repr__(self) -> str:
-        answers = [f"{verdict.query.name}: {verdict.answer.value}" for verdict in self.record.verdicts]
-        answers += [f"{query.name}: not checked" for query in self.record.not_checked]
-        return f"<Report on {self.record.model}: {', '.join(answers) or 'nothing checked'}>"
-
-    def _repr_html_(self) -> str:
-        from tachk.report.html_report import run_to_html
-
-        return run_to_html(self.record)
+def _not_checked(formulas: Iterable[Query | UncheckedQuery]) -> tuple[NotChecked, ...]:
+    return tuple(
+        NotChecked(f.name, f.text, why_not(f), f.diagnostics, f.title, f.span, number)
+        for number, f in enumerate(formulas, 1)
+        if isinstance(f, UncheckedQuery)
+    )

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 
 from tachk.diagnostics.span import NOWHERE, Source, Span
 from tachk.formats.network_text import expression_node, type_node
+from tachk.frontend.loaded import LoadedModel
+from tachk.frontend.made_network import made_model
 from tachk.model.expressions import Expression, LocationTest, Variable
 from tachk.model.network import DEFAULT_PRIORITY, Edge, Location, Network, Process
 from tachk.model.traversal import walk
@@ -50,9 +52,22 @@ def network_document(network: Network, name: str) -> ast.Document:
     return ast.Document(Span(Source(name, ""), 0, 0), items)
 
 
-def empty_document(name: str) -> ast.Document:
-    """The document of a network that cannot be written."""
-    return ast.Document(Span(Source(name, ""), 0, 0), ())
+def network_model(network: Network, name: str) -> LoadedModel:
+    """A network with the names that queries may use and, where the language can say it, the text that it would have."""
+    try:
+        document = network_document(network, name)
+    except NotWritable:
+        document = ast.Document(Span(Source(name, ""), 0, 0), ())
+    return made_model(network, document)
+
+
+def why_not_writable(network: Network) -> str:
+    """Why a network without a document has none."""
+    try:
+        network_document(network, "")
+    except NotWritable as reason:
+        return f"it has {reason}"
+    return "it has no process"
 
 
 def _expressions(network: Network) -> Iterator[Expression]:

@@ -1,0 +1,48 @@
+"""Answers to questions about a model, compared over all the ways in which it can be read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from time import monotonic
+
+from tachk.engines.options import Limits, Options
+from tachk.frontend.loaded import LoadedModel, other_readings_of
+from tachk.frontend.priority_readings import FIRST
+from tachk.model.query import Query
+from tachk.properties.questions import Questions, checked
+from tachk.properties.readings import agreed
+from tachk.properties.verdict import Answer, Verdict
+from tachk.properties.verify import VerifyProgress, refused, verify
+
+
+def answers(
+    model: LoadedModel,
+    questions: Questions,
+    queries: Sequence[Query],
+    options: Options,
+    limits: Limits,
+    progress: VerifyProgress | None,
+    trace: bool,
+) -> tuple[Verdict, ...]:
+    """The verdicts about the queries, each with the assumption on which it rests where readings differ.
+
+    Args:
+        queries: what is asked about the model as it is taken first.
+
+    Raises InputError and UnsupportedError as `verify` does.
+    """
+    if model.refusals:
+        return refused(queries, model.refusals[0])
+    started = monotonic()
+    verdicts = verify(model.network, queries, options, limits, progress, trace)
+    if all(verdict.answer is Answer.UNKNOWN for verdict in verdicts):
+        return verdicts
+    others = []
+    for place, reading in other_readings_of(model):
+        asked = checked(questions.about(reading))
+        left = limits.after(monotonic() - started)
+        others.append((place, verify(reading.network, asked, options, left, progress, trace=False)))
+    return tuple(
+        agreed(verdict, FIRST, [(place, found[number]) for place, found in others])
+        for number, verdict in enumerate(verdicts)
+    )

@@ -1,0 +1,79 @@
+"""What is asked about a model: properties by their names and the queries of texts, or everything that it states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
+from tachk.diagnostics.span import Source
+from tachk.diagnostics.suggestion import closest
+from tachk.frontend.loaded import LoadedModel, elaborate_query_file
+from tachk.frontend.queries.queries import UncheckedQuery
+from tachk.model.query import Query
+
+
+@dataclass(frozen=True, slots=True)
+class Questions:
+    """Attributes:
+    path: what messages call the model.
+    names: of properties of the model.
+    files: of queries, each with its optional expectation.
+    typed: queries. Nothing in them may be wrong, while a wrong query of a file is one that is not checked.
+    """
+
+    path: str
+    names: tuple[str, ...] = ()
+    files: tuple[Source, ...] = ()
+    typed: tuple[Source, ...] = ()
+
+    def about(self, model: LoadedModel) -> tuple[Query | UncheckedQuery, ...]:
+        """What is asked for, in order: the named properties and the queries of the texts, else all of the model.
+
+        Raises:
+            InputError: one that was typed or named is wrong.
+            UsageError: there is no property of that name.
+        """
+        if not self.names and not self.typed and not self.files:
+            return model.formulas
+        given = self._given(model)
+        return (*(self._property(model, name) for name in self.names), *given)
+
+    def _given(self, model: LoadedModel) -> tuple[Query | UncheckedQuery, ...]:
+        """The queries of several texts, numbered through in their order whether they are checked or not."""
+        formulas: list[Query | UncheckedQuery] = []
+        diagnostics: list[Diagnostic] = []
+        for source, typed in [(file, False) for file in self.files] + [(source, True) for source in self.typed]:
+            found, others = elaborate_query_file(model, source, len(formulas) + 1)
+            formulas += sorted((*found, *others), key=lambda formula: formula.span.start)
+            if typed:
+                diagnostics += (finding for query in others if query.is_wrong for finding in query.diagnostics)
+        if diagnostics:
+            raise InputError(diagnostics)
+        return tuple(formulas)
+
+    def _property(self, model: LoadedModel, name: str) -> Query:
+        for query in model.queries:
+            if query.name == name:
+                return query
+        for unchecked in model.unchecked:
+            if unchecked.name == name:
+                if unchecked.diagnostics:
+                    raise InputError(unchecked.diagnostics)
+                raise UsageError(f"{self.path}: {name} is not checked: {why_not(unchecked)}")
+        names = [query.name for query in model.queries]
+        close = closest(name, names)
+        raise UsageError(
+            f"{self.path} has no property {name!r}",
+            f"did you mean {close}?" if close else f"it has: {', '.join(names) or 'none'}",
+        )
+
+
+def checked(formulas: Iterable[Query | UncheckedQuery]) -> tuple[Query, ...]:
+    """Those that are of a kind that tachk checks."""
+    return tuple(formula for formula in formulas if isinstance(formula, Query))
+
+
+def why_not(query: UncheckedQuery) -> str:
+    """Why a query is not checked."""
+    return query.diagnostics[0].message if query.diagnostics else f"{query.family} query"

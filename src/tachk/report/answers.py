@@ -1,0 +1,101 @@
+"""The answers of one run, for Python: a sequence of verdicts that can be written in every form."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from io import StringIO
+from typing import TYPE_CHECKING, overload
+
+from tachk.diagnostics.suggestion import unknown_key
+from tachk.properties.verdict import Verdict
+from tachk.report.record import RunRecord
+
+if TYPE_CHECKING:
+    from tachk.report.json_report import Json
+    from tachk.report.run.told_run import Run
+
+
+@dataclass(frozen=True, slots=True)
+class Report(Sequence[Verdict]):
+    """The verdicts of one run, in the order of the queries; ``report["name"]`` finds one by name."""
+
+    record: RunRecord
+
+    @overload
+    def __getitem__(self, index: int | str) -> Verdict: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Verdict, ...]: ...
+    def __getitem__(self, index: int | str | slice) -> Verdict | tuple[Verdict, ...]:
+        if isinstance(index, str):
+            for verdict in self.record.verdicts:
+                if verdict.query.name == index:
+                    return verdict
+            for query in self.record.not_checked:
+                if query.name == index:
+                    raise KeyError(f"{index} is not checked: {query.reason}")
+            raise unknown_key(index, (verdict.query.name for verdict in self.record.verdicts))
+        return self.record.verdicts[index]
+
+    def __len__(self) -> int:
+        return len(self.record.verdicts)
+
+    @property
+    def met(self) -> bool | None:
+        """Whether every answer is as expected: False if one is not, else None if one is unknown, else True."""
+        return self.record.met
+
+    def run(self, index: int | str) -> Run | None:
+        """The run that shows why an answer is as it is, None where there is none: it can be printed and looked at."""
+        from tachk.report.run.told_run import Run
+
+        verdict = self[index]
+        return None if verdict.trace is None else Run(self.record.network, verdict)
+
+    def to_dict(self) -> dict[str, Json]:
+        """The run as docs/schema/verify.schema.json describes it."""
+        from tachk.report.json_report import run_to_json
+
+        return run_to_json(self.record)
+
+    def to_rows(self) -> list[dict[str, str | int | float | bool | None]]:
+        """One flat dictionary for each verdict, with the model's constants: what `pandas.DataFrame` takes."""
+        return [
+            {
+                "model": self.record.model,
+                **dict(self.record.network.constants),
+                "property": verdict.query.name,
+                "answer": verdict.answer.value,
+                "met": verdict.met,
+                "states_stored": verdict.statistics.states_stored,
+                "states_explored": verdict.statistics.states_explored,
+                "transitions": verdict.statistics.transitions,
+                "seconds": verdict.statistics.seconds,
+                "peak_bytes": verdict.statistics.peak_bytes,
+            }
+            for verdict in self.record.verdicts
+        ]
+
+    def to_text(self, every_trace: bool = False, clocks: bool = False) -> str:
+        """What `tachk verify` prints."""
+        from rich.console import Console
+
+        from tachk.report.run.telling import Telling
+        from tachk.report.text_report import print_run
+
+        out = StringIO()
+        print_run(self.record, Console(file=out, width=1000, highlight=False), every_trace, Telling(clocks))
+        return out.getvalue()
+
+    def __str__(self) -> str:
+        return self.to_text()
+
+    def __repr__(self) -> str:
+        answers = [f"{verdict.query.name}: {verdict.answer.value}" for verdict in self.record.verdicts]
+        answers += [f"{query.name}: not checked" for query in self.record.not_checked]
+        return f"<Report on {self.record.model}: {', '.join(answers) or 'nothing checked'}>"
+
+    def _repr_html_(self) -> str:
+        from tachk.report.html_report import run_to_html
+
+        return run_to_html(self.record)
