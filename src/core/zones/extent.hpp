@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 
 #include "zones/bound.hpp"
 
@@ -20,10 +21,10 @@ struct Extent {
 
   // The componentwise maximum and minimum with another one.
   void raise_to(const Extent& other) {
-    for (int p = 0; p < 2; ++p) part(p) = other.part(p) > part(p) ? other.part(p) : part(p);
+    for (int p = 0; p < 2; ++p) put(p, other.part(p) > part(p) ? other.part(p) : part(p));
   }
   void lower_to(const Extent& other) {
-    for (int p = 0; p < 2; ++p) part(p) = other.part(p) < part(p) ? other.part(p) : part(p);
+    for (int p = 0; p < 2; ++p) put(p, other.part(p) < part(p) ? other.part(p) : part(p));
   }
 
   // How far it lies outside of two bounds, summed over the components.
@@ -42,13 +43,17 @@ struct Extent {
   friend bool operator==(const Extent&, const Extent&) = default;
 
  private:
-  // What every 64-bit machine compares at once.
-  typedef std::int16_t Part __attribute__((vector_size(16), aligned(2), may_alias));
+  // What every 64-bit machine compares at once. Copied, since extents lie wherever 16-bit numbers may.
+  typedef std::int16_t Part __attribute__((vector_size(16)));
   typedef std::uint16_t Naturals __attribute__((vector_size(16)));
   typedef std::uint32_t Quads __attribute__((vector_size(16)));
   typedef std::uint64_t Words __attribute__((vector_size(16)));
-  Part& part(int p) { return reinterpret_cast<Part*>(sums)[p]; }
-  const Part& part(int p) const { return reinterpret_cast<const Part*>(sums)[p]; }
+  Part part(int p) const {
+    Part result;
+    std::memcpy(&result, sums + p * (count / 2), sizeof result);
+    return result;
+  }
+  void put(int p, Part part) { std::memcpy(sums + p * (count / 2), &part, sizeof part); }
 };
 
 // How entries are summed up.
