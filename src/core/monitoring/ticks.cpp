@@ -54,7 +54,7 @@ template <bool Fused>
   std::uint64_t falling = before <= times[0] ? 0 : all;
   for (std::size_t n = 0; n < count; ++n) {
     const double time = times[n];
-    const double shifted = time * power + rounder;
+    const double shifted = Fused ? __builtin_fma(time, power, rounder) : time * power + rounder;
     const double whole = shifted - rounder;
     if constexpr (Fused) {
       const double highest = std::bit_cast<double>(std::bit_cast<std::uint64_t>(time) & exponent);
