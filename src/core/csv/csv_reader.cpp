@@ -8,6 +8,8 @@
 #include <cstring>
 #include <limits>
 #include <stdexcept>
+#include <string>
+#include <system_error>
 #include <utility>
 
 namespace tachk {
@@ -28,6 +30,22 @@ bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 const char* past_blanks(const char* p, char separator) {
   while (is_blank(*p) && *p != separator) ++p;
   return p;
+}
+
+// As std::from_chars, which some standard libraries do not have for floating-point numbers.
+std::from_chars_result read_number(const char* first, const char* last, double& value) {
+#if defined(__cpp_lib_to_chars)
+  return std::from_chars(first, last, value);
+#else
+  const std::string text(first, last);
+  char* stopped = nullptr;
+  const double read = std::strtod(text.c_str(), &stopped);
+  const bool is_other_form =
+      text.empty() || text[0] == '+' || is_blank(text[0]) || text.find_first_of("xX") < text.size();
+  if (stopped == text.c_str() || is_other_form) return {first, std::errc::invalid_argument};
+  value = read;
+  return {first + (stopped - text.c_str()), std::errc{}};
+#endif
 }
 
 // A decimal number as mantissa * 10^exponent. `exact` is false where the mantissa has more digits than fit.
@@ -319,7 +337,7 @@ const char* CsvReader::read_slow_value(CsvColumn& column, const char* begin, con
   }
   double value = 0;
   const char* const first = *p == '+' && end - p > 1 && p[1] != '-' ? p + 1 : p;
-  const auto [stopped, error] = std::from_chars(first, end, value);
+  const auto [stopped, error] = read_number(first, end, value);
   if (error == std::errc::invalid_argument || stopped != end)
     return fail(CsvFaultKind::not_a_number, begin, line, cell);
   if (error == std::errc::result_out_of_range) {
