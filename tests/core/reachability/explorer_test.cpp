@@ -125,7 +125,7 @@ void test_states_in_chunks_are_the_same_states() {
   for (Slot& slot : program.slots) slot.low = INT32_MIN;
   program.slots.push_back(Slot{0, 9, 4, true});
   ++program.state_slots;
-  for (const std::size_t chunk_words : {0, 1, 2, 8}) {
+  for (const std::size_t chunk_words : {0u, 1u, 2u, 8u}) {
     Options options;
     options.chunk_words = chunk_words;
     Explorer chunked(program, options);
@@ -255,7 +255,7 @@ void test_committed_states_are_passed_through() {
   };
   std::vector<std::uint64_t> stored;
   for (const std::uint32_t passing : {0u, 1u, 8u})
-    for (const std::size_t chunk_words : {0, 1}) {
+    for (const std::size_t chunk_words : {0u, 1u}) {
       Options options;
       options.passing = passing;
       options.chunk_words = chunk_words;
