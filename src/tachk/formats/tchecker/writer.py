@@ -12,48 +12,26 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import product
 
 from tachk.compiler.conditions import split_conjunction
-from tachk.compiler.fold import Known, fold, fold_place, is_integer, known_cell, known_values, negate
+from tachk.compiler.fold import Known, fold_place, known_values
 from tachk.compiler.slot_layout import cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, Label, UnsupportedError
 from tachk.diagnostics.span import Span
-from tachk.formats.tchecker.expression_writer import TermPrinter, cell_name, cells, initial_cells, refused, written_out
+from tachk.formats.tchecker.edge_expansion import EdgeExpansion, FlatEdge, choices
+from tachk.formats.tchecker.expression_writer import TermPrinter, cell_name, refused, written_out
 from tachk.formats.tchecker.label_writer import QueryLabels, query_labels
-from tachk.frontend.declarations.channels import channel_variable
-from tachk.model.expressions import BOOL, Binary, Constant, Expression, Field, Index, Reference, Variable
-from tachk.model.network import Direction, Edge, Network, Process
+from tachk.formats.tchecker.leaves import field_paths, indices_of, leaf_types, leaf_values
+from tachk.model.expressions import Constant, Expression, Field, Index, Reference, Variable
+from tachk.model.network import Direction, Network, Process
 from tachk.model.query import Query
 from tachk.model.traversal import walk
-from tachk.model.types import ArrayType, ChannelType, ClockType, RecordType, Type, cell_count
-from tachk.operators import BinaryOperator
-
-MAXIMUM_EDGES = 2**17
-"""Edges of one file after the expansion of ``select``."""
+from tachk.model.types import ChannelType, ClockType, Type
 
 _WORDS = frozenset(
     {"clock", "edge", "event", "int", "location", "process", "sync", "system", "if", "then", "else", "end", "while"}
     | {"do", "nop", "local"}
 )
-
-
-@dataclass(frozen=True, slots=True)
-class FlatEdge:
-    """An edge after expansion.
-
-    Attributes:
-        guard: parts of a conjunction, as text.
-        channel: the variable and cell of its channel, and the direction; None for an internal edge.
-    """
-
-    source: int
-    target: int
-    guard: tuple[str, ...]
-    updates: tuple[str, ...]
-    channel: tuple[Variable, int] | None
-    direction: Direction | None
-    span: Span
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +94,7 @@ class _Exporter:
     def _check_features(self) -> None:
         network = self.network
         for variable in network.all_variables():
-            for leaf in _leaf_types(variable.type):
+            for leaf in leaf_types(variable.type):
                 if isinstance(leaf, ChannelType) and leaf.urgent:
                     help_ = "make a location urgent where nothing else may happen before the synchronisation"
                     self._refuse("urgent channels", variable.span, help_)
@@ -155,7 +133,7 @@ class _Exporter:
         return result
 
     def _name_leaves(self, variable: Variable) -> None:
-        for path in _field_paths(variable.type):
+        for path in field_paths(variable.type):
             if path[1] is not None:
                 self.names[variable, path[0]] = self._fresh("_".join((variable.name, *path[0])))
 
@@ -163,7 +141,7 @@ class _Exporter:
         for variable in self.network.all_variables():
             if variable in self.known.values:
                 continue
-            for fields, leaf in _field_paths(variable.type):
+            for fields, leaf in field_paths(variable.type):
                 if leaf is not None:
                     yield from self._declaration(variable, fields, leaf, printer)
 
@@ -171,7 +149,7 @@ class _Exporter:
         self, variable: Variable, fields: tuple[str, ...], leaf: Type, printer: TermPrinter
     ) -> Iterator[str]:
         name = self.names[variable, fields]
-        values = list(_leaf_values(variable, fields))
+        values = list(leaf_values(variable, fields))
         if variable in printer.arrays:
             if isinstance(leaf, ClockType):
                 yield f"clock:{len(values)}:{name}"
@@ -202,7 +180,7 @@ class _Exporter:
                 if location.invariant is not None:
                     yield written_out(location.invariant, self.known)
             for edge in process.edges:
-                for known in self._choices(edge):
+                for known in choices(edge, self.known):
                     if edge.guard is not None:
                         yield written_out(edge.guard, known)
                     yield from (written_out(update, known) for update in edge.updates)
@@ -210,135 +188,15 @@ class _Exporter:
                         channel = fold_place(edge.synchronisation.channel, known)
                         yield from (node.index for node in walk(channel) if isinstance(node, Index))
 
-    def _choices(self, edge: Edge) -> Iterator[Known]:
-        ranges = [range(low, high + 1) for low, high in (cell_range(v.type) for v in edge.selects)]
-        total = 1
-        for values in ranges:
-            total *= len(values)
-        if total > MAXIMUM_EDGES:
-            raise refused(f"select, and this one stands for {total} edges", edge.spans[0])
-        for chosen in product(*ranges):
-            yield Known(self.known.values, {**self.known.bound, **dict(zip(edge.selects, chosen, strict=True))})
-
     def _flat_edges(self, process: Process, printer: TermPrinter) -> list[FlatEdge]:
+        expansion = EdgeExpansion(self.network, self.known, printer)
         result: list[FlatEdge] = []
         for edge in process.edges:
             try:
-                for known in self._choices(edge):
-                    result += self._instances(edge, known, printer)
+                result += expansion.expanded(edge)
             except UnsupportedError as error:
                 self.refusals.append(error)
         return result
-
-    def _instances(self, edge: Edge, known: Known, printer: TermPrinter) -> Iterator[FlatEdge]:
-        statements = tuple(text for update in edge.updates for text in printer.statements(written_out(update, known)))
-        for channel, tests in self._channels(edge, known):
-            before, after = self._resets(edge, channel, printer)
-            updates = (*before, *statements, *after)
-            for guard in self._guards(edge, known, tests, printer):
-                if "0 == 1" in guard:
-                    continue
-                kept = tuple(part for part in guard if part != "1 == 1")
-                direction = None if edge.synchronisation is None else edge.synchronisation.direction
-                yield FlatEdge(edge.source, edge.target, kept, updates, channel, direction, edge.spans[0])
-
-    def _channels(
-        self, edge: Edge, known: Known
-    ) -> Iterator[tuple[tuple[Variable, int] | None, tuple[Expression, ...]]]:
-        """The channels an edge may synchronise over, each with the conditions under which it is that one."""
-        if edge.synchronisation is None:
-            yield None, ()
-            return
-        pending: list[tuple[Expression, tuple[Expression, ...]]] = [
-            (fold_place(edge.synchronisation.channel, known), ())
-        ]
-        while pending:
-            place, tests = pending.pop()
-            cell = known_cell(place)
-            if cell is not None:
-                yield cell, tests
-                continue
-            computed = next(
-                (n for n in walk(place) if isinstance(n, Index) and not isinstance(n.index, Constant)), None
-            )
-            if computed is None or not isinstance(computed.base.type, ArrayType):
-                raise refused("such choice of a channel", edge.synchronisation.span)
-            low, size = computed.base.type.low, computed.base.type.size
-            for value in reversed(range(low, low + size)):
-                test = Binary(BinaryOperator.EQUAL, computed.index, Constant(value), BOOL, computed.span)
-                pending.append((_with_index(place, computed, value), (*tests, test)))
-
-    def _guards(
-        self, edge: Edge, known: Known, tests: tuple[Expression, ...], printer: TermPrinter
-    ) -> Iterator[tuple[str, ...]]:
-        """The guard as conjunctions: a clock condition behind a disjunction gives two edges."""
-        parts = [printer.condition(fold(test, known)) for test in tests]
-        if edge.guard is None:
-            yield tuple(parts)
-            return
-        at_rest = Known({**known.values, **self._metas()}, known.bound)
-        split = split_conjunction(written_out(edge.guard, at_rest), at_rest)
-        parts += [printer.condition(written_out(condition, known)) for condition in split.integers]
-        parts += [printer.atom(atom) for condition, atom in split.clocks if condition is None]
-        conditional = [(condition, atom) for condition, atom in split.clocks if condition is not None]
-        for chosen in product((True, False), repeat=len(conditional)):
-            more = []
-            for wanted, (condition, atom) in zip(chosen, conditional, strict=True):
-                more.append(printer.condition(condition if wanted else negate(condition)))
-                if wanted:
-                    more.append(printer.atom(atom))
-            yield (*parts, *more)
-
-    # ---- meta variables ---------------------------------------------------------------------------------------------
-
-    def _metas(self) -> dict[Variable, tuple[int, ...]]:
-        """The meta variables with the values they have whenever a transition begins."""
-        return {v: initial_cells(v) for v in self.network.all_variables() if self.network.resets(v)}
-
-    def _resets(
-        self, edge: Edge, channel: tuple[Variable, int] | None, printer: TermPrinter
-    ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """What an edge does before and after its updates so that meta variables begin every transition afresh.
-
-        The last edge of a transition restores them. Of a broadcast no edge is the last for certain, so what a broadcast
-        uses is restored by the first edge of every transition as well.
-        """
-        touched = self._touched(edge if channel is None else channel[0])
-        if not touched:
-            return (), ()
-        direction = None if edge.synchronisation is None else edge.synchronisation.direction
-        broadcast = {m for c in self._broadcasts() for m in self._touched(c)}
-        before = [m for m in touched if m in broadcast and direction is not Direction.RECEIVE]
-        ends = channel is None or (direction is Direction.RECEIVE and channel[0] not in self._broadcasts())
-        after = touched if ends else []
-        return tuple(self._restored(before, printer)), tuple(self._restored(after, printer))
-
-    def _restored(self, metas: Iterable[Variable], printer: TermPrinter) -> Iterator[str]:
-        for variable in metas:
-            for cell, value in zip(cells(Reference(variable)), initial_cells(variable), strict=True):
-                yield f"{printer.place(cell)} = {value}"
-
-    def _broadcasts(self) -> set[Variable]:
-        return {
-            v
-            for v in self.network.all_variables()
-            if any(isinstance(t, ChannelType) and t.broadcast for t in _leaf_types(v.type))
-        }
-
-    def _touched(self, by: Edge | Variable) -> list[Variable]:
-        """The meta variables in the updates of an edge, or of all edges that synchronise over a channel."""
-        if isinstance(by, Edge):
-            updates = [*by.updates]
-        else:
-            updates = [
-                update
-                for process in self.network.processes
-                for edge in process.edges
-                if edge.synchronisation is not None and channel_variable(edge.synchronisation.channel) is by
-                for update in edge.updates
-            ]
-        found = dict.fromkeys(n.variable for u in updates for n in walk(u) if isinstance(n, Reference))
-        return [v for v in found if self.network.resets(v) and v not in self.known.values]
 
     # ---- synchronisation --------------------------------------------------------------------------------------------
 
@@ -358,8 +216,8 @@ class _Exporter:
         events: dict[tuple[Variable, int, Direction], str] = {}
         active: set[tuple[Variable, int, Direction, int]] = set()
         for (variable, cell), users in used.items():
-            broadcast = any(isinstance(t, ChannelType) and t.broadcast for t in _leaf_types(variable.type))
-            base = cell_name(variable.name, _indices(variable.type, cell))
+            broadcast = any(isinstance(t, ChannelType) and t.broadcast for t in leaf_types(variable.type))
+            base = cell_name(variable.name, indices_of(variable.type, cell))
             send = events[variable, cell, Direction.SEND] = self._fresh(f"{base}_send")
             receive = events[variable, cell, Direction.RECEIVE] = self._fresh(f"{base}_receive")
             for sender in users[Direction.SEND]:
@@ -454,58 +312,6 @@ def _location_name(name: str) -> str:
     return f"{text}_" if text in _WORDS else text
 
 
-def _leaf_types(type_: Type) -> Iterator[Type]:
-    for _, leaf in _field_paths(type_, channels=True):
-        if leaf is not None:
-            yield leaf
-
-
-def _field_paths(
-    type_: Type, path: tuple[str, ...] = (), channels: bool = False
-) -> Iterator[tuple[tuple[str, ...], Type | None]]:
-    """The field paths to the leaves of a type, indices left out, each with its leaf type.
-
-    Args:
-        channels: whether to list channels, which are no variables in TChecker; otherwise their leaf is None.
-    """
-    match type_:
-        case ArrayType(element):
-            yield from _field_paths(element, path, channels)
-        case RecordType(_, fields):
-            for name, inner in fields:
-                yield from _field_paths(inner, (*path, name), channels)
-        case _:
-            listed = channels or is_integer(type_) or isinstance(type_, ClockType)
-            yield path, type_ if listed else None
-
-
-def _leaf_values(variable: Variable, fields: tuple[str, ...]) -> Iterator[tuple[list[int], int]]:
-    """The cells at one field path, each with its indices and its initial value."""
-    values = initial_cells(variable)
-
-    def inner(type_: Type, rest: tuple[str, ...], first: int, indices: list[int]) -> Iterator[tuple[list[int], int]]:
-        match type_:
-            case ArrayType(element):
-                for i in range(type_.size):
-                    yield from inner(element, rest, first + i * cell_count(element), [*indices, type_.low + i])
-            case RecordType(_, listed):
-                yield from inner(dict(listed)[rest[0]], rest[1:], first + type_.offset(rest[0]), indices)
-            case _:
-                yield indices, values[first]
-
-    yield from inner(variable.type, fields, 0, [])
-
-
-def _indices(type_: Type, cell: int) -> list[int]:
-    """The indices of one element of an array of arrays."""
-    result = []
-    while isinstance(type_, ArrayType):
-        size = cell_count(type_.element)
-        result.append(type_.low + cell // size)
-        cell, type_ = cell % size, type_.element
-    return result
-
-
 def _computed(expression: Expression) -> Iterator[Variable]:
     """The variables that are indexed by something the state decides."""
     for node in walk(expression):
@@ -515,11 +321,3 @@ def _computed(expression: Expression) -> Iterator[Variable]:
                 base = base.base
             if isinstance(base, Reference):
                 yield base.variable
-
-
-def _with_index(place: Expression, computed: Index, value: int) -> Expression:
-    if place is computed:
-        return Index(computed.base, Constant(value), computed.type, computed.span)
-    if isinstance(place, Index):
-        return Index(_with_index(place.base, computed, value), place.index, place.type, place.span)
-    return place
