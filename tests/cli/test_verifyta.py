@@ -294,7 +294,7 @@ def test_no_trace_unless_asked_for(folder: Path) -> None:
         (["-t1", "-o1"], "Search order is breadth first"),
         (["-o6"], "tachk: there is no search order 6 here"),
         (["-A"], "tachk: -A has no effect: zones are kept exact"),
-        (["-S2"], "tachk: -S 2 has no effect"),
+        (["-S2"], "tachk: -S 2 stores what -S 1 does"),
         (["-Z", "-H27"], "tachk: -H has no effect"),
         (["-ZH", "27"], "tachk: -Z has no effect"),
         (["-D", "0.01", "-E=0.1"], "tachk: -D has no effect"),
@@ -309,7 +309,7 @@ def test_options_are_honoured_or_noted(folder: Path, arguments: Sequence[str], s
 
 
 def test_harmless_values_are_not_noted(folder: Path) -> None:
-    quiet = ["-S1", "-O", "std", "--key", "K", "--lease=168", "-T", "-n", "4"]
+    quiet = ["-S0", "-S1", "-O", "std", "--key", "K", "--lease=168", "-T", "-n", "4"]
     assert "tachk" not in verifyta(*quiet, "m.xml", "holds.q").out
 
 
@@ -430,6 +430,11 @@ def test_no_command_line_is_a_defect(folder: Path, seed: int, monkeypatch: pytes
         (["-o2", "-r", "-1"], Options(SearchOrder.RANDOM_DFS, 2**32 - 1)),
         (["-n1"], Options(extrapolation=Extrapolation.NONE)),
         (["-n", "2"], Options(extrapolation=Extrapolation.MAX)),
+        ([], Options()),
+        (["-S0"], Options()),
+        (["-S1"], Options(passing=8)),
+        (["-S", "2", "-t1"], Options(passing=8, shortest=True)),
+        (["--statespace-consumption=1", "-S0"], Options()),
     ],
 )
 def test_what_the_engine_is_asked(

@@ -32,6 +32,8 @@ class BoundScope(StrEnum):
 
 
 LARGEST_SEED = 2**32 - 1
+PASSED_IN_A_ROW = 8
+"""`Options.passing` where a user only says that states with a committed location need not be stored."""
 
 
 @dataclass(frozen=True, slots=True)

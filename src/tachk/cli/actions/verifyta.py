@@ -128,7 +128,9 @@ def _formulas(loaded: LoadedModel, source: Source | None) -> tuple[Formula, ...]
 
 def _verdicts(network: Network, queries: Sequence[Query], options: VerifytaOptions) -> tuple[Verdict, ...]:
     shortest = options.trace is Trace.SHORTEST
-    how = Options(options.order, options.seed % 2**32, options.extrapolation, shortest=shortest)
+    how = Options(
+        options.order, options.seed % 2**32, options.extrapolation, passing=options.passing, shortest=shortest
+    )
     found = verify(network, queries, how, trace=options.trace is not Trace.NONE)
     if any(verdict.reason == INTERRUPTED for verdict in found):
         raise KeyboardInterrupt

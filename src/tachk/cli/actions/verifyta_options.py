@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.suggestion import closest
-from tachk.engines.options import Extrapolation, SearchOrder
+from tachk.engines.options import PASSED_IN_A_ROW, Extrapolation, SearchOrder
 
 
 class Trace(StrEnum):
@@ -27,6 +27,7 @@ class VerifytaOptions:
     symbolic: show traces as sets of clock valuations.
     xtr, xml: prefixes of files for traces; empty for none.
     seed: as given.
+    passing: as in `tachk.engines.options.Options`.
     reuse: look for the answers to all queries in one search where that is possible.
     only: the number of the only formula to check, from 1.
     show_options, summary: what is printed besides verdicts.
@@ -42,6 +43,7 @@ class VerifytaOptions:
     order: SearchOrder = SearchOrder.BFS
     seed: int = 1
     extrapolation: Extrapolation = Extrapolation.LU
+    passing: int = 0
     reuse: bool = False
     only: int | None = None
     show_options: bool = True
@@ -78,7 +80,7 @@ _OPTIONS = (
     ),
     _Option("T", "reuse", False, "Answer several queries with one search."),
     _Option("", "query-index", True, "Check one query only; they count from 0."),
-    _Option("S", "statespace-consumption", True, "No effect: 0, 1 or 2."),
+    _Option("S", "statespace-consumption", True, "Store 0 all states, 1 and 2 not the committed ones; without -S all."),
     _Option("A", "convex-hull", False, "No effect: zones are exact."),
     _Option("C", "no-reduction", False, "No effect."),
     _Option("H", "hashtable-size", True, "No effect."),
@@ -252,9 +254,9 @@ def _apply(parsed: VerifytaOptions, option: _Option, value: str) -> None:
                 raise UsageError(f"{shown} counts from 0, so there is no {index}")
             parsed.only = index + 1
         case "statespace-consumption":
-            _chosen(shown, value, dict.fromkeys("012"))
-            if value != "1":
-                parsed.notes.append(f"{shown} {value} has no effect: it changes no verdict")
+            parsed.passing = _chosen(shown, value, {"0": 0, "1": PASSED_IN_A_ROW, "2": PASSED_IN_A_ROW})
+            if value == "2":
+                parsed.notes.append(f"{shown} 2 stores what {shown} 1 does: all states but the committed ones")
         case "output":
             _chosen(shown, value, dict.fromkeys(("std", "csv")))
             if value != "std":

@@ -8,7 +8,7 @@ import click
 
 from tachk.cli import options
 from tachk.cli.reporting import Evidence, ReportForm
-from tachk.engines.options import LARGEST_SEED, Extrapolation, Options, SearchOrder
+from tachk.engines.options import LARGEST_SEED, PASSED_IN_A_ROW, Extrapolation, Options, SearchOrder
 
 _DEFAULT = Options()
 
@@ -73,6 +73,15 @@ _DEFAULT = Options()
     default=_DEFAULT.extrapolation.value,
     show_default=True,
     help="The abstraction of zones.",
+)
+@click.option(
+    "passing",
+    "--pass-committed",
+    type=int,
+    flag_value=PASSED_IN_A_ROW,
+    default=_DEFAULT.passing,
+    help="Do not store states in which one process is in a committed location: less memory, some of them explored more "
+    "than once. No effect on --trace shortest, --max-depth and deadlock.",
 )
 @click.option(
     "every_trace",
