@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from enum import StrEnum
 from math import prod
 
 from tachk.compiler.conditions import reads_clock
@@ -15,78 +14,52 @@ from tachk.compiler.slot_layout import cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import (
-    Binary,
     Constant,
-    Deadlock,
     Expression,
-    Field,
-    Index,
-    Quantifier,
-    Reference,
-    Unary,
 )
-from tachk.model.network import Direction, Edge, Location, Network, Process
+from tachk.model.network import Direction, Edge, Network
 from tachk.model.query import Query, QueryKind
-from tachk.model.traversal import children, walk
-from tachk.model.types import ChannelType, ClockType
-from tachk.operators import COMPARISONS, BinaryOperator, UnaryOperator
+from tachk.model.types import ChannelType
 
 MAXIMAL_SELECTIONS = 10_000_000
 """Combinations of the values of one edge's select labels; each is tried against the guard."""
 
 
-class Feature(StrEnum):
-    PRIORITIES = "priorities"
-    """Some channel or process has a priority of its own."""
-    STOPWATCHES = "stopwatches"
-    """Some location stops a clock."""
-    DIAGONALS = "clock differences"
-    """Two clocks are compared with each other."""
-    URGENT_CLOCK_GUARDS = "clock guards on urgent channels"
-    """A moment at which an urgent synchronisation becomes possible lies inside a delay."""
-    BROADCAST_CLOCK_GUARDS = "clock guards of broadcast receivers"
-    """Whether a process takes part in a broadcast depends on clocks."""
-    STRICT_BOUNDS = "strict clock bounds"
-    """Integer delays do not suffice."""
-    DEADLOCK = "deadlock"
-    """The predicate asks whether any action is possible."""
-
-
 @dataclass(frozen=True, slots=True)
-class FeatureUse:
-    """One place where a feature is used; ``what`` names the thing: ``the edge A -> B of P``."""
+class Use:
+    """One place of a network; ``what`` names it: ``the edge A -> B of P``."""
 
-    feature: Feature
     what: str
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
-class FeatureSet:
-    """The features of a network, or of a network with a query, in the order of the text."""
-
-    uses: tuple[FeatureUse, ...]
-
-    def __contains__(self, feature: Feature) -> bool:
-        return any(use.feature is feature for use in self.uses)
-
-    def of(self, feature: Feature) -> tuple[FeatureUse, ...]:
-        return tuple(use for use in self.uses if use.feature is feature)
+def stopwatches(network: Network) -> Iterator[Use]:
+    """The rates that stop a clock in some state. Raises UnsupportedError for a rate other than 0 and 1."""
+    known = known_values(network, [])
+    for process in network.processes:
+        for location in process.locations:
+            for _, rate in location.rates:
+                if rate_of(rate, known) != Constant(1):
+                    yield Use(f"the location {process.name}.{location.name}", rate.span)
 
 
-def network_features(network: Network) -> FeatureSet:
-    """What a network uses. Raises UnsupportedError for a clock rate other than 0 and 1."""
-    return FeatureSet(tuple(_network_uses(network, known_values(network, []))))
+def urgent_clock_guards(network: Network) -> Iterator[Use]:
+    """The clock guards of edges over urgent channels: the moment at which such a synchronisation becomes possible lies
+    inside a delay. Receivers of a broadcast, which wait for nobody, are not among them."""
+    for process in network.processes:
+        for edge in process.edges:
+            if edge.guard is not None and _is_urgent(edge) and reads_clock(edge.guard):
+                names = process.locations[edge.source].name, process.locations[edge.target].name
+                yield Use(f"the edge {names[0]} -> {names[1]} of {process.name}", edge.guard.span)
 
 
-def query_features(query: Query) -> FeatureSet:
-    """What the formula of a query uses."""
-    uses: list[FeatureUse] = []
-    for expression in (() if query.predicate is None else (query.predicate,)) + query.operands:
-        uses.extend(_condition_uses(expression, f"the query {query.name}"))
-        if any(isinstance(node, Deadlock) for node in walk(expression)):
-            uses.append(FeatureUse(Feature.DEADLOCK, f"the query {query.name}", expression.span))
-    return FeatureSet(tuple(uses))
+def _is_urgent(edge: Edge) -> bool:
+    if edge.synchronisation is None:
+        return False
+    channel = edge.synchronisation.channel.type
+    assert isinstance(channel, ChannelType)
+    hears = channel.broadcast and edge.synchronisation.direction is Direction.RECEIVE
+    return channel.urgent and not hears
 
 
 def check_selections(network: Network) -> None:
@@ -123,24 +96,16 @@ def check_supported(network: Network, query: Query) -> None:
 
 
 def _check_urgency(network: Network) -> None:
-    for process in network.processes:
-        for edge in process.edges:
-            for use in _edge_uses(process, edge) if _is_urgent(edge) else ():
-                if use.feature is Feature.URGENT_CLOCK_GUARDS:
-                    raise UnsupportedError(
-                        Diagnostic(
-                            "E0721",
-                            f"{use.what} compares a clock in its guard and synchronises over an urgent channel",
-                            use.span,
-                            "put the clock condition on an edge of its own in front of it, "
-                            "so that the process waits in a location until the synchronisation may happen",
-                        )
-                    )
-
-
-def _is_urgent(edge: Edge) -> bool:
-    channel = None if edge.synchronisation is None else edge.synchronisation.channel.type
-    return isinstance(channel, ChannelType) and channel.urgent
+    for use in urgent_clock_guards(network):
+        raise UnsupportedError(
+            Diagnostic(
+                "E0721",
+                f"{use.what} compares a clock in its guard and synchronises over an urgent channel",
+                use.span,
+                "put the clock condition on an edge of its own in front of it, "
+                "so that the process waits in a location until the synchronisation may happen",
+            )
+        )
 
 
 def _check_rates(network: Network) -> None:
@@ -158,82 +123,6 @@ _ALTERNATIVES = {
     QueryKind.INFIMUM: "check A[] x >= c for a constant c",
     QueryKind.BOUNDS: "check A[] x >= c and A[] x <= d for constants c and d",
 }
-
-
-# ---- uses -----------------------------------------------------------------------------------------------------------
-
-
-def _network_uses(network: Network, known: Known) -> Iterator[FeatureUse]:
-    for variable in network.all_variables():
-        if any(p != network.default_priority for p in variable.priorities):
-            yield FeatureUse(Feature.PRIORITIES, f"the channel {variable.name}", variable.span)
-    for process in network.processes:
-        if process.priority != network.processes[0].priority:
-            yield FeatureUse(Feature.PRIORITIES, f"the process {process.name}", process.span)
-        for location in process.locations:
-            yield from _location_uses(process, location, known)
-        for edge in process.edges:
-            yield from _edge_uses(process, edge)
-
-
-def _location_uses(process: Process, location: Location, known: Known) -> Iterator[FeatureUse]:
-    what = f"the location {process.name}.{location.name}"
-    if location.invariant is not None:
-        yield from _condition_uses(location.invariant, what)
-    for _, rate in location.rates:
-        if rate_of(rate, known) != Constant(1):
-            yield FeatureUse(Feature.STOPWATCHES, what, rate.span)
-
-
-def _edge_uses(process: Process, edge: Edge) -> Iterator[FeatureUse]:
-    if edge.guard is None:
-        return
-    names = process.locations[edge.source].name, process.locations[edge.target].name
-    what = f"the edge {names[0]} -> {names[1]} of {process.name}"
-    yield from _condition_uses(edge.guard, what)
-    if edge.synchronisation is None or not reads_clock(edge.guard):
-        return
-    channel = edge.synchronisation.channel.type
-    assert isinstance(channel, ChannelType)
-    receives_broadcast = channel.broadcast and edge.synchronisation.direction is Direction.RECEIVE
-    if receives_broadcast:
-        yield FeatureUse(Feature.BROADCAST_CLOCK_GUARDS, what, edge.guard.span)
-    elif channel.urgent:
-        yield FeatureUse(Feature.URGENT_CLOCK_GUARDS, what, edge.guard.span)
-
-
-def _condition_uses(condition: Expression, what: str) -> Iterator[FeatureUse]:
-    for operator, comparison in _clock_comparisons(condition, True):
-        if operator in (BinaryOperator.LESS, BinaryOperator.GREATER, BinaryOperator.NOT_EQUAL):
-            yield FeatureUse(Feature.STRICT_BOUNDS, what, comparison.span)
-        clocks = [node for node in walk(comparison) if _is_clock(node)]
-        if len(clocks) > 1:
-            yield FeatureUse(Feature.DIAGONALS, what, comparison.span)
-
-
-def _is_clock(node: Expression) -> bool:
-    return isinstance(node, Reference | Index | Field) and isinstance(node.type, ClockType)
-
-
-def _clock_comparisons(condition: Expression, positive: bool) -> Iterator[tuple[BinaryOperator, Binary]]:
-    """The comparisons of clocks in a condition, with the operators they have once negations are pushed inwards."""
-    match condition:
-        case Unary(UnaryOperator.NOT, operand):
-            yield from _clock_comparisons(operand, not positive)
-        case Binary(BinaryOperator.IMPLY, left, right):
-            yield from _clock_comparisons(left, not positive)
-            yield from _clock_comparisons(right, positive)
-        case Binary(BinaryOperator.AND | BinaryOperator.OR, left, right):
-            yield from _clock_comparisons(left, positive)
-            yield from _clock_comparisons(right, positive)
-        case Quantifier(_, _, body):
-            yield from _clock_comparisons(body, positive)
-        case Binary(operator) if operator in COMPARISONS and any(_is_clock(node) for node in walk(condition)):
-            yield (operator if positive else operator.negated), condition
-        case _:
-            for child in children(condition):
-                yield from _clock_comparisons(child, True)
-                yield from _clock_comparisons(child, False)
 
 
 def rate_of(rate: Expression, known: Known) -> Expression:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.compiler.features import Feature, check_selections, check_supported, network_features, query_features
+from tachk.compiler.features import check_selections, check_supported, stopwatches, urgent_clock_guards
 from tachk.diagnostics.codes.all_codes import CODES
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.model.builder import NetworkBuilder, Term, bound_variable, deadlock
@@ -16,51 +16,31 @@ def query(predicate: Term, kind: QueryKind = QueryKind.POSSIBLY) -> Query:
     return Query("q1", kind, predicate.expression)
 
 
-def features_of(network: NetworkBuilder) -> set[tuple[Feature, str]]:
-    return {(use.feature, use.what) for use in network_features(network.build()).uses}
-
-
-def test_a_plain_network_has_no_features() -> None:
+def test_a_plain_network_uses_nothing_special() -> None:
     network = NetworkBuilder()
-    c = network.channel("c", broadcast=True)
+    c, d = network.channel("c", broadcast=True), network.channel("d", broadcast=True, urgent=True)
     p = network.process("P")
     x = p.clock("x")
-    a = p.location("a", invariant=x <= 3)
+    a = p.location("a", invariant=x <= 3, rates=[(x, 1)])
     p.edge(a, a, guard=x >= 1, send=c)
-    assert features_of(network) == set()
+    p.edge(a, a, guard=x >= 1, receive=d)
+    p.edge(a, a, send=d)
+    built = network.build()
+    assert (list(stopwatches(built)), list(urgent_clock_guards(built))) == ([], [])
 
 
-def test_features_of_locations_and_edges() -> None:
+def test_uses_are_named() -> None:
     network = NetworkBuilder()
-    c, d = network.channel("c", broadcast=True), network.channel("d", urgent=True)
-    network.channel("e", priority=4)
+    c, d = network.channel("c", broadcast=True, urgent=True), network.channel("d", urgent=True)
     p = network.process("P")
-    q = network.process("Q", priority=1)
     x, y = p.clock("x"), p.clock("y")
-    a = p.location("a", invariant=~(x >= 3), rates=[(y, 0)])
+    a = p.location("a", rates=[(y, 0), (x, 1)])
     b = p.location("b", rates=[(x, 1)])
-    p.edge(a, b, guard=x - y >= 1)
-    p.edge(b, a, guard=x >= 1, receive=c)
-    p.edge(b, b, guard=x >= 1, send=d)
-    q.location("c")
-    assert features_of(network) == {
-        (Feature.PRIORITIES, "the channel e"),
-        (Feature.PRIORITIES, "the process Q"),
-        (Feature.STRICT_BOUNDS, "the location P.a"),
-        (Feature.STOPWATCHES, "the location P.a"),
-        (Feature.DIAGONALS, "the edge a -> b of P"),
-        (Feature.BROADCAST_CLOCK_GUARDS, "the edge b -> a of P"),
-        (Feature.URGENT_CLOCK_GUARDS, "the edge b -> b of P"),
-    }
-
-
-def test_features_of_a_query() -> None:
-    network = NetworkBuilder()
-    x = network.clock("x")
-    found = query_features(query(deadlock() & (x > 3)))
-    assert Feature.DEADLOCK in found
-    assert Feature.STRICT_BOUNDS in found
-    assert Feature.DIAGONALS not in found
+    p.edge(a, b, guard=x >= 1, send=c)
+    p.edge(b, b, guard=x >= 1, receive=d)
+    built = network.build()
+    assert [use.what for use in stopwatches(built)] == ["the location P.a"]
+    assert [use.what for use in urgent_clock_guards(built)] == ["the edge a -> b of P", "the edge b -> b of P"]
 
 
 def refusal(network: NetworkBuilder, question: Query) -> str:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from tachk.compiler.features import Feature, network_features
+from tachk.compiler.features import stopwatches, urgent_clock_guards
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Span
 from tachk.formats.plain.free_names import DECLARED_5, QUERY_WORDS, WORDS_4_1, WORDS_5, declared_names
@@ -172,12 +172,11 @@ def _invariants(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
 
 
 def _other_treatment(model: LoadedModel, version: Version) -> Iterator[Diagnostic]:
-    features = network_features(model.network)
-    for use in features.of(Feature.STOPWATCHES):
+    for use in stopwatches(model.network):
         yield _otherwise(
             use.span, f"with stopped clocks {version.full_name} may answer that a property may be satisfied", None
         )
-    for use in features.of(Feature.URGENT_CLOCK_GUARDS):
+    for use in urgent_clock_guards(model.network):
         verb = "refuses" if version is Version.UPPAAL_4_1 else "warns about"
         yield _otherwise(
             use.span,
