@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from tachk.logic.negation import negate, negation_normal_form
 from tachk.logic.simplify import simplify
 from tachk.syntax.formulas.printer import print_formula
 from tachk.testing.tricky import read_formula
@@ -76,25 +75,3 @@ def test_rules(text: str, simpler: str) -> None:
 def test_what_only_looks_simpler_is_left_alone(text: str) -> None:
     formula = read_formula(text)
     assert simplify(formula) == formula
-
-
-@pytest.mark.parametrize(
-    ("text", "normal"),
-    [
-        ("!(p && !q)", "!p || q"),
-        ("!(p -> q)", "p && !q"),
-        ("p -> q", "!p || q"),
-        ("!G[0,5] (p -> F(1,2) q)", "F[0, 5] (p && G(1, 2) !q)"),
-        ("!O H p", "H O !p"),
-        ("!(p U !!q)", "!(p U q)"),
-        ("!(p W q)", "!(p U q) && F !p"),
-        ("!rise(!!p)", "!rise(p)"),
-        ("!(p S[1,2] q)", "!(p S[1, 2] q)"),
-    ],
-)
-def test_negation_normal_form(text: str, normal: str) -> None:
-    assert print_formula(negation_normal_form(read_formula(text))) == normal
-
-
-def test_negation() -> None:
-    assert print_formula(negate(read_formula("G (p -> F[0,5] q)"))) == "F (p && G[0, 5] !q)"
