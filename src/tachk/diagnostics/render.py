@@ -52,12 +52,6 @@ def render(diagnostic: Diagnostic, colour: bool = False) -> str:
     return "\n".join(lines)
 
 
-def render_line(diagnostic: Diagnostic) -> str:
-    """The one-line form: ``file:line:column: error[E0101]: message``."""
-    severity = diagnostic.severity.value
-    return f"{_place(diagnostic.span)}: {severity}[{diagnostic.code}]: {diagnostic.message}"
-
-
 def _paint(text: str, code: str) -> str:
     return f"{code}{text}{_RESET}"
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError
+from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Source
 from tachk.frontend.context import Budget, Context
 from tachk.frontend.elaborate import elaborate
@@ -128,24 +128,11 @@ def temporal_formula_of(loaded: LoadedModel, node: ast.TemporalFormula) -> Formu
     return temporal_formula(node, loaded.scope, replace(loaded.context, findings=Findings(), in_query=True))
 
 
-def elaborate_queries(loaded: LoadedModel, text: str | Source) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
-    """The queries of the command line, named ``q1``, ``q2``, ... in order.
-
-    Raises:
-        InputError: with every diagnostic that was found.
-    """
-    source = text if isinstance(text, Source) else Source("<query>", text)
-    queries, unchecked = elaborate_query_file(loaded, source)
-    diagnostics = [diagnostic for query in unchecked if query.is_wrong for diagnostic in query.diagnostics]
-    if diagnostics:
-        raise InputError(diagnostics)
-    return queries, unchecked
-
-
 def elaborate_query_file(
     loaded: LoadedModel, source: Source, first: int = 1
 ) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
-    """The queries of a .q file, named as by `elaborate_queries`; a wrong one is unchecked and harms no other.
+    """The queries of a .q file or of the command line, named ``q1``, ``q2``, ... in order; a wrong one is unchecked and
+    harms no other.
 
     Args:
         first: the number of the first query.

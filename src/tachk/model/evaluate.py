@@ -147,12 +147,6 @@ def evaluate_cells(expression: Expression, environment: Environment) -> tuple[in
     return _cells(expression, environment)
 
 
-def evaluate_number(expression: Expression, environment: Environment) -> int | Fraction:
-    """The value of an integer expression, of a clock or of a difference of clocks. Raises EvaluationFault."""
-    environment.steps = 0
-    return _number(expression, environment)
-
-
 def holds(condition: Expression | None, environment: Environment) -> bool:
     """Whether a condition is true; None is. Raises EvaluationFault."""
     return condition is None or evaluate(condition, environment) != 0

@@ -9,12 +9,11 @@ Sources: Dill 1989; Bengtsson and Yi 2004 (operations); Behrmann, Bouyer, Larsen
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 INFINITY = 1 << 60
-LESS_ZERO = 0
 LESS_EQUAL_ZERO = 1
 
 Constraint = tuple[int, int, int]
@@ -249,11 +248,6 @@ def subtract_all(federation: Iterable[Zone], removed: Iterable[Zone]) -> Federat
     return rest
 
 
-def covers(federation: Sequence[Zone], zone: Zone) -> bool:
-    """Whether the union of the federation includes the zone."""
-    return any(includes(f, zone) for f in federation) or not subtract_all([zone], federation)
-
-
 def contains(zone: Zone, clocks: Sequence[Fraction]) -> bool:
     """Whether a point, given without clock 0, lies in the zone."""
     point = (Fraction(0), *clocks)
@@ -267,65 +261,27 @@ def holds(constraint: Constraint, point: Sequence[Fraction]) -> bool:
     return raw >= INFINITY or (difference < bound_value(raw) if is_strict(raw) else difference <= bound_value(raw))
 
 
-def sample(zone: Zone) -> tuple[Fraction, ...]:
-    """Some point of the zone, without clock 0: clock by clock the middle of what the clocks before it leave open."""
-    point: list[Fraction] = [Fraction(0)]
-    for i in range(1, zone.dimension):
-        low = max((point[j] - bound_value(zone[j, i])) for j in range(i) if zone[j, i] < INFINITY)
-        highs = [point[j] + bound_value(zone[i, j]) for j in range(i) if zone[i, j] < INFINITY]
-        if not highs:
-            point.append(low + 1)
-        else:
-            point.append((low + min(highs)) / 2)
-    return tuple(point[1:])
-
-
 def extrapolate_max(zone: Zone, maximum: Sequence[int]) -> Zone:
-    """ExtraM: ``maximum`` has the largest constant of each clock; entry 0 is 0."""
-    return _extrapolate(zone, lambda i, j: _by_value(zone, i, j, maximum, maximum))
-
-
-def extrapolate_max_plus(zone: Zone, maximum: Sequence[int]) -> Zone:
-    """ExtraM+: also drops what concerns clocks that are above their constant throughout."""
-    return _extrapolate(zone, lambda i, j: _by_zone(zone, i, j, maximum, maximum))
-
-
-def extrapolate_lower_upper(zone: Zone, lower: Sequence[int], upper: Sequence[int]) -> Zone:
-    """ExtraLU: the largest constants of lower-bound and of upper-bound constraints are kept apart."""
-    return _extrapolate(zone, lambda i, j: _by_value(zone, i, j, lower, upper))
-
-
-def extrapolate_lower_upper_plus(zone: Zone, lower: Sequence[int], upper: Sequence[int]) -> Zone:
-    """Extra+LU."""
-    return _extrapolate(zone, lambda i, j: _by_zone(zone, i, j, lower, upper))
-
-
-def _by_value(zone: Zone, i: int, j: int, lower: Sequence[int], upper: Sequence[int]) -> int:
-    raw = zone[i, j]
-    if raw >= INFINITY or bound_value(raw) > lower[i]:
-        return INFINITY
-    if -bound_value(raw) > upper[j]:
-        return raw_bound(-upper[j], strict=True)
-    return raw
-
-
-def _by_zone(zone: Zone, i: int, j: int, lower: Sequence[int], upper: Sequence[int]) -> int:
-    raw = zone[i, j]
-    if raw >= INFINITY or bound_value(raw) > lower[i] or -bound_value(zone[0, i]) > lower[i]:
-        return INFINITY
-    if -bound_value(zone[0, j]) > upper[j]:
-        return INFINITY if i != 0 else raw_bound(-upper[j], strict=True)
-    return raw
-
-
-def _extrapolate(zone: Zone, entry: Callable[[int, int], int]) -> Zone:
-    """Applies a widening to every entry off the diagonal. A clock without a constant has -1; clocks stay >= 0."""
+    """ExtraM: ``maximum`` has the largest constant of each clock, -1 if it has none; entry 0 is 0. Clocks stay >= 0."""
     n = zone.dimension
     widened = (
-        LESS_EQUAL_ZERO if i == j else min(entry(i, j), LESS_EQUAL_ZERO) if i == 0 else entry(i, j)
+        LESS_EQUAL_ZERO
+        if i == j
+        else min(_widened(zone, i, j, maximum), LESS_EQUAL_ZERO)
+        if i == 0
+        else _widened(zone, i, j, maximum)
         for i in range(n)
         for j in range(n)
     )
     result = close(n, widened)
     assert result is not None
     return result
+
+
+def _widened(zone: Zone, i: int, j: int, maximum: Sequence[int]) -> int:
+    raw = zone[i, j]
+    if raw >= INFINITY or bound_value(raw) > maximum[i]:
+        return INFINITY
+    if -bound_value(raw) > maximum[j]:
+        return raw_bound(-maximum[j], strict=True)
+    return raw

@@ -9,10 +9,12 @@ import pytest
 from tachk.cli.actions.draw import run_draw
 from tachk.cli.exit_status import ExitStatus
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.drawing.placement.template import place
+from tachk.drawing.placement.template import place_template
 from tachk.formats.layout_json import layout_path, layout_to_json
 from tachk.report.pictures import draw, draw_file
+from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_document
+from tachk.syntax.picture_layout import Layout
 from tachk.syntax.source_files import read_source
 
 
@@ -46,7 +48,8 @@ def test_the_side_file_says_where_things_stand(model: Path, tmp_path: Path) -> N
     lamp = tmp_path / "lamp.ta"
     document, _ = parse_document(read_source(lamp))
     assert document is not None
-    text = layout_to_json(place(document))
+    (template,) = (item for item in document.items if isinstance(item, ast.Template))
+    text = layout_to_json(Layout({"Lamp": place_template(template)}))
     before = draw(lamp).svg
     layout_path(lamp).write_text(text.replace("[0, 0]", "[0, 333]"))
     assert 'cy="333"' not in before

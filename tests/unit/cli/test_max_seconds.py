@@ -17,7 +17,7 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.cli.main import COMMANDS, app
 from tachk.cli.reporting import ReportForm
 from tachk.diagnostics.span import Source
-from tachk.drawing.placement.template import place
+from tachk.drawing.placement.template import place_template
 from tachk.formats.catalogue import ExportFormat, export_model
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.templates import instances
@@ -25,6 +25,7 @@ from tachk.loading.load import load_model
 from tachk.monitoring.formulas import read_formulas
 from tachk.monitoring.offline import judge
 from tachk.runtime.trace_files import open_trace
+from tachk.syntax import ast
 from tachk.time_limit import OutOfTimeError, time_limit
 
 MODEL = """
@@ -122,12 +123,16 @@ def test_a_mistake_is_graver_than_no_time(folder: Path, looks: Iterator[int]) ->
     assert run_check(("m.ta", "wrong.ta"), (), max_seconds=60) is ExitStatus.BAD_INPUT
 
 
+def template_of(model: LoadedModel) -> ast.Template:
+    return next(item for item in model.items if isinstance(item, ast.Template))
+
+
 @pytest.mark.parametrize(
     ("work", "seconds"),
     [
         (lambda model: export_model(model, ExportFormat.JSON), 40),
         (lambda model: export_model(model, ExportFormat.DOT), 40),
-        (lambda model: place(model.document), 4),
+        (lambda model: place_template(template_of(model)), 4),
     ],
 )
 def test_writing_ends(looks: Iterator[int], work: Callable[[LoadedModel], object], seconds: int) -> None:

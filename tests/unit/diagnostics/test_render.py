@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
-from tachk.diagnostics.render import WIDEST, render, render_line
+from tachk.diagnostics.render import WIDEST, render
 from tachk.diagnostics.render_json import diagnostic_to_json
 from tachk.diagnostics.span import NOWHERE, Source, Span
 
@@ -30,10 +30,6 @@ def test_the_full_form() -> None:
         "      |     - declared here\n"
         "help: did you mean `height`?"
     )
-
-
-def test_the_one_line_form() -> None:
-    assert render_line(Diagnostic("W0101", "old", at(TEXT, "level"))) == "m.ta:2:5: warning[W0101]: old"
 
 
 def test_places_on_one_line_share_it() -> None:

@@ -9,7 +9,7 @@ from random import Random
 import pytest
 
 from tachk.diagnostics.span import Source
-from tachk.drawing.placement.template import place, place_template
+from tachk.drawing.placement.template import place_template
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_document
 from tachk.syntax.source_files import read_source
@@ -56,9 +56,8 @@ def random_template(random: Random, locations: int, edges: int) -> ast.Template:
 def test_nothing_overlaps_in_the_models(path: Path) -> None:
     document, _ = parse_document(read_source(path))
     assert document is not None
-    layout = place(document)
     for template in templates(document):
-        drawn = layout.templates[template.name.name]
+        drawn = place_template(template)
         assert missing(template, drawn) == []
         assert faults(template, drawn) == []
 

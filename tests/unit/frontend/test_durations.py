@@ -6,8 +6,8 @@ import pytest
 
 from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
-from tachk.frontend.loaded import elaborate_queries
 from tachk.loading.load import load_model
+from tachk.testing.queries import elaborate_queries
 
 MODEL = """
 %s

@@ -9,12 +9,12 @@ import pytest
 
 from tachk.diagnostics.diagnostic import InputError
 from tachk.diagnostics.span import Source
-from tachk.frontend.loaded import elaborate_queries
 from tachk.loading.load import load_model
 from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, holds
 from tachk.model.expressions import LocationTest
 from tachk.model.query import Expectation, QueryKind
+from tachk.testing.queries import elaborate_queries
 
 MODEL = """
 typedef int[0,2] id_t;

@@ -15,8 +15,8 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.diagnostics.span import Source
 from tachk.formats.catalogue import ExportFormat, export_model
-from tachk.frontend.loaded import elaborate_queries
 from tachk.loading.load import load_model
+from tachk.testing.queries import elaborate_queries
 
 MODEL = """int n;
 const int N = 3;

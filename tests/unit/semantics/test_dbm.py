@@ -31,6 +31,19 @@ points = st.tuples(*[st.sampled_from(GRID)] * (DIMENSION - 1))
 clocks = st.integers(1, DIMENSION - 1)
 
 
+def sample(zone: Zone) -> tuple[Fraction, ...]:
+    """Some point of the zone, without clock 0: clock by clock the middle of what the clocks before it leave open."""
+    point: list[Fraction] = [Fraction(0)]
+    for i in range(1, zone.dimension):
+        low = max((point[j] - dbm.bound_value(zone[j, i])) for j in range(i) if zone[j, i] < dbm.INFINITY)
+        highs = [point[j] + dbm.bound_value(zone[i, j]) for j in range(i) if zone[i, j] < dbm.INFINITY]
+        if not highs:
+            point.append(low + 1)
+        else:
+            point.append((low + min(highs)) / 2)
+    return tuple(point[1:])
+
+
 @given(st.lists(constraints(), max_size=8))
 def test_closing_at_the_end_equals_closing_step_by_step(given_constraints: list[Constraint]) -> None:
     matrix = list(dbm.universe(DIMENSION).bounds)
@@ -63,7 +76,7 @@ def test_closure_uses_the_intermediate_clock_outermost() -> None:
 
 @given(zones)
 def test_a_sample_lies_in_its_zone(zone: Zone) -> None:
-    assert dbm.contains(zone, dbm.sample(zone))
+    assert dbm.contains(zone, sample(zone))
 
 
 @given(zones, points, st.sampled_from(GRID))
@@ -77,7 +90,7 @@ def test_up_and_down(zone: Zone, point: tuple[Fraction, ...], duration: Fraction
 
 @given(zones)
 def test_up_and_down_add_nothing_else(zone: Zone) -> None:
-    late, early = dbm.sample(dbm.up(zone)), dbm.sample(dbm.down(zone))
+    late, early = sample(dbm.up(zone)), sample(dbm.down(zone))
     assert meets_line(zone, late, -1)
     assert meets_line(zone, early, +1)
 
@@ -124,35 +137,21 @@ def test_set_operations_agree_with_points(left: Zone, right: Zone, point: tuple[
 @given(zones, zones)
 def test_inclusion_agrees_with_subtraction(left: Zone, right: Zone) -> None:
     assert dbm.includes(left, right) == (not dbm.subtract(right, left))
-    assert dbm.covers([left], right) == dbm.includes(left, right)
 
 
 maxima = st.tuples(st.just(0), *[st.integers(0, 4)] * (DIMENSION - 1))
 
 
-@given(zones, maxima, maxima)
-def test_extrapolations_grow_in_the_published_order(zone: Zone, lower: tuple[int, ...], upper: tuple[int, ...]) -> None:
-    maximum = tuple(map(max, lower, upper))
-    extra_m = dbm.extrapolate_max(zone, maximum)
-    extra_m_plus = dbm.extrapolate_max_plus(zone, maximum)
-    extra_lu = dbm.extrapolate_lower_upper(zone, lower, upper)
-    extra_lu_plus = dbm.extrapolate_lower_upper_plus(zone, lower, upper)
-    for wider, narrower in [
-        (extra_m, zone),
-        (extra_m_plus, extra_m),
-        (extra_lu, extra_m),
-        (extra_lu_plus, extra_lu),
-        (extra_lu_plus, extra_m_plus),
-    ]:
-        assert dbm.includes(wider, narrower)
+@given(zones, maxima)
+def test_extrapolation_only_widens(zone: Zone, maximum: tuple[int, ...]) -> None:
+    assert dbm.includes(dbm.extrapolate_max(zone, maximum), zone)
 
 
 @given(zones, maxima)
 def test_extrapolation_adds_only_region_equivalent_points(zone: Zone, maximum: tuple[int, ...]) -> None:
     """What ExtraM adds cannot be told from the zone by any constraint of one clock within the constants."""
-    for widened in (dbm.extrapolate_max(zone, maximum), dbm.extrapolate_max_plus(zone, maximum)):
-        region = region_of(dbm.sample(widened), maximum)
-        assert dbm.constrain_all(zone, region) is not None
+    region = region_of(sample(dbm.extrapolate_max(zone, maximum)), maximum)
+    assert dbm.constrain_all(zone, region) is not None
 
 
 def region_of(point: tuple[Fraction, ...], maximum: tuple[int, ...]) -> list[Constraint]:

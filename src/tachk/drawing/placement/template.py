@@ -21,7 +21,7 @@ from tachk.drawing.placement.polish import redraw_edges, redraw_loops
 from tachk.drawing.placement.routing import clear_texts, straighten
 from tachk.drawing.placement.sketch import Drawing, Sketch, sketch
 from tachk.syntax import ast
-from tachk.syntax.picture_layout import EdgeLayout, LabelLayout, Layout, NodeLayout, Point, TemplateLayout, keyed_edges
+from tachk.syntax.picture_layout import EdgeLayout, LabelLayout, NodeLayout, Point, TemplateLayout, keyed_edges
 
 _WIDE_ENOUGH = 1.4
 """The width of a picture over its height that suits a screen."""
@@ -37,11 +37,6 @@ _DOWNWARDS = 1.3
 
 _LONG, _TOO_STRETCHED = 50, 12
 """Chains of more locations, in a picture so many times as long as wide, are set out in rows too."""
-
-
-def place(document: ast.Document) -> Layout:
-    """The layout of all templates of a document, as if it had none."""
-    return Layout({item.name.name: place_template(item) for item in document.items if isinstance(item, ast.Template)})
 
 
 def place_template(template: ast.Template) -> TemplateLayout:
