@@ -36,6 +36,17 @@ class Elaborated:
     context: Context = field(repr=False)
 
 
+_Declaration = (
+    ast.VariableDeclaration
+    | ast.TypedefDeclaration
+    | ast.FunctionDeclaration
+    | ast.ChannelPriorityDeclaration
+    | ast.UpdateHook
+    | ast.ForeignImport
+)
+"""What can be declared globally."""
+
+
 def elaborate(
     items: Sequence[ast.Item], whole: Span, overrides: Mapping[str, ast.Expression], context: Context
 ) -> Elaborated:
@@ -48,19 +59,7 @@ def elaborate(
     """
     globals_ = Scope(None, "the globals")
     declared = Declared(overrides=overrides)
-    declarations = [
-        item
-        for item in items
-        if isinstance(
-            item,
-            ast.VariableDeclaration
-            | ast.TypedefDeclaration
-            | ast.FunctionDeclaration
-            | ast.ChannelPriorityDeclaration
-            | ast.UpdateHook
-            | ast.ForeignImport,
-        )
-    ]
+    declarations = [item for item in items if isinstance(item, _Declaration)]
     globals_.below = frozenset(_declared_names(declarations))
     priorities = declare(declarations, globals_, declared, context)
     default_priority = set_channel_priorities(priorities, globals_, declared, context)

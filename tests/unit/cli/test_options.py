@@ -8,10 +8,12 @@ import click
 import pytest
 
 from tachk.cli.main import COMMANDS, app
-from tachk.engines.options import Extrapolation, SearchOrder
-from tachk.formats.catalogue import ExportFormat
+from tachk.cli.options import distributed
+from tachk.engines.options import Extrapolation, Limits, Options, SearchOrder
+from tachk.formats.catalogue import SUFFIXES, ExportFormat
 from tachk.formats.uppaal.versions import Version
 from tachk.runtime.conventions import Ending, Interpolation
+from tachk.runtime.trace_files import FORMATS
 
 
 def command(name: str) -> click.Command:
@@ -41,6 +43,23 @@ def test_choices_are_the_values_that_exist(name: str, option: str, values: type[
     (parameter,) = [found for found in command(name).params if found.name == option]
     assert isinstance(parameter.type, click.Choice)
     assert set(parameter.type.choices) == {value.value for value in values}
+
+
+@pytest.mark.parametrize("name", ["monitor", "plot"])
+def test_the_help_names_every_format_of_traces(name: str) -> None:
+    (trace,) = [found for found in command(name).params if found.name == "trace"]
+    assert isinstance(trace, click.Argument)
+    assert all(known.name in str(trace.help) for known in FORMATS)
+
+
+def test_the_help_names_every_format_of_models() -> None:
+    assert all(suffix in str(command("convert").help) for suffix in SUFFIXES)
+
+
+def test_an_option_that_nobody_takes_is_a_defect() -> None:
+    assert distributed({"states": 3, "seed": 4}, Options, Limits) == [Options(seed=4), Limits(states=3)]
+    with pytest.raises(AssertionError, match="colour"):
+        distributed({"states": 3, "colour": "red"}, Limits)
 
 
 def test_a_misspelt_command_is_guessed_without_loading_the_others(capsys: pytest.CaptureFixture[str]) -> None:

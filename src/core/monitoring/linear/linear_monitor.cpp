@@ -392,68 +392,57 @@ LinearSignal LinearMonitor::robustness(std::size_t node, bool high) { return eva
 
 LinearSignal LinearMonitor::evaluate(std::size_t number, bool high) {
   std::optional<LinearSignal>& known = known_[number][high ? 1 : 0];
-  if (known) return *known;
-  const MonitorNode& node = program_.nodes[number];
+  if (!known) known = computed(program_.nodes[number], high);
+  return *known;
+}
+
+LinearSignal LinearMonitor::computed(const MonitorNode& node, bool high) {
   const auto operand = [&](std::size_t n) { return evaluate(node.operands[n], high); };
   const auto opposite = [&](std::size_t n) { return negated(evaluate(node.operands[n], !high)); };
   const auto until_the_end = [&](const LinearSignal& signal) {
     return spliced(signal, constant_signal(high ? infinity : -infinity), static_cast<double>(length()));
   };
-  LinearSignal result;
   switch (node.kind) {
     case NodeKind::always_false:
     case NodeKind::always_true:
-      result = constant_signal(node.kind == NodeKind::always_true ? infinity : -infinity);
-      break;
+      return constant_signal(node.kind == NodeKind::always_true ? infinity : -infinity);
     case NodeKind::atom: {
       const bool space = measure_ == Measure::space;
-      result = until_the_end(space ? atom(program_.atoms[node.atom]) : lasting(node.atom, high));
-      break;
+      return until_the_end(space ? atom(program_.atoms[node.atom]) : lasting(node.atom, high));
     }
     case NodeKind::change:
-      result = until_the_end(measure_ == Measure::space ? changes(node.atom, infinity, -infinity)
-                                                        : far_from_changes(node.atom, high));
-      break;
+      return until_the_end(measure_ == Measure::space ? changes(node.atom, infinity, -infinity)
+                                                      : far_from_changes(node.atom, high));
     case NodeKind::logical_not:
-      result = opposite(0);
-      break;
+      return opposite(0);
     case NodeKind::logical_and:
-    case NodeKind::logical_or:
-      result = operand(0);
+    case NodeKind::logical_or: {
+      LinearSignal result = operand(0);
       for (std::size_t n = 1; n < node.operands.size(); ++n)
         result = node.kind == NodeKind::logical_and ? minimum(result, operand(n)) : maximum(result, operand(n));
-      break;
+      return result;
+    }
     case NodeKind::rise:
-      result = minimum(operand(0), negated(left_limits(evaluate(node.operands[0], !high))));
-      break;
+      return minimum(operand(0), negated(left_limits(evaluate(node.operands[0], !high))));
     case NodeKind::fall:
-      result = minimum(opposite(0), left_limits(operand(0)));
-      break;
+      return minimum(opposite(0), left_limits(operand(0)));
     case NodeKind::eventually:
-      result = ahead(node, high, nullptr, operand(0));
-      break;
+      return ahead(node, high, nullptr, operand(0));
     case NodeKind::always:
-      result = negated(ahead(node, !high, nullptr, negated(operand(0))));
-      break;
+      return negated(ahead(node, !high, nullptr, negated(operand(0))));
     case NodeKind::once:
-      result = behind(node, nullptr, operand(0));
-      break;
+      return behind(node, nullptr, operand(0));
     case NodeKind::historically:
-      result = negated(behind(node, nullptr, negated(operand(0))));
-      break;
+      return negated(behind(node, nullptr, negated(operand(0))));
     case NodeKind::until: {
       const LinearSignal f = operand(0);
-      result = ahead(node, high, &f, operand(1));
-      break;
+      return ahead(node, high, &f, operand(1));
     }
     default: {
       const LinearSignal f = operand(0);
-      result = behind(node, &f, operand(1));
-      break;
+      return behind(node, &f, operand(1));
     }
   }
-  known = result;
-  return result;
 }
 
 // The same decomposition as in `StreamGraph`; without f the operator is F.

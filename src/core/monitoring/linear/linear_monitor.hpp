@@ -70,6 +70,7 @@ class LinearMonitor {
   template <class Value, class Evaluate>
   std::vector<Value> sampled(Evaluate evaluate) const;
   LinearSignal evaluate(std::size_t node, bool high);
+  LinearSignal computed(const MonitorNode& node, bool high);
   LinearSignal ahead(const MonitorNode& node, bool high, const LinearSignal* f, const LinearSignal& g) const;
   LinearSignal behind(const MonitorNode& node, const LinearSignal* f, const LinearSignal& g) const;
   MonitorProgram refined() const;

@@ -60,75 +60,69 @@ bool OnlineGraph::is_everywhere_ahead(Operand operand) const {
          node.window.odd == CellOffsets{0, endless};
 }
 
+namespace {
+
+// What a node becomes; `made`: what those before it have become.
+Operand made_of(OnlineGraph& graph, const MonitorNode& node, const std::vector<Operand>& made) {
+  const auto operand = [&](std::size_t which) { return made[node.operands[which]]; };
+  const auto joined = [&](auto join) {
+    Operand result = operand(0);
+    for (std::size_t n = 1; n < node.operands.size(); ++n) result = join(result, operand(n));
+    return result;
+  };
+  const auto leaf = [&](OnlineKind kind) {
+    OnlineNode result;
+    result.kind = kind;
+    result.atom = node.atom;
+    return graph.add(result);
+  };
+  const auto just_before = [&] {
+    OnlineNode result;
+    result.kind = OnlineKind::just_before;
+    result.left = operand(0);
+    return graph.add(result);
+  };
+  switch (node.kind) {
+    case NodeKind::always_false:
+      return graph.falsity();
+    case NodeKind::always_true:
+      return !graph.falsity();
+    case NodeKind::atom:
+      return leaf(OnlineKind::atom);
+    case NodeKind::change:
+      return leaf(OnlineKind::change);
+    case NodeKind::logical_not:
+      return !operand(0);
+    case NodeKind::logical_and:
+      return joined([&](Operand left, Operand right) { return graph.both(left, right); });
+    case NodeKind::logical_or:
+      return joined([&](Operand left, Operand right) { return graph.either(left, right); });
+    case NodeKind::rise:
+      return graph.both(operand(0), !just_before());
+    case NodeKind::fall:
+      return graph.both(!operand(0), just_before());
+    case NodeKind::eventually:
+      return graph.somewhere(future_window(node), operand(0));
+    case NodeKind::always:
+      return graph.everywhere(future_window(node), operand(0));
+    case NodeKind::once:
+      return graph.somewhere(past_window(node), operand(0));
+    case NodeKind::historically:
+      return graph.everywhere(past_window(node), operand(0));
+    case NodeKind::until:
+      return until(graph, node, operand(0), operand(1), true);
+    case NodeKind::since:
+      break;
+  }
+  return until(graph, node, operand(0), operand(1), false);
+}
+
+}  // namespace
+
 OnlineGraph make_online_graph(const MonitorProgram& program) {
   OnlineGraph graph;
   std::vector<Operand> made;
-  for (const MonitorNode& node : program.nodes) {
-    const auto operand = [&](std::size_t which) { return made[node.operands[which]]; };
-    const auto leaf = [&](OnlineKind kind) {
-      OnlineNode result;
-      result.kind = kind;
-      result.atom = node.atom;
-      return graph.add(result);
-    };
-    const auto just_before = [&] {
-      OnlineNode result;
-      result.kind = OnlineKind::just_before;
-      result.left = operand(0);
-      return graph.add(result);
-    };
-    Operand result;
-    switch (node.kind) {
-      case NodeKind::always_false:
-        result = graph.falsity();
-        break;
-      case NodeKind::always_true:
-        result = !graph.falsity();
-        break;
-      case NodeKind::atom:
-        result = leaf(OnlineKind::atom);
-        break;
-      case NodeKind::change:
-        result = leaf(OnlineKind::change);
-        break;
-      case NodeKind::logical_not:
-        result = !operand(0);
-        break;
-      case NodeKind::logical_and:
-        result = operand(0);
-        for (std::size_t n = 1; n < node.operands.size(); ++n) result = graph.both(result, operand(n));
-        break;
-      case NodeKind::logical_or:
-        result = operand(0);
-        for (std::size_t n = 1; n < node.operands.size(); ++n) result = graph.either(result, operand(n));
-        break;
-      case NodeKind::rise:
-        result = graph.both(operand(0), !just_before());
-        break;
-      case NodeKind::fall:
-        result = graph.both(!operand(0), just_before());
-        break;
-      case NodeKind::eventually:
-        result = graph.somewhere(future_window(node), operand(0));
-        break;
-      case NodeKind::always:
-        result = graph.everywhere(future_window(node), operand(0));
-        break;
-      case NodeKind::once:
-        result = graph.somewhere(past_window(node), operand(0));
-        break;
-      case NodeKind::historically:
-        result = graph.everywhere(past_window(node), operand(0));
-        break;
-      case NodeKind::until:
-        result = until(graph, node, operand(0), operand(1), true);
-        break;
-      case NodeKind::since:
-        result = until(graph, node, operand(0), operand(1), false);
-        break;
-    }
-    made.push_back(result);
-  }
+  for (const MonitorNode& node : program.nodes) made.push_back(made_of(graph, node, made));
   graph.root = made.back();
   return graph;
 }
