@@ -284,7 +284,7 @@ def _state_expression(node: Any, why: str) -> ast.Expression:
                 raise Misplaced(
                     Diagnostic("E0131", f"the operator '{operator}' cannot stand here: {why}", inner.span, help_)
                 )
-            case ast.AssignmentExpression(operator="="):
+            case ast.AssignmentExpression(operator=None):
                 raise Misplaced(Diagnostic("E0132", "'=' assigns a value", inner.span, "compare with =="))
             case ast.AssignmentExpression() | ast.IncrementExpression():
                 raise Misplaced(Diagnostic("E0132", "a formula does not change variables", inner.span))
@@ -297,6 +297,8 @@ def _state_expression(node: Any, why: str) -> ast.Expression:
                         "ask for A[] not deadlock in a query of its own; `deadlock` in backticks is a signal",
                     )
                 )
+            case _:
+                pass
     result: ast.Expression = node
     return result
 
