@@ -134,6 +134,8 @@ class ConditionCompiler:
                 return self._slot_test(right, Comparison[operator.mirrored.name], value)
             case Reference() | Index() | Field():
                 return self._slot_test(part, Comparison.NOT_EQUAL, 0)
+            case _:
+                pass
         return None
 
     def _slot_test(self, place: Expression, comparison: Comparison, value: int) -> Test | bool | None:

@@ -112,8 +112,10 @@ def clock_atoms(comparison: Binary, positive: bool, known: Known) -> tuple[tuple
             return ((above(operator is BinaryOperator.GREATER),),)
         case BinaryOperator.EQUAL:
             return ((below(False), above(False)),)
-        case _:
+        case BinaryOperator.NOT_EQUAL:
             return (below(True),), (above(True),)
+        case _:
+            raise TypeError(f"{operator} does not compare clocks")
 
 
 def _linear(

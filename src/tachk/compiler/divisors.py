@@ -44,4 +44,6 @@ def _divisor(expression: Expression, known: Known) -> int:
             return gcd(divisor(left, known), divisor(right, known))
         case Comma(items):
             return divisor(items[-1], known)
+        case _:
+            pass
     return 1

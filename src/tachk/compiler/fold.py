@@ -149,6 +149,8 @@ def known_cell(place: Expression) -> tuple[Variable, int] | None:
             if inner is None or not isinstance(base.type, ArrayType) or not 0 <= value - base.type.low < base.type.size:
                 return None
             return inner[0], inner[1] + (value - base.type.low) * cell_count(base.type.element)
+        case _:
+            pass
     return None
 
 

@@ -194,6 +194,8 @@ def _is_condition(expression: Expression) -> bool:
             return True
         case Quantifier(kind):
             return kind is not QuantifierKind.SUM
+        case _:
+            pass
     return not reads_clock(expression)
 
 

@@ -99,6 +99,8 @@ def possible_cells(place: Expression, known: Known) -> tuple[tuple[Variable, int
         case Conditional(_, then, otherwise):
             one, other = possible_cells(then, known), possible_cells(otherwise, known)
             return None if one is None or other is None else one + other
+        case _:
+            pass
     return None
 
 
@@ -173,7 +175,8 @@ def arithmetic(operator: BinaryOperator, left: Interval, right: Interval) -> Int
             if left[1] > 1 and right[1] > 31:
                 return ANYTHING
             return _fit(0, max(left[1] ** min(right[1], 31), 1))
-    return ANYTHING
+        case _:
+            return ANYTHING
 
 
 def _divisors(interval_: Interval) -> Iterator[int]:

@@ -120,6 +120,8 @@ class Context:
                         for parameter, argument in zip(function.parameters, arguments, strict=True):
                             if parameter in called.writes:
                                 writes.update(roots(argument))
+                    case _:
+                        pass
         return Effects(frozenset(reads), frozenset(writes))
 
     def record_function(self, function: Function) -> None:

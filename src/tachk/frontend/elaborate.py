@@ -119,6 +119,8 @@ def _declared_names(declarations: Iterable[ast.Declaration]) -> Iterator[str]:
                 yield from (declarator.name.name for declarator in item.declarators)
             case ast.FunctionDeclaration():
                 yield item.name.name
+            case _:
+                pass
 
 
 def _system_line(items: Sequence[ast.Item], whole: Span, context: Context) -> ast.SystemLine | None:

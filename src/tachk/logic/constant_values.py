@@ -55,8 +55,9 @@ def value_of(expression: ast.Expression, evaluate: Evaluate, divide: Divide = op
                     return first - second
                 case BinaryOperator.MULTIPLY:
                     return first * second
-            if second == 0:
-                raise InputError([Diagnostic("E0602", "this divides by zero", expression.span)])
-            return divide(first, second)
+                case BinaryOperator.DIVIDE:
+                    if second == 0:
+                        raise InputError([Diagnostic("E0602", "this divides by zero", expression.span)])
+                    return divide(first, second)
         case _:
             return Fraction(evaluate(expression))

@@ -82,6 +82,8 @@ class _Resolver:
                             ),
                         )
                     )
+            case _:
+                pass
         return node
 
     def value(self, duration: Duration) -> Fraction | None:

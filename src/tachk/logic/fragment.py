@@ -24,8 +24,11 @@ from tachk.syntax.formula import (
     Fall,
     Formula,
     Historically,
+    Implies,
     Interval,
+    Not,
     Once,
+    Or,
     Rise,
     Since,
     Truth,
@@ -91,7 +94,7 @@ def _offences(formula: Formula, top: bool = False) -> Iterator[Offence]:
             reason = _why_not(interval)
             if reason is not None:
                 yield Offence(formula, reason)
-        case _:
+        case Not() | And() | Or() | Implies():
             pass
     for part in operands(formula):
         yield from _offences(part)

@@ -6,12 +6,22 @@ from fractions import Fraction
 
 from tachk.syntax.formula import (
     Always,
+    And,
+    Atom,
+    Change,
     Duration,
     Eventually,
+    Fall,
     Formula,
     Historically,
+    Implies,
     Interval,
+    Not,
     Once,
+    Or,
+    Rise,
+    Since,
+    Truth,
     Until,
     WeakUntil,
     operands,
@@ -27,16 +37,18 @@ def horizon(formula: Formula) -> Fraction | None:
         ValueError: a bound is no number in the unit of the model or the trace.
     """
     inside = [horizon(part) for part in operands(formula)]
-    if any(reach is None for reach in inside) or isinstance(formula, WeakUntil):
+    if any(reach is None for reach in inside):
         return None
     ahead = max((reach for reach in inside if reach is not None), default=Fraction(0))
     match formula:
+        case WeakUntil():
+            return None
         case Eventually(interval=interval) | Always(interval=interval) | Until(interval=interval):
             upper = _upper(interval)
             return None if upper is None else upper + ahead
         case Once(interval=interval) | Historically(interval=interval):
             return max(Fraction(0), ahead - _number(interval.lower))
-        case _:
+        case Truth() | Atom() | Not() | And() | Or() | Implies() | Rise() | Fall() | Change() | Since():
             return ahead
 
 

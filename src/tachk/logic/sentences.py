@@ -64,7 +64,9 @@ class _Meaning:
                 return self.recurrence(response)
             case s.MustHaveBeen(within=None) if isinstance(self.sentence.scope, s.Between | s.AfterUntil):
                 return self.precedence(response, self.sentence.scope)
-            case _:
+            case (
+                s.MustBeTrue() | s.MustStay() | s.MustStayUntil() | s.MustStayOn() | s.MustNotOccur() | s.MustHaveBeen()
+            ):
                 return self.invariance()
 
     def invariance(self) -> Formula:
@@ -181,7 +183,7 @@ class _Meaning:
         match self.sentence.scope:
             case s.Before(end=end) | s.Between(end=end) | s.AfterUntil(end=end):
                 return end
-            case _:
+            case s.Globally() | s.After() | s.While():
                 return None
 
     # ---- triggers ----

@@ -61,9 +61,11 @@ def cell_layout(network: Network) -> CellLayout:
                     value = len(channels)
                     channels.append(cell)
                     ranges.append((value, value))
-                case _:
+                case IntType() | BoolType() | ScalarType():
                     value = given[position] if given else default_value(leaf)
-                    ranges.append(cell_bounds(leaf))
+                    ranges.append(bounds(leaf))
+                case _:
+                    raise TypeError(f"{leaf} is not the type of a cell")
             names.append(variable.name + path)
             types.append(leaf)
             initial.append(value)

@@ -201,8 +201,10 @@ def _cells(expression: Expression, environment: Environment) -> tuple[int, ...]:
             return _cells(items[-1], environment)
         case Conditional(condition, then, otherwise):
             return _cells(then if _scalar(condition, environment) else otherwise, environment)
-        case _:
+        case Reference() | Index() | Field():
             return _place(expression, environment).read(cell_count(expression.type))
+        case _:
+            raise TypeError(f"{type(expression).__name__} has no aggregate value")
 
 
 def _scalar(expression: Expression, environment: Environment) -> int:

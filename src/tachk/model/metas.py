@@ -123,7 +123,8 @@ class _Search:
                 if len(indices) == len(place[1]) + 1 and indices == self.channel_indices:
                     return place[0], (_OF_THE_CHANNEL,)
                 return place[0], (*place[1], index.value if isinstance(index, Constant) else _SOMEWHERE)
-        return None
+            case _:
+                return None
 
     def is_written(self, place: Place, type_: Type, written: frozenset[Place]) -> bool:
         variable, path = place

@@ -128,6 +128,8 @@ def roots(place: Expression) -> Iterator[Variable]:
             yield from roots(target)
         case Comma(items):
             yield from roots(items[-1])
+        case Constant() | Aggregate() | Unary() | Binary() | Quantifier() | Call() | LocationTest() | Deadlock():
+            return
 
 
 def called_functions(expressions: Iterable[Expression]) -> dict[Function, None]:

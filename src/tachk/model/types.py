@@ -104,7 +104,7 @@ def cell_count(type_: Type) -> int:
             return sum(cell_count(t) for _, t in type_.fields)
         case VoidType():
             return 0
-        case _:
+        case IntType() | BoolType() | ScalarType() | ClockType() | ChannelType():
             return 1
 
 
@@ -115,7 +115,7 @@ def clock_count(type_: Type) -> int:
             return type_.size * clock_count(type_.element)
         case RecordType():
             return sum(clock_count(t) for _, t in type_.fields)
-        case _:
+        case IntType() | BoolType() | ScalarType() | ClockType() | ChannelType() | VoidType():
             return int(isinstance(type_, ClockType))
 
 
@@ -126,7 +126,7 @@ def nesting(type_: Type) -> int:
             return 1 + nesting(type_.element)
         case RecordType():
             return 1 + max((nesting(t) for _, t in type_.fields), default=0)
-        case _:
+        case IntType() | BoolType() | ScalarType() | ClockType() | ChannelType() | VoidType():
             return 0
 
 
@@ -141,7 +141,7 @@ def leaves(type_: Type, path: str = "") -> Iterator[tuple[str, Type]]:
                 yield from leaves(field_type, f"{path}.{name}")
         case VoidType():
             return
-        case _:
+        case IntType() | BoolType() | ScalarType() | ClockType() | ChannelType():
             yield path, type_
 
 

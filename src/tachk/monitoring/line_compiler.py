@@ -46,6 +46,8 @@ def line_findings(formula: syntax.Formula, moving: Collection[str]) -> tuple[Dia
                 found += checker.without_first_instant(operand, True, "becomes true")
             case syntax.Fall(operand=operand):
                 found += checker.without_first_instant(operand, False, "becomes false")
+            case _:
+                pass
     return tuple(dict.fromkeys(found))
 
 
@@ -69,6 +71,8 @@ class _Checker:
                     yield Diagnostic("E0905", f"{text} divides by zero", node.span)
                 case BinaryOperator.MODULO:
                     yield _refusal(node, f"{text}, a remainder, is not linear between rows")
+                case _:
+                    pass
 
     def changing(self, expression: ast.Expression) -> Iterator[Diagnostic]:
         if self.moves(expression):

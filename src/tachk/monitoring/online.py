@@ -290,6 +290,8 @@ class Monitor:
                 )
             case RowFault.NOT_A_TIME:
                 raise UsageError(f"{place}: the time {time} is no number that can be counted")
+            case RowFault.INFINITE | RowFault.NOT_A_VALUE | RowFault.MISSING:
+                pass
         column = self.columns[number]
         match fault:
             case RowFault.INFINITE:

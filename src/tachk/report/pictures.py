@@ -75,6 +75,8 @@ def _with_values(template: ast.Template, values: Mapping[str, ast.Expression]) -
                 own.add(name.name)
             case ast.QuantifierExpression(variable=name):
                 own.add(name.name)
+            case _:
+                pass
         return node
 
     rewrite(template, note)

@@ -195,7 +195,8 @@ def exact_ticks(times: NDArray[Any], name: str) -> CountedTimes:
             )
         case _TimeFault.BACKWARDS:
             raise _backwards(name, row)
-    return CountedTimes(ticks, first, 10**decimals)
+        case _TimeFault.NONE:
+            return CountedTimes(ticks, first, 10**decimals)
 
 
 def whole_times(times: Ticks, ticks_per_unit: int, name: str) -> CountedTimes:

@@ -98,10 +98,8 @@ def interval(expression: Expression) -> Interval:
             return 0, interval(left)[1] << max(interval(right)[1], 0)
         case Binary():
             return (0, 0) if isinstance(expression.type, ClockType) else (CONSTANT_LOW, CONSTANT_HIGH)
-        case _ if isinstance(expression.type, IntType | BoolType | ScalarType):
-            return bounds(expression.type)
         case _:
-            return 0, 0
+            return bounds(expression.type) if isinstance(expression.type, IntType | BoolType | ScalarType) else (0, 0)
 
 
 def _conditions(network: Network) -> Iterator[Expression]:

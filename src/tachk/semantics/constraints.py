@@ -11,7 +11,25 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 from tachk.model.evaluate import Environment, clock_number, evaluate
-from tachk.model.expressions import Binary, Comma, Conditional, Expression, Quantifier, QuantifierKind, Unary
+from tachk.model.expressions import (
+    Aggregate,
+    Assign,
+    Binary,
+    Call,
+    Comma,
+    Conditional,
+    Constant,
+    Deadlock,
+    Expression,
+    Field,
+    Increment,
+    Index,
+    LocationTest,
+    Quantifier,
+    QuantifierKind,
+    Reference,
+    Unary,
+)
 from tachk.model.fault import EvaluationFault
 from tachk.model.types import ClockType, ScalarLike, bounds
 from tachk.operators import BinaryOperator, UnaryOperator
@@ -38,7 +56,18 @@ def compares_clocks(expression: Expression) -> bool:
             return compares_clocks(body)
         case Comma(items):
             return any(compares_clocks(i) for i in items)
-        case _:
+        case (
+            Constant()
+            | Reference()
+            | Index()
+            | Field()
+            | Aggregate()
+            | Assign()
+            | Increment()
+            | Call()
+            | LocationTest()
+            | Deadlock()
+        ):
             return False
 
 

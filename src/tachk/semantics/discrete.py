@@ -103,7 +103,8 @@ def _is_the_same_everywhere(place: Expression, written: Container[Variable]) -> 
             return not variable.reference and variable not in written
         case Constant() | Field() | Index() | Unary() | Binary():
             return all(_is_the_same_everywhere(child, written) for child in children(place))
-    return False
+        case _:
+            return False
 
 
 def _instances(network: Network, process: int) -> tuple[tuple[Participant, ...], ...]:

@@ -183,7 +183,7 @@ def operands(formula: Formula) -> tuple[Formula, ...]:
             return left, right
         case Truth() | Atom() | Change():
             return ()
-        case _:
+        case Not() | Rise() | Fall() | Eventually() | Always() | Once() | Historically():
             return (formula.operand,)
 
 

@@ -204,6 +204,8 @@ class OnLines:
                 parts = arguments
                 pairs = [(a, b) for n, a in enumerate(arguments) for b in arguments[n + 1 :]]
                 zeros = tuple(ast.BinaryExpression(expression.span, BinaryOperator.SUBTRACT, a, b) for a, b in pairs)
+            case _:
+                pass
         found = {instant for part in parts for instant in self._breaks(part, start, end)}
         for first, last in pairwise([start, *sorted(found), end]):
             for zero in zeros:

@@ -56,7 +56,7 @@ from tachk.model.expressions import (
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.network import Edge, Location, Network, Process
 from tachk.model.types import ArrayType, BoolType, ClockType, IntType, RecordType, Type
-from tachk.operators import BinaryOperator, UnaryOperator
+from tachk.operators import BinaryOperator, Group, UnaryOperator
 from tachk.testing.machine import Machine, initial_slots
 
 SMALL = IntType(-3, 6)
@@ -152,30 +152,9 @@ def compare_updates(updates: Sequence[Expression]) -> None:
 
 # ---- random expressions ---------------------------------------------------------------------------------------------
 
-ARITHMETIC = [
-    BinaryOperator.ADD,
-    BinaryOperator.SUBTRACT,
-    BinaryOperator.MULTIPLY,
-    BinaryOperator.DIVIDE,
-    BinaryOperator.MODULO,
-    BinaryOperator.POWER,
-    BinaryOperator.BIT_AND,
-    BinaryOperator.BIT_OR,
-    BinaryOperator.BIT_XOR,
-    BinaryOperator.SHIFT_LEFT,
-    BinaryOperator.SHIFT_RIGHT,
-    BinaryOperator.MINIMUM,
-    BinaryOperator.MAXIMUM,
-]
-COMPARISONS = [
-    BinaryOperator.EQUAL,
-    BinaryOperator.NOT_EQUAL,
-    BinaryOperator.LESS,
-    BinaryOperator.LESS_EQUAL,
-    BinaryOperator.GREATER,
-    BinaryOperator.GREATER_EQUAL,
-]
-LOGIC = [BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY, BinaryOperator.XOR]
+ARITHMETIC = [each for each in BinaryOperator if each.group is Group.ARITHMETIC]
+COMPARISONS = [each for each in BinaryOperator if each.group is Group.COMPARISON]
+LOGIC = [each for each in BinaryOperator if each.group is Group.CONNECTIVE]
 
 
 class Drawer:

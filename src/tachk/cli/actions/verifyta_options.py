@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum, auto
 from typing import TypeVar
 
-from tachk.diagnostics.diagnostic import UsageError
+from tachk.diagnostics.diagnostic import InternalError, UsageError
 from tachk.diagnostics.suggestion import closest
 from tachk.engines.options import PASSED_IN_A_ROW, Extrapolation, SearchOrder
 
@@ -267,6 +267,8 @@ def _apply(parsed: VerifytaOptions, option: _Option, value: str) -> None:
             parsed.notes.append(f"{shown} has no effect: {_NO_EFFECT[name]}")
         case name if name in _OF_OTHER_ANALYSES:
             parsed.notes.append(f"{shown} has no effect: it is for queries that are not checked here")
+        case _:
+            raise InternalError(f"the option --{option.long} is listed and not read")
 
 
 def _settle_trace(parsed: VerifytaOptions) -> None:

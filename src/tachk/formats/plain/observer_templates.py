@@ -109,6 +109,8 @@ def _declared(items: Iterable[ast.Item]) -> Iterator[str]:
                 yield from (declarator.name.name for declarator in declarators)
             case ast.FunctionDeclaration(name=name) | ast.Template(name=name) | ast.Instantiation(name=name):
                 yield name.name
+            case _:
+                pass
 
 
 def _reflected(node: Any, signals: Mapping[str, ast.Expression], mirrors: Mirrors) -> Any:

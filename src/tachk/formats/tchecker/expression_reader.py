@@ -190,6 +190,8 @@ class Reader:
                 self.take("do")
                 body = self.block("end")
                 return ast.WhileStatement(word.span.to(self.take("end").span), condition, body)
+            case _:
+                pass
         if word.kind != "name":
             raise failure(f"a statement cannot begin with `{word.text}`", word.span)
         return self._assignment(self._place(word))

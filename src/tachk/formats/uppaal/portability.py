@@ -93,6 +93,8 @@ def _newer(items: Sequence[ast.Item], version: Version) -> Iterator[Diagnostic]:
                 yield _too_new("`assert`", span, version, "leave it out, or test it in a query")
             case ast.ForeignImport(span=span):
                 yield _too_new("functions of foreign libraries", span, version, None)
+            case _:
+                pass
 
 
 def _too_new(what: str, span: Span, version: Version, mend: str | None) -> Diagnostic:

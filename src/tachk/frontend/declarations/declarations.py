@@ -18,6 +18,7 @@ from tachk.model.cell_layout import cell_bounds, default_cells
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable, VariableKind
 from tachk.model.types import (
     ArrayType,
+    BoolType,
     ChannelType,
     ClockType,
     IntType,
@@ -81,6 +82,8 @@ def declare(
             case ast.SignalDeclaration(name=name):
                 # Global signals are elaborated after the processes, which they may mention.
                 context.error("E0502", name.span, "a signal is global", "move this line out of the template")
+            case ast.DynamicTemplate():
+                pass  # refused when the file was loaded
     return priorities
 
 
@@ -177,7 +180,7 @@ def widened(type_: Type) -> Type:
             return ArrayType(widened(element), index)
         case RecordType(name, fields):
             return RecordType(name, tuple((f, widened(t)) for f, t in fields))
-        case _:
+        case BoolType() | ScalarType() | ClockType() | ChannelType() | VoidType():
             return type_
 
 

@@ -153,7 +153,7 @@ def _returns(statement: Statement) -> bool:
         case While(test, body, test_first):
             endless = isinstance(test, Constant) and test.value != 0
             return endless or (not test_first and _returns(body))
-        case _:
+        case Evaluate() | Declare() | Assert():
             return False
 
 

@@ -65,6 +65,8 @@ def binary(operator: BinaryOperator, left: Expression, right: Expression, type_:
                 return right
             case BinaryOperator.ADD, False:
                 return right
+            case _:
+                pass
     return result
 
 

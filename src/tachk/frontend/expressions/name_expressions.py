@@ -71,6 +71,8 @@ def _inside_a_process(name: str, scope: Scope) -> str | None:
             case FamilySymbol(instances=instances):
                 holders = (values for values, process in instances.items() if _is_inside(name, process.members))
                 found += [f"`{visible}({', '.join(map(str, values))}).{name}`" for values in islice(holders, 1)]
+            case _:
+                pass
     if not found:
         return None
     more = " or the like" if len(found) > _PROCESSES_NAMED else ""

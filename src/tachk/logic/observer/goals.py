@@ -221,7 +221,7 @@ def parts_of(goal: Goal) -> Iterator[Goal]:
                 pending += parts
             case Sometime(goal=inner):
                 pending.append(inner)
-            case _:
+            case Holds() | Preceded() | Differs() | Throughout() | Recurring() | NeverRising() | Forever():
                 pass
 
 

@@ -128,6 +128,8 @@ class Tableau:
                 yield there if phase == "on" else since
             case Seen(past=Saved(expression=expression)):
                 yield comparison(expression, True, self.saved)
+            case _:
+                raise TypeError(f"{item} requires nothing that is known")
 
     def deadlines(self, state: State) -> dict[tuple[int, int], State | None]:
         """Pairs (clock, value): when a clock has reached its value, the state is of no more use than the one that the
@@ -188,6 +190,8 @@ class Tableau:
                     yield from self._step(
                         state, task, (low,), frozenset(), (), guard=conjunction((negated(goal.condition),))
                     )
+            case _:
+                pass  # it lasts for ever
 
     def _ready(self, state: State, pasts: Iterable[Past]) -> Iterator[tuple[ClockGuard, ...]]:
         """What clocks must say for all pasts to be there; nothing if one is not being watched."""

@@ -63,7 +63,18 @@ def condition_of(node: Formula) -> ast.Expression | None:
             return join([part for part in parts if part is not None], span)
         case formula.Implies(left=left, right=right):
             return condition_of(formula.Or(span, (formula.Not(left.span, left), right)))
-        case _:
+        case (
+            formula.Rise()
+            | formula.Fall()
+            | formula.Change()
+            | formula.Eventually()
+            | formula.Always()
+            | formula.Once()
+            | formula.Historically()
+            | formula.Until()
+            | formula.WeakUntil()
+            | formula.Since()
+        ):
             return None
 
 

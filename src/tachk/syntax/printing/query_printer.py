@@ -24,7 +24,8 @@ def print_query(query: ast.PropertyFormula) -> str:
         case ast.QueryFormula(kind="sup" | "inf" | "bounds" as kind, predicate=predicate, operands=operands):
             restriction = "" if predicate is None else f"{{ {print_expression(predicate)} }}"
             return f"{kind}{restriction}: {print_expressions(operands)}"
-    assert query.predicate is not None, "only sup, inf and bounds go without a predicate"
-    if query.kind == "-->":
-        return f"{print_expression(query.predicate)} --> {print_expressions(query.operands)}"
-    return f"{query.kind} {print_expression(query.predicate)}"
+        case ast.QueryFormula(kind=kind, predicate=predicate, operands=operands):
+            assert predicate is not None, "only sup, inf and bounds go without a predicate"
+            if kind == "-->":
+                return f"{print_expression(predicate)} --> {print_expressions(operands)}"
+            return f"{kind} {print_expression(predicate)}"

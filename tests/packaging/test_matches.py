@@ -1,0 +1,175 @@
+"""A `match` over an enum or a closed union names every member, or refuses the rest, or stands here with a reason.
+
+mypy's `exhaustive-match` sees to a match without a catch-all, unless its last case has a guard. A catch-all that goes
+on with a value is what it cannot see through: a member that was forgotten takes that path, and a verdict may change.
+"""
+
+from __future__ import annotations
+
+import ast
+import tomllib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+SOURCES = ROOT / "src/tachk"
+DECIDING = (
+    "model",
+    "logic",
+    "frontend",
+    "compiler",
+    "semantics",
+    "reduction",
+    "certify",
+    "engines",
+    "properties",
+    "monitoring",
+)
+"""The packages in which a wrong path changes a verdict."""
+
+FEW = 3
+"""A match that picks out so many kinds of a union asks about these; the rest is meant to be whatever else there is."""
+
+REASONS = {
+    "Anything else is walked as it is built, whatever it is.": {
+        "compiler/conditions.reads_clock",
+        "frontend/context.Context.effects_of",
+        "model/metas._Search.value",
+        "monitoring/line_compiler._Checker.without_first_instant",
+    },
+    "Anything else goes to a function that names every member.": {
+        "compiler/codegen.CodeGenerator.address",
+        "compiler/codegen.CodeGenerator.effect",
+        "compiler/fold.fold_place",
+        "logic/constant_values.value_of",
+        "model/evaluate._place",
+    },
+    "Anything else is kept as it is, one condition or one formula, which says the same.": {
+        "compiler/goal._disjuncts",
+        "frontend/expressions/folding.binary",
+        "logic/simplify._simpler",
+        "semantics/constraints._parts",
+    },
+    "Anything else gets the answer on the safe side: it may fail, move, or have any value.": {
+        "compiler/condition_code.ConditionCompiler._test",
+        "compiler/divisors._divisor",
+        "compiler/failures._narrowed",
+        "compiler/fold.cannot_fail",
+        "compiler/intervals.arithmetic",
+        "compiler/intervals.possible_cells",
+        "frontend/dropped.is_harmless",
+        "frontend/expressions/typing.value_range",
+        "semantics/clock_constants.interval",
+        "semantics/discrete._is_the_same_everywhere",
+    },
+    "Anything else has no such form, and the caller refuses it.": {
+        "frontend/expressions/places.is_place",
+        "frontend/expressions/typed_expressions._member",
+        "frontend/expressions/typing.same_shape",
+        "monitoring/line_compiler._computed",
+        "monitoring/line_compiler._constant",
+    },
+    "It is a truth value unless it has a clock in it.": {"compiler/goal._is_condition"},
+    "What is looked for, findings or words, concerns these kinds only.": {
+        "frontend/expressions/name_expressions.misuse_help",
+        "monitoring/line_compiler._Checker.not_linear",
+        "monitoring/line_compiler.line_findings",
+    },
+}
+
+
+def _names(node: ast.expr) -> list[str]:
+    """``A | b.C``: A, C."""
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitOr):
+        return _names(node.left) + _names(node.right)
+    return [node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else ""]
+
+
+def _closed(trees: Iterable[ast.Module]) -> _Closed:
+    enums: set[str] = set()
+    members: set[str] = set()
+    for node in (node for tree in trees for node in tree.body):
+        if isinstance(node, ast.ClassDef) and any(name.endswith("Enum") for b in node.bases for name in _names(b)):
+            enums.add(node.name)
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.BinOp):
+            members.update(_names(node.value))
+    return _Closed(enums, members - {"", "None", "bool", "float", "int", "str"})
+
+
+@dataclass(frozen=True)
+class _Closed:
+    """The names of enums, and of the members of unions that have a name."""
+
+    enums: set[str]
+    members: set[str]
+
+    def kinds(self, pattern: ast.pattern) -> set[str]:
+        """The members of a union that a pattern names at its outermost."""
+        found = {
+            name for inner in _outermost(pattern) if isinstance(inner, ast.MatchClass) for name in _names(inner.cls)
+        }
+        return found & self.members
+
+    def names_an_enum(self, pattern: ast.pattern) -> bool:
+        values = [inner.value for inner in _outermost(pattern) if isinstance(inner, ast.MatchValue)]
+        owners = {name for value in values if isinstance(value, ast.Attribute) for name in _names(value.value)}
+        return not owners.isdisjoint(self.enums)
+
+    def is_asked(self, match: ast.Match) -> bool:
+        """Whether a match goes through the members of an enum or a union, rather than ask about a few of them."""
+        kinds = set().union(*(self.kinds(case.pattern) for case in match.cases))
+        return len(kinds) > FEW or any(self.names_an_enum(case.pattern) for case in match.cases)
+
+
+def _outermost(pattern: ast.pattern) -> Iterator[ast.pattern]:
+    match pattern:
+        case ast.MatchOr(patterns=patterns) | ast.MatchSequence(patterns=patterns):
+            for inner in patterns:
+                yield from _outermost(inner)
+        case ast.MatchAs(pattern=ast.pattern() as inner):
+            yield from _outermost(inner)
+        case _:
+            yield pattern
+
+
+def _matches(node: ast.AST, path: str) -> Iterator[tuple[str, ast.Match]]:
+    """The match statements inside, each with the function that has it."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.Match):
+            yield path, child
+        named = isinstance(child, ast.ClassDef | ast.FunctionDef)
+        yield from _matches(child, f"{path}.{child.name}" if named else path)
+
+
+def _goes_on(last: ast.match_case) -> bool:
+    """Whether the last case takes everything and goes on with it, or has a guard, behind which mypy does not look."""
+    if last.guard is not None:
+        return True
+    if not (isinstance(last.pattern, ast.MatchAs) and last.pattern.pattern is None):
+        return False
+    refused = isinstance(last.body[-1], ast.Raise)
+    calls = [name for node in ast.walk(last) if isinstance(node, ast.Call) for name in _names(node.func)]
+    return not refused and not {"assert_never", "error"} & set(calls)
+
+
+def _open_matches() -> Iterator[str]:
+    trees = {path: ast.parse(path.read_text("utf-8")) for path in sorted(SOURCES.rglob("*.py"))}
+    closed = _closed(trees.values())
+    for path, tree in trees.items():
+        module = path.relative_to(SOURCES).with_suffix("").as_posix()
+        if module.split("/")[0] in DECIDING:
+            yield from (
+                name for name, match in _matches(tree, module) if closed.is_asked(match) and _goes_on(match.cases[-1])
+            )
+
+
+def test_what_a_match_does_not_name_is_refused_or_has_a_reason() -> None:
+    listed = [name for names in REASONS.values() for name in names]
+    assert len(listed) == len(set(listed))
+    assert set(_open_matches()) == set(listed)
+
+
+def test_mypy_looks_at_matches_without_a_catch_all() -> None:
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["mypy"]
+    assert "exhaustive-match" in settings["enable_error_code"]
