@@ -68,7 +68,6 @@ class CsvReader {
 
   const std::optional<CsvFault>& fault() const { return fault_; }
   std::uint32_t decimals() const { return decimals_; }
-  std::uint64_t lines() const { return line_; }
   std::size_t rows() const { return times_.size(); }
 
   // Hands over what was read since the last time; the numbering of lines and the values to hold go on.

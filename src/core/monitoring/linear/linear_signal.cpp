@@ -197,13 +197,6 @@ struct Course {
 
 }  // namespace
 
-double value_at(const LinearSignal& signal, double time) {
-  const auto next =
-      std::upper_bound(signal.begin(), signal.end(), time, [](double t, const LinearPiece& p) { return t < p.start; });
-  const auto number = static_cast<std::size_t>(next - signal.begin()) - 1;
-  return signal[number].start == time ? signal[number].at : inside(signal[number], end_of(signal, number), time);
-}
-
 LinearSignal constant_signal(double value) { return {{0, value, value, value}}; }
 
 LinearSignal negated(LinearSignal signal) { return times(std::move(signal), -1); }

@@ -25,8 +25,6 @@ struct LinearWindow {
   bool last_closed;
 };
 
-double value_at(const LinearSignal& signal, double time);
-
 LinearSignal constant_signal(double value);
 LinearSignal negated(LinearSignal signal);
 LinearSignal plus(const LinearSignal& left, const LinearSignal& right);

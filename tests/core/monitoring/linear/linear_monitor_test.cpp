@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 #include <vector>
@@ -26,6 +27,15 @@ Truth at(const Signal<Truth>& signal, Cell cell, bool high) {
   const auto next = std::upper_bound(signal.starts.begin(), signal.starts.end(), cell);
   const auto piece = static_cast<std::size_t>(next - signal.starts.begin()) - 1;
   return high ? signal.high[piece] : signal.low[piece];
+}
+
+double value_at(const LinearSignal& signal, double time) {
+  const auto next =
+      std::upper_bound(signal.begin(), signal.end(), time, [](double t, const LinearPiece& p) { return t < p.start; });
+  const LinearPiece& piece = *std::prev(next);
+  if (piece.start == time) return piece.at;
+  if (next == signal.end() || piece.after == piece.before) return piece.after;
+  return piece.after + (piece.before - piece.after) * ((time - piece.start) / (next->start - piece.start));
 }
 
 // Flags do not move, so combinations of them are steps.
