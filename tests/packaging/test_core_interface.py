@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import ast
 import re
-from enum import IntEnum
+from dataclasses import fields
+from enum import Enum
 from pathlib import Path
 
 import pytest
@@ -12,18 +13,17 @@ import pytest
 from tachk import _core
 from tachk.compiler.bytecode import Opcode
 from tachk.compiler.program import Comparison, DeadlockLiteral
-from tachk.engines import zone
-from tachk.engines.options import Extrapolation, SearchOrder
-from tachk.engines.zone import CoreStatus
+from tachk.engines.options import BoundScope, Extrapolation, Options, SearchOrder
+from tachk.engines.zone import core_options
 from tachk.model.fault import RuntimeErrorKind
 from tachk.runtime.monitor_program import NodeKind, Relation, ValueOperator
-from tachk.runtime.trace_csv import FaultKind as CsvFaultKind
 
 ROOT = Path(__file__).resolve().parents[2]
 
 WORDS = {
     "Opcode": {"constant": "const", "logical_not": "not", "call_return": "return", "assertion": "assert"},
     "FaultKind": {"assertion": "assert"},
+    "SearchOrder": {"breadth_first": "bfs", "depth_first": "dfs", "random_depth_first": "random_dfs"},
     "NodeKind": {
         "always_false": "false",
         "always_true": "true",
@@ -55,41 +55,58 @@ def numbers_of(header: str, enumeration: str) -> dict[str, int]:
     ("header", "enumeration", "mirror"),
     [
         ("machine/opcode.hpp", "Opcode", Opcode),
-        ("machine/opcode.hpp", "FaultKind", RuntimeErrorKind),
-        ("reachability/explorer.hpp", "Status", CoreStatus),
+        ("machine/opcode.hpp", "FaultKind", _core.FaultKind),
+        ("reachability/explorer.hpp", "Status", _core.Status),
+        ("reachability/options.hpp", "SearchOrder", _core.SearchOrder),
+        ("symbolic/abstraction.hpp", "Extrapolation", _core.Extrapolation),
+        ("symbolic/abstraction.hpp", "BoundScope", _core.BoundScope),
+        ("zones/zone.hpp", "Width", _core.Width),
         ("program/program.hpp", "Comparison", Comparison),
         ("program/program.hpp", "DeadlockLiteral", DeadlockLiteral),
-        ("csv/csv_reader.hpp", "CsvFaultKind", CsvFaultKind),
+        ("csv/csv_reader.hpp", "CsvFaultKind", _core.CsvFaultKind),
         ("monitoring/monitor_program.hpp", "ValueOperator", ValueOperator),
         ("monitoring/monitor_program.hpp", "Relation", Relation),
         ("monitoring/monitor_program.hpp", "NodeKind", NodeKind),
     ],
 )
-def test_the_header_and_python_number_alike(header: str, enumeration: str, mirror: type[IntEnum]) -> None:
+def test_the_header_and_python_number_alike(header: str, enumeration: str, mirror: type[Enum]) -> None:
     assert numbers_of(header, enumeration) == {member.name.lower(): member.value for member in mirror}
 
 
 @pytest.mark.parametrize(
-    ("header", "enumeration", "numbers"),
+    ("bound", "ours"),
     [
-        ("reachability/options.hpp", "SearchOrder", zone._ORDERS),
-        ("symbolic/abstraction.hpp", "Extrapolation", zone._EXTRAPOLATIONS),
-        ("zones/zone.hpp", "Width", zone._WIDTHS),
+        (_core.SearchOrder, SearchOrder),
+        (_core.Extrapolation, Extrapolation),
+        (_core.BoundScope, BoundScope),
+        (_core.FaultKind, RuntimeErrorKind),
     ],
 )
-def test_options_have_the_numbers_of_the_header(header: str, enumeration: str, numbers: dict[object, int]) -> None:
-    names = {
-        SearchOrder.BFS: "breadth_first",
-        SearchOrder.DFS: "depth_first",
-        SearchOrder.RANDOM_DFS: "random_depth_first",
-        Extrapolation.NONE: "none",
-        Extrapolation.MAX: "max",
-        Extrapolation.LU: "lu",
-        16: "narrow",
-        32: "wide",
-        64: "widest",
-    }
-    assert numbers_of(header, enumeration) == {names[option]: number for option, number in numbers.items()}
+def test_an_enumeration_of_the_core_has_the_members_of_ours(bound: type[Enum], ours: type[Enum]) -> None:
+    assert {member.name for member in bound} == {member.name for member in ours}
+
+
+def test_the_core_takes_every_option_but_those_for_the_network_by_its_name() -> None:
+    names = {name for name in vars(_core.Options) if not name.startswith("_")}
+    assert names == {field.name for field in fields(Options)} - {"hold_spectators", "drop_bystanders"}
+    changed = Options(
+        order=SearchOrder.RANDOM_DFS,
+        seed=2**32 - 1,
+        extrapolation=Extrapolation.MAX,
+        bounds=BoundScope.GLOBAL,
+        subsumption=False,
+        width=32,
+        scale=False,
+        vector=False,
+        reclaim=False,
+        pack_clocks=2**32 - 1,
+        passing=64,
+        chunk_words=2**16,
+    )
+    usual, taken = core_options(Options()), core_options(changed)
+    assert {name for name in names if getattr(usual, name) == getattr(taken, name)} == {"shortest"}
+    assert core_options(Options(shortest=True)).shortest
+    assert all(getattr(usual, name) == getattr(_core.Options(), name) for name in names)
 
 
 def test_the_stub_lists_what_the_extension_has() -> None:
@@ -103,7 +120,10 @@ def test_the_stub_lists_what_the_extension_has() -> None:
     for class_ in classes:
         extension = getattr(_core, class_.name)
         methods = [n for n in class_.body if isinstance(n, ast.FunctionDef) and n.name != "__init__"]
-        assert {n.name for n in methods} == {name for name in vars(extension) if not name.startswith("_")}, class_.name
+        members = {n.id for n in ast.walk(class_) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+        there = {name for name in vars(extension) if not name.startswith("_")}
+        if extension is not _core.Options:  # the names of whose fields are those of our options
+            assert {n.name for n in methods} | members == there, class_.name
         for method in methods:
             signature = re.sub(r"\[[^\[\]]*\]", "", str(getattr(extension, method.name).__doc__).splitlines()[0])
             arguments = [a.arg for a in (*method.args.args, *method.args.kwonlyargs)]

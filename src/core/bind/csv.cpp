@@ -23,7 +23,7 @@ namespace nb = nanobind;
 namespace {
 
 // Kind, line, offset and length in bytes, number of the cell, the line itself (which need not be UTF-8).
-using FaultTuple = std::tuple<int, std::uint64_t, std::uint64_t, std::uint64_t, int, nb::bytes>;
+using FaultTuple = std::tuple<tachk::CsvFaultKind, std::uint64_t, std::uint64_t, std::uint64_t, int, nb::bytes>;
 
 std::unique_ptr<tachk::CsvReader> make_reader(char separator, std::uint32_t cells, std::uint32_t time,
                                               const std::vector<std::uint32_t>& columns, std::uint64_t first_line,
@@ -35,6 +35,20 @@ std::unique_ptr<tachk::CsvReader> make_reader(char separator, std::uint32_t cell
 }  // namespace
 
 void bind_csv(nb::module_& m) {
+  using Kind = tachk::CsvFaultKind;
+  nb::enum_<Kind>(m, "CsvFaultKind")
+      .value("NOT_A_NUMBER", Kind::not_a_number)
+      .value("NOT_FINITE", Kind::not_finite)
+      .value("MISSING_TIME", Kind::missing_time)
+      .value("MISSING_VALUE", Kind::missing_value)
+      .value("DECREASING_TIME", Kind::decreasing_time)
+      .value("TOO_FEW_CELLS", Kind::too_few_cells)
+      .value("TOO_MANY_CELLS", Kind::too_many_cells)
+      .value("TIME_TOO_LARGE", Kind::time_too_large)
+      .value("TIME_TOO_FINE", Kind::time_too_fine)
+      .value("OPEN_QUOTE", Kind::open_quote)
+      .value("MIXED_COLUMN", Kind::mixed_column)
+      .value("LINE_TOO_LONG", Kind::line_too_long);
   nb::class_<tachk::CsvReader>(m, "CsvReader")
       .def(nb::new_(&make_reader), nb::kw_only(), nb::arg("separator"), nb::arg("cells"), nb::arg("time"),
            nb::arg("columns"), nb::arg("first_line"), nb::arg("decimals"), nb::arg("most_decimals"))
@@ -65,12 +79,8 @@ void bind_csv(nb::module_& m) {
           [](const tachk::CsvReader& self) -> std::optional<FaultTuple> {
             const auto& fault = self.fault();
             if (!fault) return std::nullopt;
-            return FaultTuple{static_cast<int>(fault->kind),
-                              fault->line,
-                              fault->offset,
-                              fault->length,
-                              fault->cell,
-                              nb::bytes(fault->text.data(), fault->text.size())};
+            return FaultTuple{fault->kind,   fault->line, fault->offset,
+                              fault->length, fault->cell, nb::bytes(fault->text.data(), fault->text.size())};
           },
           "(kind, line, offset, length, cell, line text), or None.");
 }

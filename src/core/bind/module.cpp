@@ -22,32 +22,75 @@ namespace nb = nanobind;
 
 namespace {
 
-using FaultTuple = std::tuple<int, int, std::vector<std::vector<std::uint32_t>>, std::vector<std::uint32_t>>;
+using FaultTuple =
+    std::tuple<tachk::FaultKind, int, std::vector<std::vector<std::uint32_t>>, std::vector<std::uint32_t>>;
 
-std::unique_ptr<tachk::Explorer> make_explorer(const std::vector<std::int64_t>& image, int order, std::uint32_t seed,
-                                               int extrapolation, bool local_bounds, bool subsumption, int least_width,
-                                               bool scale, bool vector, bool reclaim, std::uint32_t pack_clocks,
-                                               std::uint32_t passing, bool shortest, std::uint32_t chunk_words,
-                                               std::uint64_t state_limit, std::uint64_t memory_limit,
-                                               std::uint32_t depth_limit) {
-  tachk::Options options;
-  options.order = static_cast<tachk::SearchOrder>(order);
-  options.seed = seed;
-  options.extrapolation = static_cast<tachk::Extrapolation>(extrapolation);
-  options.local_bounds = local_bounds;
-  options.subsumption = subsumption;
-  options.least_width = static_cast<tachk::Width>(least_width);
-  options.scale = scale;
-  options.vector = vector;
-  options.reclaim = reclaim;
-  options.pack_clocks = pack_clocks;
-  options.passing = passing;
-  options.shortest = shortest;
-  options.chunk_words = chunk_words;
-  options.state_limit = state_limit;
-  options.memory_limit = memory_limit;
-  options.depth_limit = depth_limit;
-  return std::make_unique<tachk::Explorer>(tachk::decode_program(image), options);
+// The members have the names of those in tachk.engines.options and tachk.model.fault; the numbers are nobody's
+// business.
+void bind_enumerations(nb::module_& m) {
+  nb::enum_<tachk::SearchOrder>(m, "SearchOrder")
+      .value("BFS", tachk::SearchOrder::breadth_first)
+      .value("DFS", tachk::SearchOrder::depth_first)
+      .value("RANDOM_DFS", tachk::SearchOrder::random_depth_first);
+  nb::enum_<tachk::Extrapolation>(m, "Extrapolation")
+      .value("NONE", tachk::Extrapolation::none)
+      .value("MAX", tachk::Extrapolation::max)
+      .value("LU", tachk::Extrapolation::lu);
+  nb::enum_<tachk::BoundScope>(m, "BoundScope")
+      .value("LOCAL", tachk::BoundScope::local)
+      .value("GLOBAL", tachk::BoundScope::global);
+  nb::enum_<tachk::Width>(m, "Width")  // a number of bits: here the numbers are the names
+      .value("NARROW", tachk::Width::narrow)
+      .value("WIDE", tachk::Width::wide)
+      .value("WIDEST", tachk::Width::widest);
+  nb::enum_<tachk::Status>(m, "Status")
+      .value("RUNNING", tachk::Status::running)
+      .value("FINISHED", tachk::Status::finished)
+      .value("STATE_LIMIT", tachk::Status::state_limit)
+      .value("MEMORY_LIMIT", tachk::Status::memory_limit)
+      .value("DEPTH_LIMIT", tachk::Status::depth_limit)
+      .value("FAULT", tachk::Status::fault)
+      .value("CONSTANT_LIMIT", tachk::Status::constant_limit);
+  nb::enum_<tachk::FaultKind>(m, "FaultKind")
+      .value("RANGE", tachk::FaultKind::range)
+      .value("INDEX", tachk::FaultKind::index)
+      .value("DIVISION", tachk::FaultKind::division)
+      .value("NEGATIVE_CLOCK", tachk::FaultKind::negative_clock)
+      .value("SHIFT", tachk::FaultKind::shift)
+      .value("NEGATIVE_EXPONENT", tachk::FaultKind::negative_exponent)
+      .value("ASSERT", tachk::FaultKind::assertion)
+      .value("LOOP", tachk::FaultKind::loop)
+      .value("BOUND", tachk::FaultKind::bound);
+}
+
+// Each option of tachk.engines.options that is a field here is handed over, by its name.
+void bind_options(nb::module_& m) {
+  using tachk::Options;
+  nb::class_<Options>(m, "Options")
+      .def(nb::init<>())
+      .def_rw("order", &Options::order)
+      .def_rw("seed", &Options::seed)
+      .def_rw("extrapolation", &Options::extrapolation)
+      .def_rw("bounds", &Options::bounds)
+      .def_rw("subsumption", &Options::subsumption)
+      .def_rw("width", &Options::width)
+      .def_rw("scale", &Options::scale)
+      .def_rw("vector", &Options::vector)
+      .def_rw("reclaim", &Options::reclaim)
+      .def_rw("pack_clocks", &Options::pack_clocks)
+      .def_rw("passing", &Options::passing)
+      .def_rw("shortest", &Options::shortest)
+      .def_rw("chunk_words", &Options::chunk_words);
+  nb::class_<tachk::Limits>(m, "Limits")
+      .def(nb::init<>())
+      .def_rw("states", &tachk::Limits::states)
+      .def_rw("memory_bytes", &tachk::Limits::memory_bytes)
+      .def_rw("depth", &tachk::Limits::depth);
+}
+
+std::unique_ptr<tachk::Explorer> make_explorer(const std::vector<std::int64_t>& image, const tachk::Options& options,
+                                               const tachk::Limits& limits) {
+  return std::make_unique<tachk::Explorer>(tachk::decode_program(image), options, limits);
 }
 
 std::optional<FaultTuple> fault_of(tachk::Explorer& explorer) {
@@ -56,7 +99,7 @@ std::optional<FaultTuple> fault_of(tachk::Explorer& explorer) {
   std::vector<std::vector<std::uint32_t>> path;
   if (fault->node != tachk::no_node) path = explorer.path(fault->node);
   path.insert(path.end(), fault->passed.begin(), fault->passed.end());
-  return FaultTuple{static_cast<int>(fault->kind), fault->position, std::move(path), fault->edges};
+  return FaultTuple{fault->kind, fault->position, std::move(path), fault->edges};
 }
 
 }  // namespace
@@ -64,15 +107,12 @@ std::optional<FaultTuple> fault_of(tachk::Explorer& explorer) {
 NB_MODULE(_core, m) {
   m.doc() = "The C++ core: the exploration engine, the monitors and the reader of tables.";
 
+  bind_enumerations(m);
+  bind_options(m);
   nb::class_<tachk::Explorer>(m, "Explorer")
-      .def(nb::new_(&make_explorer), nb::arg("image"), nb::kw_only(), nb::arg("order"), nb::arg("seed"),
-           nb::arg("extrapolation"), nb::arg("local_bounds"), nb::arg("subsumption"), nb::arg("least_width"),
-           nb::arg("scale"), nb::arg("vector"), nb::arg("reclaim"), nb::arg("pack_clocks"), nb::arg("passing"),
-           nb::arg("shortest"), nb::arg("chunk_words"), nb::arg("state_limit"), nb::arg("memory_limit"),
-           nb::arg("depth_limit"))
-      .def(
-          "run", [](tachk::Explorer& self, std::uint64_t expansions) { return static_cast<int>(self.run(expansions)); },
-          nb::arg("expansions"), nb::call_guard<nb::gil_scoped_release>(), "Explores up to this many states.")
+      .def(nb::new_(&make_explorer), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
+      .def("run", &tachk::Explorer::run, nb::arg("expansions"), nb::call_guard<nb::gil_scoped_release>(),
+           "Explores up to this many states.")
       .def(
           "statistics",
           [](const tachk::Explorer& self) {

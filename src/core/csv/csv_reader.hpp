@@ -13,19 +13,19 @@
 
 namespace tachk {
 
-enum class CsvFaultKind : std::int32_t {
-  not_a_number = 0,
-  not_finite = 1,
-  missing_time = 2,
-  missing_value = 3,  // an empty cell in the first row; later ones hold the value before
-  decreasing_time = 4,
-  too_few_cells = 5,
-  too_many_cells = 6,
-  time_too_large = 7,  // it does not fit into 64 bits of ticks
-  time_too_fine = 8,   // it has more decimals than allowed
-  open_quote = 9,
-  mixed_column = 10,  // truth values as words, and numbers other than 0 and 1
-  line_too_long = 11,
+enum class CsvFaultKind {
+  not_a_number,
+  not_finite,
+  missing_time,
+  missing_value,  // an empty cell in the first row; later ones hold the value before
+  decreasing_time,
+  too_few_cells,
+  too_many_cells,
+  time_too_large,  // it does not fit into 64 bits of ticks
+  time_too_fine,   // it has more decimals than allowed
+  open_quote,
+  mixed_column,  // truth values as words, and numbers other than 0 and 1
+  line_too_long,
 };
 
 struct CsvFault {

@@ -52,17 +52,17 @@ enum class Opcode : std::int32_t {
   check_range = 56,
 };
 
-enum class FaultKind : std::int32_t {
-  none = 0,
-  range = 1,
-  index = 2,
-  division = 3,
-  negative_clock = 4,
-  shift = 6,
-  negative_exponent = 7,
-  assertion = 8,
-  loop = 9,
-  bound = 10,
+// What can go wrong while a model runs.
+enum class FaultKind {
+  range,
+  index,
+  division,
+  negative_clock,
+  shift,
+  negative_exponent,
+  assertion,
+  loop,
+  bound,
 };
 
 }  // namespace tachk

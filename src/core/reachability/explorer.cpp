@@ -8,22 +8,23 @@
 namespace tachk {
 namespace {
 
-Options consistent(Options options) {
+Options consistent(Options options, const Limits& limits) {
   if (options.shortest && options.order != SearchOrder::breadth_first)
     throw std::invalid_argument("shortest paths need a breadth-first search");
   // Steps are counted in stored states.
-  if (options.shortest || options.depth_limit != UINT32_MAX) options.passing = 0;
+  if (options.shortest || limits.depth != UINT32_MAX) options.passing = 0;
   return options;
 }
 
 }  // namespace
 
-Explorer::Explorer(Program program, const Options& options)
-    : options_(consistent(options)),
+Explorer::Explorer(Program program, const Options& options, const Limits& limits)
+    : options_(consistent(options, limits)),
+      limits_(limits),
       graph_(std::move(program), options_),
       passed_(graph_.program(), graph_.operations(), options_.chunk_words, options_.reclaim,
               graph_.smaller_operations()),
-      waiting_(options_.order, options_.seed, options_.depth_limit),
+      waiting_(options_.order, options_.seed, limits_.depth),
       goals_(graph_.program(), graph_.semantics(), graph_.operations(), options_.shortest),
       deadlocks_(graph_, goals_),
       passing_(graph_, options_.passing),
@@ -70,8 +71,8 @@ Status Explorer::search(std::uint64_t expansions) {
     const std::uint32_t node = next();
     if (node == no_node) return goals_.settled() || waiting_.complete() ? Status::finished : Status::depth_limit;
     expand(node);
-    if (passed_.stored() > options_.state_limit) return Status::state_limit;
-    if (options_.memory_limit != UINT64_MAX && statistics().bytes > options_.memory_limit) return Status::memory_limit;
+    if (passed_.stored() > limits_.states) return Status::state_limit;
+    if (limits_.memory_bytes != UINT64_MAX && statistics().bytes > limits_.memory_bytes) return Status::memory_limit;
   }
   return Status::finished;
 }

@@ -48,7 +48,7 @@ struct FaultReport {
 
 class Explorer final {
  public:
-  Explorer(Program program, const Options& options);
+  Explorer(Program program, const Options& options, const Limits& limits = {});
   Explorer(const Explorer&) = delete;
   Explorer& operator=(const Explorer&) = delete;
 
@@ -78,6 +78,7 @@ class Explorer final {
   bool meets_a_goal(const Successor& successor);
 
   Options options_;
+  Limits limits_;
   ZoneGraph graph_;
   PassedList passed_;
   Waiting waiting_;

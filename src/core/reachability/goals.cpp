@@ -38,11 +38,11 @@ GoalWatch::GoalWatch(const Program& program, Semantics& semantics, const ZoneOpe
 
 template <class Visit>
 bool GoalWatch::any_watch(const std::int32_t* slots, Visit&& visit) const {
-  if (std::any_of(watches_anywhere_.begin(), watches_anywhere_.end(), visit)) return true;
-  for (std::size_t process = 0; process < program_.processes.size(); ++process) {
-    const std::vector<Watch>& watches = watches_at_[semantics_.location_number(process, slots[process])];
-    if (std::any_of(watches.begin(), watches.end(), visit)) return true;
-  }
+  for (const Watch& watch : watches_anywhere_)
+    if (visit(watch)) return true;
+  for (std::size_t process = 0; process < program_.processes.size(); ++process)
+    for (const Watch& watch : watches_at_[semantics_.location_number(process, slots[process])])
+      if (visit(watch)) return true;
   return false;
 }
 

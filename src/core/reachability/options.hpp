@@ -1,4 +1,5 @@
-// How to search. No option may change a verdict; what each is for is documented in tachk.engines.protocol.
+// How to search and when to give up. No option may change a verdict. The fields are those of the same names in
+// tachk.engines.options, where it is documented what each is for and which values it takes: nothing is checked here.
 #pragma once
 
 #include <cstddef>
@@ -19,9 +20,12 @@ struct Options : ZoneGraphOptions {
   std::uint32_t passing = 0;
   bool shortest = false;        // breadth first only: no path to a goal is shorter than the one that is found
   std::size_t chunk_words = 8;  // of the parts in which large discrete states are held; 0: in one
-  std::uint64_t state_limit = UINT64_MAX;
-  std::uint64_t memory_limit = UINT64_MAX;
-  std::uint32_t depth_limit = UINT32_MAX;
+};
+
+struct Limits {
+  std::uint64_t states = UINT64_MAX;  // stored
+  std::uint64_t memory_bytes = UINT64_MAX;
+  std::uint32_t depth = UINT32_MAX;
 };
 
 }  // namespace tachk

@@ -8,7 +8,7 @@
 namespace tachk {
 
 Abstraction::Abstraction(const Program& program, const Semantics& semantics, const ZoneOperations& operations,
-                         Extrapolation kind, bool local_bounds)
+                         Extrapolation kind, BoundScope scope)
     : program_(program),
       semantics_(semantics),
       operations_(operations),
@@ -16,17 +16,17 @@ Abstraction::Abstraction(const Program& program, const Semantics& semantics, con
       lower_(operations, program.dimension()),
       upper_(operations, program.dimension()) {
   for (const Process& process : program.processes)
-    for (const Location& location : process.locations) add_bounds(location, local_bounds);
+    for (const Location& location : process.locations) add_bounds(location, scope);
   bounds_.lower.emplace_back(operations, program.dimension());
   bounds_.upper.emplace_back(operations, program.dimension());
 }
 
-void Abstraction::add_bounds(const Location& location, bool local_bounds) {
+void Abstraction::add_bounds(const Location& location, BoundScope scope) {
   const bool separate = kind_ == Extrapolation::lu && program_.diagonals.empty();
   const auto clocks = static_cast<std::size_t>(program_.dimension());
   std::vector<Raw> lower(clocks, not_compared);
   std::vector<Raw> upper(clocks, not_compared);
-  if (local_bounds) {
+  if (scope == BoundScope::local) {
     for (const ClockBound& bound : location.lower) lower[bound.clock] = std::max(lower[bound.clock], bound.value);
     for (const ClockBound& bound : location.upper) upper[bound.clock] = std::max(upper[bound.clock], bound.value);
   } else {

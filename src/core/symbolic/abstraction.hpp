@@ -20,6 +20,9 @@ namespace tachk {
 
 enum class Extrapolation { none, max, lu };
 
+// Where the constants come from: the locations of a state, or the whole program.
+enum class BoundScope { local, global };
+
 // Without extrapolation: clock values beyond what a bound can hold.
 struct ConstantOverflow : std::exception {
   const char* what() const noexcept override { return "clock values are too large"; }
@@ -27,9 +30,8 @@ struct ConstantOverflow : std::exception {
 
 class Abstraction final {
  public:
-  // Without `local_bounds` the constants are those of the whole program.
   Abstraction(const Program& program, const Semantics& semantics, const ZoneOperations& operations, Extrapolation kind,
-              bool local_bounds);
+              BoundScope scope);
 
   // Calls take(abstract) for each of the zones that together stand for the zone of a discrete state; there is one
   // unless the program has diagonals. The zone is used up. Throws ConstantOverflow.
@@ -57,7 +59,7 @@ class Abstraction final {
     std::vector<bool> present;
   };
 
-  void add_bounds(const Location& location, bool local_bounds);
+  void add_bounds(const Location& location, BoundScope scope);
   // Those of a discrete state, into `lower_` and `upper_`.
   void collect_bounds(const std::int32_t* slots);
   void check_magnitude(ConstZoneRef zone) const;

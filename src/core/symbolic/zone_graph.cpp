@@ -6,7 +6,7 @@ namespace tachk {
 namespace {
 
 Program prepared(Program program, const ZoneGraphOptions& options) {
-  if (options.local_bounds) program = without_idle_clocks(std::move(program));
+  if (options.bounds == BoundScope::local) program = without_idle_clocks(std::move(program));
   if (options.scale) program = in_largest_unit(std::move(program));
   return program;
 }
@@ -15,10 +15,8 @@ Width choose_width(const Program& program, const ZoneGraphOptions& options) {
   // Without extrapolation entries grow with the depth.
   if (options.extrapolation == Extrapolation::none) return Width::widest;
   const Raw largest = program.largest_constant;
-  if (options.least_width == Width::narrow && largest <= BoundLimits<std::int16_t>::largest_constant)
-    return Width::narrow;
-  if (options.least_width != Width::widest && largest <= BoundLimits<std::int32_t>::largest_constant)
-    return Width::wide;
+  if (options.width == Width::narrow && largest <= BoundLimits<std::int16_t>::largest_constant) return Width::narrow;
+  if (options.width != Width::widest && largest <= BoundLimits<std::int32_t>::largest_constant) return Width::wide;
   return Width::widest;
 }
 
@@ -32,7 +30,8 @@ ZoneOperations choose_operations(const Program& program, const ZoneGraphOptions&
 std::vector<ZoneOperations> choose_smaller(const Program& program, const ZoneGraphOptions& options) {
   std::vector<ZoneOperations> operations;
   constexpr int most_clocks = 1024;
-  const bool packs = options.local_bounds && options.extrapolation != Extrapolation::none && program.diagonals.empty();
+  const bool packs =
+      options.bounds == BoundScope::local && options.extrapolation != Extrapolation::none && program.diagonals.empty();
   if (!packs || program.clocks > most_clocks || static_cast<std::uint32_t>(program.clocks) <= options.pack_clocks)
     return operations;
   operations.resize(1);
@@ -49,7 +48,7 @@ ZoneGraph::ZoneGraph(Program program, const ZoneGraphOptions& options)
       smaller_(choose_smaller(program_, options)),
       semantics_(program_, operations_),
       active_(program_, semantics_, operations_, smaller_),
-      abstraction_(program_, semantics_, operations_, options.extrapolation, options.local_bounds),
+      abstraction_(program_, semantics_, operations_, options.extrapolation, options.bounds),
       target_(operations_) {}
 
 SymbolicState ZoneGraph::blank() const {

@@ -24,8 +24,8 @@ namespace tachk {
 // How states are represented.
 struct ZoneGraphOptions {
   Extrapolation extrapolation = Extrapolation::lu;
-  bool local_bounds = true;
-  Width least_width = Width::narrow;
+  BoundScope bounds = BoundScope::local;
+  Width width = Width::narrow;  // at least
   bool scale = true;
   bool vector = true;
   std::uint32_t pack_clocks = 16;  // zones of more clocks are stored without those that do not matter

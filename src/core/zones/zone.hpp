@@ -69,8 +69,8 @@ inline constexpr Raw no_bound = 4095;    // larger than any lower bound that can
 
 inline constexpr Raw unbounded_entry = INT64_MAX;
 
-// Of the entries: 16, 32 or 64 bits.
-enum class Width { narrow, wide, widest };
+// Of the entries, in bits.
+enum class Width { narrow = 16, wide = 32, widest = 64 };
 
 // For zones with finite entries up to this one, whose extents tell as much as they can; those of others tell less.
 ExtentScale choose_scale(const ZoneOperations& operations, int dimension, Raw largest_entry);

@@ -7,7 +7,7 @@ import time
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from enum import IntEnum
+from enum import Enum
 
 from tachk import _core
 from tachk.compiler.program import (
@@ -21,7 +21,7 @@ from tachk.compiler.program import (
 )
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.diagnostics.span import NOWHERE, Span
-from tachk.engines.options import BoundScope, Extrapolation, Limits, Options, SearchOrder
+from tachk.engines.options import Extrapolation, Limits, Options
 from tachk.engines.outcome import (
     INTERRUPTED,
     TIME_LIMIT,
@@ -35,29 +35,13 @@ from tachk.engines.outcome import (
 from tachk.model.fault import RuntimeErrorKind
 from tachk.semantics.timed_trace import Participant, Transition
 
-
-class CoreStatus(IntEnum):
-    """What a slice of a search ends with; the numbers are those of `Status` in explorer.hpp."""
-
-    RUNNING = 0
-    FINISHED = 1
-    STATE_LIMIT = 2
-    MEMORY_LIMIT = 3
-    DEPTH_LIMIT = 4
-    FAULT = 5
-    CONSTANT_LIMIT = 6
-
-
-_ORDERS = {SearchOrder.BFS: 0, SearchOrder.DFS: 1, SearchOrder.RANDOM_DFS: 2}
-_EXTRAPOLATIONS = {Extrapolation.NONE: 0, Extrapolation.MAX: 1, Extrapolation.LU: 2}
-_WIDTHS = {16: 0, 32: 1, 64: 2}
-_UNLIMITED = 2**64 - 1
+_OPTION_NAMES = [name for name in vars(_core.Options) if not name.startswith("_")]
 _REASONS = {
-    CoreStatus.STATE_LIMIT: "state limit",
-    CoreStatus.MEMORY_LIMIT: "memory limit",
-    CoreStatus.DEPTH_LIMIT: "depth limit",
-    CoreStatus.FAULT: "run-time error",
-    CoreStatus.CONSTANT_LIMIT: "clock values beyond 2**58 without extrapolation",
+    _core.Status.STATE_LIMIT: "state limit",
+    _core.Status.MEMORY_LIMIT: "memory limit",
+    _core.Status.DEPTH_LIMIT: "depth limit",
+    _core.Status.FAULT: "run-time error",
+    _core.Status.CONSTANT_LIMIT: "clock values beyond 2**58 without extrapolation",
 }
 _SLICE_SECONDS = 0.1
 
@@ -99,7 +83,7 @@ def _search(
     explorer = _explorer(program, goals, options, limits)
     start, user = time.perf_counter(), _user_seconds()
     status, reason = _run(explorer, start, limits, progress)
-    fault = _fault(program, explorer) if status == CoreStatus.FAULT else None
+    fault = _fault(program, explorer) if status is _core.Status.FAULT else None
     outcomes = tuple(_goal_outcome(program, explorer, number, status) for number in range(len(goals)))
     statistics = replace(_statistics(explorer, start), user_seconds=_user_seconds() - user)
     outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
@@ -125,25 +109,27 @@ def _user_seconds() -> float:
 
 
 def _explorer(program: Program, goals: Sequence[Goal], options: Options, limits: Limits) -> _core.Explorer:
-    return _core.Explorer(
-        _encode(program, goals),
-        order=_ORDERS[options.order],
-        seed=options.seed,
-        extrapolation=_EXTRAPOLATIONS[options.extrapolation],
-        local_bounds=options.bounds is BoundScope.LOCAL,
-        subsumption=options.subsumption,
-        least_width=_WIDTHS[options.width],
-        scale=options.scale,
-        vector=options.vector,
-        reclaim=options.reclaim,
-        pack_clocks=options.pack_clocks,
-        passing=options.passing,
-        shortest=options.shortest,
-        chunk_words=options.chunk_words,
-        state_limit=_UNLIMITED if limits.states is None else min(limits.states, _UNLIMITED),
-        memory_limit=_UNLIMITED if limits.memory_bytes is None else min(limits.memory_bytes, _UNLIMITED),
-        depth_limit=2**32 - 1 if limits.depth is None else min(limits.depth, 2**32 - 2),
-    )
+    return _core.Explorer(_encode(program, goals), core_options(options), _core_limits(limits))
+
+
+def core_options(options: Options) -> _core.Options:
+    """What the core takes of the options: its own have the same names, its enumerations the same members."""
+    taken = _core.Options()
+    for name in _OPTION_NAMES:
+        value, kind = getattr(options, name), type(getattr(taken, name))
+        setattr(taken, name, kind[value.name] if isinstance(value, Enum) else kind(value))
+    return taken
+
+
+def _core_limits(limits: Limits) -> _core.Limits:
+    taken = _core.Limits()
+    if limits.states is not None:
+        taken.states = min(limits.states, taken.states)
+    if limits.memory_bytes is not None:
+        taken.memory_bytes = min(limits.memory_bytes, taken.memory_bytes)
+    if limits.depth is not None:
+        taken.depth = min(limits.depth, taken.depth - 1)  # the largest stands for no limit
+    return taken
 
 
 def _joined(first: Outcome, second: Outcome, repeated: Sequence[int]) -> Outcome:
@@ -169,26 +155,26 @@ def _with_goals(outcome: Outcome, others: Mapping[int, GoalOutcome]) -> tuple[Go
     return tuple(others.get(number, goal) for number, goal in enumerate(outcome.goals))
 
 
-def _run(explorer: _core.Explorer, start: float, limits: Limits, progress: Progress | None) -> tuple[CoreStatus, str]:
+def _run(explorer: _core.Explorer, start: float, limits: Limits, progress: Progress | None) -> tuple[_core.Status, str]:
     slice_size = 256
     while True:
         begun = time.perf_counter()
         try:
-            status = CoreStatus(explorer.run(slice_size))
+            status = explorer.run(slice_size)
         except KeyboardInterrupt:
-            return CoreStatus.RUNNING, INTERRUPTED
+            return _core.Status.RUNNING, INTERRUPTED
         except MemoryError:
-            return CoreStatus.RUNNING, "the machine is out of memory"
-        if status != CoreStatus.RUNNING:
+            return _core.Status.RUNNING, "the machine is out of memory"
+        if status is not _core.Status.RUNNING:
             return status, _REASONS.get(status, "")
         now = time.perf_counter()
         if limits.seconds is not None and now - start >= limits.seconds:
-            return CoreStatus.RUNNING, TIME_LIMIT
+            return _core.Status.RUNNING, TIME_LIMIT
         try:
             if progress is not None:
                 progress(_statistics(explorer, start))
         except KeyboardInterrupt:
-            return CoreStatus.RUNNING, INTERRUPTED
+            return _core.Status.RUNNING, INTERRUPTED
         if now - begun < _SLICE_SECONDS / 2:
             slice_size *= 2
         elif now - begun > 2 * _SLICE_SECONDS:
@@ -200,11 +186,11 @@ def _statistics(explorer: _core.Explorer, start: float) -> Statistics:
     return Statistics(explored, stored, transitions, time.perf_counter() - start, peak)
 
 
-def _goal_outcome(program: Program, explorer: _core.Explorer, goal: int, status: CoreStatus) -> GoalOutcome:
+def _goal_outcome(program: Program, explorer: _core.Explorer, goal: int, status: _core.Status) -> GoalOutcome:
     node = explorer.reached(goal)
     if node is not None:
         return GoalOutcome(Status.REACHED, _path(program, explorer.path(node)))
-    return GoalOutcome(Status.UNREACHABLE if status == CoreStatus.FINISHED else Status.UNDECIDED)
+    return GoalOutcome(Status.UNREACHABLE if status is _core.Status.FINISHED else Status.UNDECIDED)
 
 
 def _fault(program: Program, explorer: _core.Explorer) -> RunTimeFault:
@@ -213,7 +199,7 @@ def _fault(program: Program, explorer: _core.Explorer) -> RunTimeFault:
         raise InternalError("the explorer stopped at a run-time error that it does not remember")
     kind, position, path, edges = fault
     transition = _transition(program, edges) if edges else None
-    return RunTimeFault(RuntimeErrorKind(kind), _site(program, position), _path(program, path), transition)
+    return RunTimeFault(RuntimeErrorKind[kind.name], _site(program, position), _path(program, path), transition)
 
 
 def _site(program: Program, position: int) -> Span:

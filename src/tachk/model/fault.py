@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
+from enum import Enum, auto
 
 from tachk.diagnostics.span import Span
 
 
-class RuntimeErrorKind(IntEnum):
-    """The number is what the C++ core reports, with the code position where it happened."""
+class RuntimeErrorKind(Enum):
+    """The core reports members of these names, with the code position where it happened."""
 
-    NONE = 0
-    RANGE = 1
+    RANGE = auto()
     """a value outside the declared range of a variable, parameter or result"""
-    INDEX = 2
-    DIVISION = 3
-    NEGATIVE_CLOCK = 4
-    SHIFT = 6
-    NEGATIVE_EXPONENT = 7
-    ASSERT = 8
-    LOOP = 9
+    INDEX = auto()
+    DIVISION = auto()
+    NEGATIVE_CLOCK = auto()
+    SHIFT = auto()
+    NEGATIVE_EXPONENT = auto()
+    ASSERT = auto()
+    LOOP = auto()
     """more than 2**24 instructions in one piece of code"""
-    BOUND = 10
+    BOUND = auto()
     """a clock is compared with a value beyond the constants the program was compiled for"""
 
 

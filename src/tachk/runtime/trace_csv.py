@@ -7,7 +7,6 @@ import re
 from collections.abc import Callable, Collection, Iterator
 from contextlib import closing
 from dataclasses import dataclass, field
-from enum import IntEnum
 from fractions import Fraction
 from pathlib import Path
 from typing import Protocol
@@ -39,23 +38,6 @@ class ByteStream(Protocol):
         ...
 
     def close(self) -> None: ...
-
-
-class FaultKind(IntEnum):
-    """What can be wrong with a row; the numbers are those of `CsvFaultKind` in csv_reader.hpp."""
-
-    NOT_A_NUMBER = 0
-    NOT_FINITE = 1
-    MISSING_TIME = 2
-    MISSING_VALUE = 3
-    DECREASING_TIME = 4
-    TOO_FEW_CELLS = 5
-    TOO_MANY_CELLS = 6
-    TIME_TOO_LARGE = 7
-    TIME_TOO_FINE = 8
-    OPEN_QUOTE = 9
-    MIXED_COLUMN = 10
-    LINE_TOO_LONG = 11
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -167,10 +149,10 @@ class CsvRecording:
         fault = reader.fault()
         if fault is not None:
             kind, line, offset, length, cell, text = fault
-            raise self._error(FaultKind(kind), line, offset, length, cell, text, finest)
+            raise self._error(kind, line, offset, length, cell, text, finest)
 
     def _error(
-        self, kind: FaultKind, line: int, offset: int, length: int, cell: int, text: bytes, finest: str
+        self, kind: _core.CsvFaultKind, line: int, offset: int, length: int, cell: int, text: bytes, finest: str
     ) -> InputError:
         start = len(text[:offset].decode("utf-8", "replace"))
         value = text[offset : offset + length].decode("utf-8", "replace")
@@ -179,54 +161,58 @@ class CsvRecording:
         column = self.header.names[cell]
         cells = len(self.header.names)
         code, message, help_ = {
-            FaultKind.NOT_A_NUMBER: (
+            _core.CsvFaultKind.NOT_A_NUMBER: (
                 "E0911",
                 f"{value!r} in column {column!r} is no number",
                 _advice_on_a_cell(value, cell == self.header.time),
             ),
-            FaultKind.NOT_FINITE: (
+            _core.CsvFaultKind.NOT_FINITE: (
                 "E0911",
                 f"the value {value!r} of column {column!r} is not finite",
                 "leave the cell empty where the value stays",
             ),
-            FaultKind.MIXED_COLUMN: (
+            _core.CsvFaultKind.MIXED_COLUMN: (
                 "E0911",
                 f"column {column!r} has truth values and the number {value!r}",
                 "a column holds either numbers, or true and false (or 1 and 0)",
             ),
-            FaultKind.MISSING_VALUE: (
+            _core.CsvFaultKind.MISSING_VALUE: (
                 "E0912",
                 f"column {column!r} has no value in the first row",
                 "an empty cell means that the value stays, so the first row has to give one",
             ),
-            FaultKind.MISSING_TIME: ("E0912", "this row has no time", None),
-            FaultKind.DECREASING_TIME: (
+            _core.CsvFaultKind.MISSING_TIME: ("E0912", "this row has no time", None),
+            _core.CsvFaultKind.DECREASING_TIME: (
                 "E0913",
                 f"the time {value} lies before that of the row above",
                 "sort the rows by time; rows of the same time are fine, the last one counts",
             ),
-            FaultKind.TOO_FEW_CELLS: (
+            _core.CsvFaultKind.TOO_FEW_CELLS: (
                 "E0914",
                 f"this row has {cell + 1} cells, the header has {cells}",
                 None,
             ),
-            FaultKind.TOO_MANY_CELLS: (
+            _core.CsvFaultKind.TOO_MANY_CELLS: (
                 "E0914",
                 f"this row has more cells than the {cells} of the header",
                 None,
             ),
-            FaultKind.TIME_TOO_LARGE: (
+            _core.CsvFaultKind.TIME_TOO_LARGE: (
                 "E0915",
                 f"the time {value} is too large to be counted as finely as the trace needs",
                 "at most 18 digits in all, those behind the point included",
             ),
-            FaultKind.TIME_TOO_FINE: (
+            _core.CsvFaultKind.TIME_TOO_FINE: (
                 "E0915",
                 f"the time {value} has too many digits to be counted exactly",
                 finest,
             ),
-            FaultKind.OPEN_QUOTE: ("E0911", "this quotation mark is not closed in its line", None),
-            FaultKind.LINE_TOO_LONG: ("E0911", "this line has more than 16 million characters", "is it a text file?"),
+            _core.CsvFaultKind.OPEN_QUOTE: ("E0911", "this quotation mark is not closed in its line", None),
+            _core.CsvFaultKind.LINE_TOO_LONG: (
+                "E0911",
+                "this line has more than 16 million characters",
+                "is it a text file?",
+            ),
         }[kind]
         return InputError([Diagnostic(code, message, span, help_)])
 

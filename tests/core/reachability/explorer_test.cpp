@@ -108,9 +108,9 @@ void test_options_do_not_change_answers() {
           Options options;
           options.order = order;
           options.extrapolation = extrapolation;
-          options.local_bounds = (bits & 1) != 0;
+          options.bounds = (bits & 1) != 0 ? BoundScope::local : BoundScope::global;
           options.subsumption = (bits & 2) != 0;
-          options.least_width = (bits & 4) != 0 ? Width::narrow : (bits & 16) != 0 ? Width::wide : Width::widest;
+          options.width = (bits & 4) != 0 ? Width::narrow : (bits & 16) != 0 ? Width::wide : Width::widest;
           options.vector = (bits & 8) != 0;
           Explorer explorer(fischer(3, wait), options);
           CHECK(explorer.run(UINT64_MAX) == Status::finished);
@@ -216,7 +216,7 @@ void test_packed_zones_are_the_same_zones() {
       for (const std::uint32_t pack_clocks : {0u, 16u}) {
         Options options;
         options.pack_clocks = pack_clocks;
-        options.least_width = width;
+        options.width = width;
         Explorer explorer(fischer(processes, 2), options);
         CHECK(explorer.run(UINT64_MAX) == Status::finished);
         statistics.push_back(explorer.statistics());
@@ -311,15 +311,15 @@ void test_slices_and_limits() {
   while (sliced.run(1) == Status::running) {
   }
   CHECK(sliced.statistics().stored == whole.statistics().stored);
-  Options few;
-  few.state_limit = 10;
-  CHECK(Explorer(fischer(4, 2), few).run(UINT64_MAX) == Status::state_limit);
-  Options shallow;
-  shallow.depth_limit = 3;
-  CHECK(Explorer(fischer(4, 2), shallow).run(UINT64_MAX) == Status::depth_limit);
-  Options small;
-  small.memory_limit = 1000;
-  CHECK(Explorer(fischer(4, 2), small).run(UINT64_MAX) == Status::memory_limit);
+  Limits few;
+  few.states = 10;
+  CHECK(Explorer(fischer(4, 2), {}, few).run(UINT64_MAX) == Status::state_limit);
+  Limits shallow;
+  shallow.depth = 3;
+  CHECK(Explorer(fischer(4, 2), {}, shallow).run(UINT64_MAX) == Status::depth_limit);
+  Limits small;
+  small.memory_bytes = 1000;
+  CHECK(Explorer(fischer(4, 2), {}, small).run(UINT64_MAX) == Status::memory_limit);
 }
 
 // One process that must leave `a` between 1 and 2 time units, and may stay in `b`, which nothing leaves.
@@ -390,7 +390,7 @@ void test_idle_clocks_are_left_out() {
   CHECK(reduced.renumbered(2) == 1);
   for (const bool reduce : {true, false}) {
     Options options;
-    options.local_bounds = reduce;
+    options.bounds = reduce ? BoundScope::local : BoundScope::global;
     Explorer explorer(program, options);
     CHECK(explorer.run(UINT64_MAX) == Status::finished);
     CHECK(explorer.reached(0).has_value());
