@@ -24,7 +24,7 @@ from tachk.testing.formulas import FormulaShape, MonitoringCase, random_monitori
 from tachk.testing.monitor_input import always, truth_of
 from tachk.testing.offline_agreement import offline_problems
 from tachk.testing.online_agreement import online_problems
-from tachk.testing.reduction import describe, reduced
+from tachk.testing.smaller_cases import describe, reduced
 
 SHAPES = (
     FormulaShape(),

@@ -15,7 +15,7 @@ from tachk.testing.exact_trace import ExactTrace, Scalar
 from tachk.testing.formulas import FormulaShape, MonitoringCase, random_monitoring_case
 from tachk.testing.lines_agreement import line_problems, time_problems
 from tachk.testing.monitor_input import always, monitor_input
-from tachk.testing.reduction import describe
+from tachk.testing.smaller_cases import describe
 
 SHAPES = {
     "shallow": FormulaShape(depth=1, linear=True),

@@ -20,8 +20,8 @@ from tachk.runtime.core_monitor import (
     robustness_signals,
     truth_signals,
 )
-from tachk.runtime.explanation import horizon, memory
 from tachk.runtime.online_monitor import OnlineMonitor
+from tachk.runtime.verdict_explanation import horizon, memory
 from tachk.syntax.formulas.printer import print_formula
 from tachk.testing.exact_monitor import value_at
 from tachk.testing.exact_trace import ExactTrace

@@ -13,7 +13,7 @@ import click
 from click.exceptions import NoSuchCommand
 
 import tachk
-from tachk.cli.program import end_program
+from tachk.cli.console_script import end_program
 
 COMMANDS = (
     "verify",

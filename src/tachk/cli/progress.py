@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from tachk.cli.terminal import width_of
 from tachk.engines.outcome import Statistics
-from tachk.report.quantity import bytes_, count
+from tachk.report.quantity import bytes_, grouped
 
 _INTERVAL = 0.2
 _LONGEST_NAME = 30
@@ -32,9 +32,9 @@ class ProgressLine:
         elapsed = statistics.seconds - self._last.seconds
         explored = statistics.states_explored - self._last.states_explored
         parts = [
-            f"{_together(names)}: {count(statistics.states_explored)} states explored",
-            f"{count(statistics.states_stored)} stored",
-            *([f"{count(int(explored / elapsed))}/s"] if elapsed > 0 else []),
+            f"{_together(names)}: {grouped(statistics.states_explored)} states explored",
+            f"{grouped(statistics.states_stored)} stored",
+            *([f"{grouped(int(explored / elapsed))}/s"] if elapsed > 0 else []),
             bytes_(statistics.peak_bytes),
             f"{statistics.seconds:.1f} s",
         ]

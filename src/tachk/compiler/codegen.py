@@ -15,7 +15,7 @@ from tachk.compiler.assembler import Assembler, Label
 from tachk.compiler.bytecode import Opcode
 from tachk.compiler.fold import Known, fold, fold_place, is_aggregate, is_integer
 from tachk.compiler.functions import FunctionGenerator
-from tachk.compiler.slot_layout import Layout
+from tachk.compiler.slot_layout import SlotLayout
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import (
@@ -63,7 +63,7 @@ class CodeGenerator:
     The entry points fold what they are given with their `Known` and return the position of the piece.
     """
 
-    def __init__(self, layout: Layout, known: Known) -> None:
+    def __init__(self, layout: SlotLayout, known: Known) -> None:
         self.layout = layout
         self.known = known
         self.assembler = Assembler()

@@ -13,7 +13,7 @@ from tachk.compiler.failures import can_fail
 from tachk.compiler.fold import Known, cannot_fail, fold, fold_place, is_integer
 from tachk.compiler.intervals import interval, possible_cells
 from tachk.compiler.program import NO_CODE, ClockConstraint, Comparison, Condition, Test
-from tachk.compiler.slot_layout import Layout, cell_range
+from tachk.compiler.slot_layout import SlotLayout, cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import (
@@ -43,7 +43,7 @@ class ConditionCompiler:
         computed_unit: divides every value of the bounds that need code; 0 if they are all 0.
     """
 
-    def __init__(self, layout: Layout, generator: CodeGenerator) -> None:
+    def __init__(self, layout: SlotLayout, generator: CodeGenerator) -> None:
         self.layout = layout
         self.generator = generator
         self.computed_unit = 0

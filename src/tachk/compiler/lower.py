@@ -31,7 +31,7 @@ from tachk.compiler.program import (
     ProgramLocation,
     Update,
 )
-from tachk.compiler.slot_layout import Layout, cell_range
+from tachk.compiler.slot_layout import SlotLayout, cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import Assign, Constant, Expression, Field, Index, Reference
@@ -50,7 +50,7 @@ def lower(network: Network, predicates: Sequence[Expression] = ()) -> tuple[Prog
     and UnsupportedError for what the engine cannot represent.
     """
     known = known_values(network, predicates)
-    layout = Layout(network, known)
+    layout = SlotLayout(network, known)
     generator = CodeGenerator(layout, known)
     lowering = _Lowering(network, layout, generator)
     lowering.find_reset_values(known)
@@ -69,7 +69,7 @@ def lower(network: Network, predicates: Sequence[Expression] = ()) -> tuple[Prog
 class _Lowering:
     """The program under construction."""
 
-    def __init__(self, network: Network, layout: Layout, generator: CodeGenerator) -> None:
+    def __init__(self, network: Network, layout: SlotLayout, generator: CodeGenerator) -> None:
         self.network = network
         self.layout = layout
         self.generator = generator

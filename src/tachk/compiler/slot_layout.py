@@ -12,7 +12,7 @@ from tachk.model.types import BoolType, ChannelType, ClockType, IntType, ScalarT
 from tachk.operators import CONSTANT_HIGH, CONSTANT_LOW
 
 
-class Layout:
+class SlotLayout:
     """The slots of a network; frame slots are added while code is generated.
 
     Attributes:

@@ -1,4 +1,4 @@
 """Pictures of templates.
 
-`placement` finds coordinates, `completion` keeps those that are known, `svg` and `png` draw.
+`placement` finds coordinates, `layout_completion` keeps those that are known, `svg` and `png` draw.
 """

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from tachk.formats.plain.expansion import with_repaired_names
-from tachk.formats.plain.model import PlainModel
+from tachk.formats.plain.plain_model import PlainModel
 from tachk.syntax import ast
 from tachk.syntax.edge_clauses import edge_clauses
 from tachk.syntax.printing.comment_placement import Placement

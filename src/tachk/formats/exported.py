@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from tachk.records import dataclass
 
 if TYPE_CHECKING:
-    from tachk.formats.plain.model import Step
+    from tachk.formats.plain.plain_model import Step
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,7 +34,7 @@ from tachk.model.traversal import children, roots
 from tachk.model.types import RecordType, Type
 from tachk.time_limit import check_time
 
-Place = tuple[Variable, tuple[int | str, ...]]
+Part = tuple[Variable, tuple[int | str, ...]]
 """A variable or a part of it: constant indices and names of fields, or first of all `_OF_THE_CHANNEL`."""
 _OF_THE_CHANNEL = "[channel]"
 """The indices of the channel of the edge: ``c_value[i]`` beside ``c[i]!`` and ``c[j]?``."""
@@ -62,7 +62,7 @@ def lasting_metas(network: Network) -> frozenset[Variable]:
     if not metas:
         return metas
     found: set[Variable] = set()
-    sent: dict[Variable, frozenset[Place]] = {}  # what every sender on a channel writes
+    sent: dict[Variable, frozenset[Part]] = {}  # what every sender on a channel writes
     for process in network.processes:
         check_time()
         for location in process.locations:
@@ -84,7 +84,7 @@ def lasting_metas(network: Network) -> frozenset[Variable]:
     return frozenset(found)
 
 
-_NONE: frozenset[Place] = frozenset()
+_NONE: frozenset[Part] = frozenset()
 
 
 def _channels(edge: Edge) -> list[Variable]:
@@ -104,10 +104,10 @@ class _Search:
         self.found = found
         synchronisation = None if edge is None else edge.synchronisation
         self.channel_indices = () if synchronisation is None else _indices(synchronisation.channel)
-        self.exits: list[frozenset[Place]] = []  # what is written at the return statements of the current function
-        self.known: dict[tuple[Function, frozenset[Place]], frozenset[Place]] = {}
+        self.exits: list[frozenset[Part]] = []  # what is written at the return statements of the current function
+        self.known: dict[tuple[Function, frozenset[Part]], frozenset[Part]] = {}
 
-    def place_of(self, expression: Expression) -> Place | None:
+    def place_of(self, expression: Expression) -> Part | None:
         """The place of a meta variable that an expression denotes; None for any other expression."""
         match expression:
             case Reference(variable):
@@ -126,19 +126,19 @@ class _Search:
             case _:
                 return None
 
-    def is_written(self, place: Place, type_: Type, written: frozenset[Place]) -> bool:
+    def is_written(self, place: Part, type_: Type, written: frozenset[Part]) -> bool:
         variable, path = place
         if any((variable, path[:length]) in written for length in range(len(path) + 1)):
             return True
         fields = type_.fields if isinstance(type_, RecordType) else ()
         return bool(fields) and all(self.is_written((variable, (*path, n)), t, written) for n, t in fields)
 
-    def values(self, expressions: Iterable[Expression], written: frozenset[Place]) -> frozenset[Place]:
+    def values(self, expressions: Iterable[Expression], written: frozenset[Part]) -> frozenset[Part]:
         for expression in expressions:
             written = self.value(expression, written)
         return written
 
-    def value(self, expression: Expression, written: frozenset[Place]) -> frozenset[Place]:
+    def value(self, expression: Expression, written: frozenset[Part]) -> frozenset[Part]:
         """What is written after the expression; reads of anything else are noted."""
         match expression:
             case Reference() | Index() | Field() if (place := self.place_of(expression)) is not None:
@@ -167,7 +167,7 @@ class _Search:
             case _:
                 return self.values(children(expression), written)
 
-    def place(self, target: Expression, written: frozenset[Place]) -> frozenset[Place]:
+    def place(self, target: Expression, written: frozenset[Part]) -> frozenset[Part]:
         """A place that is about to be overwritten: only what computes it is read."""
         match target:
             case Reference():
@@ -179,7 +179,7 @@ class _Search:
             case _:
                 return self.value(target, written)
 
-    def call(self, function: Function, written: frozenset[Place]) -> frozenset[Place]:
+    def call(self, function: Function, written: frozenset[Part]) -> frozenset[Part]:
         if (function, written) not in self.known:
             outer, self.exits = self.exits, []
             end = self.statement(function.body, written)
@@ -187,7 +187,7 @@ class _Search:
             self.exits = outer
         return self.known[function, written]
 
-    def statement(self, statement: Statement, written: frozenset[Place]) -> frozenset[Place]:
+    def statement(self, statement: Statement, written: frozenset[Part]) -> frozenset[Part]:
         """What is written behind the statement where control goes on there."""
         match statement:
             case Block(statements):

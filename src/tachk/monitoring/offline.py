@@ -30,12 +30,12 @@ from tachk.runtime.core_monitor import (
     time_robustness_ahead,
     time_robustness_behind,
 )
-from tachk.runtime.explanation import never_triggered
 from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Recording, Trace
 from tachk.runtime.trace_arrays import TableRecording
 from tachk.runtime.trace_files import open_trace
+from tachk.runtime.verdict_explanation import never_triggered
 from tachk.syntax.formula import Formula
 
 if TYPE_CHECKING:
@@ -370,7 +370,7 @@ class MonitorReport(Sequence[MonitorVerdict]):
             path: a file to write; its ending says the format (svg, png, pdf).
             begin, end: the part that is drawn, in the units of the trace's clock; None: all of it.
         """
-        from tachk.report.monitor.signal_plot import Plot, Span, plot_record
+        from tachk.report.monitor.signal_plot import Plot, Stretch, plot_record
 
         trace = self.record.trace
         origin, scale = float(trace.origin), trace.ticks_per_unit
@@ -378,7 +378,7 @@ class MonitorReport(Sequence[MonitorVerdict]):
         right = float(max(trace.end, 1)) if end is None else (end - origin) * scale
         if not left < right:
             raise UsageError("there is nothing of the trace between these times")
-        span = Span(left, right)
+        span = Stretch(left, right)
         if path is not None:
             plot_record(self.record, Path(path), span)
         return Plot(self.record, span)

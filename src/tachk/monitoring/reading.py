@@ -18,11 +18,11 @@ from tachk.runtime.core_monitor import (
     parts_of_tick,
     truth_signals,
 )
-from tachk.runtime.explanation import Explainer
 from tachk.runtime.monitor_program import UNBOUNDED, MonitorProgram, Relation
 from tachk.runtime.node_signal import NodeSignal, Truth
 from tachk.runtime.online_monitor import OnlineMonitor
 from tachk.runtime.trace import Trace
+from tachk.runtime.verdict_explanation import Explainer
 
 _ROWS_AT_ONCE = 4096
 

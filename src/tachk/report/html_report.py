@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
-from tachk.report.quantity import count, seconds
+from tachk.report.quantity import grouped, seconds
 from tachk.report.record import RunRecord
 from tachk.report.text_report import evidence_text
 from tachk.resources import template_text
@@ -25,4 +25,4 @@ def run_to_html(record: RunRecord) -> str:
         for title, _, text in (evidence_text(record.network, verdict).partition("\n"),)
         if title
     ]
-    return template.render(record=record, runs=runs, colours=_COLOURS, count=count, seconds=seconds)
+    return template.render(record=record, runs=runs, colours=_COLOURS, count=grouped, seconds=seconds)

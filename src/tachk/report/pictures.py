@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from tachk.diagnostics.diagnostic import InputError, UsageError
-from tachk.drawing.completion import complete
+from tachk.drawing.layout_completion import complete
 from tachk.drawing.svg import Picture, draw_template, together
 from tachk.formats.layout_json import read_layout_beside
 from tachk.frontend.findings import Findings

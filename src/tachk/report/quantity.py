@@ -37,7 +37,7 @@ def seconds(value: float) -> str:
     return f"{int(value) // 60} min {int(value) % 60} s"
 
 
-def count(value: int) -> str:
+def grouped(value: int) -> str:
     """A count with groups of three digits."""
     return f"{value:,}"
 

@@ -17,7 +17,7 @@ from tachk.model.network import Network
 from tachk.model.query import Observer
 from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.verdict import Answer, Verdict
-from tachk.report.quantity import bytes_, count, duration, seconds
+from tachk.report.quantity import bytes_, duration, grouped, seconds
 from tachk.report.record import RunRecord
 from tachk.report.run.telling import Ends, Telling
 from tachk.report.run.trace_summary import news_line
@@ -203,7 +203,7 @@ def _row(record: RunRecord, verdict: Verdict) -> dict[str, Text]:
         Text.assemble((f"{mark} ", "red"), query.name),
         Text(verdict.answer.value, style=_STYLES[verdict.answer]),
         Text(expected, style="" if verdict.met is not False else "bold red"),
-        Text(count(statistics.states_stored)),
+        Text(grouped(statistics.states_stored)),
         Text(seconds(statistics.seconds)),
         Text(bytes_(statistics.peak_bytes)),
         Text(query.title or query.text, style="dim"),

@@ -7,9 +7,9 @@ from enum import IntEnum
 from typing import Any
 
 from tachk import _core
-from tachk.runtime.explanation import horizon, memory
 from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
+from tachk.runtime.verdict_explanation import horizon, memory
 
 MOST_KEPT = 1 << 16
 """Rows that are kept to explain a violation, where the bounds of the formulas would ask for more."""

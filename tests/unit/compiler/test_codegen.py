@@ -15,7 +15,7 @@ from tachk.compiler.failures import can_fail, edge_can_fail
 from tachk.compiler.fold import known_values
 from tachk.compiler.lower import lower
 from tachk.compiler.program import Program
-from tachk.compiler.slot_layout import Layout
+from tachk.compiler.slot_layout import SlotLayout
 from tachk.diagnostics.span import Source, Span
 from tachk.engines.outcome import Status
 from tachk.engines.zone import explore
@@ -99,7 +99,7 @@ def compare_value(expression: Expression, effects: bool = True) -> None:
     """Compiles and evaluates an expression and asserts that the outcomes are equal."""
     net = network([expression] if effects else [])
     known = known_values(net, [])
-    layout = Layout(net, known)
+    layout = SlotLayout(net, known)
     generator = CodeGenerator(layout, known)
     start = generator.value_code(expression)
     generator.finish()

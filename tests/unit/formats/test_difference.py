@@ -7,7 +7,7 @@ import pytest
 from tachk.diagnostics.span import Source
 from tachk.formats.difference import difference, print_difference
 from tachk.formats.plain.expansion import expand, expand_document
-from tachk.formats.plain.model import PlainModel
+from tachk.formats.plain.plain_model import PlainModel
 from tachk.loading.load import load_model
 from tachk.syntax.parsing.parser import parse_document
 

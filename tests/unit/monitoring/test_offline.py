@@ -23,11 +23,11 @@ from tachk.report.monitor.junit import monitor_to_junit
 from tachk.report.monitor.record import cell_text
 from tachk.report.monitor.words import explain_verdict
 from tachk.runtime.core_monitor import truth_signals
-from tachk.runtime.explanation import Finding
 from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import NodeSignal
 from tachk.runtime.trace import FloatTimes, Trace
 from tachk.runtime.trace_arrays import open_table
+from tachk.runtime.verdict_explanation import Finding
 
 SCHEMA = Path(__file__).parents[3] / "docs/schema/monitor.schema.json"
 

@@ -17,7 +17,7 @@ from tachk.formats.catalogue import export_model, format_of
 from tachk.formats.exported import Writing
 from tachk.formats.layout_json import layout_path, layout_to_json
 from tachk.formats.plain.expansion import document_repairs
-from tachk.formats.plain.model import PlainQuery, Step
+from tachk.formats.plain.plain_model import PlainQuery, Step
 from tachk.formats.uppaal.query_file import print_queries
 from tachk.formats.uppaal.query_reader import without_properties, wrong_query
 from tachk.frontend.queries.queries import UncheckedQuery

@@ -10,7 +10,7 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.diagnostics.diagnostic import InputError
 from tachk.formats.difference import least_difference, print_difference
 from tachk.formats.plain.expansion import expand, expand_document
-from tachk.formats.plain.model import PlainModel
+from tachk.formats.plain.plain_model import PlainModel
 from tachk.loading.model_files import read_model
 from tachk.syntax.source_files import read_source
 

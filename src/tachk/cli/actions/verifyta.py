@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TextIO
 
 from tachk import api
-from tachk.cli.actions.verifyta_options import Trace, VerifytaOptions
+from tachk.cli.actions.verifyta_options import TraceChoice, VerifytaOptions
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
@@ -73,7 +73,7 @@ def _check(options: VerifytaOptions) -> ExitStatus:
         raise UsageError(missing, "give a file of queries behind the model")
     notes = [*options.notes, *(f"{found.span}: warning: {found.message}" for found in model.warnings)]
     if options.show_options:
-        trace = "no" if options.trace is Trace.NONE else options.trace.value
+        trace = "no" if options.trace is TraceChoice.NONE else options.trace.value
         _print(option_lines(trace, options.order, options.seed, notes))
     else:
         _print(map(note, notes[len(options.notes) :]))
@@ -127,11 +127,11 @@ def _formulas(loaded: LoadedModel, source: Source | None) -> tuple[Formula, ...]
 
 
 def _verdicts(network: Network, queries: Sequence[Query], options: VerifytaOptions) -> tuple[Verdict, ...]:
-    shortest = options.trace is Trace.SHORTEST
+    shortest = options.trace is TraceChoice.SHORTEST
     how = Options(
         options.order, options.seed % 2**32, options.extrapolation, passing=options.passing, shortest=shortest
     )
-    found = verify(network, queries, how, trace=options.trace is not Trace.NONE)
+    found = verify(network, queries, how, trace=options.trace is not TraceChoice.NONE)
     if any(verdict.reason == INTERRUPTED for verdict in found):
         raise KeyboardInterrupt
     return found

@@ -13,7 +13,7 @@ from tachk.diagnostics.suggestion import closest
 from tachk.engines.options import PASSED_IN_A_ROW, Extrapolation, SearchOrder
 
 
-class Trace(StrEnum):
+class TraceChoice(StrEnum):
     NONE = auto()
     SOME = auto()
     SHORTEST = auto()
@@ -36,7 +36,7 @@ class VerifytaOptions:
 
     model: str = ""
     queries: str = ""
-    trace: Trace = Trace.NONE
+    trace: TraceChoice = TraceChoice.NONE
     symbolic: bool = False
     xtr: str = ""
     xml: str = ""
@@ -124,7 +124,7 @@ _EXTRAPOLATIONS = {
     "3": Extrapolation.MAX,
     "4": Extrapolation.LU,
 }
-_TRACES = {"0": Trace.SOME, "1": Trace.SHORTEST, "2": Trace.FASTEST}
+_TRACES = {"0": TraceChoice.SOME, "1": TraceChoice.SHORTEST, "2": TraceChoice.FASTEST}
 
 _BY_LETTER = {option.short: option for option in _OPTIONS if option.short}
 _BY_NAME = {
@@ -272,14 +272,14 @@ def _apply(parsed: VerifytaOptions, option: _Option, value: str) -> None:
 
 
 def _settle_trace(parsed: VerifytaOptions) -> None:
-    if parsed.trace is Trace.NONE and (parsed.xtr or parsed.xml):
-        parsed.trace = Trace.SOME
-    if parsed.trace is Trace.FASTEST:
+    if parsed.trace is TraceChoice.NONE and (parsed.xtr or parsed.xml):
+        parsed.trace = TraceChoice.SOME
+    if parsed.trace is TraceChoice.FASTEST:
         parsed.notes.append(
             "there is no search for fastest traces here: they are shortest, and as early as they can be"
         )
-        parsed.trace = Trace.SHORTEST
-    if parsed.trace is Trace.SHORTEST and parsed.order is not SearchOrder.BFS:
+        parsed.trace = TraceChoice.SHORTEST
+    if parsed.trace is TraceChoice.SHORTEST and parsed.order is not SearchOrder.BFS:
         parsed.notes.append("shortest traces are searched for breadth first")
         parsed.order = SearchOrder.BFS
 

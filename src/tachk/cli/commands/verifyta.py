@@ -9,8 +9,8 @@ import click
 
 import tachk
 from tachk.cli import options
+from tachk.cli.console_script import end_program
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.program import end_program
 from tachk.diagnostics.diagnostic import UsageError
 
 _SPOKEN_VERSION = "4.1.26"

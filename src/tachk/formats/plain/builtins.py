@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from tachk.formats.plain.free_names import declared_names
-from tachk.formats.plain.model import Step
+from tachk.formats.plain.plain_model import Step
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_TYPES
 from tachk.model.types import IntType
 from tachk.syntax import ast

@@ -14,7 +14,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError, UsageErro
 from tachk.diagnostics.span import NOWHERE
 from tachk.formats.plain.builtins import without_builtins
 from tachk.formats.plain.free_names import name_repairs
-from tachk.formats.plain.model import PlainModel, PlainQuery, Step
+from tachk.formats.plain.plain_model import PlainModel, PlainQuery, Step
 from tachk.formats.plain.value_passing import ValuePassing
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.query import Expectation

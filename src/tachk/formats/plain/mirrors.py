@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from tachk.diagnostics.span import Span
-from tachk.formats.plain.model import Step
+from tachk.formats.plain.plain_model import Step
 from tachk.frontend.scope import FamilySymbol, LocationSymbol, ProcessSymbol, Scope, ValueSymbol
 from tachk.model.expressions import Constant, Reference, Variable, VariableKind
 from tachk.model.network import Network

@@ -13,7 +13,7 @@ from typing import Any
 
 from tachk.diagnostics.span import Span
 from tachk.formats.plain.mirrors import Mirrors, NoMirror, all_names
-from tachk.formats.plain.model import Step
+from tachk.formats.plain.plain_model import Step
 from tachk.frontend.loaded import LoadedModel, temporal_formula_of
 from tachk.logic.observer.construction import BAD, NoObserver, build_observer
 from tachk.operators import BinaryOperator, PrefixOperator

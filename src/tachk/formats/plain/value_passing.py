@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
-from tachk.formats.plain.model import Step
+from tachk.formats.plain.plain_model import Step
 from tachk.model.expressions import Variable
 from tachk.model.types import IntType, RecordType, ScalarType, Type, element_type
 from tachk.syntax import ast

@@ -7,8 +7,8 @@ from dataclasses import replace
 from tachk.formats.exported import Exported, Writing
 from tachk.formats.layout_json import read_layout_beside
 from tachk.formats.plain.expansion import expand
-from tachk.formats.plain.model import PlainModel, PlainQuery
 from tachk.formats.plain.observer_templates import with_observers
+from tachk.formats.plain.plain_model import PlainModel, PlainQuery
 from tachk.formats.uppaal.limits import refuses_deadlock
 from tachk.formats.uppaal.query_file import print_queries
 from tachk.formats.uppaal.writer import print_uppaal

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from tachk.formats.plain.model import PlainModel
+from tachk.formats.plain.plain_model import PlainModel
 from tachk.syntax import ast
 from tachk.syntax.rewrite import names_in
 from tachk.syntax.walk import nodes_of_kind

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from tachk.formats.plain.model import PlainQuery
+from tachk.formats.plain.plain_model import PlainQuery
 from tachk.formats.uppaal.limits import refused
 from tachk.formats.uppaal.query_reader import set_aside
 from tachk.syntax import ast

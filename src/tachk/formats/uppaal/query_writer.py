@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from tachk.diagnostics.span import Source
-from tachk.formats.plain.model import PlainModel, PlainQuery
+from tachk.formats.plain.plain_model import PlainModel, PlainQuery
 from tachk.formats.uppaal.limits import refused, refuses_deadlock
 from tachk.formats.uppaal.query_reader import (
     MEASURES,

@@ -9,7 +9,7 @@ from typing import Any
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Source, Span
-from tachk.formats.plain.model import PlainModel
+from tachk.formats.plain.plain_model import PlainModel
 from tachk.formats.uppaal.query_reader import wrong_query_in
 from tachk.frontend.loaded import LoadedModel
 from tachk.syntax import ast

@@ -17,8 +17,8 @@ from markupsafe import Markup
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Source
-from tachk.drawing.completion import complete
-from tachk.formats.plain.model import PlainModel
+from tachk.drawing.layout_completion import complete
+from tachk.formats.plain.plain_model import PlainModel
 from tachk.formats.uppaal.query_writer import QueryView, query_views
 from tachk.formats.uppaal.section_writer import Sections, same, sections
 from tachk.formats.uppaal.template_reader import branchpoint_id, documentation

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tachk.formats.plain.model import PlainModel
+from tachk.formats.plain.plain_model import PlainModel
 from tachk.syntax import ast
 from tachk.syntax.edge_clauses import edge_clauses
 from tachk.syntax.printing.comment_placement import place_comments

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 
 from tachk.diagnostics.span import Span
 from tachk.frontend.context import Context
-from tachk.frontend.expressions import folding as fold
-from tachk.frontend.expressions.folding import substitute
+from tachk.frontend.expressions import folded_expressions as fold
+from tachk.frontend.expressions.folded_expressions import substitute
 from tachk.model.expressions import (
     BOOL,
     INT,

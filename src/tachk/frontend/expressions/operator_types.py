@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tachk.diagnostics.span import Span
 from tachk.frontend.context import Context
-from tachk.frontend.expressions import folding as fold
+from tachk.frontend.expressions import folded_expressions as fold
 from tachk.frontend.expressions.clock_constraints import compare
 from tachk.frontend.expressions.typing import (
     CHANNEL_HELP,

@@ -11,7 +11,7 @@ from typing import assert_never
 from tachk.diagnostics.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.dropped import refuse_call, refuse_use
-from tachk.frontend.expressions import folding as fold
+from tachk.frontend.expressions import folded_expressions as fold
 from tachk.frontend.expressions.assignments import assignment
 from tachk.frontend.expressions.builtin_names import (
     BUILTIN_FUNCTIONS,

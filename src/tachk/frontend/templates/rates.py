@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tachk.frontend.context import Context
 from tachk.frontend.dropped import drop_rate
-from tachk.frontend.expressions import folding as fold
+from tachk.frontend.expressions import folded_expressions as fold
 from tachk.frontend.expressions.clock_constraints import convex, forbid
 from tachk.frontend.expressions.typed_expressions import condition, expression, type_reader
 from tachk.frontend.expressions.typing import describe, is_integral, value_range

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 from tachk.diagnostics.span import Span
 from tachk.logic.observer.conditions import Conjunction, all_of, conjunction, is_false, negated
-from tachk.logic.observer.expansion import Branch, SavedNames, branches_of, comparison, looking_back
 from tachk.logic.observer.goals import (
     Before,
     Goal,
@@ -50,6 +49,7 @@ from tachk.logic.observer.states import (
     still,
     waits_for_ever,
 )
+from tachk.logic.observer.ways import Branch, SavedNames, branches_of, comparison, looking_back
 from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 

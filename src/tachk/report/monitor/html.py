@@ -7,7 +7,7 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined
 from tachk.report.monitor.record import MonitorRecord, clock_text
 from tachk.report.monitor.text import answer_text, robustness_text
 from tachk.report.monitor.words import explain_verdict
-from tachk.report.quantity import count
+from tachk.report.quantity import grouped
 from tachk.resources import template_text
 from tachk.runtime.node_signal import Truth
 
@@ -22,7 +22,7 @@ def monitor_to_html(record: MonitorRecord) -> str:
     return template.render(
         record=record,
         colours=_COLOURS,
-        rows=count(trace.rows),
+        rows=grouped(trace.rows),
         begin=clock_text(trace, 0),
         end=clock_text(trace, trace.end),
         answer=answer_text,

@@ -8,9 +8,9 @@ from tachk.report.json_report import Json
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, cell_time, value_text
 from tachk.report.monitor.words import explain_verdict
 from tachk.report.quantity import decimal
-from tachk.runtime.explanation import Reason
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Trace
+from tachk.runtime.verdict_explanation import Reason
 
 
 def monitor_to_json(record: MonitorRecord) -> dict[str, Json]:

@@ -10,7 +10,7 @@ from tachk.report.monitor.json import finding_to_json, number
 from tachk.report.monitor.online_record import OnlineRecord, OnlineVerdict
 from tachk.report.monitor.text import robustness_text
 from tachk.report.monitor.words import explain_verdict
-from tachk.report.quantity import count, decimal
+from tachk.report.quantity import decimal, grouped
 from tachk.runtime.node_signal import Truth
 
 
@@ -22,7 +22,7 @@ def decided_to_text(verdict: OnlineVerdict, unit: str) -> str:
 
 def online_to_text(record: OnlineRecord) -> str:
     """The summary at the end."""
-    rows = f"{count(record.rows)} {'row' if record.rows == 1 else 'rows'}"
+    rows = f"{grouped(record.rows)} {'row' if record.rows == 1 else 'rows'}"
     lines = [
         f"{record.trace}: {rows}, from {_time(record.begin, record.unit)} to {_time(record.end, record.unit)}",
         "",

@@ -7,10 +7,10 @@ from fractions import Fraction
 
 from tachk.report.quantity import decimal
 from tachk.runtime.conventions import Ending, Interpolation
-from tachk.runtime.explanation import Explainer, Finding
 from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Trace
+from tachk.runtime.verdict_explanation import Explainer, Finding
 
 
 @dataclass(frozen=True, slots=True)

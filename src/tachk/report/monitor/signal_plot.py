@@ -60,14 +60,14 @@ _METADATA: Any = {"Date": None, "Creator": "tachk"}
 
 
 @dataclass(frozen=True, slots=True)
-class Span:
+class Stretch:
     """The part of a trace that is drawn, in ticks."""
 
     begin: float
     end: float
 
 
-def plot_record(record: MonitorRecord, path: str | Path, span: Span | None = None) -> None:
+def plot_record(record: MonitorRecord, path: str | Path, span: Stretch | None = None) -> None:
     """Writes the picture of a record whose verdicts have their explainers.
 
     Args:
@@ -90,7 +90,7 @@ class Plot:
     """A picture that has not been written; a notebook shows it."""
 
     record: MonitorRecord = field(repr=False)
-    span: Span
+    span: Stretch
 
     @property
     def svg(self) -> str:
@@ -104,10 +104,10 @@ class Plot:
         return self.svg
 
 
-def draw_record(record: MonitorRecord, span: Span | None = None) -> Figure:
+def draw_record(record: MonitorRecord, span: Stretch | None = None) -> Figure:
     """The picture as a matplotlib figure."""
     trace = record.trace
-    span = span or Span(0, max(trace.end, 1))
+    span = span or Stretch(0, max(trace.end, 1))
     groups = [(verdict, formula_rows(verdict)) for verdict in record.verdicts]
     flags = [name for name, values in trace.columns.items() if values.dtype.kind == "u"]
     numbers = [name for name in trace.columns if name not in flags]
@@ -153,7 +153,7 @@ def _axes(figure: Figure, heights: Sequence[float], signals: int, height: float)
     return axes
 
 
-def _draw_numbers(axis: Axes, trace: Trace, name: str, span: Span, verdicts: Sequence[MonitorVerdict]) -> None:
+def _draw_numbers(axis: Axes, trace: Trace, name: str, span: Stretch, verdicts: Sequence[MonitorVerdict]) -> None:
     moves = trace.moves(name)
     times, values = (line if moves else steps)(trace, name, span.begin, span.end)
     levels = thresholds(verdicts, name)
@@ -171,7 +171,7 @@ def _draw_numbers(axis: Axes, trace: Trace, name: str, span: Span, verdicts: Seq
     axis.locator_params(axis="y", nbins=3)
 
 
-def _draw_flags(axis: Axes, trace: Trace, names: Sequence[str], span: Span) -> None:
+def _draw_flags(axis: Axes, trace: Trace, names: Sequence[str], span: Stretch) -> None:
     """One line for each truth value: high and filled where it is true."""
     for row, name in enumerate(names):
         times, values = steps(trace, name, span.begin, span.end)
@@ -183,7 +183,7 @@ def _draw_flags(axis: Axes, trace: Trace, names: Sequence[str], span: Span) -> N
     _rows(axis, [_short(name) for name in names])
 
 
-def _draw_formula(axis: Axes, trace: Trace, verdict: MonitorVerdict, rows: FormulaRows, span: Span) -> None:
+def _draw_formula(axis: Axes, trace: Trace, verdict: MonitorVerdict, rows: FormulaRows, span: Stretch) -> None:
     axis.set_gid(f"formula-{verdict.name}")
     pixel = (span.end - span.begin) / (_WIDTH * (_RIGHT - _LEFT) * 150)
     for row, node in enumerate(rows.nodes):
@@ -231,7 +231,7 @@ def _rows(axis: Axes, labels: Sequence[str]) -> None:
     axis.spines["left"].set_visible(False)
 
 
-def _draw_time(axes: Sequence[Axes], trace: Trace, span: Span) -> None:
+def _draw_time(axes: Sequence[Axes], trace: Trace, span: Stretch) -> None:
     """Ticks at round numbers of the recording's clock, with labels below the last axis."""
     origin, scale = float(trace.origin), trace.ticks_per_unit
     begin, end = origin + span.begin / scale, origin + span.end / scale
@@ -242,7 +242,7 @@ def _draw_time(axes: Sequence[Axes], trace: Trace, span: Span) -> None:
     axes[-1].set_xlabel(f"time [{trace.unit}]" if trace.unit else "time", fontsize=_LABEL)
 
 
-def _mark(axis: Axes, verdict: MonitorVerdict, span: Span, labelled: bool, trace: Trace) -> None:
+def _mark(axis: Axes, verdict: MonitorVerdict, span: Stretch, labelled: bool, trace: Trace) -> None:
     """Lines at the instant of the violation (or of what is pending) and at the deadline."""
     finding = verdict.finding
     if finding is None:

@@ -10,7 +10,7 @@ from rich.text import Text
 
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, clock_text
 from tachk.report.monitor.words import explain_verdict
-from tachk.report.quantity import count
+from tachk.report.quantity import grouped
 from tachk.runtime.conventions import Ending, Interpolation
 from tachk.runtime.node_signal import Truth
 
@@ -20,7 +20,7 @@ STYLES = {Truth.TRUE: "green", Truth.FALSE: "red", Truth.UNDETERMINED: "yellow"}
 def print_monitor(record: MonitorRecord, console: Console) -> None:
     """Prints the verdicts on one trace."""
     trace = record.trace
-    rows = f"{count(trace.rows)} {'row' if trace.rows == 1 else 'rows'}"
+    rows = f"{grouped(trace.rows)} {'row' if trace.rows == 1 else 'rows'}"
     console.print(Text(f"{trace.name}: {rows}, from {clock_text(trace, 0)} to {clock_text(trace, trace.end)}"))
     moving = [name for name in trace.columns if trace.moves(name)]
     if trace.interpolation is Interpolation.LINEAR:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, cell_text, clock_text, value_text
-from tachk.runtime.explanation import Finding, Reason
 from tachk.runtime.monitor_program import NodeKind
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Trace
+from tachk.runtime.verdict_explanation import Finding, Reason
 
 _COLUMNS_SHOWN = 8
 

@@ -9,8 +9,8 @@ from rich.console import Console
 from rich.text import Text
 
 from tachk.model.network import Direction
-from tachk.report.quantity import count, duration
-from tachk.report.run.folding import Round, Single, fold
+from tachk.report.quantity import duration, grouped
+from tachk.report.run.repeated_rounds import Round, Single, fold_rounds
 from tachk.report.run.telling import Ends, Telling
 from tachk.report.run.trace_view import Event, Move, Snapshot, TraceView
 
@@ -23,7 +23,7 @@ _COLUMNS = 120
 def print_trace(trace: TraceView, console: Console, time_unit: str = "", telling: Telling = Telling()) -> None:
     """Prints a run."""
     told = trace if telling.every_step else trace.without_hidden()
-    items = [Single(number) for number in range(len(told.steps))] if telling.every_step else fold(told.steps)
+    items = [Single(number) for number in range(len(told.steps))] if telling.every_step else fold_rounds(told.steps)
     teller = _Teller(told, time_unit, telling.clocks, min(_COLUMNS, console.width))
     ends = Ends(len(items), 0) if telling.every_step else telling.ends
     console.print(teller.text(items, ends), end="", soft_wrap=True)
@@ -71,7 +71,7 @@ class _Teller:
         for item in items[: ends.beginning]:
             self._item(item)
         if left_out:
-            self._lines.append(f"  ...  ({count(sum(item.length for item in left_out))} steps)\n", style="dim")
+            self._lines.append(f"  ...  ({grouped(sum(item.length for item in left_out))} steps)\n", style="dim")
         for item in end:
             self._item(item)
         return self._lines

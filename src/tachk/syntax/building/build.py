@@ -13,7 +13,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.building.build_expressions import Children, ExpressionBuilder, ListOf, nodes, only, span_of
-from tachk.syntax.building.build_template import Clause, Line, clauses_of, template
+from tachk.syntax.building.build_template import Line, WrittenClause, clauses_of, template
 from tachk.syntax.chains import chain
 from tachk.syntax.formulas.build import FormulaBuilder, WholeFormula, as_formula
 from tachk.syntax.parsing.misplaced import Misplaced
@@ -236,7 +236,7 @@ class Builder(ExpressionBuilder, FormulaBuilder):
             target,
             controllable=arrow.text == "->",
             doc=source.doc if source is not None else arrow.doc,
-            **clauses_of(only(clauses, Clause)),
+            **clauses_of(only(clauses, WrittenClause)),
         )
 
     def outgoing(self, children: Children) -> ast.EdgeDeclaration:
@@ -247,7 +247,7 @@ class Builder(ExpressionBuilder, FormulaBuilder):
             target,
             controllable=uncontrollable is None,
             doc=(uncontrollable or keyword).doc,
-            **clauses_of(only(rest, Clause)),
+            **clauses_of(only(rest, WrittenClause)),
         )
 
     def flag(self, children: Children) -> Token:
@@ -262,7 +262,7 @@ class Builder(ExpressionBuilder, FormulaBuilder):
                 raise Misplaced(Diagnostic("E0107", f"'{flag.text}' is written twice", flag.span, "remove one"))
         name = next(child for child in children if isinstance(child, ast.Identifier))
         given: dict[str, Any] = {}
-        for clause in only(children, Clause):
+        for clause in only(children, WrittenClause):
             if clause.kind in given:
                 raise Misplaced(
                     Diagnostic(
@@ -290,12 +290,12 @@ class Builder(ExpressionBuilder, FormulaBuilder):
     def branchpoint(self, children: Children) -> ast.Branchpoint:
         return ast.Branchpoint(span_of(children), children[1], only(children, ast.EdgeDeclaration))
 
-    def _clause(self, children: Children) -> Clause:
-        return Clause(children[0].text, span_of(children), children[1])
+    def _clause(self, children: Children) -> WrittenClause:
+        return WrittenClause(children[0].text, span_of(children), children[1])
 
-    def exponential_rate(self, children: Children) -> Clause:
+    def exponential_rate(self, children: Children) -> WrittenClause:
         keyword, rate, _, divisor, _ = children
-        return Clause(keyword.text, span_of(children), (rate, divisor))
+        return WrittenClause(keyword.text, span_of(children), (rate, divisor))
 
     invariant = select = guard = sync = assign = probability = _clause
 

@@ -25,7 +25,7 @@ class Line:
 
 
 @dataclass(frozen=True, slots=True)
-class Clause:
+class WrittenClause:
     """A clause of an edge or a location, such as ``guard x > 5;``."""
 
     kind: str
@@ -33,13 +33,13 @@ class Clause:
     value: Any
 
 
-def clauses_of(clauses: Sequence[Clause]) -> dict[str, Any]:
+def clauses_of(clauses: Sequence[WrittenClause]) -> dict[str, Any]:
     """The fields of an edge that its clauses fill; ``probability`` may stand anywhere.
 
     Raises:
         Misplaced: a clause occurs twice or out of order.
     """
-    given: dict[str, Clause] = {}
+    given: dict[str, WrittenClause] = {}
     for clause in clauses:
         if clause.kind in given:
             how = "join them with &&" if clause.kind == "guard" else "join them with a comma"

@@ -10,7 +10,7 @@ from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.walk import nodes_of_kind
 from tachk.testing.exact_trace import ExactTrace
 from tachk.testing.formulas import MonitoringCase, random_monitoring_case
-from tachk.testing.reduction import describe, reduced
+from tachk.testing.smaller_cases import describe, reduced
 
 
 def has_until_and_two_rows(case: MonitoringCase) -> bool:

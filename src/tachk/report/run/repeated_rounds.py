@@ -59,7 +59,7 @@ class Round:
         return self.length // self.times
 
 
-def fold(steps: Sequence[ViewStep]) -> tuple[Single | Round, ...]:
+def fold_rounds(steps: Sequence[ViewStep]) -> tuple[Single | Round, ...]:
     """The steps of a run in order, rounds put together."""
     row = _Row(steps)
     while True:

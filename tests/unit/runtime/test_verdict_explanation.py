@@ -15,11 +15,11 @@ from tachk.monitoring.formulas import NamedFormula
 from tachk.monitoring.offline import Judging, MonitorReport, verdict_on
 from tachk.monitoring.reading import HeldValues
 from tachk.report.monitor.record import MonitorRecord
-from tachk.runtime.explanation import Reason, horizon, memory
 from tachk.runtime.monitor_program import MonitorNode, MonitorProgram, NodeKind
 from tachk.runtime.node_signal import NodeSignal, Truth
 from tachk.runtime.online_monitor import OnlineMonitor
 from tachk.runtime.trace import Trace
+from tachk.runtime.verdict_explanation import Reason, horizon, memory
 from tachk.testing.exact_trace import ExactTrace
 from tachk.testing.formulas import FormulaShape, random_formula, random_trace
 

@@ -5,7 +5,7 @@ from fractions import Fraction
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tachk.report.run.folding import Round, Single, fold
+from tachk.report.run.repeated_rounds import Round, Single, fold_rounds
 from tachk.report.run.trace_view import Event, Move, Snapshot, ViewStep
 
 EMPTY = Snapshot((), ())
@@ -27,7 +27,7 @@ def shown(items: tuple[Single | Round, ...], word: str) -> str:
 
 
 def folded(word: str, delays: dict[str, int] | None = None) -> str:
-    return shown(fold(steps(word, delays)), word)
+    return shown(fold_rounds(steps(word, delays)), word)
 
 
 def test_rounds_are_put_together_where_that_saves_four_steps() -> None:
@@ -50,7 +50,7 @@ def test_a_round_begins_by_waiting_where_it_can() -> None:
 def test_delays_tell_rounds_apart() -> None:
     run = steps("ababab")
     run[2] = ViewStep(Fraction(1), run[2].event, EMPTY)
-    assert all(isinstance(item, Single) for item in fold(run))
+    assert all(isinstance(item, Single) for item in fold_rounds(run))
 
 
 @given(st.text("abc", max_size=60))
@@ -60,6 +60,6 @@ def test_nothing_is_lost_or_reordered(word: str) -> None:
             word[item.number] if isinstance(item, Single) else unfolded(item.block) * item.times for item in items
         )
 
-    items = fold(steps(word))
+    items = fold_rounds(steps(word))
     assert unfolded(items) == word
     assert sum(item.length for item in items) == len(word)
