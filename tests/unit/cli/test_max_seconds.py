@@ -110,7 +110,7 @@ def test_a_model_without_time_is_in_the_reports_and_keeps_no_other_from_being_ch
     folder: Path, capsys: pytest.CaptureFixture[str], looks: Iterator[int]
 ) -> None:
     (folder / "small.ta").write_text("process P() { init location A; }\nsystem P;\n")
-    status = run_check(("m.ta", "small.ta"), (), form=ReportForm.JSON, max_seconds=60)
+    status = run_check(("m.ta", "small.ta"), (), form=ReportForm.JSON, seconds=60)
     assert status is ExitStatus.UNKNOWN
     long, short = json.loads(capsys.readouterr().out)["models"]
     assert long["size"] is None
@@ -120,7 +120,7 @@ def test_a_model_without_time_is_in_the_reports_and_keeps_no_other_from_being_ch
 
 def test_a_mistake_is_graver_than_no_time(folder: Path, looks: Iterator[int]) -> None:
     (folder / "wrong.ta").write_text("system P;\n")
-    assert run_check(("m.ta", "wrong.ta"), (), max_seconds=60) is ExitStatus.BAD_INPUT
+    assert run_check(("m.ta", "wrong.ta"), (), seconds=60) is ExitStatus.BAD_INPUT
 
 
 def template_of(model: LoadedModel) -> ast.Template:

@@ -27,7 +27,7 @@ def run_check(
     form: ReportForm = ReportForm.TEXT,
     output: Path | None = None,
     strict_xta: bool = False,
-    max_seconds: float | None = None,
+    seconds: float | None = None,
 ) -> ExitStatus:
     """Reads every model and tells what is wrong or odd about each.
 
@@ -37,14 +37,14 @@ def run_check(
             or GITHUB, with everything in one report.
         output: the file of the report, standard output without.
         strict_xta: refuse what tachk adds to the language of UPPAAL.
-        max_seconds: of each model; one that takes longer is left, and the status is UNKNOWN if it is no worse.
+        seconds: of each model; one that takes longer is left, and the status is UNKNOWN if it is no worse.
     """
     constants = parse_definitions(definitions)
     checks: list[Checked] = []
     with destination(output) as out:
         assert out is not None
         for path in models:
-            checks.append(_within(max_seconds, path, constants, version, strict_xta))
+            checks.append(_within(seconds, path, constants, version, strict_xta))
             if form is ReportForm.TEXT:
                 _tell(checks[-1], version, len(models) > 1, out)
         match form:
@@ -60,10 +60,10 @@ def run_check(
 
 
 def _within(
-    max_seconds: float | None, path: str, constants: dict[str, str], version: Version | None, strict_xta: bool
+    seconds: float | None, path: str, constants: dict[str, str], version: Version | None, strict_xta: bool
 ) -> Checked:
     try:
-        with time_limit(max_seconds):
+        with time_limit(seconds):
             return _check(path, constants, version, strict_xta)
     except OutOfTimeError:
         return Checked(path, complaint=OUT_OF_TIME, out_of_time=True)

@@ -16,20 +16,26 @@ from tachk.formats.exported import Exported, Writing
 
 
 def run_export(
-    path: str,
+    *,
+    model: str,
     output: Path | None,
     format: ExportFormat | None,
     definitions: tuple[str, ...],
     explain: bool,
     keep_names: bool,
-    observers: bool = True,
+    observers: bool,
 ) -> ExitStatus:
-    """Writes a model in another format, with its queries beside it where the format has no place for them."""
+    """Writes a model in another format, with its queries beside it where the format has no place for them.
+
+    Args:
+        format: without it, what the ending of the output says.
+        explain: tell what is written differently, and where.
+    """
     constants = parse_definitions(definitions)
     wanted = format or (ExportFormat.XTA if output is None else format_of(output))
-    model = api.load(path, **constants)
-    print_diagnostics(model.warnings)
-    exported = export_model(model.loaded, wanted, Writing(tuple(constants), not keep_names, observers))
+    source = api.load(model, **constants)
+    print_diagnostics(source.warnings)
+    exported = export_model(source.loaded, wanted, Writing(tuple(constants), not keep_names, observers))
     write_exported(exported, output)
     if explain:
         _explain(exported)

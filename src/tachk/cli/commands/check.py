@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import Any
 
 import click
 
@@ -31,16 +31,8 @@ from tachk.formats.uppaal.versions import Version
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
 @options.max_seconds("Give up a model after this time, with exit status 20.")
 @click.option("strict_xta", "--strict-xta", is_flag=True, help="Refuse what tachk adds to the language of UPPAAL.")
-def command(
-    models: tuple[str, ...],
-    definitions: tuple[str, ...],
-    version: Version | None,
-    form: ReportForm,
-    output: Path | None,
-    seconds: float | None,
-    strict_xta: bool,
-) -> None:
+def command(**given: Any) -> None:
     """Read models and report every mistake and warning, without checking a property."""
     from tachk.cli.actions.check import run_check
 
-    options.finish(lambda: run_check(models, definitions, version, form, output, strict_xta, seconds))
+    options.finish(lambda: run_check(**given))

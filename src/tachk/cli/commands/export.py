@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import Any
 
 import click
 
@@ -28,17 +28,8 @@ from tachk.formats.catalogue import ExportFormat
     help="Temporal properties become automata beside the model; without, comments.",
 )
 @options.max_seconds()
-def command(
-    model: str,
-    output: Path | None,
-    format: ExportFormat | None,
-    definitions: tuple[str, ...],
-    explain: bool,
-    keep_names: bool,
-    observers: bool,
-    seconds: float | None,
-) -> None:
+def command(seconds: float | None, **given: Any) -> None:
     """Write a model for UPPAAL, TChecker, Graphviz or other programs, with its queries beside it."""
     from tachk.cli.actions.export import run_export
 
-    options.finish(lambda: run_export(model, output, format, definitions, explain, keep_names, observers), seconds)
+    options.finish(lambda: run_export(**given), seconds)
