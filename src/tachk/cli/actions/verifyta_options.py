@@ -267,6 +267,8 @@ def _apply(parsed: VerifytaOptions, option: _Option, value: str) -> None:
             parsed.notes.append(f"{shown} has no effect: {_NO_EFFECT[name]}")
         case name if name in _OF_OTHER_ANALYSES:
             parsed.notes.append(f"{shown} has no effect: it is for queries that are not checked here")
+        case name if name in ("silence-progress", *_SILENT, *_SILENT_FLAGS):
+            pass  # there is no progress and no licence
         case _:
             raise InternalError(f"the option --{option.long} is listed and not read")
 
