@@ -14,6 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from tachk import _core
+from tachk._core import CsvFaultKind
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.span import Source, Span
 from tachk.runtime.trace import LARGEST_TICK, Ticks, Trace, Values
@@ -152,69 +153,67 @@ class CsvRecording:
             raise self._error(kind, line, offset, length, cell, text, finest)
 
     def _error(
-        self, kind: _core.CsvFaultKind, line: int, offset: int, length: int, cell: int, text: bytes, finest: str
+        self, kind: CsvFaultKind, line: int, offset: int, length: int, cell: int, text: bytes, finest: str
     ) -> InputError:
         start = len(text[:offset].decode("utf-8", "replace"))
         value = text[offset : offset + length].decode("utf-8", "replace")
         source = Source(self.name, text.decode("utf-8", "replace"), first_line=line)
         span = Span(source, start, min(start + max(len(value), 1), max(len(source.text), start)))
-        column = self.header.names[cell]
-        cells = len(self.header.names)
-        code, message, help_ = {
-            _core.CsvFaultKind.NOT_A_NUMBER: (
-                "E0911",
-                f"{value!r} in column {column!r} is no number",
-                _advice_on_a_cell(value, cell == self.header.time),
-            ),
-            _core.CsvFaultKind.NOT_FINITE: (
-                "E0911",
-                f"the value {value!r} of column {column!r} is not finite",
-                "leave the cell empty where the value stays",
-            ),
-            _core.CsvFaultKind.MIXED_COLUMN: (
-                "E0911",
-                f"column {column!r} has truth values and the number {value!r}",
-                "a column holds either numbers, or true and false (or 1 and 0)",
-            ),
-            _core.CsvFaultKind.MISSING_VALUE: (
-                "E0912",
-                f"column {column!r} has no value in the first row",
-                "an empty cell means that the value stays, so the first row has to give one",
-            ),
-            _core.CsvFaultKind.MISSING_TIME: ("E0912", "this row has no time", None),
-            _core.CsvFaultKind.DECREASING_TIME: (
-                "E0913",
-                f"the time {value} lies before that of the row above",
-                "sort the rows by time; rows of the same time are fine, the last one counts",
-            ),
-            _core.CsvFaultKind.TOO_FEW_CELLS: (
-                "E0914",
-                f"this row has {cell + 1} cells, the header has {cells}",
-                None,
-            ),
-            _core.CsvFaultKind.TOO_MANY_CELLS: (
-                "E0914",
-                f"this row has more cells than the {cells} of the header",
-                None,
-            ),
-            _core.CsvFaultKind.TIME_TOO_LARGE: (
-                "E0915",
-                f"the time {value} is too large to be counted as finely as the trace needs",
-                "at most 18 digits in all, those behind the point included",
-            ),
-            _core.CsvFaultKind.TIME_TOO_FINE: (
-                "E0915",
-                f"the time {value} has too many digits to be counted exactly",
-                finest,
-            ),
-            _core.CsvFaultKind.OPEN_QUOTE: ("E0911", "this quotation mark is not closed in its line", None),
-            _core.CsvFaultKind.LINE_TOO_LONG: (
-                "E0911",
-                "this line has more than 16 million characters",
-                "is it a text file?",
-            ),
-        }[kind]
+        code, message, help_ = _told(
+            kind, value, self.header.names[cell], cell == self.header.time, (cell + 1, len(self.header.names)), finest
+        )
         return InputError([Diagnostic(code, message, span, help_)])
+
+
+def _told(
+    kind: CsvFaultKind, value: str, column: str, is_time: bool, cells: tuple[int, int], finest: str
+) -> tuple[str, str, str | None]:
+    """The code of a fault, what it is, and how to mend it.
+
+    Args:
+        value: of the cell of this column.
+        cells: of the row, and of the header.
+        finest: what helps against a time that is too fine.
+    """
+    told: dict[CsvFaultKind, tuple[str, str, str | None]] = {
+        CsvFaultKind.NOT_A_NUMBER: (
+            "E0911",
+            f"{value!r} in column {column!r} is no number",
+            _advice_on_a_cell(value, is_time),
+        ),
+        CsvFaultKind.NOT_FINITE: (
+            "E0911",
+            f"the value {value!r} of column {column!r} is not finite",
+            "leave the cell empty where the value stays",
+        ),
+        CsvFaultKind.MIXED_COLUMN: (
+            "E0911",
+            f"column {column!r} has truth values and the number {value!r}",
+            "a column holds either numbers, or true and false (or 1 and 0)",
+        ),
+        CsvFaultKind.MISSING_VALUE: (
+            "E0912",
+            f"column {column!r} has no value in the first row",
+            "an empty cell means that the value stays, so the first row has to give one",
+        ),
+        CsvFaultKind.MISSING_TIME: ("E0912", "this row has no time", None),
+        CsvFaultKind.DECREASING_TIME: (
+            "E0913",
+            f"the time {value} lies before that of the row above",
+            "sort the rows by time; rows of the same time are fine, the last one counts",
+        ),
+        CsvFaultKind.TOO_FEW_CELLS: ("E0914", f"this row has {cells[0]} cells, the header has {cells[1]}", None),
+        CsvFaultKind.TOO_MANY_CELLS: ("E0914", f"this row has more cells than the {cells[1]} of the header", None),
+        CsvFaultKind.TIME_TOO_LARGE: (
+            "E0915",
+            f"the time {value} is too large to be counted as finely as the trace needs",
+            "at most 18 digits in all, those behind the point included",
+        ),
+        CsvFaultKind.TIME_TOO_FINE: ("E0915", f"the time {value} has too many digits to be counted exactly", finest),
+        CsvFaultKind.OPEN_QUOTE: ("E0911", "this quotation mark is not closed in its line", None),
+        CsvFaultKind.LINE_TOO_LONG: ("E0911", "this line has more than 16 million characters", "is it a text file?"),
+    }
+    return told[kind]
 
 
 def _advice_on_a_cell(value: str, is_time: bool) -> str:
