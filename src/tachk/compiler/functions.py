@@ -6,12 +6,12 @@ scalar result stays on the stack, an aggregate result goes into slots of its own
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
-from tachk.compiler.assembler import Label
+from tachk.compiler.assembler import Assembler, Label
 from tachk.compiler.bytecode import Opcode
-from tachk.compiler.fold import fold, is_aggregate, is_integer
-from tachk.compiler.slot_layout import cell_range
+from tachk.compiler.fold import Known, fold, is_aggregate, is_integer
+from tachk.compiler.slot_layout import SlotLayout, cell_range
 from tachk.diagnostics.span import Span
 from tachk.model.cell_layout import default_value
 from tachk.model.expressions import (
@@ -32,14 +32,33 @@ from tachk.model.expressions import (
 from tachk.model.traversal import walk
 from tachk.model.types import VoidType, cell_count, leaves
 
-if TYPE_CHECKING:
-    from tachk.compiler.codegen import CodeGenerator
+
+class ExpressionGenerator(Protocol):
+    """What functions need of the generator of expressions, which needs them."""
+
+    layout: SlotLayout
+    known: Known
+    assembler: Assembler
+
+    def value(self, expression: Expression) -> None: ...
+
+    def jump(self, expression: Expression, when: bool, label: Label) -> None: ...
+
+    def effect(self, expression: Expression) -> None: ...
+
+    def address(self, expression: Expression) -> None: ...
+
+    def copy_into(self, slot: int, value: Expression, span: Span) -> None: ...
+
+    def loop_start(self, variable: Variable) -> Label: ...
+
+    def loop_next(self, variable: Variable, again: Label) -> None: ...
 
 
 class FunctionGenerator:
     """Appends calls, and at the end the bodies of the functions that were called, to the code of a program."""
 
-    def __init__(self, code: CodeGenerator) -> None:
+    def __init__(self, code: ExpressionGenerator) -> None:
         self._code = code
         self._functions: dict[Function, Label] = {}
         self._pending: list[Function] = []

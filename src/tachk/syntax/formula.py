@@ -11,7 +11,8 @@ from fractions import Fraction
 
 from tachk.diagnostics.span import Span
 from tachk.records import dataclass
-from tachk.syntax.ast import Expression, Node
+from tachk.syntax.ast.expressions import Expression
+from tachk.syntax.ast.nodes import Node
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,102 @@
+"""A whole text: what stands in it beside templates, declarations and properties."""
+
+from __future__ import annotations
+
+from dataclasses import field
+
+from tachk.records import dataclass
+from tachk.syntax.ast.declarations import Declaration
+from tachk.syntax.ast.expressions import Expression, Parameter
+from tachk.syntax.ast.nodes import Identifier, Node
+from tachk.syntax.ast.properties import ExpectationDeclaration, HideDeclaration, PropertyDeclaration
+from tachk.syntax.ast.templates import Template
+
+
+@dataclass(frozen=True, slots=True)
+class TimeUnitDeclaration(Node):
+    """``time_unit = 1 ms;``"""
+
+    amount: int
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class ImportDeclaration(Node):
+    """``import "file.ta";``"""
+
+    path: str
+
+
+@dataclass(frozen=True, slots=True)
+class Instantiation(Node):
+    """``P = T(1, x);`` or the partial ``P(const int[0,3] i) = T(i, 5);``"""
+
+    name: Identifier
+    parameters: tuple[Parameter, ...]
+    template: Identifier
+    arguments: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SystemLine(Node):
+    """``system A, B < C;``: groups in ascending process priority; one group where ``<`` does not occur."""
+
+    groups: tuple[tuple[Identifier, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ProgressMeasure(Node):
+    """``e;`` or ``guard : e;``."""
+
+    guard: Expression | None
+    expression: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class ProgressDeclaration(Node):
+    """``progress { e; guard : e; }``; a hint to other tools, without meaning for the behaviour."""
+
+    measures: tuple[ProgressMeasure, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class GanttDeclaration(Node):
+    """``gantt { ... }``: kept as text, drawing only."""
+
+    text: str
+
+
+Item = (
+    Declaration
+    | ImportDeclaration
+    | TimeUnitDeclaration
+    | Template
+    | Instantiation
+    | SystemLine
+    | ProgressDeclaration
+    | GanttDeclaration
+    | PropertyDeclaration
+    | ExpectationDeclaration
+    | HideDeclaration
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Comment(Node):
+    """``text`` with its delimiters; ``own_line`` if nothing but blanks stands before it on its line."""
+
+    text: str
+    own_line: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Document(Node):
+    """A whole text: its items in order and its comments.
+
+    Attributes:
+        legacy: the text could only be read as UPPAAL 3.x.
+    """
+
+    items: tuple[Item, ...]
+    comments: tuple[Comment, ...] = field(default=(), compare=False)
+    legacy: bool = field(default=False, compare=False)

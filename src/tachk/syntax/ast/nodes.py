@@ -1,0 +1,20 @@
+"""What every node of the tree is."""
+
+from __future__ import annotations
+
+from dataclasses import field
+
+from tachk.diagnostics.span import Span
+from tachk.records import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """Every node has a place; equality ignores it, so trees of differently laid out texts compare equal."""
+
+    span: Span = field(compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Identifier(Node):
+    name: str

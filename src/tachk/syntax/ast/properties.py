@@ -1,0 +1,104 @@
+"""Queries and properties."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from tachk.records import dataclass
+from tachk.syntax.ast.expressions import Expression
+from tachk.syntax.ast.nodes import Identifier, Node
+
+if TYPE_CHECKING:
+    from tachk.syntax.formula import Formula
+
+
+@dataclass(frozen=True, slots=True)
+class QueryFormula(Node):
+    """A symbolic query.
+
+    Attributes:
+        kind: ``E<>``, ``A[]``, ``A<>``, ``E[]``, ``-->``, ``sup``, ``inf`` or ``bounds``.
+        predicate: the state predicate, the left side of ``-->``, or the restriction of ``sup`` and the like (or None).
+        operands: the right side of ``-->``; the list of ``sup`` and the like.
+    """
+
+    kind: str
+    predicate: Expression | None
+    operands: tuple[Expression, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class UncheckedFormula(Node):
+    """A statistical, game, learning or scenario query: kept as text and listed as not checked."""
+
+    text: str
+    family: str
+
+
+@dataclass(frozen=True, slots=True)
+class TemporalFormula(Node):
+    """A property of runs, written as a formula or as a sentence.
+
+    Attributes:
+        formula: None for a sentence, whose meaning `tachk.logic.sentences` knows.
+        sentence: the text of a sentence up to its full stop, blanks settled; empty for a formula.
+    """
+
+    formula: Formula | None
+    sentence: str = ""
+
+
+PropertyFormula = QueryFormula | UncheckedFormula | TemporalFormula
+"""What a property or a query asks."""
+
+
+@dataclass(frozen=True, slots=True)
+class ConditionalExpectation(Node):
+    """``fails if N > 2 else holds``: ``outcome`` where a condition on constants is true.
+
+    Attributes:
+        outcome: ``holds`` or ``fails``.
+    """
+
+    outcome: str
+    condition: Expression
+    otherwise: str | ConditionalExpectation
+
+
+Expected = str | ConditionalExpectation
+"""What ``expect`` says: ``holds``, ``fails``, or which of them where."""
+
+
+@dataclass(frozen=True, slots=True)
+class PropertyDeclaration(Node):
+    """``property NAME "title" : formula expect holds;``."""
+
+    name: Identifier
+    title: str
+    formula: PropertyFormula
+    expectation: Expected | None = None
+    doc: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ExpectationDeclaration(Node):
+    """``expect A, B fails;``: what a system expects of properties that an imported file states."""
+
+    names: tuple[Identifier, ...]
+    expectation: Expected
+
+
+@dataclass(frozen=True, slots=True)
+class HideDeclaration(Node):
+    """``hide A, B;``: templates or processes that told runs leave out."""
+
+    names: tuple[Identifier, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class QueryEntry(Node):
+    """One query of a .q file or of the command line, with the comment that describes it."""
+
+    formula: PropertyFormula
+    comment: str = ""
+    expectation: Expected | None = None
