@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from tachk import operators
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.diagnostics.span import Source
 from tachk.formats.network_json.network import network_to_json
@@ -12,6 +13,7 @@ from tachk.formats.uppaal.query_file import print_queries
 from tachk.formats.uppaal.xta import print_xta
 from tachk.frontend.loaded import LoadedModel
 from tachk.loading.load import load_model
+from tachk.operators import BinaryOperator
 from tachk.syntax.query_files import parse_queries
 
 
@@ -203,6 +205,16 @@ def test_a_local_channel_cannot_carry_values_in_uppaal() -> None:
     model = load("process P() { broadcast chan c; init location A { to A { sync c!1; } } }\nsystem P;")
     with pytest.raises(UnsupportedError, match="E0801: values pass over `c`"):
         expand(model)
+
+
+def test_an_operator_that_no_version_has_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = "int n; process P() { state A; init A; trans A -> A { assign n = n ** 2; }; } system P;"
+    assert "n ** 2" in xta(load(text))
+    row = operators._ROWS[BinaryOperator.POWER]._replace(since=None)
+    monkeypatch.setitem(operators._ROWS, BinaryOperator.POWER, row)
+    with pytest.raises(UnsupportedError, match=r"UPPAAL has no operator `\*\*`") as caught:
+        expand(load(text))
+    assert (caught.value.diagnostic.code, caught.value.diagnostic.span.text) == ("E0801", "n ** 2")
 
 
 def test_the_variable_of_a_channel_avoids_names_of_templates() -> None:

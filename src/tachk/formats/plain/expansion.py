@@ -22,6 +22,7 @@ from tachk.syntax import ast
 from tachk.syntax.formula import Atom, Change
 from tachk.syntax.printing.expression_printer import print_expression
 from tachk.syntax.rewrite import fresh_name, names_in, renamed, rewrite, substitute
+from tachk.syntax.walk import nodes_of_kind
 
 _DECLARATIONS = (
     ast.VariableDeclaration
@@ -44,6 +45,7 @@ def expand(model: LoadedModel, definitions: Iterable[str] = (), repair_names: bo
     Raises:
         UnsupportedError: something has no expansion (E0801).
     """
+    _refuse_unknown_operators(model.items)
     steps = _imports(model)
     values = dict(model.heading.constants)
     outcomes = {query.name: query.expectation for query in model.queries}
@@ -263,6 +265,14 @@ def _queries(
         if isinstance(item, ast.HideDeclaration):
             steps.append(Step("hide", item.span, "UPPAAL tells every process, also those that the model hides"))
     return tuple(queries)
+
+
+def _refuse_unknown_operators(items: Sequence[ast.Item]) -> None:
+    """Refuses operators that no version of UPPAAL has."""
+    for node in nodes_of_kind(items, ast.BinaryExpression):
+        if node.operator.since is None:
+            message = f"UPPAAL has no operator `{node.operator}`"
+            raise UnsupportedError(Diagnostic("E0801", message, node.span, "write a function that computes it"))
 
 
 def _without_signals(formula: ast.PropertyFormula, signals: Mapping[str, ast.Expression]) -> ast.PropertyFormula:
