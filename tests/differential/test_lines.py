@@ -8,7 +8,7 @@ from random import Random
 
 import pytest
 
-from tachk.runtime.core_monitor import time_robustness_ahead, time_robustness_behind
+from tachk.runtime.linear_monitor import Measure, robustness
 from tachk.syntax.formulas.printer import print_formula
 from tachk.testing.exact_monitor import verdict
 from tachk.testing.exact_trace import ExactTrace, Scalar
@@ -73,8 +73,8 @@ def test_signals_may_be_shifted_by_less_than_the_robustness_in_time(pack: int) -
         random = Random(seed)
         case = random_monitoring_case(random, FormulaShape(depth=2, numeric=seed % 2 == 1))
         given = monitor_input(case)
-        for measured, sign in ((time_robustness_ahead, -1), (time_robustness_behind, 1)):
-            found = measured(given.program, given.trace)
+        for measure, sign in ((Measure.AHEAD, -1), (Measure.BEHIND, 1)):
+            found = robustness(given.program, given.trace, measure)
             room = min(max(found.low, -found.high), 8 * given.trace.ticks_per_unit)
             if room <= 0:
                 continue

@@ -33,6 +33,7 @@ def test_few_modules_open_the_door_to_the_core() -> None:
     assert users == {
         "engines/zone.py",
         "runtime/core_monitor.py",
+        "runtime/linear_monitor.py",
         "runtime/monitor_group.py",
         "runtime/online_monitor.py",
         "runtime/trace.py",

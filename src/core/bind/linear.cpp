@@ -1,4 +1,4 @@
-// tachk._core.LinearMonitor; used through tachk.runtime.core_monitor.
+// tachk._core.LinearMonitor; used through tachk.runtime.linear_monitor.
 #include "linear.hpp"
 
 #include <nanobind/stl/optional.h>
@@ -21,10 +21,13 @@ namespace nb = nanobind;
 
 void bind_linear(nb::module_& m) {
   using Monitor = tachk::LinearMonitor;
+  nb::enum_<tachk::Measure>(m, "Measure")
+      .value("SPACE", tachk::Measure::space)
+      .value("AHEAD", tachk::Measure::ahead)
+      .value("BEHIND", tachk::Measure::behind);
   nb::class_<Monitor>(m, "LinearMonitor", "Columns that are linear between samples; robustness in time.")
-      .def(nb::new_([](nb::handle program, int measure) {
-             if (measure < 0 || measure > 2) throw std::invalid_argument("there is no such measure");
-             return std::make_unique<Monitor>(monitor_program_from(program), static_cast<tachk::Measure>(measure));
+      .def(nb::new_([](nb::handle program, tachk::Measure measure) {
+             return std::make_unique<Monitor>(monitor_program_from(program), measure);
            }),
            nb::arg("program"), nb::kw_only(), nb::arg("measure"))
       .def("push", &push_samples<Monitor>, nb::arg("times"), nb::arg("columns"),

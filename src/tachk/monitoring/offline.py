@@ -24,12 +24,9 @@ from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, TimeRobus
 from tachk.report.monitor.text import print_monitor
 from tachk.runtime.conventions import Ending, Interpolation
 from tachk.runtime.core_monitor import (
-    LAST_TICK_OF_LINES,
     RobustnessResult,
-    reach_of,
-    time_robustness_ahead,
-    time_robustness_behind,
 )
+from tachk.runtime.linear_monitor import LAST_TICK_OF_LINES, Measure, reach_of, robustness
 from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Recording, Trace
@@ -292,7 +289,7 @@ def _time_robustness(program: MonitorProgram, trace: Trace) -> TimeRobustness:
         return ticks.low / trace.ticks_per_unit, ticks.high / trace.ticks_per_unit
 
     return TimeRobustness(
-        in_units(time_robustness_ahead(program, trace)), in_units(time_robustness_behind(program, trace))
+        in_units(robustness(program, trace, Measure.AHEAD)), in_units(robustness(program, trace, Measure.BEHIND))
     )
 
 

@@ -10,14 +10,11 @@ from typing import Protocol
 from tachk.runtime.conventions import Interpolation
 from tachk.runtime.core_monitor import (
     RobustnessResult,
-    linear_truth_signal,
-    monitor_linear_robustness,
-    monitor_linear_truth,
     monitor_robustness,
     monitor_truth,
-    parts_of_tick,
     truth_signals,
 )
+from tachk.runtime.linear_monitor import Measure, parts_of_tick, robustness, truth_on_lines, truth_signal_on_lines
 from tachk.runtime.monitor_program import UNBOUNDED, MonitorProgram, Relation
 from tachk.runtime.node_signal import NodeSignal, Truth
 from tachk.runtime.online_monitor import OnlineMonitor
@@ -71,7 +68,7 @@ class _Signals:
     def __call__(self, nodes: Sequence[int]) -> Sequence[NodeSignal]:
         if self.parts is None:
             return truth_signals(self.program, self.trace, nodes)
-        return [linear_truth_signal(self.program, self.trace, node, self.parts) for node in nodes]
+        return [truth_signal_on_lines(self.program, self.trace, node, self.parts) for node in nodes]
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,14 +135,14 @@ class Lines:
         return replace(program, nodes=nodes, ticks_per_unit=program.ticks_per_unit * self.parts)
 
     def truth(self, program: MonitorProgram, trace: Trace) -> JudgedTruth:
-        found = monitor_linear_truth(program, trace, self.parts)
+        found = truth_on_lines(program, trace, self.parts)
         return JudgedTruth(found.verdict, found.lasting)
 
     def measured(self, program: MonitorProgram, trace: Trace) -> tuple[JudgedTruth, RobustnessResult]:
         truth = self.truth(program, trace)
         if follows_from_truth(program):
             return truth, infinite_robustness(truth.measured)
-        return truth, monitor_linear_robustness(program, trace)
+        return truth, robustness(program, trace, Measure.SPACE)
 
     def explainer(self, program: MonitorProgram, trace: Trace) -> Explainer:
         # When a violation is certain would have to be asked of prefixes, whose last lines are not known.

@@ -9,16 +9,14 @@ from random import Random
 
 import numpy as np
 
-from tachk.runtime.core_monitor import (
+from tachk.runtime.linear_monitor import (
     LinearSignal,
-    linear_robustness_signal,
-    linear_truth_signal,
-    monitor_linear_robustness,
-    monitor_linear_truth,
+    Measure,
     parts_of_tick,
-    time_robustness_ahead,
-    time_robustness_behind,
-    time_robustness_signal,
+    robustness,
+    robustness_signal,
+    truth_on_lines,
+    truth_signal_on_lines,
 )
 from tachk.runtime.monitor_program import MonitorAtom, ValueOperator
 from tachk.testing.exact_lines import InTime, OnLines, Worth, above, is_worth
@@ -43,12 +41,12 @@ def time_problems(case: MonitoringCase, refinement: int = 1, seed: int = 0) -> t
 
 def _truth_problems(case: MonitoringCase, given: MonitorInput) -> Iterator[str]:
     exact = above(case.formula, OnLines(case.trace))
-    found = monitor_linear_truth(given.program, given.trace).verdict
+    found = truth_on_lines(given.program, given.trace).verdict
     expected = truth_of(exact.value(Fraction(0)))
     if found is not expected:
         yield f"truth on lines: {found.word}, not {expected.word}"
     parts = parts_of_tick([given.program], given.trace)
-    signal = linear_truth_signal(given.program, given.trace, len(given.program.nodes) - 1, parts)
+    signal = truth_signal_on_lines(given.program, given.trace, len(given.program.nodes) - 1, parts)
     points = [point for point in exact.points if point <= case.trace.end]
     between = [(left + right) / 2 for left, right in pairwise([*points, case.trace.end]) if left < right]
     for instant in sorted({*points, *between, case.trace.end}):
@@ -68,8 +66,8 @@ def _cell(instant: Fraction, ticks_per_unit: int, parts: int) -> int:
 
 
 def _space_problems(case: MonitoringCase, given: MonitorInput, seed: int) -> Iterator[str]:
-    low, high = linear_robustness_signal(given.program, given.trace, len(given.program.nodes) - 1)
-    start = monitor_linear_robustness(given.program, given.trace)
+    low, high = robustness_signal(given.program, given.trace, len(given.program.nodes) - 1, Measure.SPACE)
+    start = robustness(given.program, given.trace, Measure.SPACE)
     if (start.low, start.high) != (_value(low, 0), _value(high, 0)):
         yield f"robustness on lines: {start} is not the first value of its signal"
     yield from _worth_problems(case, given, OnLines(case.trace), "robustness on lines", (low, high), seed, 1)
@@ -79,13 +77,13 @@ def _time_problems(case: MonitoringCase, given: MonitorInput, seed: int) -> Iter
     """The oracle shifts atoms as a whole, which is the same where each reads one column."""
     if any(len(_columns(atom)) > 1 for atom in given.program.atoms):
         return
-    for name, ahead in (("time ahead", True), ("time behind", False)):
-        first = (time_robustness_ahead if ahead else time_robustness_behind)(given.program, given.trace)
-        signals = time_robustness_signal(given.program, given.trace, len(given.program.nodes) - 1, ahead=ahead)
+    for name, measure in (("time ahead", Measure.AHEAD), ("time behind", Measure.BEHIND)):
+        first = robustness(given.program, given.trace, measure)
+        signals = robustness_signal(given.program, given.trace, len(given.program.nodes) - 1, measure)
         if not np.allclose((first.low, first.high), [_value(signal, 0) for signal in signals], rtol=0, atol=1e-6):
             yield f"{name}: {first} is not the first value of its signal"
         yield from _worth_problems(
-            case, given, InTime(case.trace, ahead), name, signals, seed, given.trace.ticks_per_unit
+            case, given, InTime(case.trace, measure is Measure.AHEAD), name, signals, seed, given.trace.ticks_per_unit
         )
 
 

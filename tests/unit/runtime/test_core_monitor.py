@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.runtime import core_monitor
-from tachk.runtime.core_monitor import LinearViolation, RobustnessMonitor, RobustnessResult, TruthMonitor, Violation
+from tachk.runtime import core_monitor, linear_monitor
+from tachk.runtime.core_monitor import RobustnessMonitor, RobustnessResult, TruthMonitor, Violation
+from tachk.runtime.linear_monitor import LinearViolation, Measure
 from tachk.runtime.monitor_program import (
     MonitorAtom,
     MonitorNode,
@@ -135,36 +136,36 @@ def test_wrong_input_is_refused() -> None:
 
 def test_lines_cross_between_rows() -> None:
     slope = Trace("slope", np.array([0, 8, 16]), {"p": np.ones(3, np.uint8), "x": np.array([0.0, 1.0, 0.0])}, 40)
-    result = core_monitor.monitor_linear_truth(response(4), slope)
+    result = linear_monitor.truth_on_lines(response(4), slope)
     assert result.verdict is Truth.FALSE
     assert result.violation == LinearViolation(4, 0, 0)
-    assert core_monitor.monitor_linear_robustness(response(4), slope) == RobustnessResult(-0.5, -0.5)
-    (low, high) = core_monitor.linear_robustness_signal(response(4), slope, 3)
+    assert linear_monitor.robustness(response(4), slope, Measure.SPACE) == RobustnessResult(-0.5, -0.5)
+    (low, high) = linear_monitor.robustness_signal(response(4), slope, 3, Measure.SPACE)
     assert low.starts.tolist()[:3] == [0, 4, 8]
     assert low.at.tolist()[:2] == [0, 0.5]
     assert high.at[0] == 0
 
 
 def test_time_robustness_is_the_slack_of_the_response() -> None:
-    assert core_monitor.time_robustness_ahead(response(25), trace()) == RobustnessResult(-20, -15)
-    assert core_monitor.time_robustness_behind(response(25), trace()) == RobustnessResult(-20, -15)
+    assert linear_monitor.robustness(response(25), trace(), Measure.AHEAD) == RobustnessResult(-20, -15)
+    assert linear_monitor.robustness(response(25), trace(), Measure.BEHIND) == RobustnessResult(-20, -15)
 
 
 def test_crossings_are_told_in_parts_of_a_tick() -> None:
     slope = Trace("slope", np.array([0, 3]), {"p": np.ones(2, np.uint8), "x": np.array([0.0, 1.0])}, 3)
-    assert core_monitor.parts_of_tick([response(4)], slope) == 1_000_000
-    signal = core_monitor.linear_truth_signal(response(4), slope, 2, 1000)
+    assert linear_monitor.parts_of_tick([response(4)], slope) == 1_000_000
+    signal = linear_monitor.truth_signal_on_lines(response(4), slope, 2, 1000)
     assert signal.stretches() == [(0, 3000, Truth.FALSE), (3001, 6000, Truth.TRUE)]
 
 
 def test_a_trace_can_be_too_long_for_lines() -> None:
     times, values = np.array([0, 2**57]), {"p": np.ones(2, np.uint8), "x": np.array([0.0, 1.0])}
     with pytest.raises(UsageError, match="too long for lines"):
-        core_monitor.parts_of_tick([response(4)], Trace("long", times, values, 2**57))
+        linear_monitor.parts_of_tick([response(4)], Trace("long", times, values, 2**57))
     shorter = Trace("long", np.array([0, 2**45]), values, 2**45)
-    parts = core_monitor.parts_of_tick([response(4)], shorter)
+    parts = linear_monitor.parts_of_tick([response(4)], shorter)
     assert parts == 100
-    assert core_monitor.linear_truth_signal(response(4), shorter, 2, parts).at(parts * 2**45 + 1) is Truth.TRUE
+    assert linear_monitor.truth_signal_on_lines(response(4), shorter, 2, parts).at(parts * 2**45 + 1) is Truth.TRUE
 
 
 def test_where_lines_of_an_absolute_value_end_rounding_does_not_show() -> None:
@@ -174,7 +175,7 @@ def test_where_lines_of_an_absolute_value_end_rounding_does_not_show() -> None:
     for ends in ([1.0, -0.25], [0.7, -0.1], [3.0, -1e-3]):
         falling = Trace("falling", np.array([0, 1]), {"x": np.array(ends)}, 1)
         crossing = 2 * round(1_000_000 * ends[0] / (ends[0] - ends[1]))
-        signal = core_monitor.linear_truth_signal(program, falling, 0, 1_000_000)
+        signal = linear_monitor.truth_signal_on_lines(program, falling, 0, 1_000_000)
         assert signal.stretches()[0] == (0, crossing, Truth.TRUE)
 
 
@@ -186,4 +187,4 @@ def test_products_are_not_linear() -> None:
         1,
     )
     with pytest.raises(ValueError, match="a product of columns is not linear"):
-        core_monitor.monitor_linear_truth(square, trace())
+        linear_monitor.truth_on_lines(square, trace())
