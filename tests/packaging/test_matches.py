@@ -33,7 +33,7 @@ FEW = 3
 
 REASONS = {
     "Anything else is walked as it is built, whatever it is.": {
-        "compiler/conditions.reads_clock",
+        "model/traversal.reads_clock",
         "frontend/context.Context.effects_of",
         "model/metas._Search.value",
         "monitoring/line_compiler._Checker.without_first_instant",
@@ -47,7 +47,7 @@ REASONS = {
     },
     "Anything else is kept as it is, one condition or one formula, which says the same.": {
         "compiler/goal._disjuncts",
-        "frontend/expressions/folding.binary",
+        "frontend/expressions/folded_expressions.binary",
         "logic/simplify._simpler",
         "semantics/constraints._parts",
     },

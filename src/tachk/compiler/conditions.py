@@ -15,9 +15,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import (
     BOOL,
-    Assign,
     Binary,
-    Call,
     Conditional,
     Constant,
     Expression,
@@ -28,7 +26,7 @@ from tachk.model.expressions import (
     Reference,
     Unary,
 )
-from tachk.model.traversal import children
+from tachk.model.traversal import reads_clock
 from tachk.model.types import ClockType
 from tachk.operators import COMPARISONS, BinaryOperator, UnaryOperator
 
@@ -53,20 +51,6 @@ class Conjunction:
 
     integers: tuple[Expression, ...] = ()
     clocks: tuple[tuple[Expression | None, ClockAtom], ...] = ()
-
-
-def reads_clock(expression: Expression) -> bool:
-    """Whether the value of the expression depends on the value of a clock."""
-    match expression:
-        case Call(function, arguments):
-            pairs = zip(function.parameters, arguments, strict=True)
-            return any(not p.reference and reads_clock(a) for p, a in pairs)
-        case Assign(_, value):
-            return reads_clock(value)
-        case Reference() | Index() | Field() if isinstance(expression.type, ClockType):
-            return True
-        case _:
-            return any(reads_clock(child) for child in children(expression))
 
 
 # ---- comparisons ----------------------------------------------------------------------------------------------------

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import prod
 
-from tachk.compiler.conditions import reads_clock
 from tachk.compiler.fold import Known, fold, known_values
 from tachk.compiler.goal import check_predicate, mentions_time
 from tachk.compiler.intervals import interval
@@ -19,6 +18,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Direction, Edge, Network
 from tachk.model.query import Query, QueryKind
+from tachk.model.traversal import reads_clock
 from tachk.model.types import ChannelType
 
 MAXIMAL_SELECTIONS = 10_000_000

@@ -17,7 +17,6 @@ from tachk.compiler.conditions import (
     clock_atoms,
     clock_form_unsupported,
     conjuncts,
-    reads_clock,
 )
 from tachk.compiler.fold import Known, cannot_fail, fold, negate
 from tachk.compiler.intervals import interval
@@ -26,7 +25,7 @@ from tachk.compiler.slot_layout import cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import Binary, Conditional, Deadlock, Expression, Quantifier, QuantifierKind, Unary
-from tachk.model.traversal import walk
+from tachk.model.traversal import reads_clock, walk
 from tachk.operators import COMPARISONS, BinaryOperator, Group, UnaryOperator
 
 MAXIMAL_DISJUNCTS = 4096

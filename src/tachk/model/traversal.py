@@ -36,6 +36,8 @@ from tachk.model.expressions import (
     While,
 )
 from tachk.model.network import Process
+from tachk.model.types import ClockType
+from tachk.operators import COMPARISONS
 from tachk.time_limit import check_time
 
 _CHILDREN: dict[type, Callable[[Any], tuple[Expression, ...]]] = {
@@ -142,6 +144,37 @@ def called_functions(expressions: Iterable[Expression]) -> dict[Function, None]:
                 found[node.function] = None
                 pending.extend(statement_expressions(node.function.body))
     return found
+
+
+def reads_clock(expression: Expression) -> bool:
+    """Whether the value of the expression depends on the value of a clock; setting one does not read it."""
+    match expression:
+        case Call(function, arguments):
+            pairs = zip(function.parameters, arguments, strict=True)
+            return any(not p.reference and reads_clock(a) for p, a in pairs)
+        case Assign(_, value):
+            return reads_clock(value)
+        case Reference() | Index() | Field() if isinstance(expression.type, ClockType):
+            return True
+        case _:
+            return any(reads_clock(child) for child in children(expression))
+
+
+def is_clock_comparison(node: Expression) -> bool:
+    """Whether a node itself compares a clock, or a difference of clocks, on its left side with a number."""
+    return isinstance(node, Binary) and node.operator in COMPARISONS and isinstance(node.left.type, ClockType)
+
+
+def compares_clocks(expression: Expression) -> bool:
+    """Whether clocks are compared anywhere in an expression, also in the index of what it sets."""
+    return any(map(is_clock_comparison, walk(expression)))
+
+
+def clock_in(expression: Expression) -> Expression | None:
+    """The first clock that an expression or a function that it calls names, whatever for."""
+    bodies = (s for f in called_functions([expression]) for s in statement_expressions(f.body))
+    nodes = (node for outer in (expression, *bodies) for node in walk(outer))
+    return next((node for node in nodes if isinstance(node.type, ClockType)), None)
 
 
 def written_variables(expressions: Sequence[Expression]) -> set[Variable]:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import pytest
+
 from tachk.model.expressions import (
+    BOOL,
     INT,
     Assign,
     Binary,
@@ -15,12 +18,24 @@ from tachk.model.expressions import (
     Function,
     If,
     Increment,
+    Index,
     Reference,
     Return,
     Variable,
     VariableKind,
 )
-from tachk.model.traversal import called_functions, returned, roots, statement_expressions, walk, written_variables
+from tachk.model.traversal import (
+    called_functions,
+    clock_in,
+    compares_clocks,
+    reads_clock,
+    returned,
+    roots,
+    statement_expressions,
+    walk,
+    written_variables,
+)
+from tachk.model.types import ArrayType, ClockType, VoidType
 from tachk.operators import BinaryOperator
 
 
@@ -67,3 +82,33 @@ def test_writes_through_reference_parameters_are_found() -> None:
     update = Assign(Reference(b), Call(outer, (Reference(a),), INT), INT)
     assert list(called_functions([update])) == [outer, inner]
     assert written_variables([update]) & {a, b, c} == {a, b}
+
+
+X = Variable("x", ClockType(), VariableKind.GLOBAL)
+BY_REFERENCE = Variable("y", ClockType(), VariableKind.FRAME, reference=True)
+CLOCK = Reference(X)
+EARLY = Binary(BinaryOperator.LESS, CLOCK, Constant(3), BOOL)
+TABLE = Reference(Variable("table", ArrayType(INT, BOOL), VariableKind.GLOBAL, (0, 0)))
+SETS_CLOCK = Function("restart", (), VoidType(), Block((Evaluate(Assign(CLOCK, Constant(0), ClockType())),)))
+TAKES_CLOCK = Function("seven", (BY_REFERENCE,), INT, Return(Constant(7)))
+
+
+@pytest.mark.parametrize(
+    ("expression", "reads", "compares", "named"),
+    [
+        (Reference(a), False, False, None),
+        (EARLY, True, True, CLOCK),
+        (Conditional(EARLY, Reference(a), Constant(0), INT), True, True, CLOCK),
+        (CLOCK, True, False, CLOCK),
+        (Assign(CLOCK, Constant(0), ClockType()), False, False, Assign(CLOCK, Constant(0), ClockType())),
+        (Assign(Index(TABLE, EARLY, INT), Constant(1), INT), False, True, CLOCK),
+        (Assign(Reference(a), EARLY, INT), True, True, CLOCK),
+        (Call(SETS_CLOCK, (), VoidType()), False, False, Assign(CLOCK, Constant(0), ClockType())),
+        (Call(TAKES_CLOCK, (CLOCK,), INT), False, False, CLOCK),
+    ],
+)
+def test_what_an_expression_has_to_do_with_clocks(
+    expression: Expression, reads: bool, compares: bool, named: Expression | None
+) -> None:
+    assert (reads_clock(expression), compares_clocks(expression)) == (reads, compares)
+    assert clock_in(expression) == named

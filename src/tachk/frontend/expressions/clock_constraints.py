@@ -25,9 +25,9 @@ from tachk.model.expressions import (
     QuantifierKind,
     Unary,
 )
-from tachk.model.traversal import children, walk
+from tachk.model.traversal import children, compares_clocks, is_clock_comparison
 from tachk.model.types import BoolType, ClockType, IntType, ScalarType, bounds
-from tachk.operators import COMPARISONS, BinaryOperator, UnaryOperator
+from tachk.operators import BinaryOperator, UnaryOperator
 
 _SPLIT_HELP = "a zone cannot be split by one {where}; use two edges, one for each case"
 
@@ -112,34 +112,25 @@ def compare(
     return None
 
 
-def mentions_comparison(expression: Expression) -> bool:
-    """Whether clocks are compared anywhere in an expression."""
-    return any(isinstance(node, Binary) and _is_comparison(node) for node in walk(expression))
-
-
-def compares_clocks(expression: Expression, known: dict[int, bool]) -> bool:
-    """Whether the value depends on a comparison of clocks; ``known`` keeps the answers by the identity of nodes."""
+def _compares_clocks(expression: Expression, known: dict[int, bool]) -> bool:
+    """As `compares_clocks`; ``known`` keeps the answers by the identity of nodes."""
     answer = known.get(id(expression))
     if answer is None:
-        answer = (isinstance(expression, Binary) and _is_comparison(expression)) or any(
-            compares_clocks(child, known) for child in children(expression)
+        answer = is_clock_comparison(expression) or any(
+            _compares_clocks(child, known) for child in children(expression)
         )
         known[id(expression)] = answer
     return answer
 
 
-def _is_comparison(expression: Binary) -> bool:
-    return expression.operator in COMPARISONS and isinstance(expression.left.type, ClockType)
-
-
 def forbid(expression: Expression, where: str, context: Context) -> bool:
     """Reports a comparison of clocks where none may stand; ``where`` reads like "an update"."""
-    if not mentions_comparison(expression):
+    if not compares_clocks(expression):
         return True
     known: dict[int, bool] = {}
     node = expression
     while True:
-        inner = next((child for child in children(node) if compares_clocks(child, known)), None)
+        inner = next((child for child in children(node) if _compares_clocks(child, known)), None)
         if inner is None:
             break
         node = inner
@@ -155,7 +146,7 @@ def forbid(expression: Expression, where: str, context: Context) -> bool:
 def convex(condition: Expression, where: str, context: Context) -> Expression | None:
     """The condition of a guard or invariant in convex form, or None after a report; ``where`` is "guard" or
     "invariant"."""
-    if not mentions_comparison(condition):
+    if not compares_clocks(condition):
         return condition
     return _Former(where, context).formed(condition, True)
 
@@ -174,7 +165,7 @@ class _Former:
     known: dict[int, bool] = field(default_factory=dict)
 
     def _compares_clocks(self, node: Expression) -> bool:
-        return compares_clocks(node, self.known)
+        return _compares_clocks(node, self.known)
 
     def formed(self, node: Expression, positive: bool) -> Expression | None:
         """The condition, or its negation where ``positive`` is false."""

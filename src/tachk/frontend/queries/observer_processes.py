@@ -14,10 +14,9 @@ from tachk.frontend.scope import FamilySymbol, ProcessSymbol, Scope
 from tachk.frontend.templates.templates import elaborate_process
 from tachk.logic.observer.construction import BAD, NoObserver, build_observer
 from tachk.logic.sentences import meaning
-from tachk.model.expressions import BOOL, Call, Deadlock, Expression, LocationTest, Unary
+from tachk.model.expressions import BOOL, Deadlock, LocationTest, Unary
 from tachk.model.query import Expectation, Observer, Query, QueryKind
-from tachk.model.traversal import called_functions, statement_expressions, walk
-from tachk.model.types import ClockType
+from tachk.model.traversal import clock_in, walk
 from tachk.operators import UnaryOperator
 from tachk.syntax import ast
 from tachk.syntax.formula import Atom, Change, Formula, operands
@@ -84,7 +83,7 @@ def _speaks_of_states(formula: Formula, scope: Scope, context: Context) -> bool:
         value = read(atom.expression, scope, context)
         if value is None or not context.require_pure(value, "a temporal property"):
             good = False
-        elif (clock := _clock_in(value)) is not None:
+        elif (clock := clock_in(value)) is not None:
             good = False
             context.error(
                 "E0731",
@@ -103,14 +102,6 @@ def _atoms(formula: Formula) -> Iterator[Atom | Change]:
         yield formula
     for operand in operands(formula):
         yield from _atoms(operand)
-
-
-def _clock_in(value: Expression) -> Expression | None:
-    """A clock whose value the expression depends on."""
-    inside = list(walk(value))
-    if any(isinstance(node, Call) for node in inside):
-        inside += [e for f in called_functions([value]) for s in statement_expressions(f.body) for e in walk(s)]
-    return next((node for node in inside if isinstance(node.type, ClockType)), None)
 
 
 def _processes(scope: Scope) -> int:

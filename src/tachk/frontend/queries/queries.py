@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.frontend.context import Context
-from tachk.frontend.expressions.clock_constraints import mentions_comparison
 from tachk.frontend.expressions.typed_expressions import condition, expression
 from tachk.frontend.expressions.typing import describe, is_integral
 from tachk.frontend.findings import Findings
@@ -17,7 +16,7 @@ from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.model.expressions import Binary, Deadlock, Expression, Unary
 from tachk.model.network import Signal
 from tachk.model.query import Expectation, Query, QueryKind
-from tachk.model.traversal import walk
+from tachk.model.traversal import compares_clocks, walk
 from tachk.model.types import ClockType, ScalarType
 from tachk.operators import BinaryOperator
 from tachk.syntax import ast
@@ -115,7 +114,7 @@ def _measured(node: ast.Expression, scope: Scope, context: Context) -> Expressio
             return value
         context.error("E0503", node.span, "only a clock, a difference of two clocks or an integer can be measured")
         return None
-    if not is_integral(value.type) or mentions_comparison(value):
+    if not is_integral(value.type) or compares_clocks(value):
         context.error(
             "E0503",
             node.span,

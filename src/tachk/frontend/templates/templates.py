@@ -10,7 +10,7 @@ from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable
 from tachk.frontend.declarations.declarations import Declared, declare
 from tachk.frontend.dropped import without_effect
-from tachk.frontend.expressions.clock_constraints import convex, forbid, mentions_comparison
+from tachk.frontend.expressions.clock_constraints import convex, forbid
 from tachk.frontend.expressions.places import assignable, converted
 from tachk.frontend.expressions.typed_expressions import condition, expression, type_reader
 from tachk.frontend.expressions.typing import can_assign, describe
@@ -18,6 +18,7 @@ from tachk.frontend.scope import BrokenSymbol, LocationSymbol, Scope, Symbol, Va
 from tachk.frontend.templates.rates import invariant_parts
 from tachk.model.expressions import Assign, Expression, Reference, Variable, VariableKind
 from tachk.model.network import Direction, Edge, Location, Process, Synchronisation
+from tachk.model.traversal import compares_clocks
 from tachk.model.types import ChannelType, element_type
 from tachk.syntax import ast
 
@@ -196,7 +197,7 @@ class Body:
         return convex(value, "guard", self.context)
 
     def _urgent_guard(self, synchronisation: Synchronisation | None, guard: Expression | None) -> None:
-        if synchronisation is None or guard is None or not mentions_comparison(guard):
+        if synchronisation is None or guard is None or not compares_clocks(guard):
             return
         type_ = synchronisation.channel.type
         if isinstance(type_, ChannelType) and type_.urgent:
