@@ -13,7 +13,7 @@ from tachk.engines.digitised import _capped, _next_region, _spread
 from tachk.logic.observer.construction import NoObserver, build_observer
 from tachk.properties.observed import observed
 from tachk.semantics.clock_constants import clock_constants
-from tachk.semantics.discrete import Model, prepare
+from tachk.semantics.discrete import PreparedNetwork, prepare
 from tachk.semantics.step import StepError, delay, initial_state, successors
 from tachk.semantics.timed_trace import DiscreteState, TimedState, Transition
 from tachk.syntax.formulas.printer import print_formula
@@ -112,7 +112,7 @@ def test_no_option_changes_the_verdict_of_an_observer(block: int) -> None:
 # ---- regions --------------------------------------------------------------------------------------------------------
 
 
-def _reachable(model: Model) -> tuple[set[TimedState], bool]:
+def _reachable(model: PreparedNetwork) -> tuple[set[TimedState], bool]:
     """A point of every reachable region, and whether these are all."""
     constants = clock_constants(model.network, []).maximum[1:]
     start = _normal(initial_state(model), constants)
@@ -136,25 +136,25 @@ def _normal(state: TimedState, constants: tuple[int, ...]) -> TimedState:
     return TimedState(state.discrete, _spread(_capped(state.clocks, constants)), Fraction(0))
 
 
-def _waited(model: Model, state: TimedState, duration: Fraction | None) -> list[TimedState]:
+def _waited(model: PreparedNetwork, state: TimedState, duration: Fraction | None) -> list[TimedState]:
     try:
         return [] if duration is None else [delay(model, state, duration)]
     except StepError:
         return []
 
 
-def _projected(alone: Model, state: TimedState) -> TimedState:
+def _projected(alone: PreparedNetwork, state: TimedState) -> TimedState:
     """The state of the network alone: its processes, variables and clocks come first."""
     processes, cells = len(alone.network.processes), len(alone.layout.initial)
     discrete = DiscreteState(state.discrete.locations[:processes], state.discrete.values[:cells])
     return TimedState(discrete, state.clocks[: alone.dimension - 1], state.time)
 
 
-def _actions(model: Model, state: TimedState, observer: int = -1) -> set[Transition]:
+def _actions(model: PreparedNetwork, state: TimedState, observer: int = -1) -> set[Transition]:
     return {t for t, _ in successors(model, state) if all(p.process != observer for p in t.participants)}
 
 
-def _observer_moves(model: Model, state: TimedState) -> Iterator[TimedState]:
+def _observer_moves(model: PreparedNetwork, state: TimedState) -> Iterator[TimedState]:
     """The state and those that the observer alone can lead to while no time passes."""
     observer = len(model.network.processes) - 1
     found, waiting = {state}, deque([state])
@@ -167,5 +167,5 @@ def _observer_moves(model: Model, state: TimedState) -> Iterator[TimedState]:
                 waiting.append(after)
 
 
-def _may_wait(model: Model, state: TimedState) -> bool:
+def _may_wait(model: PreparedNetwork, state: TimedState) -> bool:
     return bool(_waited(model, state, Fraction(1, 64)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
-from tachk.semantics.discrete import Model
+from tachk.semantics.discrete import PreparedNetwork
 from tachk.semantics.step import StepError, delay, fire, initial_state, satisfies
 from tachk.semantics.timed_trace import TimedState, TimedStep, TimedTrace
 
@@ -21,7 +21,7 @@ class ReplayError(Exception):
         super().__init__(f"step {step}: {reason}")
 
 
-def replay(model: Model, trace: TimedTrace, predicate: Expression | None = None) -> None:
+def replay(model: PreparedNetwork, trace: TimedTrace, predicate: Expression | None = None) -> None:
     """Checks that a trace is a run of the model and, if a predicate is given, that it holds in the last state.
 
     Every delay must be able to pass, every transition must be enabled, every state must be the one that results.
@@ -40,7 +40,7 @@ def replay(model: Model, trace: TimedTrace, predicate: Expression | None = None)
         raise ReplayError(number, str(error)) from error
 
 
-def _after(model: Model, state: TimedState, step: TimedStep) -> TimedState:
+def _after(model: PreparedNetwork, state: TimedState, step: TimedStep) -> TimedState:
     waited = delay(model, state, step.delay)
     return waited if step.transition is None else fire(model, waited, step.transition)
 

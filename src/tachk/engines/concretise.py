@@ -14,7 +14,7 @@ from tachk.semantics import dbm, symbolic
 from tachk.semantics.constraints import certain, conditional_constraints
 from tachk.semantics.dbm import LESS_EQUAL_ZERO, Constraint, Zone, complement, raw_bound
 from tachk.semantics.discrete import (
-    Model,
+    PreparedNetwork,
     environment,
     execute_updates,
     initial_discrete,
@@ -24,7 +24,9 @@ from tachk.semantics.discrete import (
 from tachk.semantics.timed_trace import DiscreteState, TimedState, TimedStep, TimedTrace, Transition
 
 
-def concretise(model: Model, path: Sequence[Transition], predicate: Expression | None = None) -> TimedTrace | None:
+def concretise(
+    model: PreparedNetwork, path: Sequence[Transition], predicate: Expression | None = None
+) -> TimedTrace | None:
     """A run that takes the transitions of a path, early, and ends in a state of the predicate; None if there is none.
 
     The predicate may ask for deadlock. There is no run either where evaluating something goes wrong. A delay after the
@@ -44,7 +46,7 @@ def concretise(model: Model, path: Sequence[Transition], predicate: Expression |
     return None if durations is None else _trace(model, states, phases, path, durations)
 
 
-def _discrete_run(model: Model, path: Sequence[Transition]) -> tuple[list[DiscreteState], list[Phase]]:
+def _discrete_run(model: PreparedNetwork, path: Sequence[Transition]) -> tuple[list[DiscreteState], list[Phase]]:
     """The discrete states of the path, and its phases.
 
     Behind the clocks of the model the phases have one more, which is 0 at the beginning of every phase.
@@ -64,7 +66,9 @@ def _discrete_run(model: Model, path: Sequence[Transition]) -> tuple[list[Discre
     return states, phases
 
 
-def _of_phase(model: Model, discrete: DiscreteState, phase: int, leaves_by: Transition | None) -> Iterator[Requirement]:
+def _of_phase(
+    model: PreparedNetwork, discrete: DiscreteState, phase: int, leaves_by: Transition | None
+) -> Iterator[Requirement]:
     """What must hold so that control can stay in a state for the phase and leave it by a transition."""
     waiting = model.dimension
     yield _at_end(phase, [((0, waiting, LESS_EQUAL_ZERO),)])
@@ -90,7 +94,7 @@ def _at_end(phase: int, condition: Sequence[Sequence[Constraint]]) -> Requiremen
     return [tuple(Moment(phase, True, c) for c in conjunction) for conjunction in condition]
 
 
-def _unblocked(model: Model, discrete: DiscreteState, transition: Transition) -> list[tuple[Constraint, ...]]:
+def _unblocked(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> list[tuple[Constraint, ...]]:
     """Where no transition of a higher priority is possible."""
     here = symbolic.situation(model, discrete)
     for move in here.moves:
@@ -123,7 +127,7 @@ def _not_while_urgent(phase: int, zone: Zone, here: symbolic.Situation, waiting:
 
 
 def _reached(
-    model: Model, states: Sequence[DiscreteState], phases: Sequence[Phase], path: Sequence[Transition]
+    model: PreparedNetwork, states: Sequence[DiscreteState], phases: Sequence[Phase], path: Sequence[Transition]
 ) -> Zone:
     """A zone that holds the clock values in which the path can end, and as a rule little more."""
     zone = dbm.origin(model.dimension)
@@ -147,7 +151,7 @@ def _reached(
 
 
 def _final(
-    model: Model,
+    model: PreparedNetwork,
     states: Sequence[DiscreteState],
     phases: Sequence[Phase],
     path: Sequence[Transition],
@@ -167,7 +171,7 @@ def _final(
 
 
 def _trace(
-    model: Model,
+    model: PreparedNetwork,
     states: Sequence[DiscreteState],
     phases: Sequence[Phase],
     path: Sequence[Transition],

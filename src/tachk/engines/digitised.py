@@ -25,7 +25,7 @@ from tachk.model.network import Network
 from tachk.model.traversal import called_functions, statement_expressions, walk
 from tachk.model.types import ClockType
 from tachk.semantics.clock_constants import clock_constants, interval
-from tachk.semantics.discrete import Model, prepare
+from tachk.semantics.discrete import PreparedNetwork, prepare
 from tachk.semantics.step import StepError, delay, initial_state, satisfies, successors
 from tachk.semantics.timed_trace import TimedState, Transition
 
@@ -108,7 +108,7 @@ class _States:
         most: how many states there may be.
     """
 
-    model: Model
+    model: PreparedNetwork
     goals: Sequence[Expression]
     normalised: Callable[[Clocks], Clocks]
     next_delay: Callable[[Clocks], Fraction | None]
@@ -186,7 +186,7 @@ def _explore(
     )
 
 
-def _delayed(model: Model, state: TimedState, duration: Fraction | None) -> TimedState | None:
+def _delayed(model: PreparedNetwork, state: TimedState, duration: Fraction | None) -> TimedState | None:
     if duration is None:
         return None
     try:

@@ -21,7 +21,7 @@ from tachk.model.network import Network
 from tachk.semantics import dbm, symbolic
 from tachk.semantics.clock_constants import ClockConstants, clock_constants
 from tachk.semantics.dbm import Federation, Zone
-from tachk.semantics.discrete import Model, prepare
+from tachk.semantics.discrete import PreparedNetwork, prepare
 from tachk.semantics.symbolic import Move, Situation
 from tachk.semantics.timed_trace import DiscreteState, Transition
 
@@ -42,7 +42,7 @@ class _Node:
 
 @dataclass(slots=True)
 class _Search:
-    model: Model
+    model: PreparedNetwork
     goals: Sequence[Expression]
     limits: Limits
     constants: ClockConstants

@@ -35,6 +35,7 @@ class LoadedModel:
     unchecked: properties that belong to another kind of analysis; of UPPAAL's XML also queries that are wrong.
     document: the syntax tree of the file itself, imports not followed.
     items: of the document, each import replaced by what the file declares.
+    scope: the names that queries may use.
     layout: the picture, if the file has one (UPPAAL's XML).
     refusals: the constructs of the model that tachk does not check. Where there are any, what was elaborated is
         incomplete: no analysis may see it, so there is no `network`, while everything that concerns the text is there.
@@ -80,11 +81,6 @@ class LoadedModel:
     def variables(self) -> tuple[Variable, ...]:
         """The global variables that are not refused."""
         return self._elaborated.variables
-
-    @property
-    def names(self) -> Scope:
-        """The names that queries may use."""
-        return self.scope
 
 
 def other_readings_of(loaded: LoadedModel) -> Iterator[tuple[str, LoadedModel]]:

@@ -10,7 +10,7 @@ from tachk.engines.concretise import concretise
 from tachk.engines.outcome import RunTimeFault
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.network import Network
-from tachk.semantics.discrete import Model, execute_updates
+from tachk.semantics.discrete import PreparedNetwork, execute_updates
 from tachk.semantics.timed_trace import TimedTrace
 from tachk.time_limit import OutOfTimeError, time_limit
 
@@ -47,7 +47,7 @@ def diagnostic_of(fault: RunTimeFault) -> Diagnostic:
     return Diagnostic(code, f"run-time error: {message}{detail}", fault.span, help)
 
 
-def explain(model: Model, fault: RunTimeFault, seconds: float | None = None) -> RunTimeFault:
+def explain(model: PreparedNetwork, fault: RunTimeFault, seconds: float | None = None) -> RunTimeFault:
     """The fault with its run and, where an update failed, the values as the reference evaluator finds them.
 
     Args:
@@ -63,7 +63,7 @@ def explain(model: Model, fault: RunTimeFault, seconds: float | None = None) -> 
         return placed
 
 
-def _detail(model: Model, fault: RunTimeFault, run: TimedTrace | None) -> str:
+def _detail(model: PreparedNetwork, fault: RunTimeFault, run: TimedTrace | None) -> str:
     # No value tells why a loop does not end, and the reference evaluator would run it for many seconds.
     if run is not None and fault.transition is not None and fault.kind is not RuntimeErrorKind.LOOP:
         try:

@@ -33,7 +33,7 @@ from tachk.properties.unexamined import unexamined
 from tachk.properties.verdict import Answer, Verdict
 from tachk.reduction.bystanders import without_bystanders
 from tachk.reduction.spectators import every_action_counts, with_spectators, without_spectators
-from tachk.semantics.discrete import Model, initial_discrete, prepare
+from tachk.semantics.discrete import PreparedNetwork, initial_discrete, prepare
 from tachk.semantics.step import StepError, satisfies_invariant
 from tachk.semantics.timed_trace import TimedState, TimedTrace
 from tachk.time_limit import OutOfTimeError, time_limit
@@ -139,7 +139,7 @@ def _none_begun(tasks: Iterable[Task], reason: str) -> dict[int, Verdict]:
     return {task.number: _not_begun(task.query, reason) for task in tasks}
 
 
-def check_initial_state(model: Model) -> None:
+def check_initial_state(model: PreparedNetwork) -> None:
     """Raises InputError (E0409) where the initial state violates an invariant."""
     start = TimedState(initial_discrete(model), (Fraction(0),) * (model.dimension - 1), Fraction(0))
     violated = []
@@ -170,7 +170,7 @@ def _unsupported(query: Query, diagnostic: Diagnostic) -> Verdict:
 
 
 def _run(
-    model: Model, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
+    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
 ) -> dict[int, Verdict]:
     """The verdicts about the tasks of a search, by number."""
     started = time.monotonic()
@@ -225,7 +225,7 @@ def _settle_without_bystanders(
 
 
 def _explore(
-    model: Model, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
+    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
 ) -> dict[int, Verdict]:
     started = time.monotonic()
     network = model.network
@@ -257,7 +257,7 @@ def _explore(
     return verdicts
 
 
-def _whole_run(model: Model, searched: Model, run: TimedTrace) -> TimedTrace | None:
+def _whole_run(model: PreparedNetwork, searched: PreparedNetwork, run: TimedTrace) -> TimedTrace | None:
     """A run of the whole network that is a run of the reduced one; None where a spectator meets an error on the way."""
     try:
         return with_spectators(model, searched.network, run)
@@ -274,7 +274,7 @@ _INEXACT = "the stopwatches make the search inexact, and the run it found is not
 
 
 def _verdict(
-    model: Model, searched: Model, task: Task, goal: GoalOutcome, outcome: Outcome, trace: bool
+    model: PreparedNetwork, searched: PreparedNetwork, task: Task, goal: GoalOutcome, outcome: Outcome, trace: bool
 ) -> Verdict | None:
     """The verdict; None if the run that was found meets a run-time error of a process that was held still."""
     on_reached, otherwise = _answers(task.query)

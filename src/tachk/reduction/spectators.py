@@ -20,7 +20,7 @@ from tachk.model.traversal import (
     written_variables,
 )
 from tachk.model.types import ChannelType
-from tachk.semantics.discrete import Model, is_announced
+from tachk.semantics.discrete import PreparedNetwork, is_announced
 from tachk.semantics.step import StepError, begun_by, delay, fire, initial_state, is_possible
 from tachk.semantics.timed_trace import Participant, TimedStep, TimedTrace, Transition
 
@@ -77,7 +77,7 @@ def spectators(network: Network, targets: Sequence[Expression]) -> set[int]:
     return candidates
 
 
-def with_spectators(model: Model, reduced: Network, trace: TimedTrace) -> TimedTrace:
+def with_spectators(model: PreparedNetwork, reduced: Network, trace: TimedTrace) -> TimedTrace:
     """A run of the model that is the given run of the reduced network, with what the spectators hear on the way.
 
     Raises:

@@ -28,7 +28,7 @@ Priority = tuple[int, int]
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class PreparedNetwork:
     """A network prepared for interpretation; made by `prepare`.
 
     Attributes:
@@ -67,7 +67,7 @@ class Model:
         return tuple(p.locations[n] for p, n in zip(self.network.processes, discrete.locations, strict=True))
 
 
-def prepare(network: Network) -> Model:
+def prepare(network: Network) -> PreparedNetwork:
     layout = cell_layout(network)
     channels = []
     for variable in network.all_variables():
@@ -76,7 +76,7 @@ def prepare(network: Network) -> Model:
             if isinstance(type_, ChannelType):
                 given = variable.priorities
                 channels.append((type_, given[cell] if given else network.default_priority))
-    return Model(network, layout, tuple(channels))
+    return PreparedNetwork(network, layout, tuple(channels))
 
 
 def _fixed_channels(
@@ -117,16 +117,18 @@ def _instances(network: Network, process: int) -> tuple[tuple[Participant, ...],
     return tuple(tuple(i) for i in by_location)
 
 
-def initial_discrete(model: Model) -> DiscreteState:
+def initial_discrete(model: PreparedNetwork) -> DiscreteState:
     return DiscreteState(tuple(p.initial for p in model.network.processes), model.layout.initial)
 
 
-def environment(model: Model, discrete: DiscreteState, clocks: Sequence[Fraction] | None = None) -> Environment:
+def environment(
+    model: PreparedNetwork, discrete: DiscreteState, clocks: Sequence[Fraction] | None = None
+) -> Environment:
     """Where the expressions of a state are evaluated."""
     return Environment(model.layout, list(discrete.values), discrete.locations, clocks)
 
 
-def bind_selects(model: Model, participant: Participant, scratch: Environment) -> None:
+def bind_selects(model: PreparedNetwork, participant: Participant, scratch: Environment) -> None:
     """Gives the select variables of a participant their values."""
     for variable, value in zip(model.edge(participant).selects, participant.selects, strict=True):
         scratch.bind(variable, value)
@@ -139,7 +141,7 @@ def bind_selects(model: Model, participant: Participant, scratch: Environment) -
 # evaluated where the guard of its edge holds. Whoever enumerates transitions does it with these functions.
 
 
-def initiators(model: Model, discrete: DiscreteState) -> Iterator[Participant]:
+def initiators(model: PreparedNetwork, discrete: DiscreteState) -> Iterator[Participant]:
     """The edges that can begin a transition: senders, and the internal edges that the committed rule admits."""
     committed = _committed(model, discrete)
     for process, location in enumerate(discrete.locations):
@@ -152,7 +154,7 @@ def initiators(model: Model, discrete: DiscreteState) -> Iterator[Participant]:
                 yield participant
 
 
-def channel_named(model: Model, participant: Participant, scratch: Environment) -> int | None:
+def channel_named(model: PreparedNetwork, participant: Participant, scratch: Environment) -> int | None:
     """The channel that an edge names, its select variables bound; None for an internal one. Raises EvaluationFault."""
     synchronisation = model.edge(participant).synchronisation
     if synchronisation is None:
@@ -162,7 +164,7 @@ def channel_named(model: Model, participant: Participant, scratch: Environment) 
 
 
 def listeners(
-    model: Model, discrete: DiscreteState, sender: Participant, channel: int
+    model: PreparedNetwork, discrete: DiscreteState, sender: Participant, channel: int
 ) -> tuple[tuple[Participant, ...], ...]:
     """For each other process the receiving edges that may name a channel and that the committed rule admits."""
     committed = _committed(model, discrete)
@@ -175,7 +177,7 @@ def listeners(
     )
 
 
-def _may_hear(model: Model, participant: Participant, channel: int) -> bool:
+def _may_hear(model: PreparedNetwork, participant: Participant, channel: int) -> bool:
     synchronisation = model.edge(participant).synchronisation
     if synchronisation is None or synchronisation.direction is Direction.SEND:
         return False
@@ -183,14 +185,14 @@ def _may_hear(model: Model, participant: Participant, channel: int) -> bool:
     return _may_denote(model, synchronisation.channel, channel) if fixed is None else fixed == channel
 
 
-def may_be_urgent(model: Model, participant: Participant) -> bool:
+def may_be_urgent(model: PreparedNetwork, participant: Participant) -> bool:
     """Whether an edge names an urgent channel in some state."""
     synchronisation = model.edge(participant).synchronisation
     urgent = (number for number, (type_, _) in enumerate(model.channels) if type_.urgent)
     return synchronisation is not None and any(_may_denote(model, synchronisation.channel, n) for n in urgent)
 
 
-def _may_denote(model: Model, place: Expression, channel: int) -> bool:
+def _may_denote(model: PreparedNetwork, place: Expression, channel: int) -> bool:
     """Whether a channel expression can denote a channel in any state, judged by the variable it is built on."""
     match place:
         case Index(base) | Field(base):
@@ -203,7 +205,7 @@ def _may_denote(model: Model, place: Expression, channel: int) -> bool:
 
 
 def transitions_with(
-    model: Model,
+    model: PreparedNetwork,
     discrete: DiscreteState,
     sender: Participant,
     channel: int,
@@ -228,30 +230,30 @@ def transitions_with(
             yield Transition(participants)
 
 
-def _committed(model: Model, discrete: DiscreteState) -> tuple[bool, ...]:
+def _committed(model: PreparedNetwork, discrete: DiscreteState) -> tuple[bool, ...]:
     return tuple(location.committed for location in model.current(discrete))
 
 
-def channel_of(model: Model, discrete: DiscreteState, transition: Transition) -> int | None:
+def channel_of(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> int | None:
     """The channel of a transition that starts in a state; None for an internal one."""
     scratch = environment(model, discrete)
     bind_selects(model, transition.participants[0], scratch)
     return channel_named(model, transition.participants[0], scratch)
 
 
-def is_urgent(model: Model, discrete: DiscreteState, transition: Transition) -> bool:
+def is_urgent(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> bool:
     """Whether the transition is a synchronisation over an urgent channel."""
     channel = channel_of(model, discrete, transition)
     return channel is not None and model.channels[channel][0].urgent
 
 
-def is_announced(model: Model, discrete: DiscreteState, transition: Transition) -> bool:
+def is_announced(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> bool:
     """Whether the transition is a broadcast."""
     channel = channel_of(model, discrete, transition)
     return channel is not None and model.channels[channel][0].broadcast
 
 
-def priority(model: Model, discrete: DiscreteState, transition: Transition) -> Priority:
+def priority(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> Priority:
     """What decides between transitions; larger goes first."""
     channel = channel_of(model, discrete, transition)
     of_channel = model.network.default_priority if channel is None else model.channels[channel][1]
@@ -259,7 +261,7 @@ def priority(model: Model, discrete: DiscreteState, transition: Transition) -> P
 
 
 def execute_updates(
-    model: Model, discrete: DiscreteState, transition: Transition
+    model: PreparedNetwork, discrete: DiscreteState, transition: Transition
 ) -> tuple[DiscreteState, dict[int, int]]:
     """The discrete state after a transition, and the clocks it sets with their new values. Raises EvaluationFault.
 
@@ -280,12 +282,12 @@ def execute_updates(
     return DiscreteState(tuple(locations), tuple(values)), scratch.resets
 
 
-def may_delay(model: Model, discrete: DiscreteState) -> bool:
+def may_delay(model: PreparedNetwork, discrete: DiscreteState) -> bool:
     """Whether no current location is urgent or committed."""
     return not any(location.urgent or location.committed for location in model.current(discrete))
 
 
-def stopped_clocks(model: Model, discrete: DiscreteState) -> frozenset[int]:
+def stopped_clocks(model: PreparedNetwork, discrete: DiscreteState) -> frozenset[int]:
     """The numbers of the clocks that stand still. Raises ValueError for a rate other than 0 and 1."""
     stopped = set()
     scratch = environment(model, discrete)

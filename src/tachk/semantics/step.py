@@ -20,7 +20,7 @@ from tachk.operators import BinaryOperator, UnaryOperator
 from tachk.semantics.constraints import Disjunction, conditional_constraints, satisfied
 from tachk.semantics.dbm import INFINITY, Constraint, bound_value
 from tachk.semantics.discrete import (
-    Model,
+    PreparedNetwork,
     bind_selects,
     channel_named,
     environment,
@@ -42,7 +42,7 @@ class StepError(ValueError):
     """The network does not allow the step; the message says why."""
 
 
-def initial_state(model: Model) -> TimedState:
+def initial_state(model: PreparedNetwork) -> TimedState:
     """The initial state. Raises StepError if it violates an invariant."""
     state = TimedState(initial_discrete(model), (Fraction(0),) * (model.dimension - 1), Fraction(0))
     if not satisfies_invariants(model, state):
@@ -50,17 +50,19 @@ def initial_state(model: Model) -> TimedState:
     return state
 
 
-def satisfies_invariants(model: Model, state: TimedState) -> bool:
+def satisfies_invariants(model: PreparedNetwork, state: TimedState) -> bool:
     """Whether all invariants hold; none is asked behind a false one. Raises EvaluationFault."""
     return all(satisfies_invariant(model, state, process) for process in range(len(state.discrete.locations)))
 
 
-def satisfies_invariant(model: Model, state: TimedState, process: int) -> bool:
+def satisfies_invariant(model: PreparedNetwork, state: TimedState, process: int) -> bool:
     """Whether the invariant of a process's location holds. Raises EvaluationFault."""
     return _holds_at(model, state, model.current(state.discrete)[process].invariant)
 
 
-def _holds_at(model: Model, state: TimedState, condition: Expression | None, of: Participant | None = None) -> bool:
+def _holds_at(
+    model: PreparedNetwork, state: TimedState, condition: Expression | None, of: Participant | None = None
+) -> bool:
     """Whether a guard or an invariant holds, evaluated as docs/semantics.md says. Raises EvaluationFault.
 
     The rule says what goes wrong, and what is false whatever the clocks; the evaluator, which knows nothing of
@@ -80,28 +82,28 @@ def _holds_at(model: Model, state: TimedState, condition: Expression | None, of:
         return satisfied(asked, state.clocks)
 
 
-def _is_open(model: Model, state: TimedState, participant: Participant) -> bool:
+def _is_open(model: PreparedNetwork, state: TimedState, participant: Participant) -> bool:
     return _holds_at(model, state, model.edge(participant).guard, participant)
 
 
-def _channel(model: Model, discrete: DiscreteState, participant: Participant) -> int | None:
+def _channel(model: PreparedNetwork, discrete: DiscreteState, participant: Participant) -> int | None:
     scratch = environment(model, discrete)
     bind_selects(model, participant, scratch)
     return channel_named(model, participant, scratch)
 
 
-def _hears(model: Model, state: TimedState, participant: Participant, channel: int) -> bool:
+def _hears(model: PreparedNetwork, state: TimedState, participant: Participant, channel: int) -> bool:
     return _is_open(model, state, participant) and _channel(model, state.discrete, participant) == channel
 
 
-def _guarded_transitions(model: Model, state: TimedState) -> Iterator[Transition]:
+def _guarded_transitions(model: PreparedNetwork, state: TimedState) -> Iterator[Transition]:
     """The transitions whose guards hold and that the committed rule admits, in the order of processes and edges."""
     for first in initiators(model, state.discrete):
         if _is_open(model, state, first):
             yield from begun_by(model, state, first)
 
 
-def begun_by(model: Model, state: TimedState, first: Participant) -> Iterator[Transition]:
+def begun_by(model: PreparedNetwork, state: TimedState, first: Participant) -> Iterator[Transition]:
     """The transitions that an edge begins whose guard holds. Raises EvaluationFault."""
     channel = _channel(model, state.discrete, first)
     if channel is None:
@@ -116,7 +118,7 @@ def begun_by(model: Model, state: TimedState, first: Participant) -> Iterator[Tr
     )
 
 
-def _is_guarded(model: Model, state: TimedState, transition: Transition) -> bool:
+def _is_guarded(model: PreparedNetwork, state: TimedState, transition: Transition) -> bool:
     """Whether the guards of one transition hold and the committed rule admits it; nothing else is asked."""
     first, *others = transition.participants
     if first not in initiators(model, state.discrete) or not _is_open(model, state, first):
@@ -130,13 +132,13 @@ def _is_guarded(model: Model, state: TimedState, transition: Transition) -> bool
     return others[0] in audience and _hears(model, state, others[0], channel)
 
 
-def possible(model: Model, state: TimedState) -> list[tuple[Transition, TimedState]]:
+def possible(model: PreparedNetwork, state: TimedState) -> list[tuple[Transition, TimedState]]:
     """The possible transitions with the states behind them, whatever their priorities."""
     candidates = ((t, _successor(model, state, t)) for t in _guarded_transitions(model, state))
     return [(t, after) for t, after in candidates if satisfies_invariants(model, after)]
 
 
-def successors(model: Model, state: TimedState) -> list[tuple[Transition, TimedState]]:
+def successors(model: PreparedNetwork, state: TimedState) -> list[tuple[Transition, TimedState]]:
     """The enabled transitions, those of the highest priority, with the states behind them. Raises EvaluationFault."""
     found = possible(model, state)
     if not found or not model.has_priorities:
@@ -145,12 +147,12 @@ def successors(model: Model, state: TimedState) -> list[tuple[Transition, TimedS
     return [(t, after) for t, after in found if priority(model, state.discrete, t) == highest]
 
 
-def is_possible(model: Model, state: TimedState, transition: Transition) -> bool:
+def is_possible(model: PreparedNetwork, state: TimedState, transition: Transition) -> bool:
     """Whether a transition whose guards hold leads to a state that satisfies the invariants. Raises EvaluationFault."""
     return satisfies_invariants(model, _successor(model, state, transition))
 
 
-def fire(model: Model, state: TimedState, transition: Transition) -> TimedState:
+def fire(model: PreparedNetwork, state: TimedState, transition: Transition) -> TimedState:
     """The state after an enabled transition. Raises StepError if it is not enabled, and EvaluationFault."""
     if not _is_guarded(model, state, transition):
         raise StepError("the transition is not enabled: a guard is false, or it is not a transition of this state")
@@ -162,13 +164,13 @@ def fire(model: Model, state: TimedState, transition: Transition) -> TimedState:
     return after
 
 
-def _successor(model: Model, state: TimedState, transition: Transition) -> TimedState:
+def _successor(model: PreparedNetwork, state: TimedState, transition: Transition) -> TimedState:
     discrete, resets = execute_updates(model, state.discrete, transition)
     clocks = tuple(Fraction(resets[n]) if n in resets else v for n, v in enumerate(state.clocks, start=1))
     return TimedState(discrete, clocks, state.time)
 
 
-def delay(model: Model, state: TimedState, duration: Fraction) -> TimedState:
+def delay(model: PreparedNetwork, state: TimedState, duration: Fraction) -> TimedState:
     """The state after a delay. Raises StepError if the delay cannot pass."""
     if duration < 0:
         raise StepError("a delay cannot be negative")
@@ -187,7 +189,7 @@ def delay(model: Model, state: TimedState, duration: Fraction) -> TimedState:
     return after
 
 
-def urgent(model: Model, state: TimedState) -> bool:
+def urgent(model: PreparedNetwork, state: TimedState) -> bool:
     """Whether the guards of a synchronisation over an urgent channel hold now. No other guards are asked."""
     return any(
         is_urgent(model, state.discrete, transition)
@@ -197,7 +199,7 @@ def urgent(model: Model, state: TimedState) -> bool:
     )
 
 
-def deadlocked(model: Model, state: TimedState) -> bool:
+def deadlocked(model: PreparedNetwork, state: TimedState) -> bool:
     """Whether no transition is possible, now or after any delay that can pass."""
     if possible(model, state):
         return False
@@ -213,7 +215,7 @@ def deadlocked(model: Model, state: TimedState) -> bool:
     return True
 
 
-def satisfies(model: Model, state: TimedState, predicate: Expression) -> bool:
+def satisfies(model: PreparedNetwork, state: TimedState, predicate: Expression) -> bool:
     """Whether a state predicate, which may ask for deadlock, is true.
 
     Raises EvaluationFault only if that depends on something that cannot be evaluated.
@@ -249,13 +251,13 @@ def _either(left: Expression, left_negated: bool, right: Expression, right_negat
     return _truth(right, scratch) is not right_negated
 
 
-def _later(model: Model, state: TimedState, duration: Fraction) -> TimedState:
+def _later(model: PreparedNetwork, state: TimedState, duration: Fraction) -> TimedState:
     stopped = stopped_clocks(model, state.discrete)
     clocks = tuple(v if n in stopped else v + duration for n, v in enumerate(state.clocks, start=1))
     return replace(state, clocks=clocks, time=state.time + duration)
 
 
-def _telling_moments(model: Model, state: TimedState, before: Fraction | None) -> list[Fraction]:
+def _telling_moments(model: PreparedNetwork, state: TimedState, before: Fraction | None) -> list[Fraction]:
     """Moments in ``[0, before)`` such that whatever is possible in that time is possible at one of them.
 
     These are the moments when a clock constraint that matters changes its truth value, and one between any two of them.
@@ -275,7 +277,7 @@ def _telling_moments(model: Model, state: TimedState, before: Fraction | None) -
     return sorted([*ordered, *between])
 
 
-def _constraints_in_sight(model: Model, discrete: DiscreteState) -> Iterator[Constraint]:
+def _constraints_in_sight(model: PreparedNetwork, discrete: DiscreteState) -> Iterator[Constraint]:
     """The clock constraints of all guards, and of the invariants here and behind all transitions that values do not
     rule out. What cannot be evaluated is left out: whoever tries it while it is asked for will meet the fault."""
     yield from _constraints(_invariants(model, discrete), environment(model, discrete))
@@ -311,7 +313,7 @@ def _constraints_in_sight(model: Model, discrete: DiscreteState) -> Iterator[Con
         yield from constraints
 
 
-def _invariants(model: Model, discrete: DiscreteState) -> Iterable[Expression | None]:
+def _invariants(model: PreparedNetwork, discrete: DiscreteState) -> Iterable[Expression | None]:
     return (location.invariant for location in model.current(discrete))
 
 

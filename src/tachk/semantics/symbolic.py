@@ -21,7 +21,7 @@ from tachk.semantics import dbm
 from tachk.semantics.constraints import FALSE, TRUE, Disjunction, certain, conditional_constraints, conjunction
 from tachk.semantics.dbm import Federation, Zone
 from tachk.semantics.discrete import (
-    Model,
+    PreparedNetwork,
     bind_selects,
     channel_named,
     channel_of,
@@ -89,7 +89,7 @@ class Situation:
     faults: tuple[Fault, ...] = ()
 
 
-def situation(model: Model, discrete: DiscreteState) -> Situation:
+def situation(model: PreparedNetwork, discrete: DiscreteState) -> Situation:
     """Works out what a discrete state allows. Raises EvaluationFault for invariants that go wrong."""
     invariant = invariant_zone(model, discrete)
     delays = may_delay(model, discrete)
@@ -138,7 +138,7 @@ def _part(zone: Zone, condition: Disjunction) -> Federation:
 
 
 def _guarded(
-    model: Model, discrete: DiscreteState
+    model: PreparedNetwork, discrete: DiscreteState
 ) -> tuple[list[tuple[Transition, Disjunction]], list[tuple[Disjunction, EvaluationFault]]]:
     """The transitions that the discrete state admits, each with the clock constraints of all its guards; and what
     cannot be evaluated, with where it is asked for."""
@@ -181,7 +181,7 @@ def _guarded(
     return found, faults
 
 
-def guard_of(model: Model, discrete: DiscreteState, transition: Transition) -> Disjunction:
+def guard_of(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> Disjunction:
     """The clock constraints of all guards of one transition, those that keep others out of a broadcast included.
 
     False if the guards rule the transition out in the discrete state. Its committed rule is not looked at. Raises
@@ -203,7 +203,7 @@ def guard_of(model: Model, discrete: DiscreteState, transition: Transition) -> D
     return whole
 
 
-def _stays_out(model: Model, participant: Participant, channel: int, scratch: Environment) -> Disjunction:
+def _stays_out(model: PreparedNetwork, participant: Participant, channel: int, scratch: Environment) -> Disjunction:
     """Where an edge that may hear a broadcast does not: where its guard is false, everywhere if it names another
     channel. Where it names none, because its index goes wrong, nothing is said."""
     edge = model.edge(participant)
@@ -216,7 +216,9 @@ def _stays_out(model: Model, participant: Participant, channel: int, scratch: En
     return certain(edge.guard, scratch, negated=True) if edge.guard is not None else FALSE
 
 
-def _move(model: Model, discrete: DiscreteState, invariant: Zone, transition: Transition, guard: Disjunction) -> Move:
+def _move(
+    model: PreparedNetwork, discrete: DiscreteState, invariant: Zone, transition: Transition, guard: Disjunction
+) -> Move:
     domain = _part(invariant, guard)
     if not domain:
         return Move(transition, [], (), None, None, [])
@@ -232,7 +234,7 @@ def _move(model: Model, discrete: DiscreteState, invariant: Zone, transition: Tr
     return Move(transition, intersections(domain, [before]), pairs, target, None, [])
 
 
-def invariant_zone(model: Model, discrete: DiscreteState) -> Zone | None:
+def invariant_zone(model: PreparedNetwork, discrete: DiscreteState) -> Zone | None:
     """The clock valuations that satisfy all invariants. Raises EvaluationFault, and ValueError if they are not convex.
 
     Once one is false whatever the clocks, those of later processes are not evaluated.
@@ -253,7 +255,7 @@ def intersections(left: Iterable[Zone], right: Iterable[Zone]) -> Federation:
     return [z for z in (dbm.intersect(a, b) for a in left for b in others) if z is not None]
 
 
-def initial_situation(model: Model) -> tuple[Situation, Federation]:
+def initial_situation(model: PreparedNetwork) -> tuple[Situation, Federation]:
     """The initial discrete state, and what is reached in it by letting time pass. Empty if it violates an invariant."""
     start = situation(model, initial_discrete(model))
     if start.invariant is None:
@@ -313,7 +315,7 @@ def _strictly_later(zone: Zone) -> Zone:
     return later
 
 
-def where(model: Model, here: Situation, predicate: Expression) -> Federation:
+def where(model: PreparedNetwork, here: Situation, predicate: Expression) -> Federation:
     """The clock valuations, among those that satisfy the invariants, where a state predicate holds, whatever the parts
     of it are that cannot be evaluated. ``deadlock`` may occur anywhere in it; what it is cannot be said where an action
     is a run-time error now or later.

@@ -103,7 +103,7 @@ def replaying(trace: ExactTrace) -> LoadedModel:
 def query_of(formula: Formula, model: LoadedModel) -> Query | None:
     """The query that asks for a violation; None where there is no observer for the formula."""
     node = ast.TemporalFormula(NOWHERE, formula)
-    return elaborate_temporal(node, "property", model.names, Context(Findings()), "", None)
+    return elaborate_temporal(node, "property", model.scope, Context(Findings()), "", None)
 
 
 def violated(model: LoadedModel, query: Query, options: Options = Options()) -> bool:

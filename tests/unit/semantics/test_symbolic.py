@@ -21,7 +21,7 @@ SHAPES = [
 DELAYS = [Fraction(n, 3) for n in range(10)]
 
 
-def walk(random: Random, model: step.Model, steps: int) -> list[TimedState]:
+def walk(random: Random, model: step.PreparedNetwork, steps: int) -> list[TimedState]:
     """States along a random run."""
     states = [step.initial_state(model)]
     for _ in range(steps):
@@ -70,7 +70,7 @@ def test_a_delay_can_pass_exactly_if_the_elapsed_region_has_its_end(shape: Shape
                     assert passes(model, state, duration) == any(dbm.contains(z, later) for z in elapsed)
 
 
-def passes(model: step.Model, state: TimedState, duration: Fraction) -> bool:
+def passes(model: step.PreparedNetwork, state: TimedState, duration: Fraction) -> bool:
     try:
         step.delay(model, state, duration)
     except step.StepError:

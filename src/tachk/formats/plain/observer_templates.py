@@ -50,7 +50,7 @@ def with_observers(model: LoadedModel) -> tuple[LoadedModel, tuple[Step, ...]]:
         if isinstance(item, ast.SignalDeclaration):
             signals[item.name.name] = substitute(item.expression, signals)
     taken = all_names(model.items)
-    mirrors = Mirrors(model.items, model.network, model.names, taken)
+    mirrors = Mirrors(model.items, model.network, model.scope, taken)
     steps: list[Step] = []
     watched = []
     for item, formula in temporal:
