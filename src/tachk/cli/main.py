@@ -72,8 +72,9 @@ def _print_version(ctx: click.Context, parameter: click.Parameter, wanted: bool)
 def app() -> None:
     """Model checking of networks of timed automata.
 
-    Exit status: 0 everything as expected, 10 something is not, 20 something is unknown or a limit was hit,
-    2 bad input or usage, 3 unsupported feature, 70 defect of tachk; of several the first of 70, 2, 10, 3, 20, 0.
+    Exit status: 0 everything is as expected, 10 something is not, 20 something is unknown or a limit was hit,
+    2 bad input or usage, 3 unsupported feature, 70 a defect of tachk. If several apply, it is the first of
+    70, 2, 10, 3, 20, 0.
     """
 
 

@@ -47,7 +47,7 @@ def finish(action: Callable[[], ExitStatus], seconds: float | None = None) -> No
     click.get_current_context().exit(guarded(limited))
 
 
-def max_seconds(help: str = "Give up after this time, with exit status 20.") -> Callable[[Decorated], Decorated]:
+def max_seconds(help: str = "Stop after this time, with exit status 20.") -> Callable[[Decorated], Decorated]:
     """``--max-seconds``: the limit on time of whatever reads models or traces."""
     return click.option("seconds", "--max-seconds", metavar="SECONDS", type=click.FloatRange(min=0), help=help)
 
@@ -67,7 +67,7 @@ def definitions(function: Decorated) -> Decorated:
         "--define",
         metavar="NAME=EXPR",
         multiple=True,
-        help="Give a global constant of the model another value.",
+        help="Set a global constant of the model to another value.",
     )(function)
 
 
@@ -79,7 +79,7 @@ def report(*forms: ReportForm) -> Callable[[Decorated], Decorated]:
     """``--format``, ``--output`` and ``--quiet`` of a command that reports in one of these forms: its `Reporting`."""
 
     def add(function: Decorated) -> Decorated:
-        function = click.option("quiet", "--quiet", is_flag=True, help="Print no report; the exit status tells.")(
+        function = click.option("quiet", "--quiet", is_flag=True, help="Print no report; only set the exit status.")(
             function
         )
         function = click.option(

@@ -34,11 +34,11 @@ def columns(function: Decorated) -> Decorated:
             type=Choice(Interpolation),
             default=Interpolation.CONSTANT.value,
             show_default=True,
-            help="Between rows numbers are held, or move in straight lines.",
+            help="Between rows, numbers stay constant or change along straight lines.",
         ),
-        click.option("names", "--property", metavar="NAME", multiple=True, help="Take this formula of the file."),
-        click.option("--unit", metavar="UNIT", help="Of the times, if the trace does not say it: ms, s, ..."),
-        click.option("--time", metavar="NAME", help="The time column, if it is not time, t or timestamp."),
+        click.option("names", "--property", metavar="NAME", multiple=True, help="Check only this formula of the file."),
+        click.option("--unit", metavar="UNIT", help="The unit of the times, if the trace does not say it: ms, s, ..."),
+        click.option("--time", metavar="NAME", help="The time column, if its name is not time, t or timestamp."),
     ):
         function = option(function)
     return function

@@ -56,8 +56,8 @@ class Options:
             explored again. Not with `shortest`, with a limit on depth, or while `deadlock` is asked for.
         chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
         hold_spectators: hold processes still that cannot influence the answer; off: explore them too.
-        drop_bystanders: first look whether the target is unreachable without the processes that can only hinder the
-            others; off: explore all at once.
+        drop_bystanders: first search without the processes that can only block others; off: search the whole network
+            at once.
         shortest: find paths of as few transitions as possible; with BFS only. It may take more states: a state is
             dropped for a larger one only if that is not further from the initial state.
 

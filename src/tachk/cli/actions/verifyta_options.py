@@ -144,7 +144,7 @@ def help_text(program: str) -> str:
         "the command line and the output of UPPAAL's verifyta. The answers are tachk's.",
         "",
         "Exit status: 0 every query has an answer; 2 wrong input, 3 a query or the model is not supported, 20 a",
-        "search gave up. `tachk verify` has a status for each answer.",
+        "search stopped at a limit. The status of `tachk verify` tells the answers too.",
         "",
         "Options:",
     ]

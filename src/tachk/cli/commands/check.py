@@ -18,7 +18,7 @@ from tachk.formats.uppaal.versions import Version
     "version",
     "--for",
     type=options.Choice(Version),
-    help="Report what this version of UPPAAL would refuse or do otherwise.",
+    help="Also report what this version of UPPAAL would refuse or treat differently.",
 )
 @click.option(
     "form",
@@ -26,10 +26,10 @@ from tachk.formats.uppaal.versions import Version
     type=options.Choice((ReportForm.TEXT, ReportForm.JSON, ReportForm.SARIF, ReportForm.GITHUB)),
     default=ReportForm.TEXT.value,
     show_default=True,
-    help="Form of the report: for people, programs, code scanning, or annotations of GitHub Actions.",
+    help="Form of the report: text for people, json for programs, sarif for code scanning, github for annotations.",
 )
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
-@options.max_seconds("Give up a model after this time, with exit status 20.")
+@options.max_seconds("Stop reading a model after this time, with exit status 20.")
 @click.option("strict_xta", "--strict-xta", is_flag=True, help="Refuse what tachk adds to the language of UPPAAL.")
 def command(**given: Any) -> None:
     """Read models and report every mistake and warning, without checking a property."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 import click
 
 
-@click.command(name="completion", short_help="Print what makes a shell complete command lines.")
-@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]), help="The shell in use.")
+@click.command(name="completion", short_help="Print a script that lets your shell complete commands.")
+@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]), help="Your shell.")
 @click.pass_context
 def command(ctx: click.Context, shell: str) -> None:
-    """Print what makes a shell complete commands, options and files.
+    """Print a script that lets your shell complete commands, options and files.
 
     \b
     bash, in ~/.bashrc:  eval "$(tachk completion bash)"

@@ -12,19 +12,22 @@ from tachk.formats.catalogue import SUFFIXES
 _ENDINGS = (".ta", *SUFFIXES)
 _HELP = f"""Write a model in another form: {", ".join(_ENDINGS[:-1])} or {_ENDINGS[-1]}.
 
-Formats but .ta are written in full: imports are followed, and what tachk adds to UPPAAL's language is expanded.
-A file that exists and says something else is not overwritten without --force.
+A .ta file keeps imports. The other formats contain the imported files, and what tachk adds to UPPAAL's language is
+written out in full. Without --force, a file with other contents is not overwritten.
 """
 
 
 @click.command(name="convert", short_help="Write a model in another form.", help=_HELP)
 @click.argument("source", metavar="IN", type=click.Path(), help="A model, or a file of queries.")
 @click.argument(
-    "output", metavar="OUT", type=options.type_of_file, help="Its ending says the format; - prints tachk's own."
+    "output",
+    metavar="OUT",
+    type=options.type_of_file,
+    help="The file to write; its ending is the format. - prints the model in tachk's own format.",
 )
-@options.query_files("Take these queries into a .ta file.")
+@options.query_files("Add the queries of this file to a .ta file.")
 @click.option("--fix", is_flag=True, help="Replace names that some version of UPPAAL refuses.")
-@click.option("--force", is_flag=True, help="Overwrite files that say something else, edited ones too.")
+@click.option("--force", is_flag=True, help="Overwrite files with other contents, also those that you have edited.")
 @options.max_seconds()
 def command(
     source: str, output: Path, query_files: tuple[Path, ...], fix: bool, force: bool, seconds: float | None

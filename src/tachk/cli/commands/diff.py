@@ -7,14 +7,14 @@ import click
 from tachk.cli import options
 
 
-@click.command(name="diff", short_help="Tell what is different between two models.")
+@click.command(name="diff", short_help="Show how the behaviour of two models differs.")
 @click.argument("before", metavar="A", type=click.Path(), help="A model.")
 @click.argument("after", metavar="B", type=click.Path(), help="The same model, changed.")
 @options.max_seconds()
 def command(before: str, after: str, seconds: float | None) -> None:
-    """Tell what is different in the behaviour of two models; layout, comments and most order do not count.
+    """Show how the behaviour of two models differs. Layout, comments and most order do not count.
 
-    Exit status: 0 nothing, 1 something.
+    Exit status: 0 no difference, 1 some difference.
     """
     from tachk.cli.actions.diff import run_diff
 

@@ -19,7 +19,7 @@ from tachk.cli import options
     type=options.type_of_file,
     default=Path(),
     show_default=True,
-    help="A folder, or one .svg or .png file for all templates.",
+    help="The folder for one .svg file per template, or one .svg or .png file for all.",
 )
 @click.option("--template", metavar="NAME", help="Draw this template only.")
 @options.definitions
@@ -27,9 +27,10 @@ from tachk.cli import options
 def command(
     model: str, output: Path, template: str | None, definitions: tuple[str, ...], seconds: float | None
 ) -> None:
-    """Draw the templates of a model as SVG or PNG, with the picture that a UPPAAL file has or an automatic one.
+    """Draw the templates of a model as SVG or PNG.
 
-    With -D a constant is shown as its value.
+    If a UPPAAL file has a picture, it is used; otherwise tachk places locations and edges itself. A constant that is
+    set with -D is drawn as its value.
     """
     from tachk.cli.actions.draw import run_draw
 

@@ -12,13 +12,13 @@ from tachk.cli import options
     "what",
     metavar="CODE|FORMULA|FILE",
     type=click.Path(),
-    help="The code of a message, such as E0214; a formula or sentence; or a file that states some.",
+    help="The code of a message, such as E0214; a formula or sentence; or a file with formulas or sentences.",
 )
 @options.max_seconds()
 def command(what: str, seconds: float | None) -> None:
-    """Explain a message, or what a property written as a formula or a sentence says.
+    """Explain a message of tachk, or a property that is written as a formula or a sentence.
 
-    Of a message: what it means, an example, how to mend it. Of a property: its formula in canonical form, how far it
+    For a message: what it means, an example, how to mend it. For a property: its formula in canonical form, how far it
     looks ahead, and whether all its intervals begin at 0.
     """
     from tachk.cli.actions.explain import run_explain

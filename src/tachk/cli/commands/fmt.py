@@ -13,7 +13,7 @@ from tachk.cli import options
 @click.argument(
     "files", metavar="FILE...", nargs=-1, required=True, type=options.type_of_file, help="Model files in text form."
 )
-@click.option("check_only", "--check", is_flag=True, help="Change nothing; fail if a file would change.")
+@click.option("check_only", "--check", is_flag=True, help="Change no file; fail if one is not in canonical form.")
 @click.option("to_stdout", "--stdout", is_flag=True, help="Print the result instead of changing the file.")
 @options.max_seconds()
 def command(files: tuple[Path, ...], check_only: bool, to_stdout: bool, seconds: float | None) -> None:

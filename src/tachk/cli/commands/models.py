@@ -24,16 +24,24 @@ def command(ctx: click.Context) -> None:
 
 @command.command(name="list")
 def list_command() -> None:
-    """List the models, with what each is about."""
+    """List the models and what each is about."""
     from tachk.cli.actions.models import run_list
 
     options.finish(run_list)
 
 
 @command.command(name="copy")
-@click.argument("name", metavar="NAME", help="As listed; the last part is enough where it is the only one.")
-@click.argument("folder", metavar="DIR", type=options.type_of_file, default=Path(), help="Where to; here without.")
-@click.option("--force", is_flag=True, help="Write over files that are different.")
+@click.argument(
+    "name", metavar="NAME", help="A name from the list; its last part is enough if no other name ends with it."
+)
+@click.argument(
+    "folder",
+    metavar="DIR",
+    type=options.type_of_file,
+    default=Path(),
+    help="The folder to copy to; by default the current one.",
+)
+@click.option("--force", is_flag=True, help="Overwrite files with other contents.")
 def copy_command(name: str, folder: Path, force: bool) -> None:
     """Copy a model with every file that it imports."""
     from tachk.cli.actions.models import run_copy

@@ -11,9 +11,9 @@ from tachk.cli.reporting import ReportForm
 from tachk.runtime.conventions import Ending
 
 
-@click.command(name="monitor", short_help="Judge a recorded trace by properties.")
+@click.command(name="monitor", short_help="Check properties on a recorded trace.")
 @trace_options.formula
-@trace_options.trace("; - reads CSV rows as they come")
+@trace_options.trace("; - reads CSV rows from standard input as they come")
 @trace_options.columns
 @click.option(
     "ending",
@@ -21,33 +21,34 @@ from tachk.runtime.conventions import Ending
     type=options.Choice(Ending),
     default=Ending.UNDETERMINED.value,
     show_default=True,
-    help="What is pending at the end counts as: undetermined, satisfied (weak), violated.",
+    help="What an obligation that is open at the end counts as: undetermined, satisfied (weak) or violated (strong).",
 )
 @click.option(
     "--robustness/--no-robustness",
     default=True,
     show_default=True,
-    help="Compute how far verdicts are from changing.",
+    help="Also compute how far values are from changing a verdict.",
 )
 @click.option(
     "--time-robustness",
     is_flag=True,
-    help="Compute by how much time each column may surely be shifted, too.",
+    help="Also compute how far each column can at least be shifted in time without changing a verdict.",
 )
-@click.option("--online", is_flag=True, help="Judge row by row, with bounded memory.")
-@click.option("--follow", is_flag=True, help="Wait for further rows at the end of the file.")
+@click.option("--online", is_flag=True, help="Read the trace row by row, with bounded memory.")
+@click.option("--follow", is_flag=True, help="At the end of the file, wait for further rows.")
 @click.option(
     "--decimals",
     metavar="N",
     type=click.IntRange(0, 15),
-    help="Row by row: the decimals of times and bounds; by default as many as make nanoseconds, at most 9.",
+    help="Row by row: how many decimals times and bounds have; by default down to nanoseconds, at most 9.",
 )
 @options.max_seconds()
 @options.report(ReportForm.TEXT, ReportForm.JSON, ReportForm.JUNIT)
 def command(seconds: float | None, **given: Any) -> None:
-    """Judge a recorded trace by formulas, sentences or the properties of a model.
+    """Check formulas, sentences or the properties of a model on a recorded trace.
 
-    Exit status: 0 all are true, 10 some are false, 20 nothing worse than undetermined or out of time, 2 bad input.
+    Exit status: 0 all are true, 10 some are false, 20 some are undetermined or time ran out and none is false,
+    2 bad input.
     """
     from tachk.cli.actions.judged import Judged
     from tachk.cli.actions.monitor import run_monitor

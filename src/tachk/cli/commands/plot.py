@@ -10,7 +10,7 @@ import click
 from tachk.cli import options, trace_options
 
 
-@click.command(name="plot", short_help="Draw a trace, and where properties are violated.")
+@click.command(name="plot", short_help="Draw a trace and the violations of properties on it.")
 @trace_options.formula
 @trace_options.trace()
 @click.option(
@@ -23,11 +23,11 @@ from tachk.cli import options, trace_options
     help="An .svg, .png or .pdf file.",
 )
 @trace_options.columns
-@click.option("begin", "--from", metavar="TIME", type=float, help="Draw from here.")
-@click.option("end", "--to", metavar="TIME", type=float, help="Draw up to here.")
+@click.option("begin", "--from", metavar="TIME", type=float, help="Draw from this time.")
+@click.option("end", "--to", metavar="TIME", type=float, help="Draw up to this time.")
 @options.max_seconds()
 def command(output: Path, begin: float | None, end: float | None, seconds: float | None, **given: Any) -> None:
-    """Draw a trace with what formulas and their parts are worth on it, and where they are violated."""
+    """Draw a trace, the values of formulas and of their parts on it, and where they are violated."""
     from tachk.cli.actions.judged import Judged
     from tachk.cli.actions.plot import run_plot
     from tachk.monitoring.offline import Judging

@@ -22,7 +22,7 @@ _DEFAULT = Options()
     type=click.Path(),
     help="Model files, and queries to check on each.",
 )
-@options.query_files("Check the queries of a file.")
+@options.query_files("Check the queries in this file.")
 @options.definitions
 @click.option("properties", "--property", metavar="NAME", multiple=True, help="Check this property of the model.")
 @click.option(
@@ -31,7 +31,7 @@ _DEFAULT = Options()
     type=options.Choice(SearchOrder),
     default=_DEFAULT.order.value,
     show_default=True,
-    help="Which state is explored next.",
+    help="The order in which states are explored.",
 )
 @click.option(
     "--seed",
@@ -39,12 +39,12 @@ _DEFAULT = Options()
     type=click.IntRange(0, LARGEST_SEED),
     default=_DEFAULT.seed,
     show_default=True,
-    help="For --search rdfs.",
+    help="Seed of the random order (--search rdfs).",
 )
 @click.option(
     "--trace",
     type=options.Choice(Evidence),
-    help="Which run to give as evidence; without this option only unexpected answers get one. shortest: one with the "
+    help="The run to show as evidence; without this option only unexpected answers get one. shortest: one with the "
     "fewest transitions, which may take longer to find.",
 )
 @options.report(ReportForm.TEXT, ReportForm.JSON, ReportForm.JUNIT, ReportForm.VERIFYTA)
@@ -53,19 +53,23 @@ _DEFAULT = Options()
     "--max-states",
     metavar="N",
     type=click.IntRange(min=1),
-    help="Give up a search beyond so many stored states.",
+    help="Stop a search after storing N states.",
 )
-@options.max_seconds("Give up a model after this time, which its properties share fairly.")
+@options.max_seconds("Stop checking a model after this time, which its properties share fairly.")
 @click.option(
     "seconds_each",
     "--max-seconds-each",
     metavar="SECONDS",
     type=click.FloatRange(min=0),
-    help="Give up each search after this time; properties that look at the same clocks share a search.",
+    help="Stop each search after this time; properties that look at the same clocks share a search.",
 )
-@click.option("--max-memory", metavar="SIZE", help="Give up a search beyond this size, such as 2G.")
+@click.option("--max-memory", metavar="SIZE", help="Stop a search that takes more memory than this, such as 2G.")
 @click.option(
-    "depth", "--max-depth", metavar="N", type=click.IntRange(min=0), help="Explore only so many transitions deep."
+    "depth",
+    "--max-depth",
+    metavar="N",
+    type=click.IntRange(min=0),
+    help="Do not explore beyond N transitions from the initial state.",
 )
 @click.option(
     "--extrapolation",
@@ -80,23 +84,25 @@ _DEFAULT = Options()
     type=int,
     flag_value=PASSED_IN_A_ROW,
     default=_DEFAULT.passing,
-    help="Do not store states in which one process is in a committed location: less memory, some of them explored more "
-    "than once. No effect on --trace shortest, --max-depth and deadlock.",
+    help="Do not store states in which one process is in a committed location. This takes less memory, but some of "
+    "them are explored more than once. No effect with --trace shortest, --max-depth or deadlock.",
 )
 @click.option(
     "every_trace",
     "--all-traces",
     is_flag=True,
-    help="Tell also the runs behind answers that are as expected, and every run whole.",
+    help="Also show the runs of expected answers, and show every run whole.",
 )
 @click.option("--clocks", is_flag=True, help="Print the clocks after each step of a run.")
 @click.option(
-    "--every-step", is_flag=True, help="Tell runs whole: each step of repeated rounds, and what the model hides."
+    "--every-step",
+    is_flag=True,
+    help="Show every step of a run, also those of repeated rounds and those that the model hides.",
 )
 def command(**given: Any) -> None:
     """Check the properties of models, or the given queries.
 
-    Without a query, a query file or --property, every property that a model states is checked.
+    Without a query, a query file or --property, tachk checks every property in the model.
     """
     from tachk.cli.actions.run_report import RunReporting
     from tachk.cli.actions.verify import Asked, run_verify

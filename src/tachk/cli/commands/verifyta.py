@@ -27,7 +27,7 @@ class _Untouched(click.Command):
 
 @click.command(name="verifyta", short_help="Check with the options and output of UPPAAL's verifyta.", cls=_Untouched)
 def command(arguments: tuple[str, ...]) -> None:
-    """Check models with the options and the output of UPPAAL's verifyta, for scripts written for it."""
+    """Check models with the options and the output of UPPAAL's verifyta, for scripts that call verifyta."""
     program = click.get_current_context().command_path
     options.finish(lambda: _answer(arguments, program))
 
