@@ -21,20 +21,15 @@ namespace nb = nanobind;
 
 namespace {
 
-using ProbeList = std::vector<std::pair<std::size_t, tachk::Cell>>;
-
 template <class Value>
-std::unique_ptr<tachk::OfflineMonitor<Value>> make_monitor(nb::handle program, bool verdict, const ProbeList& probes,
+std::unique_ptr<tachk::OfflineMonitor<Value>> make_monitor(nb::handle program, bool verdict,
                                                            const std::vector<std::size_t>& signals) {
   tachk::MonitorProgram read = monitor_program_from(program);
   tachk::Requests requests;
   requests.verdict = verdict;
   requests.signals = signals;
-  for (const auto& [node, cell] : probes) requests.probes.push_back({node, cell});
   for (const std::size_t node : signals)
     if (node >= read.nodes.size()) throw std::invalid_argument("there is no such node");
-  for (const tachk::Probe& probe : requests.probes)
-    if (probe.node >= read.nodes.size() || probe.cell < 0) throw std::invalid_argument("there is no such node or cell");
   return std::make_unique<tachk::OfflineMonitor<Value>>(std::move(read), std::move(requests));
 }
 
@@ -42,8 +37,7 @@ template <class Value>
 void bind_values_of(nb::module_& m, const char* name, const char* description) {
   using Monitor = tachk::OfflineMonitor<Value>;
   nb::class_<Monitor>(m, name, description)
-      .def(nb::new_(&make_monitor<Value>), nb::arg("program"), nb::kw_only(), nb::arg("verdict"), nb::arg("probes"),
-           nb::arg("signals"))
+      .def(nb::new_(&make_monitor<Value>), nb::arg("program"), nb::kw_only(), nb::arg("verdict"), nb::arg("signals"))
       .def("push", &push_samples<Monitor>, nb::arg("times"), nb::arg("columns"),
            "Takes samples: ticks that do not decrease, and the columns.")
       .def(
@@ -66,13 +60,6 @@ void bind_values_of(nb::module_& m, const char* name, const char* description) {
       .def(
           "violation", [](const Monitor& self) { return violation_tuple(self.violation()); },
           "(node, first cell, last cell) of the earliest certain violation, or None.")
-      .def(
-          "probe",
-          [](const Monitor& self, std::size_t number) {
-            const auto range = self.probe(number);
-            return std::make_pair(range.low, range.high);
-          },
-          nb::arg("number"), "The bounds of the value that a probe asked for.")
       .def(
           "signal", [](const Monitor& self, std::size_t number) { return signal_tuple(self.signal(number)); },
           nb::arg("number"), "(first cells of the pieces, lower bounds, upper bounds) up to the end of the trace.");

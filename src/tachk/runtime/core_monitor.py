@@ -80,7 +80,7 @@ class TruthMonitor:
     """A formula on a trace that comes in portions. The result does not depend on the portions."""
 
     def __init__(self, program: MonitorProgram) -> None:
-        self._core = _core.OfflineTruth(program, verdict=True, probes=[], signals=[])
+        self._core = _core.OfflineTruth(program, verdict=True, signals=[])
 
     def push(self, times: Ticks, columns: Sequence[Values]) -> None:
         """Takes the next rows: ticks, and the columns of the program in their order."""
@@ -96,7 +96,7 @@ class RobustnessMonitor:
     """The same for robustness."""
 
     def __init__(self, program: MonitorProgram) -> None:
-        self._core = _core.OfflineRobustness(program, verdict=True, probes=[], signals=[])
+        self._core = _core.OfflineRobustness(program, verdict=True, signals=[])
 
     def push(self, times: Ticks, columns: Sequence[Values]) -> None:
         """Takes the next rows: ticks, and the columns of the program in their order."""
@@ -110,28 +110,21 @@ class RobustnessMonitor:
 
 def monitor_truth(program: MonitorProgram, trace: Trace) -> TruthResult:
     """Whether the formula is true on a trace, and where it is violated first."""
-    core = _core.OfflineTruth(program, verdict=True, probes=[], signals=[])
+    core = _core.OfflineTruth(program, verdict=True, signals=[])
     _run(core, program, trace)
     return _truth_result(core)
 
 
 def monitor_robustness(program: MonitorProgram, trace: Trace) -> RobustnessResult:
     """How far the formula is from changing its truth on a trace."""
-    core = _core.OfflineRobustness(program, verdict=True, probes=[], signals=[])
+    core = _core.OfflineRobustness(program, verdict=True, signals=[])
     _run(core, program, trace)
     return bounds(*core.verdict())
 
 
-def truth_at(program: MonitorProgram, trace: Trace, places: Sequence[tuple[int, int]]) -> tuple[Truth, ...]:
-    """The truth of nodes in cells, given as pairs."""
-    core = _core.OfflineTruth(program, verdict=False, probes=list(places), signals=[])
-    _run(core, program, trace)
-    return tuple(truth_of(*core.probe(number)) for number in range(len(places)))
-
-
 def truth_signals(program: MonitorProgram, trace: Trace, nodes: Sequence[int]) -> tuple[NodeSignal, ...]:
     """The truth of nodes over the whole trace."""
-    core = _core.OfflineTruth(program, verdict=False, probes=[], signals=list(nodes))
+    core = _core.OfflineTruth(program, verdict=False, signals=list(nodes))
     _run(core, program, trace)
     signals = []
     for number in range(len(nodes)):
@@ -142,7 +135,7 @@ def truth_signals(program: MonitorProgram, trace: Trace, nodes: Sequence[int]) -
 
 def robustness_signals(program: MonitorProgram, trace: Trace, nodes: Sequence[int]) -> tuple[RobustnessSignal, ...]:
     """The robustness of nodes over the whole trace."""
-    core = _core.OfflineRobustness(program, verdict=False, probes=[], signals=list(nodes))
+    core = _core.OfflineRobustness(program, verdict=False, signals=list(nodes))
     _run(core, program, trace)
     return tuple(RobustnessSignal(*core.signal(number), _cells(trace)) for number in range(len(nodes)))
 

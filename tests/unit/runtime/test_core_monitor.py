@@ -90,18 +90,6 @@ def test_signals_of_subformulas() -> None:
     assert trigger.low.tolist() == trigger.high.tolist()
 
 
-def test_truth_at_places() -> None:
-    places = [(3, 19), (3, 20), (3, 61), (3, 121), (4, 79), (4, 80)]
-    assert core_monitor.truth_at(response(20), trace(), places) == (
-        Truth.FALSE,
-        Truth.TRUE,
-        Truth.TRUE,
-        Truth.UNDETERMINED,
-        Truth.TRUE,
-        Truth.FALSE,
-    )
-
-
 @pytest.mark.parametrize("size", [1, 3, 8])
 def test_portions_do_not_matter(size: int) -> None:
     whole = trace()

@@ -525,14 +525,14 @@ void LinearMonitor::fill(const StreamNode& leaf, Stream<Truth>& out) const {
 }
 
 LinearMonitor::Judgement LinearMonitor::truth() const {
-  OfflineMonitor<Truth> monitor(refined(), {true, {}, {}}, Leaves::single);
+  OfflineMonitor<Truth> monitor(refined(), {true, {}}, Leaves::single);
   monitor.judge(cell_of_tick(length() * refinement_),
                 [&](const StreamNode& leaf, Stream<Truth>& out) { fill(leaf, out); });
   return {monitor.verdict(), monitor.lasting(), monitor.violation()};
 }
 
 Signal<Truth> LinearMonitor::truth_signal(std::size_t node) const {
-  OfflineMonitor<Truth> monitor(refined(), {false, {}, {node}}, Leaves::single);
+  OfflineMonitor<Truth> monitor(refined(), {false, {node}}, Leaves::single);
   monitor.judge(cell_of_tick(length() * refinement_),
                 [&](const StreamNode& leaf, Stream<Truth>& out) { fill(leaf, out); });
   return monitor.signal(0);

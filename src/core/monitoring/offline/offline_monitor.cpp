@@ -15,8 +15,6 @@ OfflineMonitor<Value>::OfflineMonitor(MonitorProgram program, Requests requests,
       pointwise_(program_),
       left_values_(AtomEvaluator::block) {
   if (requests_.verdict) verdict_ = plan(program_.nodes.size() - 1, false);
-  for (const Probe& probe : requests_.probes)
-    probes_.push_back(fold(probe.node, graph_.stream_of(probe.node, false), false, probe.cell, probe.cell).fold);
   for (const std::size_t node : requests_.signals)
     side_.recordings.push_back({graph_.stream_of(node, false), 0, {}, {}});
 
@@ -337,11 +335,6 @@ std::optional<FirstViolation> OfflineMonitor<Value>::violation() const {
   find_violation(verdict_, side_.folds, earliest);
   if (!earliest && verdict().high == Bounds<Value>::least) earliest = {program_.nodes.size() - 1, 0, 0};
   return earliest;
-}
-
-template <class Value>
-Range<Value> OfflineMonitor<Value>::probe(std::size_t number) const {
-  return {low_.folds[probes_[number]].value, side_.folds[probes_[number]].value};
 }
 
 template <class Value>

@@ -30,15 +30,8 @@ struct FirstViolation {
   Cell last;
 };
 
-// The value of a node at a cell.
-struct Probe {
-  std::size_t node;
-  Cell cell;
-};
-
 struct Requests {
-  bool verdict = true;  // the value of the formula at cell 0, and its first violation
-  std::vector<Probe> probes = {};
+  bool verdict = true;                    // the value of the formula at cell 0, and its first violation
   std::vector<std::size_t> signals = {};  // nodes whose whole signal is wanted
 };
 
@@ -80,7 +73,6 @@ class OfflineMonitor {
   // outermost G or F, and need not be the narrowest.
   Range<Value> so_far() const { return bounds_of(verdict_); }
   std::optional<FirstViolation> violation() const;
-  Range<Value> probe(std::size_t number) const;
   Signal<Value> signal(std::size_t number) const;
 
  private:
@@ -142,7 +134,6 @@ class OfflineMonitor {
   std::vector<double> left_values_;
   std::vector<std::size_t> leaves_;
   Term verdict_{};
-  std::vector<std::size_t> probes_;  // their folds
   Side side_;
   std::optional<Value> lasting_;
   Side low_;  // of a finished trace; side_ is the high one

@@ -62,10 +62,10 @@ void test_steps() {
     LinearMonitor lines(program, Measure::space);
     lines.push(samples);
     lines.finish(trace.end);
-    OfflineMonitor<Robustness> steps(program, {true, {}, {root}});
+    OfflineMonitor<Robustness> steps(program, {true, {root}});
     steps.push(samples);
     steps.finish(trace.end);
-    OfflineMonitor<Truth> truths(program, {true, {}, {root}});
+    OfflineMonitor<Truth> truths(program, {true, {root}});
     truths.push(samples);
     truths.finish(trace.end);
 
@@ -140,7 +140,7 @@ void test_lines() {
       node.lower *= parts;
       if (node.upper != unbounded) node.upper *= parts;
     }
-    OfflineMonitor<Robustness> steps(finer, {true, {}, {root}});
+    OfflineMonitor<Robustness> steps(finer, {true, {root}});
     feed(steps, fine, nullptr);
     const Signal<Robustness> expected = steps.signal(0);
     for (std::int64_t tick = 0; tick <= lines.length() * 4; ++tick)

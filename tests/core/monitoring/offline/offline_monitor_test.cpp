@@ -165,13 +165,10 @@ void compare(const MonitorProgram& program, const Trace& trace, Random& random) 
   const Definition<Value> low(program, trace, false);
   const Definition<Value> high(program, trace, true);
   const Cell last = cell_of_tick(trace.end - trace.ticks[0]);
-  const Cell place = below(random, last + 1);
-  OfflineMonitor<Value> monitor(program, {true, {{root, place}}, {root}});
+  OfflineMonitor<Value> monitor(program, {true, {root}});
   feed(monitor, trace, &random);
   CHECK(monitor.verdict().low == low.at(root, 0));
   CHECK(monitor.verdict().high == high.at(root, 0));
-  CHECK(monitor.probe(0).low == low.at(root, place));
-  CHECK(monitor.probe(0).high == high.at(root, place));
   const Signal<Value> signal = monitor.signal(0);
   std::size_t piece = 0;
   for (Cell cell = 0; cell <= last; ++cell) {
@@ -197,8 +194,8 @@ void test_long_traces() {
   for (int round = 0; round < 40; ++round) {
     const MonitorProgram program = random_program(random);
     const Trace trace = random_trace(random, 20000);
-    OfflineMonitor<Robustness> whole(program, {true, {}, {}});
-    OfflineMonitor<Robustness> cut(program, {true, {}, {}});
+    OfflineMonitor<Robustness> whole(program, {true, {}});
+    OfflineMonitor<Robustness> cut(program, {true, {}});
     feed(whole, trace, nullptr);
     feed(cut, trace, &random);
     CHECK(whole.verdict().low == cut.verdict().low);
@@ -235,7 +232,7 @@ Trace pulses() {
 }
 
 void test_first_violation() {
-  OfflineMonitor<Truth> monitor(response(20), {true, {}, {}});
+  OfflineMonitor<Truth> monitor(response(20), {true, {}});
   feed(monitor, pulses(), nullptr);
   CHECK(monitor.verdict().high == 0);
   const auto violation = monitor.violation();
@@ -246,7 +243,7 @@ void test_first_violation() {
 void test_a_pending_obligation_is_undetermined() {
   Trace trace = pulses();
   trace.end = 70;
-  OfflineMonitor<Truth> monitor(response(40), {true, {}, {}});
+  OfflineMonitor<Truth> monitor(response(40), {true, {}});
   feed(monitor, trace, nullptr);
   CHECK(monitor.verdict().low == 0 && monitor.verdict().high == 1);
   CHECK(!monitor.violation());
@@ -255,7 +252,7 @@ void test_a_pending_obligation_is_undetermined() {
 void test_memory_stays_bounded() {
   Random random(22);
   Trace trace = random_trace(random, 1000);
-  OfflineMonitor<Robustness> monitor(response(100), {true, {}, {}});
+  OfflineMonitor<Robustness> monitor(response(100), {true, {}});
   const std::int64_t length = trace.ticks.back() + 1;
   std::size_t most = 0;
   for (int round = 0; round < 200; ++round) {
@@ -280,20 +277,20 @@ void test_refusals() {
   CHECK(refuses([] {
     Trace trace = pulses();
     trace.ticks[3] = 10;
-    OfflineMonitor<Truth> monitor(response(1), {true, {}, {}});
+    OfflineMonitor<Truth> monitor(response(1), {true, {}});
     feed(monitor, trace, nullptr);
   }));
   CHECK(refuses([] {
     Trace trace = pulses();
     trace.end = 60;
-    OfflineMonitor<Truth> monitor(response(1), {true, {}, {}});
+    OfflineMonitor<Truth> monitor(response(1), {true, {}});
     feed(monitor, trace, nullptr);
   }));
-  CHECK(refuses([] { OfflineMonitor<Truth> monitor(response(largest_tick), {true, {}, {}}); }));
+  CHECK(refuses([] { OfflineMonitor<Truth> monitor(response(largest_tick), {true, {}}); }));
   CHECK(refuses([] {
     MonitorProgram program = response(1);
     program.nodes[2].operands[0] = 7;
-    OfflineMonitor<Truth> monitor(program, {true, {}, {}});
+    OfflineMonitor<Truth> monitor(program, {true, {}});
   }));
 }
 
