@@ -171,7 +171,7 @@ def test_comments_outside_sections_find_a_place() -> None:
 def test_convert_overwrites_no_edited_file(capsys: pytest.CaptureFixture[str]) -> None:
     Path("a.xml").write_text(SAVED)
     text = convert("a.xml", "a.ta")
-    assert convert("a.xml", "a.ta") == text, "once more is no harm"
+    assert convert("a.xml", "a.ta") == text, "once more does no harm"
     layout = Path("a.layout.json").read_text()
     for edited in ("a.ta", "a.layout.json"):
         Path("a.ta").write_text(text)

@@ -17,7 +17,7 @@ from pathlib import Path
 CPU_SECONDS = 60
 _QUICKLY_BUILT = (
     "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1",
-    "-DTACHK_WERROR=OFF",  # what a mutant leaves unused is no mistake
+    "-DTACHK_WERROR=OFF",  # what a mutant leaves unused is not a mistake
 )
 MEMORY_BYTES = 6 * 2**30
 WALL_SECONDS = 1800

@@ -81,7 +81,7 @@ UNUSED = {
     "tachk.formats.tchecker.reader",
     "tachk.formats.uppaal.reader",
 }
-"""Of no use to a model in text form whose property is no formula and no sentence."""
+"""Of no use to a model in text form whose property is neither a formula nor a sentence."""
 
 
 @pytest.fixture

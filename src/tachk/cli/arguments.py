@@ -44,7 +44,7 @@ def split_models_and_queries(arguments: Sequence[str]) -> tuple[tuple[str, ...],
 
 def _is_model(argument: str) -> bool:
     path = Path(argument)
-    # Unlike the methods of Path, these take everything that is no path, such as a long query, for no file.
+    # Unlike the methods of Path, these take everything that is not a path, such as a long query, for no file.
     if os.path.exists(argument) and not os.path.isdir(argument):
         if path.suffix in QUERY_SUFFIXES:
             raise UsageError(f"{argument} is a file of queries", f"give it with -q: -q {argument}")

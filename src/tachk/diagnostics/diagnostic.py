@@ -9,7 +9,7 @@ from enum import StrEnum
 from tachk.diagnostics.span import Span
 
 UNSUPPORTED = frozenset({"E0730", "E0731", "E0732", "E0733", "E0750"})
-"""The codes of what is refused although it is no mistake."""
+"""The codes of what is refused although it is not a mistake."""
 
 
 class Severity(StrEnum):

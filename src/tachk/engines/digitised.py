@@ -35,7 +35,7 @@ Clocks = tuple[Fraction, ...]
 def explore_regions(network: Network, goals: Sequence[Expression], limits: Limits = Limits()) -> Outcome:
     """Exact. Raises ValueError for networks with stopwatches, and if the initial state violates an invariant."""
     if any(location.rates for process in network.processes for location in process.locations):
-        raise ValueError("regions are no bisimulation where clocks stop")
+        raise ValueError("regions are not a bisimulation where clocks stop")
     constants = clock_constants(network, goals)
     if constants.diagonals:
         # Behind a gap this wide nothing can be told apart, also after one of the clocks is set to a constant.

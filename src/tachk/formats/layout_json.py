@@ -146,12 +146,12 @@ def layout_from_json(source: Source) -> Layout:
     """The layout in the text of a side file.
 
     Raises:
-        InputError: E0125, the text is no JSON, or not that of a layout.
+        InputError: E0125, the text is not JSON, or not that of a layout.
     """
     try:
         value = json.loads(source.text)
     except json.JSONDecodeError as error:
-        raise _refuse(source, f"this is no JSON: {error.msg}", error.pos) from None
+        raise _refuse(source, f"this is not JSON: {error.msg}", error.pos) from None
     except RecursionError:
         raise _refuse(source, "this is nested too deeply", 0) from None
     try:
@@ -219,7 +219,7 @@ def _read_edge(value: Json) -> tuple[EdgeKey, EdgeLayout]:
     part = _object(value, "an edge")
     occurrence = part.get("occurrence", 0)
     if not isinstance(occurrence, int):
-        raise _UnexpectedError("`occurrence` is no number")
+        raise _UnexpectedError("`occurrence` is not a number")
     key = EdgeKey(_text(part.get("source"), "`source`"), _text(part.get("target"), "`target`"), occurrence)
     nails = tuple(_required_point(nail) for nail in _list(part.get("nails", []), "`nails`"))
     attributes = {
@@ -251,15 +251,15 @@ def _read_query(value: Json) -> QueryLayout:
 
 
 def _object(value: Json, what: str) -> dict[str, Json]:
-    return _of(value, dict, what, "no object")
+    return _of(value, dict, what, "not an object")
 
 
 def _list(value: Json, what: str) -> list[Json]:
-    return _of(value, list, what, "no list")
+    return _of(value, list, what, "not a list")
 
 
 def _text(value: Json, what: str) -> str:
-    return _of(value, str, what, "no text")
+    return _of(value, str, what, "not a text")
 
 
 def _of(value: Json, kind: type[T], what: str, problem: str) -> T:
@@ -279,7 +279,7 @@ def _texts(value: Json, what: str) -> tuple[str, ...]:
 def _pairs(value: Json) -> tuple[tuple[str, str], ...]:
     pairs = [_texts(pair, "an option") for pair in _list(value, "`options`")]
     if any(len(pair) != 2 for pair in pairs):
-        raise _UnexpectedError("an option is no pair of texts")
+        raise _UnexpectedError("an option is not a pair of texts")
     return tuple((pair[0], pair[1]) for pair in pairs)
 
 
@@ -289,5 +289,5 @@ def _point(value: Json) -> Point | None:
 
 def _required_point(value: Json) -> Point:
     if not (isinstance(value, list) and len(value) == 2 and all(type(number) is int for number in value)):
-        raise _UnexpectedError("a point is no pair of integers")
+        raise _UnexpectedError("a point is not a pair of integers")
     return Point(*value)

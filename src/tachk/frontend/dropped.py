@@ -80,7 +80,7 @@ _FOREIGN_FUNCTION = re.compile(r"\b([A-Za-z_]\w*)\s*(?:=\s*\w+\s*)?\([^()]*\)\s*
 
 
 def refuse_call(node: ast.Expression, symbol: DroppedSymbol, context: Context) -> None:
-    """Reports a call of a function that is left out, or of what is no function."""
+    """Reports a call of a function that is left out, or of what is not a function."""
     if symbol.reason is None:
         context.error("E0208", node.span, f"a {symbol.description} is not a function")
         return

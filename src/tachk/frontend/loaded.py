@@ -67,7 +67,7 @@ class LoadedModel:
         order = {name: number for number, name in enumerate(stated)}
 
         def place(query: Query | UncheckedQuery) -> int:
-            # In XML a query that cannot be read is no item, but all queries stand in one text.
+            # In XML a query that cannot be read is not an item, but all queries stand in one text.
             return order[query.name] if self.layout is None else query.span.start
 
         return tuple(sorted((*self.queries, *self.unchecked), key=place))

@@ -62,7 +62,7 @@ class Offence:
 def outside_fragment(formula: Formula) -> Offence | None:
     """What keeps a formula out of STL_{lb=0}, the first in the order of the text; None if nothing does.
 
-    Bounds that are no numbers yet count as what they are: not known to be 0.
+    Bounds that are not numbers yet count as what they are: not known to be 0.
     """
     return next(_offences(formula, top=True), None)
 

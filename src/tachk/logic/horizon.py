@@ -34,7 +34,7 @@ def horizon(formula: Formula) -> Fraction | None:
     Exact for bounds that are numbers in one unit; operators on the past give back what they look behind.
 
     Raises:
-        ValueError: a bound is no number in the unit of the model or the trace.
+        ValueError: a bound is not a number in the unit of the model or the trace.
     """
     inside = [horizon(part) for part in operands(formula)]
     if any(reach is None for reach in inside):
@@ -58,5 +58,5 @@ def _upper(interval: Interval) -> Fraction | None:
 
 def _number(duration: Duration) -> Fraction:
     if (duration.unit and duration.value != 0) or not isinstance(duration.value, Fraction):
-        raise ValueError("a bound is no number yet")
+        raise ValueError("a bound is not a number yet")
     return duration.value

@@ -11,7 +11,7 @@ trace, finished or not. The reasons, rule by rule:
 - A window that holds exactly the present ([0,0]) leaves the operand; a window that holds nothing ((a,a] and the like)
   leaves false for F, O, U, S and true for G, H.
 - ``F true`` is true only where the window cannot be empty: it is when it lies behind the end of a finished trace, or
-  before the beginning. So bounds that are no numbers, unbounded operators that begin later than now, and operators on
+  before the beginning. So bounds that are not numbers, unbounded operators that begin later than now, and operators on
   the past that do, are left alone.
 - ``F[a,b] F[c,d] f`` is ``F[a+c,b+d] f``, closed where both are, for a sum of windows is a window. Not if only one of
   the two is without end: at the end of a trace the bounded one waits for what comes, the other one does not. On the
@@ -178,12 +178,12 @@ def is_now(interval: Interval) -> bool:
 
 
 def _lower(interval: Interval) -> Fraction | None:
-    """The lower bound, or None if it is no number yet."""
+    """The lower bound, or None if it is not a number yet."""
     return _number(interval.lower)
 
 
 def _upper(interval: Interval) -> Fraction | None:
-    """The upper bound, or None if there is none or it is no number yet."""
+    """The upper bound, or None if there is none or it is not a number yet."""
     return None if interval.upper is None else _number(interval.upper)
 
 

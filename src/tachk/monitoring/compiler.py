@@ -57,7 +57,7 @@ def compile(
             condition is taken for a truth value, any other one for a number.
 
     Raises:
-        InputError: unknown columns, constructs without meaning on traces, durations that are no whole number of ticks.
+        InputError: unknown columns, constructs without meaning on traces, durations that are not whole ticks.
     """
     compiler = _Compiler(columns, ticks_per_unit, booleans)
     compiler.formula(formula)

@@ -111,7 +111,7 @@ def _exchanged(path: Path) -> UsageError:
 def in_trace_units(named: NamedFormula, columns: Collection[str], unit: str) -> Formula:
     """The formula over the columns of a trace, with bounds that are numbers in the unit of the trace.
 
-    A name that is no column but a constant of the model stands for its value. Raises InputError.
+    A name that is not a column but a constant of the model stands for its value. Raises InputError.
     """
     constants = {n: v for n, v in (named.constants or {}).items() if n not in columns}
     own = named.unit or unit
@@ -243,7 +243,7 @@ def _model_formulas(path: Path) -> tuple[NamedFormula, ...]:
 def _stated(path: Path) -> tuple[Sequence[ast.Item], str, dict[str, int]]:
     """The declarations of a model, its time unit, its constants.
 
-    A file without a system line is no model but a part of models, so its names have no meaning yet: it is read only.
+    A file without a system line is not a model but a part of models, so its names have no meaning yet: it is read only.
     """
     # Imported late: these imports take half of the start-up time of a process that only reads formulas.
     from tachk.loading.imports import Importer

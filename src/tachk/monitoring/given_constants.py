@@ -12,7 +12,7 @@ from tachk.syntax.printing.expression_printer import print_expression
 
 
 def constants_by_name(constants: Mapping[str, int]) -> Evaluate:
-    """Finds the values of names. Raises InputError for other names, and for whatever is no name."""
+    """Finds the values of names. Raises InputError for other names, and for whatever is not a name."""
 
     def evaluate(expression: ast.Expression) -> int:
         match expression:
@@ -23,6 +23,6 @@ def constants_by_name(constants: Mapping[str, int]) -> Evaluate:
                 raise InputError([Diagnostic("E0201", f"there is no constant `{name}`", span, help_)])
             case _:
                 text = print_expression(expression)
-                raise InputError([Diagnostic("E0602", f"`{text}` is no constant number", expression.span)])
+                raise InputError([Diagnostic("E0602", f"`{text}` is not a constant number", expression.span)])
 
     return evaluate

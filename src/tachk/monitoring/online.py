@@ -125,8 +125,8 @@ class Monitor:
         None and NaN mean that a value stays; columns that no formula reads may be there.
 
         Returns the verdict on all formulas together, see `truth`. Raises UsageError, with column and row, for a column
-        without a value, for what is no number, for a time before the one given last, and for a time that differs from
-        that of the row before by too little to be counted. The monitor has then changed nothing.
+        without a value, for what is not a number, for a time before the one given last, and for a time that differs
+        from that of the row before by too little to be counted. The monitor has then changed nothing.
         """
         truth = self._update(time, values, more)
         if truth is not None:
@@ -289,7 +289,7 @@ class Monitor:
                     "allow more decimals, or round the times where they should be equal",
                 )
             case RowFault.NOT_A_TIME:
-                raise UsageError(f"{place}: the time {time} is no number that can be counted")
+                raise UsageError(f"{place}: the time {time} is not a number that can be counted")
             case RowFault.INFINITE | RowFault.NOT_A_VALUE | RowFault.MISSING:
                 pass
         column = self.columns[number]
@@ -298,7 +298,7 @@ class Monitor:
                 raise UsageError(f"{place}: the value {given(column)!r} of column {column!r} is not finite")
             case RowFault.NOT_A_VALUE:
                 raise UsageError(
-                    f"{place}: the value {given(column)!r} of column {column!r} is no number",
+                    f"{place}: the value {given(column)!r} of column {column!r} is not a number",
                     "values are numbers or booleans",
                 )
             case RowFault.MISSING:
@@ -366,7 +366,7 @@ def _exact_tick(scale: int, time: Any) -> int:
         exact = Fraction(str(time) if isinstance(time, Real) and not isinstance(time, Rational) else time)
     except (TypeError, ValueError, OverflowError):
         raise UsageError(
-            f"the time {time!r} is no number",
+            f"the time {time!r} is not a number",
             "times are numbers in the unit of the monitor, such as time.timestamp() in seconds",
         ) from None
     ticks = exact * scale

@@ -19,7 +19,7 @@ from tachk.runtime.trace import LARGEST_TICK, FloatTimes, Ticks, Trace, Values
 from tachk.runtime.trace_header import Header, agreed_unit, known_unit, read_header
 
 USUAL_DECIMALS = 9
-"""Times in floating point that are no short decimal numbers are rounded to at least so many decimals."""
+"""Times in floating point that are not short decimal numbers are rounded to at least so many decimals."""
 
 _FIRST_BLOCK = 1 << 8
 _BLOCK = 1 << 15
@@ -108,7 +108,7 @@ def open_table(data: Any, time: str | None = None, unit: str | None = None, name
         return TableRecording(name, read_header(names, time, unit, name), tuple(data.values()))
     if not (hasattr(data, "columns") and hasattr(data, "index")):
         raise UsageError(
-            f"a {type(data).__name__} is no trace",
+            f"a {type(data).__name__} is not a trace",
             "give the path of a file, a data frame, or a dictionary of arrays: {'time': [...], 'speed': [...]}",
         )
     names = [str(column) for column in data.columns]
@@ -161,7 +161,7 @@ def exact_ticks(times: NDArray[Any], name: str) -> CountedTimes:
     durations of NumPy are counted in seconds. Raises UsageError, also for times that go backwards.
     """
     if times.ndim != 1:
-        raise UsageError(f"{name}: the times are no one-dimensional array")
+        raise UsageError(f"{name}: the times are not a one-dimensional array")
     if times.dtype.kind in "mM":
         if np.isnat(times).any():
             raise UsageError(f"{name}: a time is missing")
@@ -179,7 +179,7 @@ def exact_ticks(times: NDArray[Any], name: str) -> CountedTimes:
     try:
         numbers = np.ascontiguousarray(times, dtype=np.float64)
     except (TypeError, ValueError):
-        raise UsageError(f"{name}: the times are no numbers") from None
+        raise UsageError(f"{name}: the times are not numbers") from None
     ticks = np.empty(len(numbers), dtype=np.int64)  # NumPy takes pages for large arrays that are large too
     first, decimals, kind, row = _core.count_times(numbers, USUAL_DECIMALS, ticks)
     match _TimeFault(kind):
@@ -238,7 +238,7 @@ def held_values(values: Any, column: str, name: str, before: float | None = None
     """
     array = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
     if array.ndim != 1:
-        raise UsageError(f"{name}: column {column!r} is no one-dimensional array")
+        raise UsageError(f"{name}: column {column!r} is not a one-dimensional array")
     if array.dtype.kind == "b":
         return array.astype(np.uint8)
     known: NDArray[np.bool_] | None = None

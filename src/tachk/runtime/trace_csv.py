@@ -178,7 +178,7 @@ def _told(
     told: dict[CsvFaultKind, tuple[str, str, str | None]] = {
         CsvFaultKind.NOT_A_NUMBER: (
             "E0911",
-            f"{value!r} in column {column!r} is no number",
+            f"{value!r} in column {column!r} is not a number",
             _advice_on_a_cell(value, is_time),
         ),
         CsvFaultKind.NOT_FINITE: (
@@ -267,11 +267,11 @@ def _header(stream: ByteStream, name: str, time: str | None, unit: str | None) -
         try:
             text = line.decode("utf-8-sig" if number == 1 else "utf-8").strip("\r\n")
         except UnicodeDecodeError:
-            raise UsageError(f"{name} is no text in UTF-8", "save it with the encoding UTF-8") from None
+            raise UsageError(f"{name} is not text in UTF-8", "save it with the encoding UTF-8") from None
         if text.strip() and not text.lstrip().startswith("#"):
             break
     if "\0" in text:
-        raise UsageError(f"{name} is no text file", "text in UTF-8, VCD and Parquet files can be read")
+        raise UsageError(f"{name} is not a text file", "text in UTF-8, VCD and Parquet files can be read")
     separator = max(_SEPARATORS, key=text.count)
     try:
         cells = next(csv.reader([text], delimiter=separator))

@@ -89,7 +89,7 @@ def open_trace(source: Any, time: str | None = None, unit: str | None = None) ->
 
     Raises:
         InputError: something in the file is wrong.
-        UsageError: it cannot be read, or is no trace.
+        UsageError: it cannot be read, or is not a trace.
     """
     from tachk.runtime.trace import Trace
     from tachk.runtime.trace_arrays import open_table

@@ -65,7 +65,7 @@ def open_parquet(path: str | Path, time: str | None = None, unit: str | None = N
 def _unreadable(path: str, error: Exception) -> UsageError:
     """pyarrow's errors about what a file holds are subclasses of built-in ones."""
     reason = (str(error).splitlines() or [type(error).__name__])[0]
-    return UsageError(f"{path} is no Parquet file that can be read: {reason}")
+    return UsageError(f"{path} is not a readable Parquet file: {reason}")
 
 
 def _numpy(column: Any) -> Any:

@@ -198,7 +198,8 @@ def _declarations(tokens: Iterator[Token], name: str) -> tuple[tuple[VcdVariable
 
 
 _NO_VALUE = (
-    "x and z are no values; the trace begins when every variable that a formula reads has one, and then they stay known"
+    "x and z are not values; the trace begins when every variable that a formula reads has one, "
+    "and then they stay known"
 )
 
 
@@ -210,7 +211,7 @@ def _variable(token: Token, scopes: list[str]) -> VcdVariable:
 
 
 def _value(change: ScalarChange | VectorChange | RealChange, variable: VcdVariable) -> float | None:
-    """The number that a change says; None for what is no number."""
+    """The number that a change says; None for what is not a number."""
     match change:
         case RealChange(value=value):
             return value if np.isfinite(value) else None

@@ -58,7 +58,7 @@ class NodeLayout:
         colour: as UPPAAL writes it, ``#ff0000``; empty for the default.
         id: the identifier in the file; empty if there is none yet.
         written_name: what the file has instead of the document's name: empty for a location without a name, or a name
-            that is no identifier or not unique. None where they agree.
+            that is not an identifier or not unique. None where they agree.
     """
 
     position: Point | None = None

@@ -1,4 +1,4 @@
-"""Reading a model or query file: what is no text is refused at once, what is only odd is tolerated."""
+"""Reading a model or query file: what is not text is refused at once, what is only odd is tolerated."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def read_source(path: str | os.PathLike[str]) -> Source:
 
     Raises:
         UsageError: there is no such file, it cannot be read, it is a directory, or it is too large.
-        InputError: E0001, it is no text; E0006, there is nothing in it.
+        InputError: E0001, it is not text; E0006, there is nothing in it.
     """
     name = os.fspath(path)
     try:
@@ -39,7 +39,7 @@ def read_source(path: str | os.PathLike[str]) -> Source:
     except (PermissionError, OSError) as error:
         raise UsageError(f"{name} cannot be read: {error.strerror or error}") from None
     except ValueError as error:
-        raise UsageError(f"{name!r} is no file name: {error}") from None
+        raise UsageError(f"{name!r} is not a file name: {error}") from None
     if len(data) > LARGEST_FILE:
         raise UsageError(f"{name} is too large for a model: at most {LARGEST_FILE} bytes")
     source = Source(name, _decode(name, data))

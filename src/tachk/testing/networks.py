@@ -309,7 +309,7 @@ def _integer_condition(random: Random, integers: Sequence[Term]) -> Term:
 
 
 def _clock_condition(random: Random, shape: Shape, parts: _Parts, language: Language | None = None) -> Term:
-    """A comparison whose negation is no disjunction."""
+    """A comparison whose negation is not a disjunction."""
     left: Term = random.choice(parts.clocks)
     units = random.randint(0, shape.constant)
     if shape.diagonals and len(parts.clocks) > 1 and random.random() < 0.35:

@@ -33,7 +33,7 @@ class TrickyCase:
 
 
 def read_formula(text: str) -> syntax.Formula:
-    """Raises ValueError if the text is no formula."""
+    """Raises ValueError if the text is not a formula."""
     formula, diagnostics = parse_formula(Source("formula", text))
     if formula is None:
         raise ValueError("; ".join(diagnostic.message for diagnostic in diagnostics))
@@ -87,7 +87,7 @@ TRICKY_CASES = (
         pulses(400, p=[(0, 1), (30, 31)], q=[(70, 71)]),
         False,
     ),
-    _case("C09", "recurrence is no existence", "G[0,400] F[0,180] q", pulses(600, q=[(300, 600)]), False),
+    _case("C09", "recurrence is not existence", "G[0,400] F[0,180] q", pulses(600, q=[(300, 600)]), False),
     _case(
         "C10",
         "a pulse between two seconds",

@@ -68,12 +68,12 @@ def test_beside_the_model(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{", "no JSON"),
-        ("[]", "the file is no object"),
+        ("{", "not JSON"),
+        ("[]", "the file is not an object"),
         ('{"layout": 9}', "version 9 is unknown"),
-        ('{"layout": 1, "templates": {"P": {"nodes": {"A": {"at": [1]}}}}}', "a point is no pair of integers"),
-        ('{"layout": 1, "templates": {"P": {"edges": [{"source": "A"}]}}}', "`target` is no text"),
-        ('{"layout": 1, "options": [["a"]]}', "an option is no pair of texts"),
+        ('{"layout": 1, "templates": {"P": {"nodes": {"A": {"at": [1]}}}}}', "a point is not a pair of integers"),
+        ('{"layout": 1, "templates": {"P": {"edges": [{"source": "A"}]}}}', "`target` is not a text"),
+        ('{"layout": 1, "options": [["a"]]}', "an option is not a pair of texts"),
         ("[" * 100_000, ""),
     ],
 )

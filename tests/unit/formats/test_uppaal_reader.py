@@ -277,7 +277,10 @@ def test_message_sequence_charts_are_kept_and_told() -> None:
     ("body", "message"),
     [
         ("<transition><target ref='a'/></transition>", "this edge of `P` has no source"),
-        ("<transition><source ref='a'/><target ref='z'/></transition>", "the target of this edge, `z`, is no location"),
+        (
+            "<transition><source ref='a'/><target ref='z'/></transition>",
+            "the target of this edge, `z`, is not a location",
+        ),
         ("<init ref='z'/>", "the initial location `z` does not exist"),
         ("<location id='a'/>", "two locations of `P` have the id `a`"),
     ],

@@ -122,7 +122,7 @@ def test_values_that_are_none_or_not_a_number_stay_and_others_are_refused() -> N
     monitor.update(0, x=1)
     monitor.update(1, {"x": None})  # type: ignore[dict-item]
     assert monitor.update(2, x=float("nan")) is tachk.Truth.UNDETERMINED
-    with pytest.raises(UsageError, match="'fast' of column 'x' is no number"):
+    with pytest.raises(UsageError, match="'fast' of column 'x' is not a number"):
         monitor.update(3, {"x": "fast"})  # type: ignore[dict-item]
     with pytest.raises(UsageError, match="inf of column 'x' is not finite"):
         monitor.update(3, x=float("inf"))
@@ -243,11 +243,11 @@ def test_floating_point_times_are_the_decimal_numbers_that_they_print_as(time: f
 def test_refusals_say_row_and_column() -> None:
     monitor = tachk.Monitor(["G (x < 5)", "G (y < 5)"])
     monitor.update(0, x=1, y=1)
-    with pytest.raises(UsageError, match="row 1, at 2: the value 'a' of column 'y' is no number"):
+    with pytest.raises(UsageError, match="row 1, at 2: the value 'a' of column 'y' is not a number"):
         monitor.update(2, {"x": 1, "y": "a"})  # type: ignore[dict-item]
     with pytest.raises(UsageError, match="row 1, at -1: the time -1 lies before"):
         monitor.update(-1, x=1)
-    with pytest.raises(UsageError, match="no number") as refusal:
+    with pytest.raises(UsageError, match="not a number") as refusal:
         monitor.update(datetime.datetime(2026, 1, 1), x=1)  # type: ignore[arg-type]
     assert "timestamp" in str(refusal.value.help)
     with pytest.raises(UsageError, match="row 3, at 3: the time 3 lies before"):

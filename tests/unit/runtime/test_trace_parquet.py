@@ -47,7 +47,7 @@ def test_instants_and_decimal_numbers(tmp_path: Path) -> None:
 
 def test_what_is_no_parquet_file(tmp_path: Path) -> None:
     (tmp_path / "d.parquet").write_text("time,p\n0,1\n")
-    with pytest.raises(UsageError, match="no Parquet file"):
+    with pytest.raises(UsageError, match="not a readable Parquet file"):
         open_trace(tmp_path / "d.parquet")
     with pytest.raises(UsageError, match="there is no file"):
         open_trace(tmp_path / "e.parquet")

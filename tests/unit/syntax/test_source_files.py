@@ -51,7 +51,7 @@ def test_what_is_no_file(tmp_path: Path) -> None:
         read_source(tmp_path / "none.ta")
     with pytest.raises(UsageError, match="is a directory"):
         read_source(tmp_path)
-    with pytest.raises(UsageError, match="no file name"):
+    with pytest.raises(UsageError, match="not a file name"):
         read_source("a\0b")
 
 

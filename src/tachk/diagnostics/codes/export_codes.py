@@ -16,7 +16,7 @@ EXPORT_CODES: dict[str, Explanation] = {
         "vector of events without a counterpart",
         "Two events become a channel from the first process to the second; one event followed by weak ones (`P@e?`) "
         "becomes a broadcast channel. Vectors of three or more events that all must happen, and vectors of weak events "
-        "alone, are no synchronisation over channels.",
+        "alone, are not a synchronisation over channels.",
         "sync:P@a:Q@a:R@a",
         "sync:P@a:Q@a?:R@a?",
     ),
@@ -98,7 +98,7 @@ EXPORT_CODES: dict[str, Explanation] = {
     ),
     "E0819": Explanation(
         "name of a location that UPPAAL refuses",
-        "In an XML file two locations of a template have the same name, or a name is no identifier. tachk reads it "
+        "In an XML file two locations of a template have the same name, or a name is not an identifier. tachk reads it "
         "under another name and says so (W0121); UPPAAL refuses the file.",
     ),
     "W0501": Explanation(

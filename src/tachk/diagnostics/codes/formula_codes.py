@@ -23,7 +23,7 @@ FORMULA_CODES: dict[str, Explanation] = {
     "E0132": Explanation(
         "not part of a formula",
         "A formula observes a run and changes nothing; so assignments, ++ and -- have no place in it. Nor does "
-        "deadlock, which is no property of one run: A[] not deadlock asks for it.",
+        "deadlock, which is not a property of one run: A[] not deadlock asks for it.",
         "property p : G (n = 3);",
         "property p : G (n == 3);",
     ),

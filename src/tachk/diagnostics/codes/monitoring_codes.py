@@ -8,15 +8,16 @@ MONITORING_CODES: dict[str, Explanation] = {
     "E0901": Explanation(
         "unknown column",
         "A formula over a trace speaks about the columns of the trace, by their exact names. A column may be called "
-        "like a part of a model, such as P.loc or x[3]; names that are no identifiers stand between backticks.",
+        "like a part of a model, such as P.loc or x[3]; names that are not identifiers stand between backticks.",
     ),
     "E0902": Explanation(
         "no meaning on traces",
         "Atoms over a trace are arithmetic (+ - * / %, abs, min, max), comparisons and connectives over columns and "
-        "numbers. Functions, quantifiers, deadlock, rates, assignments and ?: need a model. A condition is no number.",
+        "numbers. Functions, quantifiers, deadlock, rates, assignments and ?: need a model. A condition is not a "
+        "number.",
     ),
     "E0903": Explanation(
-        "duration that is no whole number of ticks",
+        "duration that is not a whole number of ticks",
         "Monitors count time in ticks, so that it is exact. A duration must be a whole number of them, and all of "
         "a formula together fewer than 2**58, with --interpolation linear fewer than 2**47. Choose finer or coarser "
         "ticks.",

@@ -1,4 +1,4 @@
-"""Explanations of why properties are refused that are no mistake."""
+"""Explanations of why properties are refused that are not mistakes."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ RUN_TIME_CODES: dict[str, Explanation] = {
     ),
     "E0766": Explanation(
         "negative exponent",
-        "`**` raises integers to powers, and a power with a negative exponent is no integer.",
+        "`**` raises integers to powers, and a power with a negative exponent is not an integer.",
         _process("int[-2,3] n = 3; int m;", "m = 2 ** n, n = n - 1", "n >= -1"),
         _process("int[-2,3] n = 3; int m;", "m = 2 ** n, n = n - 1", "n >= 0"),
     ),

@@ -9,8 +9,8 @@ SYNTAX_CODES: dict[str, Explanation] = {
     **FORMULA_CODES,
     "E0001": Explanation(
         "not a text",
-        "The file holds bytes that are no text, or is not UTF-8 and not Latin-1 either. Models are plain text; a model "
-        "in UPPAAL's XML format is read by its own command.",
+        "The file contains bytes that are not text, or its encoding is neither UTF-8 nor Latin-1. A model is plain "
+        "text or UPPAAL's XML.",
     ),
     "E0002": Explanation(
         "unknown character",
@@ -132,7 +132,7 @@ SYNTAX_CODES: dict[str, Explanation] = {
     ),
     "W0101": Explanation(
         "old syntax",
-        "The text is no modern XTA but legal for UPPAAL 2.x and 3.x, where a comma in guards and invariants means "
+        "The text is not modern XTA but legal for UPPAAL 2.x and 3.x, where a comma in guards and invariants means "
         "'and', constants have no type, and parameters are separated by semicolons. It is read that way as a whole.",
         "process P() { clock x, y; state A; init A; trans A -> A { guard x > 1, y > 1; }; }",
         "process P() { clock x, y; state A; init A; trans A -> A { guard x > 1 && y > 1; }; }",

@@ -6,7 +6,7 @@ from tachk.diagnostics.explanation import Explanation
 
 TRACE_CODES: dict[str, Explanation] = {
     "E0911": Explanation(
-        "cell that is no value",
+        "cell that is not a value",
         "A cell of a trace holds a finite number such as -1.5 or 2e3, or true or false. A column holds either numbers "
         "or truth values, which may also be written 1 and 0. Columns that no formula reads may hold anything.",
         "time,speed\n0,fast",
@@ -48,6 +48,6 @@ TRACE_CODES: dict[str, Explanation] = {
         "value change dump that cannot be read",
         "A value change dump declares its variables under $scope and $var and ends the declarations with "
         "$enddefinitions $end; then come times (#10) and values (1!, b0110 #, r1.5 %). The trace begins when all "
-        "variables that a formula reads have a known value, and then they keep one: x and z are no values.",
+        "variables that a formula reads have a known value, and then they keep one: x and z are not values.",
     ),
 }

@@ -134,7 +134,7 @@ TYPE_CODES: dict[str, Explanation] = {
     ),
     "E0332": Explanation(
         "clocks compared with !=",
-        "The values different from a constant are no convex set. Write two edges, one with < and one with >.",
+        "The values different from a constant are not a convex set. Write two edges, one with < and one with >.",
         _guarded("x != 5"),
         _guarded("x > 5"),
     ),

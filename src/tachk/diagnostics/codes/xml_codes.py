@@ -40,8 +40,8 @@ XML_CODES: dict[str, Explanation] = {
     ),
     "W0121": Explanation(
         "location renamed",
-        "Locations need names that are identifiers, no reserved words, and occur once in their template. In the text "
-        "and in queries the location has the name that the message tells; the XML keeps its own.",
+        "The name of a location must be an identifier, not a reserved word, and occur once in its template. In the "
+        "text and in queries the location has the name that the message tells; the XML keeps its own.",
     ),
     "W0122": Explanation(
         "label given twice",

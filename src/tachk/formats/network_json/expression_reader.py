@@ -80,7 +80,7 @@ class ExpressionReader:
         parameters = tuple(self.variable(p) for p in value["parameters"])
         body = self.statement(value["body"])
         if not isinstance(body, Block):
-            raise ValueError(f"the body of function {number} is no block")
+            raise ValueError(f"the body of function {number} is not a block")
         made = Function(value["name"], parameters, type_from_json(value["result"]), body)
         self.functions[number] = made
         return made
@@ -130,7 +130,7 @@ class ExpressionReader:
             case "deadlock":
                 return Deadlock()
             case other:
-                raise ValueError(f"{other!r} is no kind of expression")
+                raise ValueError(f"{other!r} is not a kind of expression")
 
     def statement(self, value: Json) -> Statement:
         match value["do"]:
@@ -154,4 +154,4 @@ class ExpressionReader:
             case "assert":
                 return Assert(self.expression(value["condition"]))
             case other:
-                raise ValueError(f"{other!r} is no kind of statement")
+                raise ValueError(f"{other!r} is not a kind of statement")

@@ -55,7 +55,7 @@ def network_from_json(value: Json) -> Network:
             raise UsageError(f"this is not {FORMAT}, version {VERSION}")
         return _network(value)
     except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
-        raise UsageError(f"this is no network as docs/schema/network.schema.json describes it: {error}") from error
+        raise UsageError(f"this is not a network as docs/schema/network.schema.json describes it: {error}") from error
 
 
 def same_network(left: Network, right: Network) -> bool:

@@ -79,4 +79,4 @@ def type_from_json(value: Json) -> Type:
             fields = tuple((field["name"], type_from_json(field["type"])) for field in parts["fields"])
             return RecordType(parts["name"], fields)
         case _:
-            raise ValueError(f"{kind!r} is no kind of type")
+            raise ValueError(f"{kind!r} is not a kind of type")

@@ -23,7 +23,7 @@ def field_paths(
     """The field paths to the leaves of a type, indices left out, each with its leaf type.
 
     Args:
-        channels: whether to list channels, which are no variables in TChecker; otherwise their leaf is None.
+        channels: whether to list channels, which are not variables in TChecker; otherwise their leaf is None.
     """
     match type_:
         case ArrayType(element):

@@ -343,7 +343,7 @@ def _entries(source: Source) -> Iterator[Entry]:
         line = _LINE.match(source.text, start)
         if line is None or (line["kind"] not in _ARGUMENTS and line["kind"] != "sync"):
             end = source.text.find("\n", start)
-            raise failure("this is no declaration", Span(source, start, end if end >= 0 else len(source.text)))
+            raise failure("this is not a declaration", Span(source, start, end if end >= 0 else len(source.text)))
         span = Span(source, line.start("kind"), line.end("attributes" if line["attributes"] else "rest"))
         arguments = tuple(_pieces(source, line.start("rest"), line.end("rest")))
         wanted = _ARGUMENTS.get(line["kind"])
@@ -375,7 +375,7 @@ def _word(place: Span) -> str:
 
 def _number(place: Span) -> int:
     if re.fullmatch(r"-?\d{1,10}", _word(place)) is None:
-        raise failure(f"`{_word(place)}` is no number", place)
+        raise failure(f"`{_word(place)}` is not a number", place)
     return int(_word(place))
 
 

@@ -151,7 +151,7 @@ def _written_names(model: LoadedModel, version: Version) -> Iterator[Diagnostic]
             if written:
                 yield Diagnostic(
                     "E0819",
-                    f"{version.full_name} refuses a second location `{written}`, or a name that is no identifier",
+                    f"{version.full_name} refuses a second location `{written}`, or a name that is not an identifier",
                     location.name.span,
                     f"it is called `{location.name.name}` here; `tachk convert` writes it so",
                 )

@@ -29,7 +29,7 @@ _READ_APART = {"declaration", "template", "instantiation", "system", "queries"}
 @dataclass(frozen=True, slots=True)
 class XmlModel:
     """Attributes:
-    broken: queries that cannot be read; they are no part of the document, and harm nothing else.
+    broken: queries that cannot be read; they are not part of the document, and harm nothing else.
     diagnostics: about everything else.
     charts: the names of the message sequence charts.
     """
@@ -53,7 +53,7 @@ def parse_uppaal_xml(source: Source) -> XmlModel:
             [
                 Diagnostic(
                     "E0123",
-                    f"this is no UPPAAL model: its root is <{tree.root.name}>, not <nta>",
+                    f"this is not a UPPAAL model: its root is <{tree.root.name}>, not <nta>",
                     tree.root.tag,
                     "save it with UPPAAL 4 or later" if "ysis" in tree.public_id else None,
                 )

@@ -178,7 +178,7 @@ class TemplateReader:
             if end is None or not reference:
                 self.report("E0124", element.tag, f"this edge of `{self.name}` has no {what}", None)
             elif reference not in by_id:
-                message = f"the {what} of this edge, `{reference}`, is no location of `{self.name}`"
+                message = f"the {what} of this edge, `{reference}`, is not a location of `{self.name}`"
                 self.report("E0124", end.tag, message, None)
             else:
                 ends.append(by_id[reference])

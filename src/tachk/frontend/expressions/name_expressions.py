@@ -86,7 +86,7 @@ def _is_inside(name: str, members: Scope) -> bool:
 
 
 def misuse_help(symbol: Symbol) -> str | None:
-    """What to do with a name that is no value."""
+    """What to do with a name that is not a value."""
     match symbol:
         case FunctionSymbol():
             return "write parentheses to call it"

@@ -40,7 +40,7 @@ _LONGEST_LABEL = 43
 _LONGEST_TITLE = 74
 _LABEL_WIDTH = 0.2
 _LARGEST = 1e300
-"""Beyond that margins and ticks are no numbers any more."""
+"""Beyond that margins and ticks are not numbers any more."""
 
 _FACE = {Truth.TRUE: "#5a9367", Truth.FALSE: "#ffffff", Truth.UNDETERMINED: "#f1f1f1"}
 _INK = {Truth.TRUE: "#3d6b48", Truth.FALSE: "#a4161a", Truth.UNDETERMINED: "#777777"}

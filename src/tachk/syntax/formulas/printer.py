@@ -69,7 +69,7 @@ def print_interval(interval: Interval) -> str:
 
 
 def print_duration(duration: Duration) -> str:
-    """A bound with its unit; a fraction that is no finite decimal as a quotient."""
+    """A bound with its unit; a fraction that is not a finite decimal as a quotient."""
     unit = f" {duration.unit}" if duration.unit else ""
     if isinstance(duration.value, Fraction):
         return print_number(duration.value) + unit

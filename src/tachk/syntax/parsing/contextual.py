@@ -433,7 +433,7 @@ _BEGINS_OPERAND = {"NAME", "INTEGER", "FLOAT", "TRUE", "FALSE", "NOT", "FORALL",
 
 def _joined(kind: str, tokens: list[Token]) -> Token:
     """Several tokens as one; its text has single blanks where there was any gap. Without comments, the text has also
-    what is no token."""
+    what is not a token."""
     span = tokens[0].span.to(tokens[-1].span)
     if "//" not in span.text and "/*" not in span.text:
         return Token(kind, " ".join(span.text.split()), span)

@@ -41,7 +41,7 @@ def drive(start: str, tokens: list[Token]) -> tuple[Any, tuple[Diagnostic, ...]]
 class _Run:
     """One pass over the tokens.
 
-    ``inserted`` holds tokens that are no part of the text (supplied ones, ERROR) and come next, the last one first.
+    ``inserted`` holds tokens that are not part of the text (supplied ones, ERROR) and come next, the last one first.
     """
 
     def __init__(self, start: str, tokens: list[Token]) -> None:

@@ -32,12 +32,12 @@ def parse_document(
 ) -> tuple[ast.Document | None, Diagnostics]:
     """Read a model.
 
-    A text that is no modern XTA but is UPPAAL 3.x is read as that, with warning W0101 and ``Document.legacy`` set.
+    A text that is not modern XTA but is UPPAAL 3.x is read as that, with warning W0101 and ``Document.legacy`` set.
 
     Args:
         source: the text.
         strict_xta: report everything that is not plain XTA.
-        types: names of types that the text uses but other files define; they are no contextual keywords here.
+        types: names of types that the text uses but other files define; they are not contextual keywords here.
     """
     items, lexed, diagnostics, legacy = _read(source, "document", partial(resolve_document, types=types))
     if items is None:
@@ -134,7 +134,7 @@ def _read(
 
 
 def _without_unread(tokens: list[Token], lexed: Lexed) -> list[Token]:
-    """The tokens; unknown characters within queries of other analyses, such as ``Pr[#<=10]``, are no errors, while
+    """The tokens; unknown characters within queries of other analyses, such as ``Pr[#<=10]``, are not errors, while
     names in backticks outside formulas are."""
     for token in tokens:
         if token.type == "QUOTED" and token.text.startswith("`"):

@@ -105,7 +105,7 @@ def _amount(piece: Piece) -> Fraction | ast.Expression:
 
 
 def _temporal(formula: Formula) -> Formula | None:
-    """The first part of a formula that is no part of a condition."""
+    """The first part of a formula that is not part of a condition."""
     if not isinstance(formula, Truth | Atom | Change | Not | And | Or | Implies | Rise | Fall):
         return formula
     return next((found for part in operands(formula) if (found := _temporal(part)) is not None), None)
