@@ -7,6 +7,7 @@
 
 #include <cstring>
 
+#include "zones/contract.hpp"
 #include "zones/zone.hpp"
 
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -333,6 +334,21 @@ struct Kernel {
     return true;
   }
 
+  static void maximise_bounds(BoundRow target, const ConstBoundRow* rows, std::size_t count, int dimension) {
+    for (int v = 0; v < vectors(dimension); ++v) {
+      Vector largest = vector(values(rows[0]), v);
+      for (std::size_t k = 1; k < count; ++k) largest = maximum(largest, vector(values(rows[k]), v));
+      vector(values(target), v) = largest;
+    }
+  }
+
+  static void set_bound(BoundRow row, int clock, Raw value) { values(row)[clock] = static_cast<T>(value); }
+
+  static Raw entry(ConstZoneRef zone, int dimension, int i, int j) {
+    const T value = row(zone, dimension, i)[j];
+    return value == infinity ? unbounded_entry : Raw{value};
+  }
+
   static Raw largest_entry(ConstZoneRef zone, int dimension) {
     const int number = vectors(dimension);
     Vector largest{};
@@ -417,9 +433,18 @@ struct Kernel {
   }
 };
 
+#ifdef TACHK_CONTRACTS
+#include "zones/zone_contracts.hpp"
+template <class T, int Stride>
+using Operations = CheckedKernel<T, Stride>;
+#else
+template <class T, int Stride>
+using Operations = Kernel<T, Stride>;
+#endif
+
 template <class T, int Stride>
 struct Table {
-  using K = Kernel<T, Stride>;
+  using K = Operations<T, Stride>;
   static ZoneOperations make(const char* name, int dimension) {
     ZoneOperations table{};
     table.name = name;
@@ -439,23 +464,14 @@ struct Table {
     table.includes = K::includes;
     table.extrapolate_lu_plus = K::extrapolate_lu_plus;
     table.extrapolate_max = K::extrapolate_max;
-    table.maximise_bounds = [](BoundRow target, const ConstBoundRow* rows, std::size_t count, int dim) {
-      for (int v = 0; v < K::vectors(dim); ++v) {
-        auto largest = K::vector(K::values(rows[0]), v);
-        for (std::size_t k = 1; k < count; ++k) largest = K::maximum(largest, K::vector(K::values(rows[k]), v));
-        K::vector(K::values(target), v) = largest;
-      }
-    };
+    table.maximise_bounds = K::maximise_bounds;
     table.hash = K::hash;
     table.gather = K::gather;
     table.scatter = K::scatter;
     table.largest_entry = K::largest_entry;
     table.extent = K::extent;
-    table.entry = [](ConstZoneRef zone, int dim, int i, int j) -> Raw {
-      const T value = K::row(zone, dim, i)[j];
-      return value == K::infinity ? unbounded_entry : Raw{value};
-    };
-    table.set_bound = [](BoundRow row, int clock, Raw value) { K::values(row)[clock] = static_cast<T>(value); };
+    table.entry = K::entry;
+    table.set_bound = K::set_bound;
     return table;
   }
 };
