@@ -14,10 +14,11 @@ from tachk.formats.tchecker.writer import to_tchecker
 from tachk.loading.load import load_model
 from tachk.model.expressions import BOOL, Binary, Expression, LocationTest
 from tachk.model.network import Network
-from tachk.model.query import Query, QueryKind
+from tachk.model.query import Query
 from tachk.operators import BinaryOperator
 from tachk.properties.verify import verify
 from tachk.testing.networks import Shape, random_case
+from tachk.words import QueryKind
 
 SHAPE = Shape(urgent_channels=False, clocks_on_broadcast=False, locations=3)
 

@@ -38,10 +38,11 @@ from tachk.model.expressions import (
     Variable,
     While,
 )
-from tachk.model.network import Direction, Edge, Location
+from tachk.model.network import Edge, Location
 from tachk.model.traversal import written_variables
 from tachk.model.types import ArrayType, ClockType, RecordType, Type
 from tachk.operators import COMPARISONS, BinaryOperator
+from tachk.words import Direction
 
 _LONG = 2**14
 """Repetitions beyond which a loop might meet the limit on steps."""

@@ -16,10 +16,11 @@ from tachk.model.expressions import (
     Constant,
     Expression,
 )
-from tachk.model.network import Direction, Edge, Network
-from tachk.model.query import Query, QueryKind
+from tachk.model.network import Edge, Network
+from tachk.model.query import Query
 from tachk.model.traversal import reads_clock
 from tachk.model.types import ChannelType
+from tachk.words import Direction, QueryKind
 
 MAXIMAL_SELECTIONS = 10_000_000
 """Combinations of the values of one edge's select labels; each is tried against the guard."""

@@ -35,9 +35,10 @@ from tachk.compiler.slot_layout import SlotLayout, cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import Assign, Constant, Expression, Field, Index, Reference
-from tachk.model.network import Direction, Edge, Location, Network, Process
+from tachk.model.network import Edge, Location, Network, Process
 from tachk.model.traversal import called_functions, statement_expressions, walk
 from tachk.model.types import ChannelType, ClockType, leaves
+from tachk.words import Direction
 
 MAXIMAL_EDGES = 1_000_000
 MAXIMAL_DIAGONALS = 1024

@@ -122,7 +122,7 @@ def _edge(edge: Edge, process: Process, network: Network) -> ast.EdgeDeclaration
     synchronisation = None
     if edge.synchronisation is not None:
         channel = expression_node(edge.synchronisation.channel, network, process.name)
-        synchronisation = ast.SynchronisationLabel(AT, channel, edge.synchronisation.direction.value)
+        synchronisation = ast.SynchronisationLabel(AT, channel, edge.synchronisation.direction)
     return ast.EdgeDeclaration(
         AT,
         _identifier(process.locations[edge.source].name),

@@ -39,15 +39,7 @@ from tachk.model.expressions import (
     Variable,
     VariableKind,
 )
-from tachk.model.network import (
-    DEFAULT_PRIORITY,
-    Direction,
-    Edge,
-    Location,
-    Network,
-    Process,
-    Synchronisation,
-)
+from tachk.model.network import DEFAULT_PRIORITY, Edge, Location, Network, Process, Synchronisation
 from tachk.model.types import (
     ArrayType,
     BoolType,
@@ -59,6 +51,7 @@ from tachk.model.types import (
     Type,
 )
 from tachk.operators import BinaryOperator, Group, UnaryOperator
+from tachk.words import Direction
 
 
 class Term:

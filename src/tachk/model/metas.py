@@ -29,10 +29,11 @@ from tachk.model.expressions import (
     Variable,
     While,
 )
-from tachk.model.network import Direction, Edge, Network
+from tachk.model.network import Edge, Network
 from tachk.model.traversal import children, roots
 from tachk.model.types import RecordType, Type
 from tachk.time_limit import check_time
+from tachk.words import Direction
 
 Part = tuple[Variable, tuple[int | str, ...]]
 """A variable or a part of it: constant indices and names of fields, or first of all `_OF_THE_CHANNEL`."""

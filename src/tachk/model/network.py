@@ -6,11 +6,10 @@ Its semantics is stated in docs/semantics.md.
 
 from __future__ import annotations
 
-from enum import StrEnum
-
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.model.expressions import Expression, Variable
 from tachk.records import dataclass
+from tachk.words import Direction
 
 DEFAULT_PRIORITY = 0
 
@@ -31,11 +30,6 @@ class Location:
     committed: bool = False
     doc: str = ""
     span: Span = NOWHERE
-
-
-class Direction(StrEnum):
-    SEND = "!"
-    RECEIVE = "?"
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,17 +10,7 @@ from tachk.diagnostics.span import NOWHERE, Span
 from tachk.model.expressions import BOOL, Expression, Unary
 from tachk.model.network import Process
 from tachk.operators import UnaryOperator
-
-
-class QueryKind(StrEnum):
-    POSSIBLY = "E<>"
-    INVARIANTLY = "A[]"
-    EVENTUALLY = "A<>"
-    POTENTIALLY_ALWAYS = "E[]"
-    LEADS_TO = "-->"
-    SUPREMUM = "sup"
-    INFIMUM = "inf"
-    BOUNDS = "bounds"
+from tachk.words import QueryKind
 
 
 class Expectation(StrEnum):

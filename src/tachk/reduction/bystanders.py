@@ -11,9 +11,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from tachk.model.expressions import Expression, Variable
-from tachk.model.network import Direction, Edge, Network, Process
+from tachk.model.network import Edge, Network, Process
 from tachk.model.traversal import process_expressions, roots, written_variables
 from tachk.reduction.spectators import every_action_counts, held_still, is_broadcast, mentioned, spectators
+from tachk.words import Direction
 
 
 def without_bystanders(network: Network, targets: Sequence[Expression]) -> Network:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from tachk.model.expressions import Deadlock, Expression, LocationTest, Reference, Variable
-from tachk.model.network import Direction, Location, Network, Process
+from tachk.model.network import Location, Network, Process
 from tachk.model.traversal import (
     called_functions,
     process_expressions,
@@ -23,6 +23,7 @@ from tachk.model.types import ChannelType
 from tachk.semantics.discrete import PreparedNetwork, is_announced
 from tachk.semantics.step import StepError, begun_by, delay, fire, initial_state, is_possible
 from tachk.semantics.timed_trace import Participant, TimedStep, TimedTrace, Transition
+from tachk.words import Direction
 
 
 def without_spectators(network: Network, targets: Sequence[Expression]) -> Network:

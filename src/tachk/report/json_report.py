@@ -10,11 +10,12 @@ from tachk.diagnostics.diagnostic import Diagnostic, Severity
 from tachk.diagnostics.render_json import diagnostic_to_json
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.engines.outcome import RunTimeFault
-from tachk.model.network import Direction, Network
+from tachk.model.network import Network
 from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.verdict import Verdict
 from tachk.report.record import NotRead, RunRecord
 from tachk.report.run.trace_view import Event, Move, Snapshot, TraceView, ViewStep, view_event, view_path, view_trace
+from tachk.words import Direction
 
 Json = Mapping[str, "Json"] | Sequence["Json"] | str | int | float | bool | None
 

@@ -17,11 +17,12 @@ from tachk.model.cell_layout import CellLayout, cell_layout
 from tachk.model.evaluate import Environment, channel_number, clock_number, evaluate, execute
 from tachk.model.expressions import Binary, Constant, Expression, Field, Index, Reference, Unary, Variable
 from tachk.model.fault import EvaluationFault
-from tachk.model.network import Direction, Edge, Location, Network
+from tachk.model.network import Edge, Location, Network
 from tachk.model.traversal import children, process_expressions, written_variables
 from tachk.model.types import ChannelType, bounds, cell_count
 from tachk.semantics.timed_trace import DiscreteState, Participant, Transition
 from tachk.time_limit import check_time
+from tachk.words import Direction
 
 Priority = tuple[int, int]
 """Channel priority, then process priority."""

@@ -13,11 +13,12 @@ from tachk.engines import digitised, reference, zone
 from tachk.engines.concretise import concretise
 from tachk.engines.options import BoundScope, Extrapolation, Limits, Options, SearchOrder
 from tachk.engines.outcome import Outcome, Status
-from tachk.model.query import Query, QueryKind
+from tachk.model.query import Query
 from tachk.properties.verdict import Answer
 from tachk.properties.verify import verify
 from tachk.semantics.discrete import prepare
 from tachk.testing.networks import Case
+from tachk.words import QueryKind
 
 VARIANTS = (
     Options(order=SearchOrder.DFS),

@@ -8,8 +8,9 @@ from tachk.compiler.features import check_selections, check_supported, stopwatch
 from tachk.diagnostics.codes.all_codes import CODES
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.model.builder import NetworkBuilder, Term, bound_variable, deadlock
-from tachk.model.query import Query, QueryKind
+from tachk.model.query import Query
 from tachk.model.types import IntType
+from tachk.words import QueryKind
 
 
 def query(predicate: Term, kind: QueryKind = QueryKind.POSSIBLY) -> Query:

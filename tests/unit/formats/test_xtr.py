@@ -23,12 +23,13 @@ from tachk.formats.uppaal.trace_xml import run_to_trace_xml
 from tachk.formats.uppaal.xtr import run_to_xtr
 from tachk.loading.load import load_model
 from tachk.model.network import Network
-from tachk.model.query import Query, QueryKind
+from tachk.model.query import Query
 from tachk.properties.verify import verify
 from tachk.semantics.dbm import contains
 from tachk.semantics.timed_trace import TimedTrace
 from tachk.semantics.zones_of_run import zones_of_run
 from tachk.testing.networks import Shape, random_case
+from tachk.words import QueryKind
 
 MODEL = """\
 const int N = 2;

@@ -13,8 +13,9 @@ from tachk.loading.load import load_model
 from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, holds
 from tachk.model.expressions import LocationTest
-from tachk.model.query import Expectation, QueryKind
+from tachk.model.query import Expectation
 from tachk.testing.queries import elaborate_queries
+from tachk.words import QueryKind
 
 MODEL = """
 typedef int[0,2] id_t;

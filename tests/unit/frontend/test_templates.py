@@ -9,8 +9,8 @@ import pytest
 
 from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate, execute
-from tachk.model.network import Direction
 from tachk.model.types import ArrayType, IntType, RecordType
+from tachk.words import Direction
 
 
 def process(model: Any) -> Any:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from tachk.model.expressions import Constant, Unary
-from tachk.model.query import Query, QueryKind
+from tachk.model.query import Query
 from tachk.operators import UnaryOperator
+from tachk.words import QueryKind
 
 PREDICATE = Constant(1)
 

@@ -10,10 +10,11 @@ from tachk.diagnostics.span import Source
 from tachk.engines.options import Limits, Options
 from tachk.loading.load import load_model
 from tachk.model.fault import RuntimeErrorKind
-from tachk.model.query import Query, QueryKind
+from tachk.model.query import Query
 from tachk.properties.verdict import Answer, Verdict
 from tachk.properties.verify import verify
 from tachk.testing.networks import Shape, random_case
+from tachk.words import QueryKind
 
 MODEL = """
 int n = 0;

@@ -10,12 +10,13 @@ from tachk.diagnostics.span import Source, Span
 from tachk.engines.outcome import RunTimeFault, Statistics
 from tachk.model.expressions import BOOL, Assign, Constant, Index, Reference, Variable, VariableKind
 from tachk.model.fault import RuntimeErrorKind
-from tachk.model.network import Direction, Edge, Location, Network, Process, Synchronisation
-from tachk.model.query import Expectation, Query, QueryKind
+from tachk.model.network import Edge, Location, Network, Process, Synchronisation
+from tachk.model.query import Expectation, Query
 from tachk.model.types import ArrayType, BoolType, ChannelType, ClockType, IntType
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.record import NotChecked, RunRecord
 from tachk.semantics.timed_trace import DiscreteState, Participant, TimedState, TimedStep, TimedTrace, Transition
+from tachk.words import Direction, QueryKind
 
 SOURCE = Source("lamp.ta", "line one\n  n = n + 1;\nline three\n")
 

@@ -9,6 +9,7 @@ from tachk.syntax import ast
 from tachk.syntax.building.build_template import CLAUSE_ORDER
 from tachk.syntax.edge_clauses import ClauseKind, edge_clauses
 from tachk.syntax.printing.expression_printer import print_clause
+from tachk.words import Direction
 
 NAME = ast.Identifier(NOWHERE, "x")
 VALUE = ast.NameExpression(NOWHERE, "x")
@@ -16,7 +17,7 @@ INT = ast.TypeExpression(NOWHERE, (), ast.NamedType(NOWHERE, "int"))
 GIVEN = {
     "selects": ((ast.SelectBinding(NOWHERE, NAME, INT),), "x : int"),
     "guard": (VALUE, "x"),
-    "synchronisation": (ast.SynchronisationLabel(NOWHERE, VALUE, "!", None), "x!"),
+    "synchronisation": (ast.SynchronisationLabel(NOWHERE, VALUE, Direction.SEND, None), "x!"),
     "updates": ((VALUE, VALUE), "x, x"),
     "probability": (VALUE, "x"),
 }

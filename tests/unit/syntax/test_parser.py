@@ -12,6 +12,7 @@ from tachk.syntax import ast
 from tachk.syntax.parsing import parser
 from tachk.syntax.parsing.contextual import SPELLING
 from tachk.syntax.printing.expression_printer import print_expression
+from tachk.words import Direction, QueryKind
 
 
 def document(text: str) -> ast.Document:
@@ -270,7 +271,7 @@ def test_additions_at_the_top() -> None:
     assert all(isinstance(p, ast.PropertyDeclaration) for p in properties)
     safe, live, late, odds = properties
     assert (safe.title, safe.expectation, safe.doc) == ("never lost", "holds", "no loss")  # type: ignore[union-attr]
-    assert live.formula == ast.QueryFormula(NOWHERE, "-->", expression("p"), (expression("q"),))  # type: ignore[union-attr]
+    assert live.formula == ast.QueryFormula(NOWHERE, QueryKind.LEADS_TO, expression("p"), (expression("q"),))  # type: ignore[union-attr]
     assert late.formula.operands == (expression("x"), expression("y"))  # type: ignore[union-attr]
     assert odds.formula == ast.UncheckedFormula(NOWHERE, "Pr[<=10; 50](<> P.A)", "statistical")  # type: ignore[union-attr]
     assert odds.expectation == "holds"  # type: ignore[union-attr]
@@ -437,8 +438,10 @@ def test_fragments_of_uppaal_xml() -> None:
     assert [b.name.name for b in read(parser.parse_select, "i : id_t, j : int[0,3]")] == ["i", "j"]
     assert read(parser.parse_constraint, "x > 1 && y < 2") == expression("x > 1 && y < 2")
     assert read(parser.parse_constraint, "x > 1, y < 2") == expression("x > 1 && y < 2")
-    assert read(parser.parse_synchronisation, "c[i]?") == ast.SynchronisationLabel(NOWHERE, expression("c[i]"), "?")
-    assert read(parser.parse_synchronisation, "a").direction == ""
+    assert read(parser.parse_synchronisation, "c[i]?") == ast.SynchronisationLabel(
+        NOWHERE, expression("c[i]"), Direction.RECEIVE
+    )
+    assert read(parser.parse_synchronisation, "a").direction is None
     assert len(read(parser.parse_assignment, "x := 0, f(), y++")) == 3
     assert read(parser.parse_rate, "3 : 4") == expression("3")
     for empty in (parser.parse_constraint, parser.parse_synchronisation, parser.parse_rate):

@@ -13,8 +13,9 @@ from tachk.diagnostics.diagnostic import UsageError
 from tachk.formats.network_json.expression_reader import ExpressionReader
 from tachk.formats.network_json.expression_writer import ExpressionWriter
 from tachk.formats.network_json.types import Json
-from tachk.model.network import Direction, Edge, Location, Network, Process, Signal, Synchronisation
+from tachk.model.network import Edge, Location, Network, Process, Signal, Synchronisation
 from tachk.time_limit import check_time
+from tachk.words import Direction
 
 FORMAT, VERSION = "tachk network", 1
 

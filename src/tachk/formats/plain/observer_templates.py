@@ -21,6 +21,7 @@ from tachk.syntax import ast
 from tachk.syntax.formula import Atom, Change, Formula
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.rewrite import fresh_name, rewrite, substitute
+from tachk.words import Direction, QueryKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,7 +205,7 @@ class _Weaver:
         guard = ast.BinaryExpression(
             span, BinaryOperator.EQUAL, ast.NameExpression(span, self.chosen), ast.IntegerLiteral(span, number)
         )
-        label = ast.SynchronisationLabel(span, ast.NameExpression(span, channel), "!")
+        label = ast.SynchronisationLabel(span, ast.NameExpression(span, channel), Direction.SEND)
         edge = ast.EdgeDeclaration(span, None, first.name, (), guard, label)
         asleep = ast.Identifier(span, fresh_name("Asleep", {location.name.name for location in template.locations}))
         rest = tuple(replace(location, initial=False) for location in template.locations)
@@ -225,6 +226,6 @@ class _Weaver:
             asked = f"{item.formula.sentence}\n{asked}"
         return replace(
             item,
-            formula=ast.QueryFormula(span, "A[]", ast.UnaryExpression(span, PrefixOperator.NOT, bad)),
+            formula=ast.QueryFormula(span, QueryKind.INVARIANTLY, ast.UnaryExpression(span, PrefixOperator.NOT, bad)),
             doc="\n".join(part for part in (item.doc, asked) if part),
         )

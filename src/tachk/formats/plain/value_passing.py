@@ -18,6 +18,7 @@ from tachk.model.types import IntType, RecordType, ScalarType, Type, element_typ
 from tachk.syntax import ast
 from tachk.syntax.printing.expression_printer import print_expressions, print_synchronisation
 from tachk.syntax.rewrite import fresh_name
+from tachk.words import Direction
 
 Typed = tuple[ast.Declaration, ...]
 
@@ -171,7 +172,7 @@ class ValuePassing:
         if label is None or label.value is None:
             return edge
         carrier = _with_root(label.channel, self._name(_root(label.channel)))
-        target, value = (carrier, label.value) if label.direction == "!" else (label.value, carrier)
+        target, value = (carrier, label.value) if label.direction is Direction.SEND else (label.value, carrier)
         update = ast.AssignmentExpression(label.span, None, target, value)
         plain = replace(label, value=None)
         self.steps.append(

@@ -17,10 +17,11 @@ from tachk.formats.tchecker.expression_writer import TermPrinter, cells, initial
 from tachk.formats.tchecker.leaves import leaf_types
 from tachk.frontend.declarations.channels import channel_variable
 from tachk.model.expressions import BOOL, Binary, Constant, Expression, Index, Reference, Variable
-from tachk.model.network import Direction, Edge, Network
+from tachk.model.network import Edge, Network
 from tachk.model.traversal import walk
 from tachk.model.types import ArrayType, ChannelType
 from tachk.operators import BinaryOperator
+from tachk.words import Direction
 
 MAXIMUM_EDGES = 2**17
 """Edges of one file after the expansion of ``select``."""

@@ -22,6 +22,7 @@ from tachk.syntax import ast
 from tachk.syntax.parsing.tables import lexer
 from tachk.syntax.rewrite import fresh_name
 from tachk.time_limit import check_time
+from tachk.words import Direction
 
 _LINE = re.compile(
     r"[ \t]*(?P<kind>[a-z]+)[ \t]*:(?P<rest>[^\n#{]*)(?P<attributes>\{[^}]*\})?[ \t\r]*(?:#[^\n]*)?(?:\n|\Z)"
@@ -303,7 +304,7 @@ class _Reader:
         edges: list[ast.EdgeDeclaration] = []
         for event, edge in process.edges:
             uses = [
-                (channel, "!" if vector.parts[0][:2] == (name, event) else "?")
+                (channel, Direction.SEND if vector.parts[0][:2] == (name, event) else Direction.RECEIVE)
                 for vector, (channel, _) in channels.items()
                 if (name, event) in [part[:2] for part in vector.parts]
             ]

@@ -23,10 +23,11 @@ from tachk.formats.tchecker.expression_writer import TermPrinter, cell_name, ref
 from tachk.formats.tchecker.label_writer import QueryLabels, query_labels
 from tachk.formats.tchecker.leaves import field_paths, indices_of, leaf_types, leaf_values
 from tachk.model.expressions import Constant, Expression, Field, Index, Reference, Variable
-from tachk.model.network import Direction, Network, Process
+from tachk.model.network import Network, Process
 from tachk.model.query import Query
 from tachk.model.traversal import walk
 from tachk.model.types import ChannelType, ClockType, Type
+from tachk.words import Direction
 
 _WORDS = frozenset(
     {"clock", "edge", "event", "int", "location", "process", "sync", "system", "if", "then", "else", "end", "while"}

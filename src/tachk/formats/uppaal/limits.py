@@ -8,6 +8,7 @@ from tachk.formats.plain.plain_model import PlainModel
 from tachk.syntax import ast
 from tachk.syntax.rewrite import names_in
 from tachk.syntax.walk import nodes_of_kind
+from tachk.words import Direction, QueryKind
 
 
 def refuses_deadlock(plain: PlainModel) -> bool:
@@ -32,7 +33,7 @@ def refused(formula: ast.PropertyFormula, always: bool) -> bool:
         return isinstance(formula, ast.TemporalFormula)
     if not any(nodes_of_kind(formula, ast.DeadlockExpression)):
         return False
-    return always or formula.kind not in ("E<>", "A[]")
+    return always or formula.kind not in (QueryKind.POSSIBLY, QueryKind.INVARIANTLY)
 
 
 def _receives_with_clock(template: ast.Template, declarations: Iterable[ast.Declaration]) -> bool:
@@ -42,7 +43,7 @@ def _receives_with_clock(template: ast.Template, declarations: Iterable[ast.Decl
     return any(
         edge.guard is not None
         and edge.synchronisation is not None
-        and edge.synchronisation.direction == "?"
+        and edge.synchronisation.direction is Direction.RECEIVE
         and not broadcasts.isdisjoint(names_in(edge.synchronisation.channel))
         and not clocks.isdisjoint(names_in(edge.guard))
         for edge in template.edges

@@ -9,9 +9,10 @@ from tachk.formats.plain.expansion import expand_document
 from tachk.formats.uppaal.limits import refuses_deadlock
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.expressions import Deadlock, Expression
-from tachk.model.query import Query, QueryKind
+from tachk.model.query import Query
 from tachk.model.traversal import walk
 from tachk.syntax import ast
+from tachk.words import QueryKind
 
 _REASON = "where channels or processes have priorities, or a receiver of a broadcast has a clock in its guard"
 

@@ -21,6 +21,7 @@ from tachk.syntax.parsing.tokens import END
 from tachk.syntax.picture_layout import Layout, QueryLayout
 from tachk.syntax.printing.query_printer import print_query
 from tachk.syntax.query_files import BrokenQuery, expectation_in
+from tachk.words import QueryKind
 
 _NAMED = re.compile(r"(?P<name>[A-Za-z_]\w*)(?::[ \t]+(?P<title>[^\n\"]*[^\s\"]))?(?:\n|\Z)", re.ASCII)
 _AUTOMATIC = re.compile(r"q[0-9]+")
@@ -30,7 +31,7 @@ _SET_ASIDE = re.compile(r"\s*/\* UPPAAL does not check: (?P<formula>.*\S)\s*\*/\
 _HEADING = re.compile(r"\s*([=#*_~])\1")
 """How people set off headings in a list of queries; no formula begins like that."""
 _WRONG = "// a query that is wrong: "
-MEASURES = ("sup", "inf", "bounds")
+MEASURES = (QueryKind.SUPREMUM, QueryKind.INFIMUM, QueryKind.BOUNDS)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,9 +9,9 @@ from tachk.frontend.context import Context
 from tachk.frontend.expressions.typing import describe, is_integral, same_shape
 from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import INT, Expression, Index, Reference, Variable, VariableKind
-from tachk.model.network import Direction
 from tachk.model.types import ArrayType, ChannelType, RecordType, ScalarType, Type, element_type
 from tachk.syntax.rewrite import fresh_name
+from tachk.words import Direction
 
 
 @dataclass(slots=True)

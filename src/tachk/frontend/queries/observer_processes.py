@@ -15,7 +15,7 @@ from tachk.frontend.templates.templates import elaborate_process
 from tachk.logic.observer.construction import BAD, NoObserver, build_observer
 from tachk.logic.sentences import meaning
 from tachk.model.expressions import BOOL, Deadlock, LocationTest, Unary
-from tachk.model.query import Expectation, Observer, Query, QueryKind
+from tachk.model.query import Expectation, Observer, Query
 from tachk.model.traversal import clock_in, walk
 from tachk.operators import UnaryOperator
 from tachk.syntax import ast
@@ -23,6 +23,7 @@ from tachk.syntax.formula import Atom, Change, Formula, operands
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.rewrite import fresh_name
 from tachk.syntax.sentences.parser import parse_sentence
+from tachk.words import QueryKind
 
 OBSERVER = "Observer"
 """The name of the observer's process, where no other has it."""

@@ -15,12 +15,13 @@ from tachk.frontend.queries.expectations import claim
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.model.expressions import Binary, Deadlock, Expression, Unary
 from tachk.model.network import Signal
-from tachk.model.query import Expectation, Query, QueryKind
+from tachk.model.query import Expectation, Query
 from tachk.model.traversal import compares_clocks, walk
 from tachk.model.types import ClockType, ScalarType
 from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.query_files import BrokenQuery
+from tachk.words import QueryKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +64,7 @@ def elaborate_query(
         query = elaborate_temporal(formula, name, scope, context, title, expected.expectation)
         return None if query is None else replace(query, conditional=expected.conditional)
     context = replace(context, in_query=True)
-    kind = QueryKind(formula.kind)
+    kind = formula.kind
     predicate: Expression | None = None
     broken = False
     if formula.predicate is not None:

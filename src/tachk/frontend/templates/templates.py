@@ -17,10 +17,11 @@ from tachk.frontend.expressions.typing import can_assign, describe
 from tachk.frontend.scope import BrokenSymbol, LocationSymbol, Scope, Symbol, ValueSymbol
 from tachk.frontend.templates.rates import invariant_parts
 from tachk.model.expressions import Assign, Expression, Reference, Variable, VariableKind
-from tachk.model.network import Direction, Edge, Location, Process, Synchronisation
+from tachk.model.network import Edge, Location, Process, Synchronisation
 from tachk.model.traversal import compares_clocks
 from tachk.model.types import ChannelType, element_type
 from tachk.syntax import ast
+from tachk.words import Direction
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,7 +223,7 @@ class Body:
         self, node: ast.SynchronisationLabel, scope: Scope
     ) -> tuple[Synchronisation | None, Expression | None]:
         channel = self._channel(node.channel, scope)
-        if not node.direction:
+        if node.direction is None:
             self.context.error(
                 "E0750",
                 node.span,
@@ -244,7 +245,7 @@ class Body:
             return None, None
         if not self.context.require_pure(channel, "a channel index"):
             return None, None
-        direction = Direction(node.direction)
+        direction = node.direction
         self.channels.note(channel, direction, node.span, node.value is not None)
         first = None
         if node.value is not None:

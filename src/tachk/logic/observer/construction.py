@@ -24,6 +24,7 @@ from tachk.syntax import ast
 from tachk.syntax.formula import Formula
 from tachk.syntax.printing.expression_printer import print_expression
 from tachk.syntax.rewrite import fresh_name, names_in
+from tachk.words import Direction
 
 __all__ = ["BAD", "NoObserver", "build_observer"]
 
@@ -219,7 +220,9 @@ class _Writer:
         self, target: str, guard: ast.Expression | None, updates: list[ast.Expression], urgent: bool
     ) -> ast.EdgeDeclaration:
         label = (
-            ast.SynchronisationLabel(self.span, ast.NameExpression(self.span, self.channel), "!") if urgent else None
+            ast.SynchronisationLabel(self.span, ast.NameExpression(self.span, self.channel), Direction.SEND)
+            if urgent
+            else None
         )
         return ast.EdgeDeclaration(self.span, None, self._identifier(target), (), guard, label, tuple(updates))
 

@@ -8,11 +8,11 @@ from fractions import Fraction
 from rich.console import Console
 from rich.text import Text
 
-from tachk.model.network import Direction
 from tachk.report.quantity import duration, grouped
 from tachk.report.run.repeated_rounds import Round, Single, fold_rounds
 from tachk.report.run.telling import Ends, Telling
 from tachk.report.run.trace_view import Event, Move, Snapshot, TraceView
+from tachk.words import Direction
 
 _ARRAY_TOGETHER = 3
 

@@ -12,11 +12,12 @@ from fractions import Fraction
 from tachk.diagnostics.span import Span
 from tachk.model.evaluate import channel_number
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable
-from tachk.model.network import Direction, Edge, Network
+from tachk.model.network import Edge, Network
 from tachk.model.types import BoolType, ChannelType, ClockType, cell_count
 from tachk.records import dataclass
 from tachk.semantics.discrete import bind_selects, environment, execute_updates, initial_discrete, prepare
 from tachk.semantics.timed_trace import DiscreteState, Participant, TimedState, TimedTrace, Transition
+from tachk.words import Direction
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from tachk.records import dataclass
 from tachk.syntax.ast.expressions import Expression
 from tachk.syntax.ast.nodes import Identifier, Node
+from tachk.words import QueryKind
 
 if TYPE_CHECKING:
     from tachk.syntax.formula import Formula
@@ -17,12 +18,11 @@ class QueryFormula(Node):
     """A symbolic query.
 
     Attributes:
-        kind: ``E<>``, ``A[]``, ``A<>``, ``E[]``, ``-->``, ``sup``, ``inf`` or ``bounds``.
         predicate: the state predicate, the left side of ``-->``, or the restriction of ``sup`` and the like (or None).
         operands: the right side of ``-->``; the list of ``sup`` and the like.
     """
 
-    kind: str
+    kind: QueryKind
     predicate: Expression | None
     operands: tuple[Expression, ...] = ()
 

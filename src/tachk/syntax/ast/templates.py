@@ -6,6 +6,7 @@ from tachk.records import dataclass
 from tachk.syntax.ast.declarations import Declaration
 from tachk.syntax.ast.expressions import Expression, Parameter, TypeExpression
 from tachk.syntax.ast.nodes import Identifier, Node
+from tachk.words import Direction
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,10 +19,10 @@ class SelectBinding(Node):
 
 @dataclass(frozen=True, slots=True)
 class SynchronisationLabel(Node):
-    """``c!``, ``c[i]?``, or with a value ``c!e`` / ``c?x``; ``direction`` is ``!``, ``?`` or ``""`` (CSP style)."""
+    """``c!``, ``c[i]?``, or with a value ``c!e`` / ``c?x``; ``direction`` is None in CSP style."""
 
     channel: Expression
-    direction: str
+    direction: Direction | None
     value: Expression | None = None
 
 

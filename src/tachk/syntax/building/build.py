@@ -19,6 +19,7 @@ from tachk.syntax.formulas.build import FormulaBuilder, WholeFormula, as_formula
 from tachk.syntax.parsing.misplaced import Misplaced
 from tachk.syntax.parsing.tokens import Token
 from tachk.syntax.parsing.unchecked import unchecked_family
+from tachk.words import Direction, QueryKind
 
 
 class Builder(ExpressionBuilder, FormulaBuilder):
@@ -147,14 +148,14 @@ class Builder(ExpressionBuilder, FormulaBuilder):
     # ---- queries and properties ----
 
     def path_formula(self, children: Children) -> ast.QueryFormula:
-        return ast.QueryFormula(span_of(children), children[0].text, children[1])
+        return ast.QueryFormula(span_of(children), QueryKind(children[0].text), children[1])
 
     def leads_to(self, children: Children) -> ast.QueryFormula:
-        return ast.QueryFormula(span_of(children), "-->", children[0], (children[2],))
+        return ast.QueryFormula(span_of(children), QueryKind.LEADS_TO, children[0], (children[2],))
 
     def extreme_values(self, children: Children) -> ast.QueryFormula:
         kind, _, predicate, _, _, operands = children
-        return ast.QueryFormula(span_of(children), kind.text, predicate, tuple(operands))
+        return ast.QueryFormula(span_of(children), QueryKind(kind.text), predicate, tuple(operands))
 
     def unchecked(self, children: Children) -> ast.UncheckedFormula:
         token = children[0]
@@ -307,9 +308,9 @@ class Builder(ExpressionBuilder, FormulaBuilder):
 
     def synchronisation(self, children: Children) -> ast.SynchronisationLabel:
         if len(children) == 1:
-            return ast.SynchronisationLabel(children[0].span, children[0], "")
+            return ast.SynchronisationLabel(children[0].span, children[0], None)
         channel, direction, value = children
-        return ast.SynchronisationLabel(span_of(children), channel, direction.text, value)
+        return ast.SynchronisationLabel(span_of(children), channel, Direction(direction.text), value)
 
     def conjunction_list(self, children: Children) -> Any:
         """Conjuncts separated by commas, as in UPPAAL 3.x."""

@@ -192,4 +192,4 @@ def print_synchronisation(label: ast.SynchronisationLabel) -> str:
     channel = print_expression(label.channel)
     if not isinstance(label.channel, ast.NameExpression | ast.IndexExpression | ast.MemberExpression):
         channel = f"({channel})"
-    return f"{channel}{label.direction}{value}"
+    return f"{channel}{label.direction or ''}{value}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from tachk.syntax import ast
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.printing.expression_printer import print_expression, print_expressions
+from tachk.words import QueryKind
 
 
 def print_expected(expected: ast.Expected) -> str:
@@ -21,11 +22,15 @@ def print_query(query: ast.PropertyFormula) -> str:
             return text
         case ast.TemporalFormula(formula=formula, sentence=sentence):
             return sentence if formula is None else print_formula(formula)
-        case ast.QueryFormula(kind="sup" | "inf" | "bounds" as kind, predicate=predicate, operands=operands):
+        case ast.QueryFormula(
+            kind=QueryKind.SUPREMUM | QueryKind.INFIMUM | QueryKind.BOUNDS as kind,
+            predicate=predicate,
+            operands=operands,
+        ):
             restriction = "" if predicate is None else f"{{ {print_expression(predicate)} }}"
             return f"{kind}{restriction}: {print_expressions(operands)}"
         case ast.QueryFormula(kind=kind, predicate=predicate, operands=operands):
             assert predicate is not None, "only sup, inf and bounds go without a predicate"
-            if kind == "-->":
+            if kind is QueryKind.LEADS_TO:
                 return f"{print_expression(predicate)} --> {print_expressions(operands)}"
             return f"{kind} {print_expression(predicate)}"
