@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from tachk.compiler.assembler import Assembler, Label
 from tachk.compiler.bytecode import Opcode
-from tachk.compiler.fold import Known, fold, fold_place, is_aggregate, is_integer
+from tachk.compiler.fold import Known, fold, fold_place, is_integer
 from tachk.compiler.functions import FunctionGenerator
 from tachk.compiler.slot_layout import SlotLayout
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
@@ -50,6 +50,7 @@ from tachk.model.types import (
     Type,
     bounds,
     cell_count,
+    is_aggregate,
     leaves,
 )
 from tachk.operators import CONNECTIVES, BinaryOperator, UnaryOperator

@@ -78,10 +78,6 @@ def is_integer(type_: Type) -> bool:
     return isinstance(type_, IntType | BoolType | ScalarType)
 
 
-def is_aggregate(type_: Type) -> bool:
-    return isinstance(type_, ArrayType | RecordType)
-
-
 def apply_binary(operator: BinaryOperator, left: int, right: int) -> int | None:
     """The value of ``left operator right`` on numbers, None where that is a run-time error."""
     try:

@@ -10,7 +10,7 @@ from typing import Protocol
 
 from tachk.compiler.assembler import Assembler, Label
 from tachk.compiler.bytecode import Opcode
-from tachk.compiler.fold import Known, fold, is_aggregate, is_integer
+from tachk.compiler.fold import Known, fold, is_integer
 from tachk.compiler.slot_layout import SlotLayout, cell_range
 from tachk.diagnostics.span import Span
 from tachk.model.cell_layout import default_value
@@ -30,7 +30,7 @@ from tachk.model.expressions import (
     While,
 )
 from tachk.model.traversal import walk
-from tachk.model.types import VoidType, cell_count, leaves
+from tachk.model.types import VoidType, cell_count, is_aggregate, leaves
 
 
 class ExpressionGenerator(Protocol):

@@ -8,6 +8,7 @@ number of that clock or channel, which makes indexing, passing by reference and 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TypeGuard
 
 from tachk.records import dataclass
 
@@ -86,6 +87,10 @@ class RecordType:
 
 ScalarLike = IntType | BoolType | ScalarType
 Type = IntType | BoolType | ScalarType | ClockType | ChannelType | VoidType | ArrayType | RecordType
+
+
+def is_aggregate(type_: Type) -> TypeGuard[ArrayType | RecordType]:
+    return isinstance(type_, ArrayType | RecordType)
 
 
 def element_type(type_: Type) -> Type:

@@ -10,13 +10,12 @@ from tachk.frontend.expressions.typing import (
     CHANNEL_HELP,
     CLOCK_VALUE_HELP,
     describe,
-    is_aggregate,
     is_data,
     is_integral,
     same_shape,
 )
 from tachk.model.expressions import BOOL, INT, Binary, Expression
-from tachk.model.types import ChannelType, ClockType, ScalarType, Type, element_type
+from tachk.model.types import ChannelType, ClockType, ScalarType, Type, element_type, is_aggregate
 from tachk.operators import COMPARISONS, BinaryOperator
 
 

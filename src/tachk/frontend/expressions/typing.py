@@ -35,10 +35,6 @@ def is_bounded(type_: Type) -> TypeGuard[IntType | BoolType | ScalarType]:
     return isinstance(type_, IntType | BoolType | ScalarType) and type_ not in (IntType(), WIDE)
 
 
-def is_aggregate(type_: Type) -> TypeGuard[ArrayType | RecordType]:
-    return isinstance(type_, ArrayType | RecordType)
-
-
 def is_data(type_: Type) -> bool:
     """Whether values of the type can be copied and compared: no clocks, channels or void inside."""
     return not isinstance(type_, VoidType) and not any(
