@@ -166,7 +166,7 @@ class _UnexpectedError(Exception):
 
 def _refuse(source: Source, message: str, offset: int) -> InputError:
     span = Span(source, offset, min(offset + 1, len(source.text)))
-    help_ = "write it anew with tachk convert, or remove it: then the picture is laid out anew"
+    help_ = "write it again with tachk convert, or remove it: then tachk lays out a new picture"
     return InputError([Diagnostic("E0125", f"not a layout: {message}", span, help_)])
 
 

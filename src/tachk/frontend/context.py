@@ -215,6 +215,6 @@ FAULT_TEXTS = {
     RuntimeErrorKind.SHIFT: "the shift distance is negative or above 31",
     RuntimeErrorKind.NEGATIVE_EXPONENT: "the exponent is negative",
     RuntimeErrorKind.ASSERT: "an assertion fails",
-    RuntimeErrorKind.LOOP: "it takes too many steps; does a loop not end?",
+    RuntimeErrorKind.LOOP: "it takes too many steps; perhaps a loop does not end",
     RuntimeErrorKind.BOUND: "a clock bound is too large",
 }

@@ -38,8 +38,8 @@ def declare_dropped(node: ast.VariableDeclaration, kind: str, scope: Scope, cont
         context.error(
             "W0406",
             name.span,
-            f"the {kind} `{name.name}` is not part of what is checked",
-            "assignments to it are left out; what reads it is refused",
+            f"tachk does not check the {kind} `{name.name}`",
+            "assignments to it are left out; anything that reads it is refused",
         )
         scope.declare(name, DroppedSymbol(name.span, kind), context.findings)
 
@@ -51,8 +51,8 @@ def declare_dropped_function(
     context.findings.add(
         "W0407",
         name.span,
-        f"the function `{name.name}` is not part of what is checked",
-        "what calls it is refused",
+        f"tachk does not check the function `{name.name}`",
+        "anything that calls it is refused",
         tuple(Label(refusal.span, refusal.message) for refusal in refusals[:1]),
     )
     scope.declare(name, DroppedSymbol(name.span, "function", refusals[0]), context.findings)
@@ -65,8 +65,8 @@ def declare_foreign_functions(node: ast.ForeignImport, scope: Scope, context: Co
     context.findings.add(
         "W0407",
         node.span,
-        f"the functions of the foreign library {node.library!r} are not part of what is checked",
-        "what calls them is refused",
+        f"tachk does not check the functions of the foreign library {node.library!r}",
+        "anything that calls them is refused",
     )
     text = _COMMENT.sub(lambda comment: " " * len(comment.group()), node.span.text)
     for found in _FOREIGN_FUNCTION.finditer(text, text.find("{")):

@@ -122,7 +122,7 @@ class _Resolver:
             self.found.append(
                 Diagnostic(
                     "E0506",
-                    known or f"a bound in {duration.unit}, but nobody says how long one unit of time is",
+                    known or f"a bound in {duration.unit}, but the length of one unit of time is unknown",
                     duration.span,
                     self.remedy,
                 )

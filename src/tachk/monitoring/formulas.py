@@ -234,7 +234,7 @@ def _model_formulas(path: Path) -> tuple[NamedFormula, ...]:
             read.append(each)
     if not read:
         raise UsageError(
-            f"{path} states no property that a trace can be judged by",
+            f"{path} contains no property that can be checked on a trace",
             "formulas (G (p -> F[0, 5] q)) and sentences can be monitored; E<> and A[] speak about all runs",
         )
     return _checked(read, str(path))

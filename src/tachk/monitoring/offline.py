@@ -112,7 +112,7 @@ def judge(
     """
     if judging.time_robustness and judging.interpolation is Interpolation.LINEAR:
         raise UsageError(
-            "robustness in time is defined where values are held between rows",
+            "robustness in time is defined only if values stay constant between rows",
             "leave out the linear interpolation, or the robustness in time",
         )
     if isinstance(recording, TableRecording) and judging.interpolation is Interpolation.CONSTANT and formulas:
@@ -374,7 +374,7 @@ class MonitorReport(Sequence[MonitorVerdict]):
         left = 0.0 if begin is None else max((begin - origin) * scale, 0.0)
         right = float(max(trace.end, 1)) if end is None else (end - origin) * scale
         if not left < right:
-            raise UsageError("there is nothing of the trace between these times")
+            raise UsageError("the trace has nothing between these times")
         span = Stretch(left, right)
         if path is not None:
             plot_record(self.record, Path(path), span)

@@ -284,8 +284,8 @@ class Monitor:
                 )
             case RowFault.MERGED:
                 raise UsageError(
-                    f"{place}: the time {time} is another one than that of the row before, but in units of "
-                    f"1/{self._scale} they are the same",
+                    f"{place}: the time {time} differs from that of the row before, but in units of "
+                    f"1/{self._scale} both are the same",
                     "allow more decimals, or round the times where they should be equal",
                 )
             case RowFault.NOT_A_TIME:

@@ -30,7 +30,7 @@ _WHAT = {
     RuntimeErrorKind.SHIFT: ("E0765", "a shift distance is negative or above 31", "shift by 0 to 31"),
     RuntimeErrorKind.NEGATIVE_EXPONENT: ("E0766", "an exponent is negative", "raise to powers of 0 or more"),
     RuntimeErrorKind.ASSERT: ("E0767", "an assertion is false", "the run below leads to it"),
-    RuntimeErrorKind.LOOP: ("E0768", "this takes more than 2^24 instructions", "does a loop not end?"),
+    RuntimeErrorKind.LOOP: ("E0768", "this takes more than 2^24 instructions", "perhaps a loop does not end"),
     RuntimeErrorKind.BOUND: (
         "E0769",
         "a clock is compared with a value beyond the limits known before the run",

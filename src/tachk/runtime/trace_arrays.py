@@ -215,7 +215,7 @@ def whole_times(times: Ticks, ticks_per_unit: int, name: str) -> CountedTimes:
 def _backwards(name: str, row: int) -> UsageError:
     return UsageError(
         f"{name}: the time of row {row} lies before that of the row above (rows are counted from 0)",
-        "sort the rows by time; rows of the same time are fine, the last one counts",
+        "sort the rows by time; of several rows with the same time, the last one counts",
     )
 
 

@@ -200,7 +200,7 @@ def _told(
         CsvFaultKind.DECREASING_TIME: (
             "E0913",
             f"the time {value} lies before that of the row above",
-            "sort the rows by time; rows of the same time are fine, the last one counts",
+            "sort the rows by time; of several rows with the same time, the last one counts",
         ),
         CsvFaultKind.TOO_FEW_CELLS: ("E0914", f"this row has {cells[0]} cells, the header has {cells[1]}", None),
         CsvFaultKind.TOO_MANY_CELLS: ("E0914", f"this row has more cells than the {cells[1]} of the header", None),

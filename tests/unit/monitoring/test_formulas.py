@@ -124,7 +124,7 @@ def test_refusals(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="there is no formula"):
         read_formulas(tmp_path / "only.stl")
     (tmp_path / "m.ta").write_text(MODEL.partition("property")[0])
-    with pytest.raises(UsageError, match="states no property"):
+    with pytest.raises(UsageError, match="contains no property"):
         read_formulas(tmp_path / "m.ta")
 
 

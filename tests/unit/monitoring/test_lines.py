@@ -40,7 +40,7 @@ def test_a_violation_on_a_line_is_told_with_what_was_seen_there() -> None:
     """From (1, 2) to (4, 5): of the two rows for one instant the last one counts."""
     assert story("G (rise(x >= 3) -> F[0, 1] x >= 4.5)") == (
         "trigger: `x >= 3` becomes true at 2 s",
-        "`x >= 4.5` is true at no instant from 2 s to 3 s, the deadline",
+        "`x >= 4.5` is never true from 2 s to 3 s, the deadline",
         "seen at 3 s: x = 4",
         "the violation is certain at 3 s",
     )
@@ -100,7 +100,7 @@ def test_bounds_that_leave_no_room_for_crossings_are_refused_at_the_formula() ->
 def test_arguments_without_meaning() -> None:
     with pytest.raises(UsageError, match="expected constant or linear"):
         tachk.monitor("x > 1", TRACE, interpolation="cubic")
-    with pytest.raises(UsageError, match="values are held"):
+    with pytest.raises(UsageError, match="values stay constant"):
         on_lines("x > 1", time_robustness=True)
 
 

@@ -84,7 +84,7 @@ def test_the_first_violation(formula: str, expected: tuple[str | None, ...]) -> 
 def test_the_story_of_a_missed_deadline() -> None:
     assert story("G (p -> F[0,3] (q && x < 5))") == (
         "trigger: `p` becomes true at 1 s",
-        "`q && x < 5` is true at no instant from 1 s to 4 s, the deadline",
+        "`q && x < 5` is never true from 1 s to 4 s, the deadline",
         "seen at 4 s: q = false, x = 5",
         "the violation is certain at 4 s",
         "violated from 1 s until 4 s",

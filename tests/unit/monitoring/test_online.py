@@ -41,7 +41,7 @@ def test_a_violation_is_explained_from_the_rows_that_were_kept() -> None:
     assert verdict.story is not None
     assert explain_verdict(verdict.story, verdict.story.verdicts[0])[:2] == (
         "trigger: `p` becomes true at 900 s",
-        "`q` is true at no instant from 900 s to 903 s, the deadline",
+        "`q` is never true from 900 s to 903 s, the deadline",
     )
     assert decided_to_text(verdict, "s").startswith("904 s: p1 is false\n  trigger: `p` becomes true at 900 s\n")
 
@@ -223,7 +223,7 @@ def test_clocks_may_show_the_time_since_1970(unit: str, times: list[float]) -> N
 def test_times_that_differ_by_too_little_are_refused_and_change_nothing() -> None:
     monitor = tachk.Monitor("G (x < 5)", unit="s")
     monitor.update(0.0, x=1)
-    with pytest.raises(UsageError, match=r"row 1, at 1e-11: .* another one than that of the row before") as refusal:
+    with pytest.raises(UsageError, match=r"row 1, at 1e-11: .* differs from that of the row before") as refusal:
         monitor.update(1e-11, x=9)
     assert refusal.value.help == "allow more decimals, or round the times where they should be equal"
     assert monitor.finish(1)[0].truth is tachk.Truth.TRUE

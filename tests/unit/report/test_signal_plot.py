@@ -68,7 +68,7 @@ def test_a_png_is_a_picture(report: MonitorReport, tmp_path: Path) -> None:
 def test_a_part_of_the_trace_can_be_drawn(report: MonitorReport, tmp_path: Path) -> None:
     report.plot(tmp_path / "a.svg", begin=5, end=9)
     assert not {"trigger-p1", "deadline-p1"} & identifiers(tmp_path / "a.svg")
-    with pytest.raises(UsageError, match="nothing of the trace"):
+    with pytest.raises(UsageError, match="the trace has nothing"):
         report.plot(tmp_path / "a.svg", begin=9, end=5)
     with pytest.raises(UsageError, match="pictures are written as"):
         report.plot(tmp_path / "a.gif")

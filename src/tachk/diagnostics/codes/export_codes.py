@@ -23,13 +23,13 @@ EXPORT_CODES: dict[str, Explanation] = {
     "W0130": Explanation(
         "attribute that is not read",
         "Locations have the attributes initial, urgent, committed, invariant and labels, edges provided and do. "
-        "Others are tolerated, as TChecker does, and have no influence.",
+        "Like TChecker, tachk ignores others.",
     ),
     "E0801": Explanation(
         "no expansion into UPPAAL's language",
         "Everything that tachk adds to UPPAAL's language is written out for UPPAAL in one fixed way (see "
-        "docs/uppaal.md). Values on channels that are declared inside a template, or of types without a name, have "
-        "none.",
+        "docs/uppaal.md). This is not possible for values on channels that are declared inside a template, or values "
+        "of types without a name.",
         "process P() { chan c; init location A { to A { sync c!1; } } }",
         "chan c; process P() { init location A { to A { sync c!1; } } }",
     ),
@@ -37,7 +37,7 @@ EXPORT_CODES: dict[str, Explanation] = {
         "TChecker cannot say this",
         "TChecker has no urgent channels, no priorities, no clocks that stand still, no functions, no comparison of "
         "two clocks, no guards on edges that receive a broadcast, and arrays with one initial value for all elements. "
-        "Nothing of this is dropped: the model is not written. All places are listed.",
+        "If a model uses any of these, tachk does not write it, and lists all places.",
     ),
     "E0810": Explanation(
         "addition of tachk",
@@ -91,8 +91,8 @@ EXPORT_CODES: dict[str, Explanation] = {
     ),
     "E0818": Explanation(
         "clock that equals something in an invariant",
-        "UPPAAL wants invariants to bound clocks from above. An equality does more: it forbids to enter the location "
-        "early. tachk takes it for what it says.",
+        "UPPAAL wants invariants to bound clocks from above. An equality does more: it also keeps processes from "
+        "entering the location early. tachk gives it this meaning.",
         "process P() { clock x; state s { x == 0 }; init s; }",
         "process P() { clock x; state s { x <= 0 }; init s; }",
     ),

@@ -29,14 +29,14 @@ FORMULA_CODES: dict[str, Explanation] = {
     ),
     "E0133": Explanation(
         "sentence without its full stop",
-        "A property written as a sentence ends with a full stop, by which it is told from a formula.",
+        "A property that is written as a sentence ends with a full stop, so that tachk can tell it from a formula.",
         "property p : whenever P.a, P.b must be true;",
         "property p : whenever P.a, P.b must be true.;",
     ),
     "E0134": Explanation(
         "bound without a unit",
-        "Where one bound of an interval has a unit and the other, which is not zero, has none, a reader would take the "
-        "unit for both, while tachk would take the unit of the model for the other.",
+        "One bound of an interval has a unit; the other one is not zero and has none. A reader would take the unit for "
+        "both, but a bound without a unit is in the unit of the model.",
         "property p : F[10, 20 s] P.a;",
         "property p : F[10 s, 20 s] P.a;",
     ),

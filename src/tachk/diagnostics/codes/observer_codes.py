@@ -9,7 +9,8 @@ OBSERVER_CODES: dict[str, Explanation] = {
         "no observer for this formula",
         "A temporal property is checked by an automaton beside the model that reaches a bad location exactly if the "
         "formula can be violated. There is none for a formula that only a run without end can violate, such as F q "
-        "without a window, and tachk has none for some nestings of operators. docs/logic.md lists what it follows.",
+        "without a window, and tachk has none for some nestings of operators. docs/logic.md lists the formulas "
+        "that have one.",
         "property p : G(P.a -> F P.b);",
         "property p : G(P.a -> F[0,10] P.b);",
     ),

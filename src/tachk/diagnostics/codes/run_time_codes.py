@@ -53,8 +53,7 @@ RUN_TIME_CODES: dict[str, Explanation] = {
     ),
     "E0767": Explanation(
         "false assertion",
-        "An `assert` of a function is false in a run: what its author took for granted is not so. The report shows the "
-        "run.",
+        "An `assert` of a function is false in a run. The report shows the run.",
         "int[0,5] n;\nvoid check() { assert n < 3; }\n" + _process("", "n = n + 1, check()", "n < 5"),
         "int[0,5] n;\nvoid check() { assert n < 3; }\n" + _process("", "n = n + 1, check()", "n < 2"),
     ),
@@ -66,7 +65,7 @@ RUN_TIME_CODES: dict[str, Explanation] = {
     ),
     "E0769": Explanation(
         "clock compared with too large a value",
-        "A clock is compared with a value that is beyond the limits known before the run, which zones need. Declare "
-        "ranges for the variables of the bound.",
+        "A clock is compared with a value beyond the limit that was computed before the run; zones need such a limit. "
+        "Declare ranges for the variables of the bound.",
     ),
 }

@@ -8,7 +8,7 @@ SENTENCE_CODES: dict[str, Explanation] = {
     "E0140": Explanation(
         "no sentence",
         "A sentence has a scope, a trigger, a delay and a response, in this order, and ends with a full stop. All but "
-        "the response may be left out. `tachk sentences` lists what there is, with examples.",
+        "the response may be left out. `tachk sentences` lists all sentences, with examples.",
         "Whenever sleep is true.",
         "Whenever sleep is true, arrive must not occur.",
     ),
@@ -47,8 +47,8 @@ SENTENCE_CODES: dict[str, Explanation] = {
     ),
     "E0146": Explanation(
         "temporal operator inside a condition",
-        "The conditions of a sentence are about one instant: comparisons, and, or, not, rise, fall, change. What needs "
-        "operators like F, G and U inside is written as a formula.",
+        "The conditions of a sentence are about one instant: comparisons, and, or, not, rise, fall, change. Write a "
+        "property that needs operators like F, G and U as a formula.",
         "Whenever G[0, 5] p is true, q must be true.",
         "Whenever p becomes true and stays true for at least 5, counting from the end of min time, q must be true.",
     ),

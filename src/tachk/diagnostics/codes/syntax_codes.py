@@ -38,17 +38,17 @@ SYNTAX_CODES: dict[str, Explanation] = {
         "const int N = 5000000000;",
         "const int N = 2000000000;",
     ),
-    "E0006": Explanation("empty text", "There is nothing in the text but blanks and comments."),
+    "E0006": Explanation("empty text", "The text contains only blanks and comments."),
     "E0101": Explanation(
         "unexpected word",
-        "The text up to here is the beginning of something legal, but nothing legal goes on like this. The message "
-        "lists what could stand here.",
+        "The text before this word is legal, but this word cannot follow it. The message lists what could stand here "
+        "instead.",
         "int a b;",
         "int a, b;",
     ),
     "E0102": Explanation(
         "something is missing",
-        "A semicolon, a bracket or a parenthesis is missing; with it, the text would be legal so far.",
+        "A semicolon, a bracket or a parenthesis is missing. With it, the text up to here would be legal.",
         "clock x\nint a;",
         "clock x;\nint a;",
     ),

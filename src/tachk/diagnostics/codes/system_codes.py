@@ -84,13 +84,13 @@ SYSTEM_CODES: dict[str, Explanation] = {
     ),
     "E0415": Explanation(
         "import that cannot be read",
-        "The path of an import is relative to the file it stands in.",
+        "The path of an import is relative to the file that contains the import.",
         'import "no_such_file.ta";',
     ),
     "E0416": Explanation(
         "imports in a circle",
-        "Declarations stand above their use, so two files cannot import each other. What both need belongs in a third "
-        "file, which both import; it is read once.",
+        "Declarations stand above their use, so two files cannot import each other. Put what both need into a third "
+        "file, which both import; tachk reads it once.",
     ),
     "E0417": Explanation(
         "two time units",
@@ -187,14 +187,14 @@ SYSTEM_CODES: dict[str, Explanation] = {
         "variable that is not checked",
         "Floating point variables and hybrid clocks belong to statistical checking. As long as only assignments to "
         "such variables, and rates of such clocks, use them, they are left out of what is checked, and all answers are "
-        "right without them. Whatever else uses one is refused (E0750).",
+        "right without them. Any other use is refused (E0750).",
         "double level;",
         "int level;",
     ),
     "W0407": Explanation(
         "function that is not checked",
         "The function uses something that tachk does not check, or it belongs to a library of another program. It is "
-        "left out of what is checked; what calls it is refused (E0750), everything else is answered.",
+        "left out of what is checked; anything that calls it is refused (E0750).",
         "int half(int n) { double d = n / 2.0; return 0; }",
         "int half(int n) { return n / 2; }",
     ),
@@ -208,15 +208,15 @@ SYSTEM_CODES: dict[str, Explanation] = {
     "W0409": Explanation(
         "channel priorities without `default`",
         "Internal edges and channels that are not listed have the priority `default`. UPPAAL's manual does not say "
-        "where that is if the declaration does not. Queries are checked with every place: an answer on which all agree "
-        "is the answer; otherwise it is that for `default` below all others, with a remark.",
+        "where that is if the declaration does not. tachk checks queries with every place. If all answers agree, that "
+        "is the answer; otherwise tachk gives the answer for `default` below all others, with a remark.",
         "chan a, b;\nchan priority a < b;\nprocess P() { state s; init s; }\nsystem P;",
         "chan a, b;\nchan priority default < a < b;\nprocess P() { state s; init s; }\nsystem P;",
     ),
     "W0410": Explanation(
         "template without locations",
-        "Its processes do nothing: they neither act nor keep time from passing. They can hold variables and functions "
-        "for others to look at.",
+        "A process of this template does nothing: it neither acts nor stops time. It can hold variables and functions "
+        "that others use.",
         "process P() { int n; }\nsystem P;",
         "process P() { int n; init location idle; }\nsystem P;",
     ),

@@ -20,7 +20,7 @@ TYPE_CODES: dict[str, Explanation] = {
     "E0302": Explanation(
         "cannot be assigned",
         "Integers and booleans can be assigned to each other (a non-zero integer is true), scalars to the same scalar "
-        "type, arrays and structs to such of the same shape, and integers to clocks.",
+        "type, arrays and structs to others of the same shape, and integers to clocks.",
         "int a[2], b[3];\nvoid f() { a = b; }",
         "int a[2], b[2];\nvoid f() { a = b; }",
     ),

@@ -25,18 +25,18 @@ XML_CODES: dict[str, Explanation] = {
     ),
     "E0124": Explanation(
         "incomplete element",
-        "An element lacks what it cannot do without: a template its name, an edge its source or target, or it refers "
-        "to a location that the template does not have.",
+        "A template has no name, or an edge has no source or target, or an edge refers to a location that its template "
+        "does not have.",
     ),
     "E0125": Explanation(
         "broken layout file",
-        "The file NAME.layout.json beside NAME.ta keeps the picture of the model. It is written by tachk convert; "
-        "without it, the picture is laid out anew.",
+        "The file NAME.layout.json beside NAME.ta keeps the picture of the model. tachk convert writes it. "
+        "Without it, tachk lays out a new picture.",
     ),
     "W0120": Explanation(
         "unknown kind of label",
-        "UPPAAL passes over labels of kinds that it does not know. A misspelt kind is read as what it was meant to be; "
-        "any other label is kept in the file and has no effect.",
+        "UPPAAL passes over labels of kinds that it does not know. tachk corrects a misspelt kind; any other label "
+        "stays in the file and has no effect.",
     ),
     "W0121": Explanation(
         "location renamed",
@@ -45,11 +45,11 @@ XML_CODES: dict[str, Explanation] = {
     ),
     "W0122": Explanation(
         "label given twice",
-        "An edge or location has one label of each kind. Of several, UPPAAL takes the last; so does tachk.",
+        "An edge or location has one label of each kind. Of several labels, UPPAAL and tachk take the last one.",
     ),
     "W0123": Explanation(
         "kept but not checked",
-        "The construct belongs to statistical model checking, games or scenarios. It is kept for the way back to "
-        "UPPAAL; queries that depend on it are not checked.",
+        "The construct belongs to statistical model checking, games or scenarios. tachk keeps it for the export to "
+        "UPPAAL, and does not check queries that depend on it.",
     ),
 }

@@ -276,7 +276,7 @@ class _Reader:
                             "E0821",
                             "a vector of this form has no counterpart among channels",
                             vector.span,
-                            "readable are two events, or one event followed by weak ones",
+                            "write two events, or one event followed by weak ones",
                         )
                     ]
                 )
@@ -287,7 +287,7 @@ class _Reader:
                             "E0821",
                             "the weak events of this vector are not in the order of the processes",
                             vector.span,
-                            "a broadcast updates its receivers in that order; list them in it",
+                            "a broadcast updates its receivers in that order; list the events in the same order",
                         )
                     ]
                 )

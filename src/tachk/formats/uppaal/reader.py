@@ -124,7 +124,7 @@ class _Reader:
         extra = [element for element in self.root.children if element.name not in _READ_APART]
         for element in extra:
             if element.name == "lsc":
-                message = "message sequence charts are kept, but no part of what is checked"
+                message = "tachk keeps message sequence charts but does not check them"
                 self.diagnostics.append(Diagnostic("W0123", message, element.tag))
         return tuple(element.span.text for element in extra)
 

@@ -136,7 +136,7 @@ class TemplateReader:
                     "W0121",
                     element.tag if place is None else place.span,
                     f"location `{text}` of `{self.name}` is called `{name}` here",
-                    "a location needs a name that is an identifier, no reserved word, and its own in the template",
+                    "the name of a location must be an identifier, not a reserved word, and unique in its template",
                 )
         return by_id
 

@@ -264,8 +264,8 @@ def set_channel_priorities(
         context.findings.add(
             "W0409",
             node.span,
-            "where is `default`? UPPAAL's manual does not say where internal edges and other channels belong then",
-            f"every place is tried; where answers differ, it is taken to be {FIRST}; write it to say what is meant",
+            "`default` is missing: UPPAAL's manual does not say what priority internal edges then have",
+            f"tachk tries every place; if answers differ, `default` is {FIRST}; write `default` to choose a place",
         )
     for position, variable in enumerate(declared.variables):
         if variable in cells:

@@ -146,7 +146,7 @@ def _condition(node: Formula) -> ast.Expression:
     if found is None:
         raise NoObserver(
             node.span,
-            "a temporal formula cannot stand here: an observer follows conditions on states in this place",
+            "a temporal formula cannot stand here: in this place an observer needs a condition on one state",
             "split the requirement, or name a state of the model that stands for this part",
         )
     return found
@@ -204,7 +204,7 @@ def _not_until(node: Formula, window: Window, left: Formula, right: Formula) -> 
         if not window.low_closed:
             raise NoObserver(
                 right.span,
-                "an until with an open lower bound on the side that must not be reached is not followed",
+                "tachk has no observer for an until with an open lower bound on the side that must not be reached",
                 "close the bound",
             )
         rest = Window(0, None if window.high is None else window.high - window.low, True, window.high_closed)
@@ -259,8 +259,8 @@ def _always(node: Formula, window: Window, goal: Goal) -> Goal:
         case _:
             raise NoObserver(
                 span,
-                "to violate this, something temporal would have to hold at every instant of a window, and that "
-                "needs more clocks than an observer has",
+                "to violate this, something temporal would have to hold at every instant of a window; to see that, "
+                "an observer would need more clocks than it has",
                 "name a bounded number of instants: use `rise(...)` in a trigger, or split the requirement",
             )
 

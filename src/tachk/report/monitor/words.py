@@ -78,7 +78,7 @@ def _window_reason(trace: Trace, reason: Reason) -> Iterator[str]:
     deadline = ", the deadline" if last is not None and reason.kind in (NodeKind.EVENTUALLY, NodeKind.UNTIL) else ""
     match reason.kind, reason.value:
         case NodeKind.EVENTUALLY, Truth.FALSE:
-            yield f"{inner} is true at no instant {window}{deadline}"
+            yield f"{inner} is never true {window}{deadline}"
         case NodeKind.EVENTUALLY, Truth.UNDETERMINED:
             yield f"{inner} has not been true {_so_far(trace, first)}; it is awaited {window}{deadline}"
         case NodeKind.ALWAYS, Truth.FALSE:
@@ -86,14 +86,14 @@ def _window_reason(trace: Trace, reason: Reason) -> Iterator[str]:
         case NodeKind.ALWAYS, Truth.UNDETERMINED:
             yield f"{inner} has to be true at every instant {window}"
         case NodeKind.ONCE, _:
-            yield f"{inner} is true at no instant {window}"
+            yield f"{inner} is never true {window}"
         case NodeKind.HISTORICALLY, _:
             yield f"{inner} should have been true at every instant {window}"
         case NodeKind.UNTIL, Truth.FALSE if reason.parts:
             left, right = reason.operands
             yield f"`{left}` should stay true until `{right}` is true, {window}"
         case ((NodeKind.UNTIL | NodeKind.SINCE), Truth.FALSE):
-            yield f"{inner} is true at no instant {window}{deadline}"
+            yield f"{inner} is never true {window}{deadline}"
         case NodeKind.UNTIL, Truth.UNDETERMINED:
             yield f"{inner} has not been true {_so_far(trace, first)}; it is awaited {window}{deadline}"
         case _:
