@@ -55,6 +55,17 @@ class QuantifierKind(StrEnum):
     EXISTS = "exists"
     SUM = "sum"
 
+    @property
+    def joins(self) -> BinaryOperator:
+        """What joins the values of the body."""
+        match self:
+            case QuantifierKind.FORALL:
+                return BinaryOperator.AND
+            case QuantifierKind.EXISTS:
+                return BinaryOperator.OR
+            case QuantifierKind.SUM:
+                return BinaryOperator.ADD
+
 
 INT = IntType()
 BOOL = BoolType()

@@ -167,11 +167,17 @@ class _Compiler:
                 return self._node(NodeKind.NOT, text, self.condition(operand))
             case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in CONNECTIVES:
                 first, second = self.condition(left), self.condition(right)
-                if operator == BinaryOperator.IMPLY:
-                    return self._implication(text, first, second)
-                if operator == BinaryOperator.XOR:
-                    return self._negation(self._equivalence(text, first, second))
-                return self._node(NodeKind.AND if operator == BinaryOperator.AND else NodeKind.OR, text, first, second)
+                match operator:
+                    case BinaryOperator.AND:
+                        return self._node(NodeKind.AND, text, first, second)
+                    case BinaryOperator.OR:
+                        return self._node(NodeKind.OR, text, first, second)
+                    case BinaryOperator.IMPLY:
+                        return self._implication(text, first, second)
+                    case BinaryOperator.XOR:
+                        return self._negation(self._equivalence(text, first, second))
+                    case _:
+                        raise InternalError(f"monitors do not know the connective {operator}")
             case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in RELATIONS:
                 if operator in {BinaryOperator.EQUAL, BinaryOperator.NOT_EQUAL} and self._compares_truth(left, right):
                     same = self._equivalence(text, self.condition(left), self.condition(right))

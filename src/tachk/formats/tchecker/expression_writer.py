@@ -59,14 +59,9 @@ def written_out(expression: Expression, known: Known) -> Expression:
         case Quantifier(kind, variable, body):
             low, high = cell_range(variable.type)
             parts = [written_out(body, known.with_bound(variable, value)) for value in range(low, high + 1)]
-            operator = {
-                QuantifierKind.FORALL: BinaryOperator.AND,
-                QuantifierKind.EXISTS: BinaryOperator.OR,
-                QuantifierKind.SUM: BinaryOperator.ADD,
-            }[kind]
             result = parts[0]
             for part in parts[1:]:
-                result = Binary(operator, result, part, INT if kind is QuantifierKind.SUM else BOOL, expression.span)
+                result = Binary(kind.joins, result, part, INT if kind is QuantifierKind.SUM else BOOL, expression.span)
             return fold(result, known)
         case Binary(_, left, right):
             return fold(replace(expression, left=written_out(left, known), right=written_out(right, known)), known)

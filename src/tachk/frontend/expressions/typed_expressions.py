@@ -60,15 +60,9 @@ from tachk.model.expressions import (
     VariableKind,
 )
 from tachk.model.types import BoolType, ClockType, IntType, Type, bounds
-from tachk.operators import CONNECTIVES, CONSTANT_HIGH, BinaryOperator, PrefixOperator, UnaryOperator
+from tachk.operators import CONNECTIVES, CONSTANT_HIGH, PrefixOperator, UnaryOperator
 from tachk.syntax import ast
 from tachk.time_limit import check_time
-
-_CONNECTIVES = {
-    QuantifierKind.FORALL: BinaryOperator.AND,
-    QuantifierKind.EXISTS: BinaryOperator.OR,
-    QuantifierKind.SUM: BinaryOperator.ADD,
-}
 
 
 def type_reader(scope: Scope, context: Context) -> TypeReader:
@@ -251,7 +245,7 @@ def _quantifier(node: ast.QuantifierExpression, scope: Scope, context: Context) 
         if part is None:
             return None
         parts.append(part)
-    return fold.joined(_CONNECTIVES[kind], parts, result_type, node.span)
+    return fold.joined(kind.joins, parts, result_type, node.span)
 
 
 def _bound_scope(node: ast.QuantifierExpression, value: Expression, scope: Scope) -> Scope:
