@@ -7,7 +7,7 @@ those that cannot fail before those that can; among themselves those that can fa
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from tachk.compiler.fold import Known, fold, negate
 from tachk.compiler.slot_layout import cell_range
@@ -29,6 +29,7 @@ from tachk.model.expressions import (
 from tachk.model.traversal import reads_clock
 from tachk.model.types import ClockType
 from tachk.operators import COMPARISONS, BinaryOperator, UnaryOperator
+from tachk.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import assert_never
 
 from tachk.compiler.conditions import conjuncts
@@ -42,6 +42,7 @@ from tachk.model.network import Edge, Location
 from tachk.model.traversal import written_variables
 from tachk.model.types import ArrayType, ClockType, RecordType, Type
 from tachk.operators import COMPARISONS, BinaryOperator
+from tachk.records import dataclass
 from tachk.words import Direction
 
 _LONG = 2**14

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import prod
 
 from tachk.compiler.fold import Known, fold, known_values
@@ -20,6 +19,7 @@ from tachk.model.network import Edge, Network
 from tachk.model.query import Query
 from tachk.model.traversal import reads_clock
 from tachk.model.types import ChannelType
+from tachk.records import dataclass
 from tachk.words import Direction, QueryKind
 
 MAXIMAL_SELECTIONS = 10_000_000

@@ -7,7 +7,6 @@ whole predicate is a short disjunction of such parts: simple tests are faster th
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from tachk.compiler.bounds import ConstraintRange
 from tachk.compiler.condition_code import ConditionCompiler, check_bound
@@ -27,6 +26,7 @@ from tachk.diagnostics.span import Span
 from tachk.model.expressions import Binary, Conditional, Deadlock, Expression, Quantifier, QuantifierKind, Unary
 from tachk.model.traversal import reads_clock, walk
 from tachk.operators import COMPARISONS, BinaryOperator, Group, UnaryOperator
+from tachk.records import dataclass
 
 MAXIMAL_DISJUNCTS = 4096
 MAXIMAL_ALTERNATIVES = 256

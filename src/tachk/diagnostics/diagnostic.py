@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from enum import StrEnum
 
 from tachk.diagnostics.span import Span
+from tachk.records import dataclass
 
 UNSUPPORTED = frozenset({"E0730", "E0731", "E0732", "E0733", "E0750"})
 """The codes of what is refused although it is not a mistake."""

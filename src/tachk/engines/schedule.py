@@ -14,10 +14,11 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from fractions import Fraction
 from itertools import pairwise
 
+from tachk.records import dataclass
 from tachk.semantics.dbm import INFINITY, LESS_EQUAL_ZERO, Constraint, bound_value, is_strict
 
 INFINITESIMAL_BITS = 40

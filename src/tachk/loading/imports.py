@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.diagnostics.span import Source
 from tachk.frontend.findings import Findings
+from tachk.records import dataclass
 from tachk.syntax import ast
 from tachk.syntax.parsing.contextual import CONTEXTUAL_KEYWORDS
 from tachk.syntax.parsing.parser import parse_document

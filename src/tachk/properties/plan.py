@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 from tachk.model.expressions import Deadlock, Expression, Reference, Variable
 from tachk.model.query import Observer, Query
 from tachk.model.traversal import walk
 from tachk.model.types import ClockType, leaves
+from tachk.records import dataclass
 from tachk.reduction.spectators import speaks_of_nothing
 
 

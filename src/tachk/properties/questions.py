@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.span import Source
@@ -11,6 +10,7 @@ from tachk.diagnostics.suggestion import closest
 from tachk.frontend.loaded import LoadedModel, elaborate_query_file
 from tachk.frontend.queries.queries import UncheckedQuery
 from tachk.model.query import Query
+from tachk.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

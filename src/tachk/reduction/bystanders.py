@@ -8,11 +8,12 @@ without bystanders, so what is unreachable there is unreachable. What is reachab
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Edge, Network, Process
 from tachk.model.traversal import process_expressions, roots, written_variables
+from tachk.records import dataclass
 from tachk.reduction.spectators import every_action_counts, held_still, is_broadcast, mentioned, spectators
 from tachk.words import Direction
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.engines.options import Limits, Options
 from tachk.model.network import Network
 from tachk.properties.verdict import Answer, Verdict
+from tachk.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import reduce
 
 from tachk.model.evaluate import Environment
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
+from tachk.records import dataclass
 from tachk.semantics import dbm
 from tachk.semantics.constraints import FALSE, TRUE, Disjunction, certain, conditional_constraints, conjunction
 from tachk.semantics.dbm import Federation, Zone

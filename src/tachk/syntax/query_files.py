@@ -7,10 +7,11 @@ UPPAAL reads ``EXPECT:`` in a block comment as the outcome of the query before t
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Source, Span
+from tachk.records import dataclass
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_query
 

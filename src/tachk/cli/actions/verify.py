@@ -6,7 +6,7 @@ import re
 import sys
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -23,6 +23,7 @@ from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits, Options, SearchOrder
 from tachk.engines.outcome import INTERRUPTED
 from tachk.properties.verdict import Answer
+from tachk.records import dataclass
 from tachk.report.record import RunRecord
 from tachk.report.run.telling import Telling
 from tachk.time_limit import time_limit

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
-from tachk.operators import BinaryOperator
+if TYPE_CHECKING:
+    from tachk.operators import BinaryOperator
 
 
 class Version(StrEnum):

@@ -8,7 +8,7 @@ conditional expressions and quantifiers over clock comparisons are rewritten int
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from tachk.diagnostics.span import Span
 from tachk.frontend.context import Context
@@ -28,6 +28,7 @@ from tachk.model.expressions import (
 from tachk.model.traversal import children, compares_clocks, is_clock_comparison
 from tachk.model.types import BoolType, ClockType, IntType, ScalarType, bounds
 from tachk.operators import BinaryOperator, UnaryOperator
+from tachk.records import dataclass
 
 _SPLIT_HELP = "a zone cannot be split by one {where}; use two edges, one for each case"
 

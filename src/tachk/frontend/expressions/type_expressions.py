@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from tachk.diagnostics.span import Span
 from tachk.diagnostics.suggestion import did_you_mean
@@ -24,6 +23,7 @@ from tachk.model.types import (
     cell_count,
     nesting,
 )
+from tachk.records import dataclass
 from tachk.syntax import ast
 
 MAXIMUM_CELLS = 2**20

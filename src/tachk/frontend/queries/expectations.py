@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from tachk.diagnostics.diagnostic import Label
 from tachk.diagnostics.span import Span
@@ -13,6 +13,7 @@ from tachk.frontend.expressions.typed_expressions import condition
 from tachk.frontend.findings import Findings
 from tachk.frontend.scope import Scope
 from tachk.model.query import Expectation
+from tachk.records import dataclass
 from tachk.syntax import ast
 
 

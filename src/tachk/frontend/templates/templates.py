@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Context
@@ -20,6 +20,7 @@ from tachk.model.expressions import Assign, Expression, Reference, Variable, Var
 from tachk.model.network import Edge, Location, Process, Synchronisation
 from tachk.model.traversal import compares_clocks
 from tachk.model.types import ChannelType, element_type
+from tachk.records import dataclass
 from tachk.syntax import ast
 from tachk.words import Direction
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import Span
+from tachk.records import dataclass
 from tachk.syntax import ast
 from tachk.syntax.edge_clauses import ClauseKind
 from tachk.syntax.parsing.misplaced import Misplaced
