@@ -59,7 +59,10 @@ class _Search:
 def explore(network: Network, goals: Sequence[Expression], limits: Limits = Limits()) -> Outcome:
     """Searches until every goal is reached or everything is explored.
 
-    Raises ValueError if the initial state violates an invariant. ``limits.memory_bytes`` is not looked at.
+    ``limits.states`` also bounds how many states are explored: of a chain of zones each of which covers the one before,
+    only one is stored at any time. ``limits.memory_bytes`` is not looked at.
+
+    Raises ValueError if the initial state violates an invariant.
     """
     model = prepare(network)
     search = _Search(model, goals, limits, clock_constants(network, goals))
@@ -92,7 +95,7 @@ def explore(network: Network, goals: Sequence[Expression], limits: Limits = Limi
             for move in node.situation.moves:
                 _follow(search, node, move)
             move = None
-            if limits.states is not None and search.stored > limits.states:
+            if limits.states is not None and max(search.stored, search.explored) > limits.states:
                 reason = "state limit"
                 break
             if limits.seconds is not None and time.monotonic() - started > limits.seconds:

@@ -98,6 +98,20 @@ def test_a_state_limit_leaves_goals_undecided() -> None:
         assert outcome.reason == "state limit"
 
 
+def test_a_state_limit_ends_a_chain_of_ever_larger_zones() -> None:
+    """Each zone of the only location covers the one before until y can be large: one state is stored at a time."""
+    network = NetworkBuilder()
+    x, y = network.clock("x"), network.clock("y")
+    process = network.process("P")
+    turning, late = process.location("Turning", invariant=x <= 1), process.location("Late")
+    process.edge(turning, turning, updates=[x.assign(0)])
+    process.edge(turning, late, guard=y >= 1_000_000)
+    outcome = reference.explore(network.build(), [late.reached.expression], Limits(states=30))
+    assert statuses(outcome) == [Status.UNDECIDED]
+    assert outcome.reason == "state limit"
+    assert outcome.statistics.states_stored < 30 < outcome.statistics.states_explored
+
+
 def test_a_depth_limit_leaves_goals_undecided() -> None:
     network, (first, second) = fischer(2, 2, strict=True)
     goals = [first.reached.expression, (first.reached & second.reached).expression]
