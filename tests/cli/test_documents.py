@@ -98,7 +98,11 @@ def test_document(path: Path, tmp_path: Path) -> None:
             check(path, command, *run(command.arguments))
 
 
-PAGES = ("README.md", "CONTRIBUTING.md", *(f"docs/{page.name}" for page in sorted((CHECKOUT / "docs").glob("*.md"))))
+PAGES = (
+    "README.md",
+    "CONTRIBUTING.md",
+    *(str(page.relative_to(CHECKOUT)) for page in sorted((CHECKOUT / "docs").rglob("*.md"))),
+)
 TUTORIAL = "docs/tutorial.md"
 SHOWING = [name for name in PAGES if name != TUTORIAL and "\n$ tachk" in (CHECKOUT / name).read_text(encoding="utf-8")]
 
@@ -144,6 +148,18 @@ def test_the_tutorial_goes_as_it_says(tmp_path: Path) -> None:
         pictures = {path.name for path in tmp_path.glob("*.svg")}
     assert {"check", "verify", "monitor", "plot", "python"} <= {*done}
     assert pictures == {"monday.svg"}
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_links_lead_to_files_and_headings(name: str) -> None:
+    page = CHECKOUT / name
+    for link in re.findall(r"\]\((?!\w+://)([^)\s]+)\)", page.read_text(encoding="utf-8")):
+        path, _, heading = link.partition("#")
+        target = (page.parent / path) if path else page
+        assert target.exists(), link
+        if heading:
+            headings = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), re.MULTILINE)
+            assert heading in {re.sub(r"[^\w\- ]", "", text.lower()).replace(" ", "-") for text in headings}, link
 
 
 GIVEN = {
