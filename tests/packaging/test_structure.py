@@ -43,6 +43,7 @@ LIBRARIES = {
 """The packages that may use what is not tachk's own or the standard library's; of the latter, `xml`."""
 
 LONGEST_FUNCTION = 60
+MOST_MEMBERS = 15
 LONGEST_MODULE = 500
 LONGEST_SOURCE = 600
 DEEPEST = 5
@@ -197,12 +198,32 @@ def functions(text: str) -> Iterator[tuple[str, int]]:
             head += character
 
 
+def classes(text: str) -> Iterator[tuple[str, int]]:
+    """The classes of a C++ source with the number of their data members, told by the layout of clang-format."""
+    lines = text.splitlines()
+    for number, line in enumerate(lines):
+        if begun := re.match(r"( *)(?:struct|class) (\w+)[^;]*\{$", line):
+            end = next(n for n in range(number + 1, len(lines)) if lines[n].startswith(f"{begun[1]}}}"))
+            inner = f" {{{len(begun[1]) + 2}}}"
+            yield begun[2], sum(_members(inside, inner) for inside in lines[number + 1 : end])
+
+
+def _members(line: str, indent: str) -> int:
+    if re.match(rf"{indent}[\w:]+ \(\*\w+\)\(", line):
+        return 1  # a pointer to a function
+    declared = re.sub(r"\{.*\}| = .*(?=;)| : \d+", "", line.split("//")[0])
+    other = "using |static |friend |typedef |struct |class |enum |template |return "
+    found = re.match(rf"{indent}(?!{other})[\w:][^()]*?[ &*]\w+((?:, \w+)*);", declared)
+    return 1 + found[1].count(",") if found else 0
+
+
 def core_offenders() -> Iterator[str]:
     for path in SOURCES:
         name, text = path.relative_to(ROOT).as_posix(), path.read_text(encoding="utf-8")
         if len(text.splitlines()) > LONGEST_SOURCE:
             yield name
         yield from (f"{name}: {function}" for function, lines in functions(text) if lines > LONGEST_FUNCTION)
+        yield from (f"{name}: {class_}" for class_, members in classes(text) if members > MOST_MEMBERS)
 
 
 def exceptions() -> dict[str, str]:
@@ -214,6 +235,28 @@ def exceptions() -> dict[str, str]:
 
 def test_what_is_too_long_or_too_deep_is_an_exception_with_a_reason() -> None:
     assert sorted({*python_offenders(), *core_offenders()}) == sorted(exceptions())
+
+
+def test_data_members_of_the_core_are_counted() -> None:
+    text = """
+class A final {
+ public:
+  A(int x) : x_(x) {}
+  A& operator=(const A&) = delete;
+  int get() const { return x_; }
+  struct B {
+    bool (*call)(int i);
+    std::vector<std::pair<int, int>> pairs{};  // two; at most
+    int x, y;
+  };
+
+ private:
+  static constexpr int size = 3;
+  const B* b_ = nullptr;
+  std::int64_t x_ : 3;
+};
+"""
+    assert list(classes(text)) == [("A", 2), ("B", 4)]
 
 
 def test_functions_of_the_core_are_found() -> None:

@@ -19,14 +19,14 @@ void drop(std::vector<Value>& values, std::size_t count) {
 
 MonitorGroup::MonitorGroup(std::vector<Watched> watched, std::size_t columns, bool quantitative, const TickScale& scale,
                            std::int64_t reach, std::size_t most_kept)
-    : values_(columns),
+    : held_{std::vector<double>(columns), false},
       row_(columns),
       quantitative_(quantitative),
       scale_(scale),
-      reach_(reach),
-      most_kept_(most_kept),
       open_(watched.size()) {
   kept_.columns.resize(columns);
+  kept_.reach = reach;
+  kept_.most = most_kept;
   for (Watched& each : watched) {
     Member member;
     member.monitor = std::make_unique<OnlineMonitor>(std::move(each.program), quantitative);
@@ -38,19 +38,19 @@ MonitorGroup::MonitorGroup(std::vector<Watched> watched, std::size_t columns, bo
 }
 
 RowFault MonitorGroup::check(int128 tick) const {
-  if (finished_) return RowFault::finished;
-  if (!begun_) return RowFault::none;
-  const int128 since = tick - origin_;
-  if (since < now_) return RowFault::backwards;
+  if (progress_.finished) return RowFault::finished;
+  if (!progress_.begun) return RowFault::none;
+  const int128 since = tick - progress_.origin;
+  if (since < progress_.now) return RowFault::backwards;
   return since >= furthest ? RowFault::too_far : RowFault::none;
 }
 
 void MonitorGroup::reach(int128 tick) {
-  if (!begun_) {
-    begun_ = true;
-    origin_ = tick;
+  if (!progress_.begun) {
+    progress_.begun = true;
+    progress_.origin = tick;
   }
-  now_ = static_cast<std::int64_t>(tick - origin_);
+  progress_.now = static_cast<std::int64_t>(tick - progress_.origin);
 }
 
 RowFault MonitorGroup::update(int128 tick, std::optional<double> time, std::span<const double> values) {
@@ -60,29 +60,31 @@ RowFault MonitorGroup::update(int128 tick, std::optional<double> time, std::span
     if (!std::isfinite(value)) {
       faulty_column_ = n;
       if (std::isinf(value)) return RowFault::infinite;
-      if (!has_values_) return RowFault::missing;
-      value = values_[n];
+      if (!held_.known) return RowFault::missing;
+      value = held_.values[n];
     }
     row_[n] = value;
   }
-  if (rows_ > 0 && begun_ && tick - origin_ == last_row_ && time && last_time_ && *time != *last_time_)
+  if (progress_.rows > 0 && progress_.begun && tick - progress_.origin == progress_.last_row && time &&
+      progress_.last_time && *time != *progress_.last_time)
     return RowFault::merged;
   reach(tick);
-  std::swap(values_, row_);
-  has_values_ = true;
-  last_time_ = time;
-  last_row_ = now_;
-  ++rows_;
+  std::swap(held_.values, row_);
+  held_.known = true;
+  progress_.last_time = time;
+  progress_.last_row = progress_.now;
+  ++progress_.rows;
   forget_rows();
   if (open_ > 0) {
-    kept_.ticks.push_back(now_);
-    for (std::size_t n = 0; n < values_.size(); ++n) kept_.columns[n].push_back(values_[n]);
+    kept_.ticks.push_back(progress_.now);
+    for (std::size_t n = 0; n < held_.values.size(); ++n) kept_.columns[n].push_back(held_.values[n]);
   }
   decided_some_ = false;
   for (Member& member : watched_) {
     if (member.decided && !quantitative_) continue;
-    for (std::size_t n = 0; n < member.places.size(); ++n) member.columns[n] = {&values_[member.places[n]], nullptr};
-    feed(member, {&now_, member.columns.data(), 1});
+    for (std::size_t n = 0; n < member.places.size(); ++n)
+      member.columns[n] = {&held_.values[member.places[n]], nullptr};
+    feed(member, {&progress_.now, member.columns.data(), 1});
   }
   return RowFault::none;
 }
@@ -94,7 +96,7 @@ RowFault MonitorGroup::push(const std::int64_t* times, std::int64_t factor, std:
   if (count == 0) return RowFault::none;
   const auto tick = [&](std::size_t n) { return int128{times[n]} * factor; };
   if (const RowFault fault = check(tick(0)); fault != RowFault::none) return fault;
-  const int128 origin = begun_ ? origin_ : tick(0);
+  const int128 origin = progress_.begun ? progress_.origin : tick(0);
   const bool counted = factor == 1 && origin == 0;
   if (!counted && ticks_.size() < count) ticks_.resize(count);
   // Differences fit although the times themselves may not.
@@ -109,14 +111,14 @@ RowFault MonitorGroup::push(const std::int64_t* times, std::int64_t factor, std:
   }
   const std::int64_t* const ticks = counted ? times : ticks_.data();
   reach(tick(0));
-  now_ = last_row_ = ticks[count - 1];
-  last_time_.reset();
+  progress_.now = progress_.last_row = ticks[count - 1];
+  progress_.last_time.reset();
   for (std::size_t n = 0; n < columns.size(); ++n) {
     const Column& column = columns[n];
-    values_[n] = column.numbers != nullptr ? column.numbers[count - 1] : column.flags[count - 1] != 0 ? 1.0 : 0.0;
+    held_.values[n] = column.numbers != nullptr ? column.numbers[count - 1] : column.flags[count - 1] != 0 ? 1.0 : 0.0;
   }
-  has_values_ = true;
-  rows_ += count;
+  held_.known = true;
+  progress_.rows += count;
   forget_rows();
   decided_some_ = false;
   for (Member& member : watched_) {
@@ -130,28 +132,28 @@ RowFault MonitorGroup::push(const std::int64_t* times, std::int64_t factor, std:
 
 RowFault MonitorGroup::advance(int128 tick) {
   if (const RowFault fault = check(tick); fault != RowFault::none) return fault;
-  if (!begun_) return RowFault::missing;
+  if (!progress_.begun) return RowFault::missing;
   reach(tick);
   decided_some_ = false;
   for (Member& member : watched_) {
     if (member.decided && !quantitative_) continue;
-    member.monitor->advance(now_);
+    member.monitor->advance(progress_.now);
     settle();
   }
   return RowFault::none;
 }
 
 RowFault MonitorGroup::finish(std::optional<int128> tick) {
-  if (!begun_) return RowFault::missing;
+  if (!progress_.begun) return RowFault::missing;
   if (tick) {
     if (const RowFault fault = check(*tick); fault != RowFault::none) return fault;
     reach(*tick);
   }
   decided_some_ = false;
-  if (finished_) return RowFault::none;
-  finished_ = true;
+  if (progress_.finished) return RowFault::none;
+  progress_.finished = true;
   for (Member& member : watched_)
-    if (!member.decided || quantitative_) member.monitor->finish(now_);
+    if (!member.decided || quantitative_) member.monitor->finish(progress_.now);
   settle();
   return RowFault::none;
 }
@@ -193,9 +195,9 @@ void MonitorGroup::forget_rows() {
     return;
   }
   if (ticks.empty()) return;
-  const std::int64_t oldest = ticks.back() - reach_ - 1;
+  const std::int64_t oldest = ticks.back() - kept_.reach - 1;
   std::size_t& head = kept_.head;
-  while (head + 1 < ticks.size() && (ticks[head + 1] <= oldest || ticks.size() - head > most_kept_)) {
+  while (head + 1 < ticks.size() && (ticks[head + 1] <= oldest || ticks.size() - head > kept_.most)) {
     ++head;
     kept_.whole = false;
   }
@@ -209,11 +211,11 @@ void MonitorGroup::forget_rows() {
 void MonitorGroup::keep(const Samples& samples) {
   std::size_t first = 0;
   if (!decided_some_) {
-    const std::int64_t oldest = samples.ticks[samples.count - 1] - reach_ - 1;
+    const std::int64_t oldest = samples.ticks[samples.count - 1] - kept_.reach - 1;
     const std::int64_t* const end = samples.ticks + samples.count;
     first = static_cast<std::size_t>(std::upper_bound(samples.ticks, end, oldest) - samples.ticks);
     if (first > 0) --first;  // its values hold still
-    if (samples.count - first > most_kept_) first = samples.count - most_kept_;
+    if (samples.count - first > kept_.most) first = samples.count - kept_.most;
   }
   if (first > 0) {
     kept_.ticks.clear();

@@ -59,19 +59,19 @@ class MonitorGroup {
   bool decided_some() const { return decided_some_; }
   std::size_t open() const { return open_; }
   std::size_t size() const { return watched_.size(); }
-  std::size_t columns() const { return values_.size(); }
+  std::size_t columns() const { return held_.values.size(); }
   // The column of the fault of the last row.
   std::size_t faulty_column() const { return faulty_column_; }
   // Ticks of a formula are counted from `origin`, the instant of the first row.
   OnlineMonitor& monitor(std::size_t number) { return *watched_[number].monitor; }
   const OnlineMonitor& monitor(std::size_t number) const { return *watched_[number].monitor; }
-  bool begun() const { return begun_; }
-  int128 origin() const { return origin_; }
-  std::int64_t now() const { return now_; }
-  std::size_t rows() const { return rows_; }
+  bool begun() const { return progress_.begun; }
+  int128 origin() const { return progress_.origin; }
+  std::int64_t now() const { return progress_.now; }
+  std::size_t rows() const { return progress_.rows; }
   // The value that a column has.
   std::optional<double> held(std::size_t column) const {
-    return has_values_ ? std::optional(values_.at(column)) : std::nullopt;
+    return held_.known ? std::optional(held_.values.at(column)) : std::nullopt;
   }
   const TickScale& scale() const { return scale_; }
 
@@ -94,6 +94,23 @@ class MonitorGroup {
     std::vector<std::vector<double>> columns;
     std::size_t head = 0;
     bool whole = true;
+    std::int64_t reach = 0;
+    std::size_t most = 0;
+  };
+  // The values that the columns have.
+  struct Held {
+    std::vector<double> values;
+    bool known = false;
+  };
+  // How far time has come.
+  struct Progress {
+    bool begun = false;
+    bool finished = false;
+    int128 origin = 0;
+    std::int64_t now = 0;
+    std::optional<double> last_time;  // of the last row, where it was given as a floating-point number
+    std::int64_t last_row = 0;        // its tick
+    std::size_t rows = 0;
   };
 
   RowFault check(int128 tick) const;
@@ -105,25 +122,16 @@ class MonitorGroup {
   void keep(const Samples& samples);
 
   std::vector<Member> watched_;
-  std::vector<double> values_;  // held
+  Held held_;
   std::vector<double> row_;
   std::vector<std::int64_t> ticks_;
   bool quantitative_;
   TickScale scale_;
-  std::int64_t reach_;
-  std::size_t most_kept_;
   Kept kept_;
   Decision verdict_ = Decision::undetermined;
   std::size_t open_;
   bool decided_some_ = false;
-  bool begun_ = false;
-  bool finished_ = false;
-  bool has_values_ = false;
-  int128 origin_ = 0;
-  std::int64_t now_ = 0;
-  std::optional<double> last_time_;  // of the last row, where it was given as a floating-point number
-  std::int64_t last_row_ = 0;        // its tick
-  std::size_t rows_ = 0;
+  Progress progress_;
   std::size_t faulty_column_ = 0;
 };
 

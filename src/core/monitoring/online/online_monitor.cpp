@@ -31,7 +31,7 @@ OnlineMonitor::OnlineMonitor(MonitorProgram program, bool quantitative)
       graph_(make_online_graph(program_)),
       evaluator_(program_),
       truth_(graph_),
-      earlier_truth_(graph_),
+      earlier_{TruthEngine(graph_), {}, 0},
       last_values_(program_.columns) {
   for (std::size_t n = 0; n < graph_.nodes.size(); ++n) {
     const OnlineNode& node = graph_.nodes[n];
@@ -41,24 +41,25 @@ OnlineMonitor::OnlineMonitor(MonitorProgram program, bool quantitative)
     leaf.atom = node.atom;
     leaf.change = node.kind == OnlineKind::change;
     leaves_.push_back(leaf);
-    truths_.emplace_back(leaf.change ? 0 : AtomEvaluator::block + 2 * margin);
-    values_.emplace_back(leaf.change ? AtomEvaluator::block : 0);
+    block_.truths.emplace_back(leaf.change ? 0 : AtomEvaluator::block + 2 * margin);
+    block_.values.emplace_back(leaf.change ? AtomEvaluator::block : 0);
   }
   for (const Leaf& leaf : leaves_)
     if (leaf.change) truth_.know(leaf.node, {0, 1}, false);
   truth_.step(-1, false);  // what holds without any sample
   if (quantitative) {
-    margins_ = std::make_unique<OfflineMonitor<Robustness>>(program_, Requests{});
+    margins_.whole = std::make_unique<OfflineMonitor<Robustness>>(program_, Requests{});
     if (std::optional<MonitorProgram> other = falling_sooner(program_))
-      sooner_ = std::make_unique<OfflineMonitor<Robustness>>(std::move(*other), Requests{});
-    waiting_.columns.resize(program_.columns);
+      margins_.sooner = std::make_unique<OfflineMonitor<Robustness>>(std::move(*other), Requests{});
+    margins_.waiting.columns.resize(program_.columns);
   }
 }
 
 void OnlineMonitor::check_time(std::int64_t tick) const {
-  if (finished_) throw std::invalid_argument("the trace is over");
-  if (begun_ && tick < now_) throw std::invalid_argument("time goes back");
-  if (begun_ && tick - origin_ >= largest_tick / 2) throw std::invalid_argument("the trace is too long");
+  if (progress_.finished) throw std::invalid_argument("the trace is over");
+  if (progress_.begun && tick < progress_.now) throw std::invalid_argument("time goes back");
+  if (progress_.begun && tick - progress_.origin >= largest_tick / 2)
+    throw std::invalid_argument("the trace is too long");
 }
 
 void OnlineMonitor::push(const Samples& samples) {
@@ -74,38 +75,38 @@ void OnlineMonitor::push_ordered(const Samples& samples) {
   const std::int64_t least = samples.ticks[0];
   check_time(least);
   const std::int64_t last = samples.ticks[samples.count - 1];
-  if (!begun_) {
+  if (!progress_.begun) {
     if (least < -largest_tick || least > largest_tick) throw std::invalid_argument("the first time is too large");
     if (last - least >= largest_tick / 2) throw std::invalid_argument("the trace is too long");
-    origin_ = now_ = least;
-    begun_ = true;
+    progress_.origin = progress_.now = least;
+    progress_.begun = true;
   }
   check_time(last);
   follow_all(samples);
-  now_ = last;
-  known_ = cell_of(last);
+  progress_.now = last;
+  progress_.known = cell_of(last);
   for (std::size_t n = 0; n < last_values_.size(); ++n) {
     const Column& column = samples.columns[n];
     const std::size_t row = samples.count - 1;
     last_values_[n] = column.numbers != nullptr ? column.numbers[row] : column.flags[row] != 0 ? 1.0 : 0.0;
   }
-  if (margins_) take_margins(samples);
+  if (margins_.whole) take_margins(samples);
 }
 
 // Samples come more often than bounds are asked for, and margins are much faster in blocks. So samples wait until a
 // block of them is there or somebody asks; what is found is the same.
 void OnlineMonitor::take_margins(const Samples& samples) {
   constexpr std::size_t block = AtomEvaluator::block;
-  if (waiting_.ticks.size() + samples.count > block) catch_up();
+  if (margins_.waiting.ticks.size() + samples.count > block) catch_up();
   if (samples.count > block) {
-    margins_->push(samples);
-    if (sooner_) sooner_->push(samples);
+    margins_.whole->push(samples);
+    if (margins_.sooner) margins_.sooner->push(samples);
     return;
   }
-  waiting_.ticks.insert(waiting_.ticks.end(), samples.ticks, samples.ticks + samples.count);
-  for (std::size_t n = 0; n < waiting_.columns.size(); ++n) {
+  margins_.waiting.ticks.insert(margins_.waiting.ticks.end(), samples.ticks, samples.ticks + samples.count);
+  for (std::size_t n = 0; n < margins_.waiting.columns.size(); ++n) {
     const Column& column = samples.columns[n];
-    std::vector<double>& waiting = waiting_.columns[n];
+    std::vector<double>& waiting = margins_.waiting.columns[n];
     if (column.numbers != nullptr) {
       waiting.insert(waiting.end(), column.numbers, column.numbers + samples.count);
     } else {
@@ -115,32 +116,32 @@ void OnlineMonitor::take_margins(const Samples& samples) {
 }
 
 void OnlineMonitor::catch_up() {
-  if (waiting_.ticks.empty()) return;
-  std::vector<Column> columns(waiting_.columns.size());
-  for (std::size_t n = 0; n < columns.size(); ++n) columns[n].numbers = waiting_.columns[n].data();
-  const Samples samples{waiting_.ticks.data(), columns.data(), waiting_.ticks.size()};
-  margins_->push(samples);
-  if (sooner_) sooner_->push(samples);
-  waiting_.ticks.clear();
-  for (std::vector<double>& column : waiting_.columns) column.clear();
+  if (margins_.waiting.ticks.empty()) return;
+  std::vector<Column> columns(margins_.waiting.columns.size());
+  for (std::size_t n = 0; n < columns.size(); ++n) columns[n].numbers = margins_.waiting.columns[n].data();
+  const Samples samples{margins_.waiting.ticks.data(), columns.data(), margins_.waiting.ticks.size()};
+  margins_.whole->push(samples);
+  if (margins_.sooner) margins_.sooner->push(samples);
+  margins_.waiting.ticks.clear();
+  for (std::vector<double>& column : margins_.waiting.columns) column.clear();
 }
 
 Range<Robustness> OnlineMonitor::robustness() {
-  if (margins_ && !finished_) {
+  if (margins_.whole && !progress_.finished) {
     catch_up();
-    narrow(margins_->so_far());
-    if (sooner_) narrow({Bounds<Robustness>::least, sooner_->so_far().high});
+    narrow(margins_.whole->so_far());
+    if (margins_.sooner) narrow({Bounds<Robustness>::least, margins_.sooner->so_far().high});
   }
-  narrow(robustness_);
-  return robustness_;
+  narrow(margins_.robustness);
+  return margins_.robustness;
 }
 
 // What the range and the verdict say is true, so are the bounds found before.
 void OnlineMonitor::narrow(const Range<Robustness>& range) {
-  robustness_.low = std::max(robustness_.low, range.low);
-  robustness_.high = std::min(robustness_.high, range.high);
-  if (verdict() == Decision::yes) robustness_.low = std::max(robustness_.low, 0.0);
-  if (verdict() == Decision::no) robustness_.high = std::min(robustness_.high, 0.0);
+  margins_.robustness.low = std::max(margins_.robustness.low, range.low);
+  margins_.robustness.high = std::min(margins_.robustness.high, range.high);
+  if (verdict() == Decision::yes) margins_.robustness.low = std::max(margins_.robustness.low, 0.0);
+  if (verdict() == Decision::no) margins_.robustness.high = std::min(margins_.robustness.high, 0.0);
 }
 
 // Blocks are followed at once. When one has decided the verdict, its samples are followed again one by one, to find the
@@ -163,15 +164,15 @@ void OnlineMonitor::follow_all(const Samples& samples) {
     }
     if (!copied || 2 * (first - *copied) > pieces) {
       copied = first;
-      earlier_truth_ = truth_;
-      earlier_leaves_ = leaves_;
-      earlier_known_ = known_;
+      earlier_.truth = truth_;
+      earlier_.leaves = leaves_;
+      earlier_.known = progress_.known;
     }
     follow(samples, first, 0, count);
     if (truth_.verdict() == Decision::undetermined) continue;
-    std::swap(truth_, earlier_truth_);
-    std::swap(leaves_, earlier_leaves_);
-    known_ = earlier_known_;
+    std::swap(truth_, earlier_.truth);
+    std::swap(leaves_, earlier_.leaves);
+    progress_.known = earlier_.known;
     for (std::size_t again = *copied; again < first; again += block) {
       evaluate(samples, again, block);
       follow(samples, again, 0, block);
@@ -197,10 +198,10 @@ void OnlineMonitor::evaluate(const Samples& samples, std::size_t first, std::siz
   for (std::size_t n = 0; n < leaves_.size(); ++n) {
     const Leaf& leaf = leaves_[n];
     if (leaf.change) {
-      evaluator_.left_value(leaf.atom, samples, first, count, values_[n].data());
+      evaluator_.left_value(leaf.atom, samples, first, count, block_.values[n].data());
     } else {
-      truths_[n][margin - 1] = leaf.holds;
-      evaluator_.truth(leaf.atom, samples, first, count, truths_[n].data() + margin);
+      block_.truths[n][margin - 1] = leaf.holds;
+      evaluator_.truth(leaf.atom, samples, first, count, block_.truths[n].data() + margin);
     }
   }
 }
@@ -210,18 +211,18 @@ void OnlineMonitor::follow(const Samples& samples, std::size_t first, std::size_
   const std::int64_t* ticks = samples.ticks + first;
   for (std::size_t n = 0; n < leaves_.size(); ++n) {
     if (leaves_[n].change) {
-      follow_changes(leaves_[n], values_[n].data(), ticks, begin, end);
+      follow_changes(leaves_[n], block_.values[n].data(), ticks, begin, end);
     } else {
-      follow_atom(leaves_[n], truths_[n].data() + margin, ticks, begin, end);
+      follow_atom(leaves_[n], block_.truths[n].data() + margin, ticks, begin, end);
     }
   }
-  known_ = cell_of(ticks[end - 1]);
-  truth_.step(known_, false);
+  progress_.known = cell_of(ticks[end - 1]);
+  truth_.step(progress_.known, false);
 }
 
 void OnlineMonitor::follow_atom(Leaf& leaf, const std::uint8_t* holds, const std::int64_t* ticks, std::size_t begin,
                                 std::size_t end) {
-  Cell start = known_;
+  Cell start = progress_.known;
   bool value = leaf.holds != 0;
   const auto change_at = [&](std::size_t n) {
     const Cell cell = cell_of(ticks[n]);
@@ -246,7 +247,7 @@ void OnlineMonitor::follow_atom(Leaf& leaf, const std::uint8_t* holds, const std
 
 void OnlineMonitor::follow_changes(Leaf& leaf, const double* values, const std::int64_t* ticks, std::size_t begin,
                                    std::size_t end) {
-  Cell start = known_;
+  Cell start = progress_.known;
   for (std::size_t n = begin; n < end; ++n) {
     const Cell cell = cell_of(ticks[n]);
     if (cell > start) {
@@ -264,18 +265,18 @@ void OnlineMonitor::follow_changes(Leaf& leaf, const double* values, const std::
 void OnlineMonitor::hold_until(Cell end) {
   for (Leaf& leaf : leaves_) {
     if (leaf.change) {
-      truth_.know(leaf.node, {known_, known_ + 1}, known_ > 0 && leaf.before != leaf.value);
-      truth_.know(leaf.node, {known_ + 1, end}, false);
+      truth_.know(leaf.node, {progress_.known, progress_.known + 1}, progress_.known > 0 && leaf.before != leaf.value);
+      truth_.know(leaf.node, {progress_.known + 1, end}, false);
       leaf.before = leaf.value;
     } else {
-      truth_.know(leaf.node, {known_, end}, leaf.holds != 0);
+      truth_.know(leaf.node, {progress_.known, end}, leaf.holds != 0);
     }
   }
-  known_ = end;
+  progress_.known = end;
 }
 
 void OnlineMonitor::advance(std::int64_t tick) {
-  if (!begun_) throw std::invalid_argument("the trace has not begun");
+  if (!progress_.begun) throw std::invalid_argument("the trace has not begun");
   const std::vector<double> values = last_values_;
   std::vector<Column> columns(values.size());
   for (std::size_t n = 0; n < columns.size(); ++n) columns[n].numbers = &values[n];
@@ -283,32 +284,32 @@ void OnlineMonitor::advance(std::int64_t tick) {
 }
 
 void OnlineMonitor::finish(std::int64_t tick) {
-  if (!begun_) throw std::invalid_argument("the trace has not begun");
+  if (!progress_.begun) throw std::invalid_argument("the trace has not begun");
   check_time(tick);
   const bool undetermined = truth_.verdict() == Decision::undetermined;
   if (!truth_.settled()) {
     hold_until(cell_of(tick) + 1);
     truth_.step(cell_of(tick), true);
   }
-  now_ = tick;
+  progress_.now = tick;
   if (undetermined && truth_.verdict() != Decision::undetermined) decided_at_ = tick;
-  if (margins_) {
+  if (margins_.whole) {
     static_cast<void>(robustness());
-    margins_->finish(tick);
-    narrow(margins_->verdict());
+    margins_.whole->finish(tick);
+    narrow(margins_.whole->verdict());
   }
-  sooner_.reset();
-  finished_ = true;
+  margins_.sooner.reset();
+  progress_.finished = true;
 }
 
 std::size_t OnlineMonitor::bytes() const {
-  std::size_t total = sizeof(*this) + truth_.bytes() + earlier_truth_.bytes();
-  for (const auto* margins : {margins_.get(), sooner_.get()})
+  std::size_t total = sizeof(*this) + truth_.bytes() + earlier_.truth.bytes();
+  for (const auto* margins : {margins_.whole.get(), margins_.sooner.get()})
     if (margins != nullptr) total += margins->bytes();
-  total += waiting_.ticks.capacity() * sizeof(std::int64_t);
-  for (const auto& column : waiting_.columns) total += column.capacity() * sizeof(double);
-  for (const auto& block : truths_) total += block.capacity();
-  for (const auto& block : values_) total += block.capacity() * sizeof(double);
+  total += margins_.waiting.ticks.capacity() * sizeof(std::int64_t);
+  for (const auto& column : margins_.waiting.columns) total += column.capacity() * sizeof(double);
+  for (const auto& block : block_.truths) total += block.capacity();
+  for (const auto& block : block_.values) total += block.capacity() * sizeof(double);
   return total;
 }
 

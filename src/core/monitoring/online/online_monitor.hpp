@@ -41,9 +41,9 @@ class OnlineMonitor {
   // Bounds of the robustness of every continuation; they never widen. Without `quantitative` those that the verdict
   // gives. At the end they are the narrowest, before they need not be.
   Range<Robustness> robustness();
-  std::int64_t origin() const { return origin_; }
-  std::int64_t now() const { return now_; }
-  bool finished() const { return finished_; }
+  std::int64_t origin() const { return progress_.origin; }
+  std::int64_t now() const { return progress_.now; }
+  bool finished() const { return progress_.finished; }
   std::size_t bytes() const;
 
  private:
@@ -57,7 +57,7 @@ class OnlineMonitor {
     double value = 0;        // and from then on
   };
 
-  Cell cell_of(std::int64_t tick) const { return cell_of_tick(tick - origin_); }
+  Cell cell_of(std::int64_t tick) const { return cell_of_tick(tick - progress_.origin); }
   void check_time(std::int64_t tick) const;
   void follow_all(const Samples& samples);
   void follow_singly(const Samples& samples, std::size_t first, std::size_t count);
@@ -71,33 +71,53 @@ class OnlineMonitor {
   void take_margins(const Samples& samples);
   void catch_up();
 
+  // The block of samples at hand, for each leaf, behind the last sample before it.
+  struct Block {
+    std::vector<std::vector<std::uint8_t>> truths;  // of a leaf that is an atom
+    std::vector<std::vector<double>> values;        // of a leaf that is a change
+  };
+
+  // How things stood some blocks ago.
+  struct Earlier {
+    TruthEngine truth;
+    std::vector<Leaf> leaves;
+    Cell known = 0;
+  };
+
   // Samples that the margins have not seen yet.
   struct Waiting {
     std::vector<std::int64_t> ticks;
     std::vector<std::vector<double>> columns;
   };
 
+  // What tells the robustness, where it is asked for.
+  struct Margins {
+    std::unique_ptr<OfflineMonitor<Robustness>> whole;
+    std::unique_ptr<OfflineMonitor<Robustness>> sooner;  // of another form, for upper bounds before the end
+    Waiting waiting;
+    Range<Robustness> robustness{Bounds<Robustness>::least, Bounds<Robustness>::greatest};
+  };
+
+  // How far time has come.
+  struct Progress {
+    bool begun = false;
+    bool finished = false;
+    std::int64_t origin = 0;
+    std::int64_t now = 0;  // the tick that has been reached
+    Cell known = 0;        // cells before are known
+  };
+
   MonitorProgram program_;
   OnlineGraph graph_;
   AtomEvaluator evaluator_;
   std::vector<Leaf> leaves_;
-  std::vector<std::vector<std::uint8_t>> truths_;  // of each leaf that is an atom: the last sample before, the block
-  std::vector<std::vector<double>> values_;        // of each leaf that is a change
+  Block block_;
   TruthEngine truth_;
-  TruthEngine earlier_truth_;  // some blocks ago
-  std::vector<Leaf> earlier_leaves_;
-  Cell earlier_known_ = 0;
+  Earlier earlier_;
   std::optional<std::int64_t> decided_at_;
-  std::unique_ptr<OfflineMonitor<Robustness>> margins_;
-  std::unique_ptr<OfflineMonitor<Robustness>> sooner_;  // of another form, for upper bounds before the end
-  Waiting waiting_;
-  Range<Robustness> robustness_{Bounds<Robustness>::least, Bounds<Robustness>::greatest};
+  Margins margins_;
   std::vector<double> last_values_;  // of all columns
-  bool begun_ = false;
-  bool finished_ = false;
-  std::int64_t origin_ = 0;
-  std::int64_t now_ = 0;  // the tick that has been reached
-  Cell known_ = 0;        // cells before are known
+  Progress progress_;
 };
 
 }  // namespace tachk
