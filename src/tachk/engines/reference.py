@@ -95,11 +95,9 @@ def explore(network: Network, goals: Sequence[Expression], limits: Limits = Limi
             for move in node.situation.moves:
                 _follow(search, node, move)
             move = None
-            if limits.states is not None and max(search.stored, search.explored) > limits.states:
-                reason = "state limit"
-                break
-            if limits.seconds is not None and time.monotonic() - started > limits.seconds:
-                reason = "time limit"
+            limit = _limit_hit(search, limits, started)
+            if limit:
+                reason = limit
                 break
     except EvaluationFault as error:
         path = () if node is None else node.path()
@@ -118,6 +116,15 @@ def explore(network: Network, goals: Sequence[Expression], limits: Limits = Limi
         fault,
         search.exact,
     )
+
+
+def _limit_hit(search: _Search, limits: Limits, started: float) -> str:
+    """Which limit ends the search; empty if none does."""
+    if limits.states is not None and max(search.stored, search.explored) > limits.states:
+        return "state limit"
+    if limits.seconds is not None and time.monotonic() - started > limits.seconds:
+        return "time limit"
+    return ""
 
 
 def _follow(search: _Search, node: _Node, move: Move) -> None:
