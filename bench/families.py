@@ -24,11 +24,11 @@ HERE = Path(__file__).resolve().parents[1]
 
 FAMILIES = {
     "fischer": ("classics/fischer.ta", "N=9", "mutual_exclusion"),
-    "csma_cd": ("classics/csma_cd.ta", "N=10", "collision_noticed"),
-    "train_gate": ("classics/train_gate.ta", "N=7", "one_at_a_time"),
+    "csma_cd": ("classics/csma_cd.ta", "N=11", "collision_noticed"),
+    "train_gate": ("classics/train_gate.ta", "N=8", "one_at_a_time"),
     "fddi": ("classics/fddi.ta", "N=14", "one_sender"),
-    "dining": ("classics/dining_philosophers.ta", "N=6", "no_deadlock"),
-    "brp": ("classics/brp.ta", "N=8", "no_premature_timeout"),
+    "dining": ("classics/dining_philosophers.ta", "N=7", "no_deadlock"),
+    "brp": ("classics/brp.ta", "N=16", None),
     "client_3_0": ("micro_xrce_dds/client_3_0.ta", "LOSSES=2", "ECFS"),
     "publication": ("micro_xrce_dds/publication.ta", "LOSSES=1", None),
 }
