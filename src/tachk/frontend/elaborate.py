@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from tachk.diagnostics.diagnostic import Label
 from tachk.diagnostics.span import Span
@@ -11,7 +11,7 @@ from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable
 from tachk.frontend.declarations.declarations import Declared, declare, set_channel_priorities
-from tachk.frontend.queries.queries import UncheckedQuery, elaborate_properties, elaborate_signals
+from tachk.frontend.queries.queries import UncheckedQuery, elaborate_each, elaborate_properties, elaborate_signals
 from tachk.frontend.scope import Scope, TemplateSymbol
 from tachk.frontend.templates.impossible_edges import warn_of_impossible_edges
 from tachk.frontend.templates.instances import Instances
@@ -100,6 +100,17 @@ def elaborate(
     if not context.findings.has_errors:
         warn_of_impossible_edges(network, context)
     return Elaborated(network, queries, unchecked, scope, context)
+
+
+def elaborate_each_property(
+    items: Sequence[ast.Item], whole: Span, overrides: Mapping[str, ast.Expression], context: Context
+) -> Elaborated:
+    """As `elaborate`, but a property that is wrong is an unchecked query and harms nothing else."""
+    properties = [item for item in items if isinstance(item, ast.PropertyDeclaration)]
+    others = [item for item in items if not isinstance(item, ast.PropertyDeclaration)]
+    result = elaborate(others, whole, overrides, context)
+    queries, unchecked = elaborate_each(properties, result.scope, context)
+    return replace(result, queries=queries, unchecked=unchecked)
 
 
 def _warn_of_lasting(network: Network, context: Context) -> None:

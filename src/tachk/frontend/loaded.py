@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Source
 from tachk.frontend.context import Budget, Context
-from tachk.frontend.elaborate import elaborate
+from tachk.frontend.elaborate import elaborate_each_property
 from tachk.frontend.findings import Findings
 from tachk.frontend.priority_readings import other_readings
-from tachk.frontend.queries.queries import UncheckedQuery, elaborate_each, elaborate_entries
+from tachk.frontend.queries.queries import UncheckedQuery, elaborate_entries
 from tachk.frontend.scope import Scope
 from tachk.model.expressions import Variable
 from tachk.model.network import Network
@@ -92,17 +92,14 @@ def other_readings_of(loaded: LoadedModel) -> Iterator[tuple[str, LoadedModel]]:
         return
     for reading in other_readings(loaded.items):
         context = Context(Findings(), budget=Budget(INSTANCES))
-        properties = [item for item in reading.items if isinstance(item, ast.PropertyDeclaration)]
-        others = [item for item in reading.items if not isinstance(item, ast.PropertyDeclaration)]
-        result = elaborate(others, loaded.document.span, loaded.overrides, context)
-        queries, unchecked = elaborate_each(properties, result.scope, context)
+        result = elaborate_each_property(reading.items, loaded.document.span, loaded.overrides, context)
         yield (
             reading.place,
             replace(
                 loaded,
                 _elaborated=result.network,
-                queries=queries,
-                unchecked=unchecked,
+                queries=result.queries,
+                unchecked=result.unchecked,
                 scope=result.scope,
                 context=context,
             ),

@@ -17,12 +17,12 @@ from tachk.diagnostics.diagnostic import (
 )
 from tachk.diagnostics.span import Source
 from tachk.frontend.context import Budget, Context
-from tachk.frontend.elaborate import Elaborated, elaborate
+from tachk.frontend.elaborate import Elaborated, elaborate, elaborate_each_property
 from tachk.frontend.findings import Findings
 from tachk.frontend.loaded import INSTANCES, LoadedModel, explained
 from tachk.frontend.overrides import constant_overrides
 from tachk.frontend.queries.expectations import with_expectations
-from tachk.frontend.queries.queries import elaborate_each, wrong_query
+from tachk.frontend.queries.queries import wrong_query
 from tachk.loading.damage import beyond_damage
 from tachk.loading.imports import Importer
 from tachk.syntax import ast
@@ -152,12 +152,9 @@ def _load_xml(read: XmlModel, constants: Mapping[str, int | bool | str], strict_
     stated = read.document.items
     items = _without_charts(stated, read.charts, findings)
     _refuse_dynamic_templates(items, findings)
-    properties = [item for item in items if isinstance(item, ast.PropertyDeclaration)]
     overrides = constant_overrides(constants, items, findings)
     context = Context(findings, budget=Budget(INSTANCES))
-    others = [item for item in items if not isinstance(item, ast.PropertyDeclaration)]
-    result = elaborate(others, read.document.span, overrides, context)
-    queries, unchecked = elaborate_each(properties, result.scope, context)
+    result = elaborate_each_property(items, read.document.span, overrides, context)
     if findings.has_mistakes:
         raise InputError(findings.sorted())
     refusals, warnings = _told_apart(findings)
@@ -168,8 +165,8 @@ def _load_xml(read: XmlModel, constants: Mapping[str, int | bool | str], strict_
         broken.append(wrong_query(query.name, query.text, query.comment, query.span, own))
     return LoadedModel(
         result.network,
-        queries,
-        tuple(sorted((*explained(unchecked, refusals), *broken), key=lambda query: query.span.start)),
+        result.queries,
+        tuple(sorted((*explained(result.unchecked, refusals), *broken), key=lambda query: query.span.start)),
         warnings,
         read.document,
         stated,
