@@ -14,11 +14,11 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import subprocess
 import sys
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+
+from processes import finished
 
 HERE = Path(__file__).resolve().parents[1]
 
@@ -52,15 +52,10 @@ class Measurement:
 def measure(checkout: Path, family: str) -> Measurement:
     """One run of a family in a checkout."""
     model, definition, name = FAMILIES[family]
-    arguments = ["-m", "tachk", "verify", str(checkout / "models" / model), "-D", definition, "--format", "json"]
-    arguments += [] if name is None else ["--property", name]
-    environment = os.environ | {"PYTHONPATH": str(checkout / "src")}
-    with tempfile.TemporaryFile() as output:
-        process = subprocess.Popen([sys.executable, *arguments], env=environment, stdout=output)
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        output.seek(0)
-        report = json.load(output)
+    command = [sys.executable, "-m", "tachk", "verify", str(checkout / "models" / model), "-D", definition]
+    command += ["--format", "json", *(() if name is None else ("--property", name))]
+    process = finished(command, checkout / "src")
+    report = json.loads(process.output)
     results = [result for run in report["runs"] for result in run["results"]]
     searches = [result["stats"] for result in results]
     answers = [
@@ -70,7 +65,7 @@ def measure(checkout: Path, family: str) -> Measurement:
     return Measurement(
         tuple(answers),
         max(search["peak_bytes"] for search in searches),
-        usage.ru_utime + usage.ru_stime,
+        process.cpu_seconds,
     )
 
 

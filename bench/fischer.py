@@ -15,11 +15,12 @@ import json
 import os
 import re
 import statistics
-import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+
+from processes import finished
 
 ROOT = Path(__file__).resolve().parents[1]
 DELAY = 10
@@ -57,18 +58,6 @@ def tchecker_network(processes: int) -> str:
     return "\n".join(lines) + "\n"
 
 
-def run(command: list[str]) -> tuple[str, float, int]:
-    """Standard output, CPU seconds and largest resident bytes of a command. Raises RuntimeError if it breaks."""
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    output = process.stdout.read()
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode != 0:
-        raise RuntimeError(f"{command[0]} ended with status {process.returncode}:\n{output}")
-    return output, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024
-
-
 def median_of(runs: list[Measurement]) -> Measurement:
     """The run with the median CPU time."""
     middle = statistics.median_low(sorted(m.cpu_seconds for m in runs))
@@ -79,11 +68,16 @@ def measure_tachk(processes: int) -> Measurement:
     """`tachk verify` on the model's mutual exclusion."""
     model = ROOT / "models/classics/fischer.ta"
     command = [sys.executable, "-m", "tachk", "verify", str(model), "-D", f"N={processes}"]
-    output, cpu, memory = run([*command, "--property", "mutual_exclusion", "--format", "json"])
-    result = json.loads(output)["runs"][0]["results"][0]
+    process = finished([*command, "--property", "mutual_exclusion", "--format", "json"])
+    result = json.loads(process.output)["runs"][0]["results"][0]
     stats = result["stats"]
     return Measurement(
-        result["answer"], stats["states_stored"], stats["states_explored"], stats["transitions"], cpu, memory
+        result["answer"],
+        stats["states_stored"],
+        stats["states_explored"],
+        stats["transitions"],
+        process.cpu_seconds,
+        process.memory_bytes,
     )
 
 
@@ -93,15 +87,15 @@ def measure_tchecker(tck_reach: str, processes: int) -> Measurement:
         network = Path(folder) / "fischer.tck"
         network.write_text(tchecker_network(processes), encoding="utf-8")
         command = [tck_reach, "-a", "covreach", "-s", "bfs", "-l", "critical1,critical2", str(network)]
-        output, cpu, memory = run(command)
-    values = dict(re.findall(r"^(\w+) (\S+)$", output, re.MULTILINE))
+        process = finished(command)
+    values = dict(re.findall(r"^(\w+) (\S+)$", process.output, re.MULTILINE))
     return Measurement(
         "fails" if values["REACHABLE"] == "true" else "holds",
         int(values["STORED_STATES"]),
         int(values["VISITED_STATES"]),
         int(values["VISITED_TRANSITIONS"]),
-        cpu,
-        memory,
+        process.cpu_seconds,
+        process.memory_bytes,
     )
 
 

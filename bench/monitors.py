@@ -31,6 +31,7 @@ from time import process_time
 
 import monitor_shapes as shapes
 import numpy as np
+from processes import finished
 
 import tachk
 from tachk.monitoring.compiler import compile as compile_formula
@@ -486,14 +487,8 @@ def write_csv(path: Path, rows: shapes.Rows, columns: Mapping[str, np.ndarray]) 
 def run_cli(formulas: Path, trace: Path, robustness: str) -> tuple[float, str]:
     """CPU seconds of the whole process, and the last line of its report."""
     command = [sys.executable, "-m", "tachk", "monitor", robustness, str(formulas), str(trace)]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    output = process.stdout.read()
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode not in (0, 10, 20):
-        raise RuntimeError(f"tachk monitor ended with status {process.returncode}:\n{output}")
-    return usage.ru_utime + usage.ru_stime, output.strip().splitlines()[-1]
+    process = finished(command, statuses=(0, 10, 20))
+    return process.cpu_seconds, process.output.strip().splitlines()[-1]
 
 
 PARTS = ("robustness", "truth", "online", "window", "length", "csv")

@@ -9,11 +9,11 @@ CPU seconds are user and system time by wait4, the least of several runs: what o
 from __future__ import annotations
 
 import argparse
-import os
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+from processes import finished
 
 SOURCE = Path(__file__).resolve().parents[1] / "src"
 
@@ -24,14 +24,8 @@ property reached : E<> P.b;
 
 
 def cpu_seconds(arguments: list[str], source: Path) -> float:
-    """User and system time of one process."""
-    environment = os.environ | {"PYTHONPATH": str(source)}
-    process = subprocess.Popen([sys.executable, *arguments], env=environment, stdout=subprocess.DEVNULL)
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode:
-        raise SystemExit(f"{arguments} ended with status {process.returncode}")
-    return usage.ru_utime + usage.ru_stime
+    """User and system time of Python with these arguments."""
+    return finished([sys.executable, *arguments], source).cpu_seconds
 
 
 def main() -> None:
