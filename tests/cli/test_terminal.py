@@ -133,10 +133,10 @@ def test_nobody_reading_is_no_error(model: Path, arguments: list[str]) -> None:
 
 INTERRUPT_SECOND_SEARCH = """
 import sys
-from tachk.properties import verify
+from tachk.properties import reachability
 from tachk.cli.main import run
 
-lower, searches = verify.lower, []
+lower, searches = reachability.lower, []
 
 def interrupt(*arguments):
     searches.append(arguments)
@@ -144,7 +144,7 @@ def interrupt(*arguments):
         raise KeyboardInterrupt
     return lower(*arguments)
 
-verify.lower = interrupt
+reachability.lower = interrupt
 run()
 """
 

@@ -11,8 +11,9 @@ from tachk.frontend.priority_readings import FIRST
 from tachk.model.query import Query
 from tachk.properties.questions import Questions, checked
 from tachk.properties.readings import agreed
+from tachk.properties.unanswered import refused
 from tachk.properties.verdict import Answer, Verdict
-from tachk.properties.verify import VerifyProgress, refused, verify
+from tachk.properties.verify import VerifyProgress, verify
 
 
 def answers(

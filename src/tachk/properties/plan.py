@@ -1,8 +1,10 @@
-"""From queries to explorations: what has to be reached, and which questions can share one search."""
+"""From queries to explorations: what has to be found out, and which questions can share one search."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from enum import StrEnum
+from typing import assert_never
 
 from tachk.model.expressions import Deadlock, Expression, Reference, Variable
 from tachk.model.query import Observer, Query
@@ -10,28 +12,52 @@ from tachk.model.traversal import walk
 from tachk.model.types import ClockType, leaves
 from tachk.records import dataclass
 from tachk.reduction.spectators import speaks_of_nothing
+from tachk.words import QueryKind
+
+
+class Analysis(StrEnum):
+    """What has to be found out to answer a query."""
+
+    REACHABILITY = "reachability"
+    """Whether some state of a set is reached."""
+    LIVENESS = "liveness"
+    """Whether some run never reaches a state of a set."""
+    EXTREMES = "extremes"
+    """How large or small expressions become."""
+
+
+def analysis_of(query: Query) -> Analysis:
+    match query.kind:
+        case QueryKind.POSSIBLY | QueryKind.INVARIANTLY:
+            return Analysis.REACHABILITY
+        case QueryKind.EVENTUALLY | QueryKind.POTENTIALLY_ALWAYS | QueryKind.LEADS_TO:
+            return Analysis.LIVENESS
+        case QueryKind.SUPREMUM | QueryKind.INFIMUM | QueryKind.BOUNDS:
+            return Analysis.EXTREMES
+        case never:
+            assert_never(never)
 
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """A query, its number among those that were asked, and the states whose reachability decides it."""
+    """A query, and its number among those that were asked."""
 
     number: int
     query: Query
-    target: Expression
 
-    @classmethod
-    def of(cls, number: int, query: Query) -> Task:
-        """Raises ValueError for a query that reachability does not decide."""
-        if query.target is None:
-            raise ValueError(f"the query {query.name} with {query.kind.value} is not decided by reachability")
-        return cls(number, query, query.target)
+    @property
+    def target(self) -> Expression:
+        """The states whose reachability decides the query. Raises ValueError where reachability does not."""
+        if self.query.target is None:
+            raise ValueError(f"the query {self.query.name} with {self.query.kind.value} is not decided by reachability")
+        return self.query.target
 
 
 @dataclass(frozen=True, slots=True)
 class Search:
     """Tasks that are decided by one exploration, of the network with the observer if there is one."""
 
+    analysis: Analysis
     tasks: tuple[Task, ...]
     observer: Observer | None = None
 
@@ -42,20 +68,25 @@ def plan(tasks: Iterable[Task]) -> tuple[Search, ...]:
 
     A clock in a predicate stays alive everywhere, ``deadlock`` needs a finer abstraction, and where a query speaks of
     nothing (``E<> false``) nothing may be left out, so sharing a search with such a query would make the others pay for
-    it. So would an observer: a query that has one is searched alone.
+    it. So would an observer: a query that has one is searched alone, as is every query of another analysis.
     """
-    searches: dict[tuple[bool, frozenset[Variable], bool, int | None], list[Task]] = {}
+    searches: dict[tuple[Analysis, frozenset[Variable], bool, bool, int | None], list[Task]] = {}
     for task in tasks:
-        alone = None if task.query.observer is None else task.number
-        searches.setdefault((*_demands(task.target), alone), []).append(task)
-    return tuple(Search(tuple(shared), shared[0].query.observer) for shared in searches.values())
+        searches.setdefault(_demands(task), []).append(task)
+    return tuple(Search(key[0], tuple(shared), shared[0].query.observer) for key, shared in searches.items())
 
 
-def _demands(target: Expression) -> tuple[bool, frozenset[Variable], bool]:
+def _demands(task: Task) -> tuple[Analysis, frozenset[Variable], bool, bool, int | None]:
+    """What tasks that share a search have in common; the number of the task where it shares with none."""
+    analysis = analysis_of(task.query)
+    if analysis is not Analysis.REACHABILITY:
+        return analysis, frozenset(), False, False, task.number
+    target = task.target
     parts = list(walk(target))
     variables = {part.variable for part in parts if isinstance(part, Reference)}
-    clocks = frozenset(filter(_has_clock, variables))
-    return any(isinstance(part, Deadlock) for part in parts), clocks, speaks_of_nothing(target)
+    asks_deadlock = any(isinstance(part, Deadlock) for part in parts)
+    alone = None if task.query.observer is None else task.number
+    return analysis, frozenset(filter(_has_clock, variables)), asks_deadlock, speaks_of_nothing(target), alone
 
 
 def _has_clock(variable: Variable) -> bool:

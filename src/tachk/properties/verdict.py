@@ -22,6 +22,30 @@ class Answer(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
+class Extreme:
+    """The least or the largest value that an expression takes.
+
+    Attributes:
+        value: in the time unit of the model for clocks; None where there is no limit.
+        strict: the value is approached and not taken.
+        run: ends in a state with this value where it is taken; None where no run can.
+    """
+
+    value: int | None
+    strict: bool = False
+    run: TimedTrace | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Extremes:
+    """``expression``: as text. An extreme that was not asked for is None."""
+
+    expression: str
+    least: Extreme | None = None
+    largest: Extreme | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Verdict:
     """Attributes:
     exact: the answer is proved; False only together with UNKNOWN, where an over-approximation was not conclusive.
@@ -32,6 +56,9 @@ class Verdict:
     unexamined: the processes that were held still or left out, and the variables whose updates were, because the
         answer does not depend on them, where they can meet run-time errors: these were not looked for.
     assumption: how the model was read where it does not say what it means and the answer depends on it; else empty.
+    extremes: for ``sup``, ``inf`` and ``bounds`` one entry for each expression; empty where no state satisfies the
+        restriction.
+    notes: what the user should know beside the answer: that it holds for no reason of interest, for example.
     moves: what the observer of a temporal property did along the trace, which is that of the model alone.
     """
 
@@ -46,6 +73,8 @@ class Verdict:
     moves: tuple[ObserverMove, ...] = ()
     unexamined: tuple[str, ...] = ()
     assumption: str = ""
+    extremes: tuple[Extremes, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Verdict {self.query.name}: {self.answer.value}, {self.query.text}>"

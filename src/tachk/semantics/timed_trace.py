@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from fractions import Fraction
 
 from tachk.records import dataclass
@@ -60,10 +61,31 @@ class TimedStep:
     state: TimedState
 
 
+class Ending(StrEnum):
+    """What comes after the last step of a run."""
+
+    OPEN = "open"
+    """Anything: the run has shown what it has to show."""
+    IDLE = "idle"
+    """Time passes for ever, and nothing else need happen."""
+    STUCK = "stuck"
+    """Nothing can happen any more, at whatever time."""
+    PERIODIC = "periodic"
+    """The steps from `TimedTrace.loop_start` on are taken again and again, with the same delays."""
+    RECURRENT = "recurrent"
+    """The transitions from `TimedTrace.loop_start` on can be taken again and again, with delays that differ."""
+
+
 @dataclass(frozen=True, slots=True)
 class TimedTrace:
+    """Attributes:
+    loop_start: with a PERIODIC or RECURRENT ending, how many steps come before the loop; else None.
+    """
+
     initial: TimedState
     steps: tuple[TimedStep, ...]
+    ending: Ending = Ending.OPEN
+    loop_start: int | None = None
 
     @property
     def states(self) -> tuple[TimedState, ...]:

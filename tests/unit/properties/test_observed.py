@@ -95,7 +95,7 @@ def test_a_run_is_that_of_the_model_alone_and_the_moves_of_the_observer_stand_be
 
 def test_each_temporal_property_is_searched_with_its_own_observer_only() -> None:
     text = f"{DOOR} property a : A[] !Door.locked; property b : G !Door.Open; property c : G !Door.Open;"
-    searches = plan(starmap(Task.of, enumerate(load_model(Source("door.ta", text)).queries)))
+    searches = plan(starmap(Task, enumerate(load_model(Source("door.ta", text)).queries)))
     assert [[task.query.name for task in search.tasks] for search in searches] == [["a"], ["b"], ["c"]]
     assert [search.observer is None for search in searches] == [True, False, False]
 

@@ -9,7 +9,7 @@ import pytest
 from tachk.diagnostics.span import Source
 from tachk.loading.load import load_model
 from tachk.model.query import Query
-from tachk.properties.plan import Task, plan
+from tachk.properties.plan import Analysis, Task, plan
 
 MODEL = """
 int n;
@@ -38,7 +38,7 @@ def queries() -> dict[str, Query]:
 def test_queries_about_the_same_clocks_and_deadlock_share_a_search() -> None:
     known = queries()
     chosen = [known[name] for name in list(known)[:8]]
-    assert [[task.query.name for task in search.tasks] for search in plan(starmap(Task.of, enumerate(chosen)))] == [
+    assert [[task.query.name for task in search.tasks] for search in plan(starmap(Task, enumerate(chosen)))] == [
         ["first", "second"],
         ["on_clock", "same_clock"],
         ["deadlock_free", "stuck"],
@@ -52,6 +52,15 @@ def test_no_queries_need_no_search() -> None:
 
 
 @pytest.mark.parametrize("name", ["live", "most"])
-def test_what_reachability_cannot_decide_is_no_task(name: str) -> None:
+def test_what_reachability_cannot_decide_has_no_target(name: str) -> None:
     with pytest.raises(ValueError):
-        Task.of(0, queries()[name])
+        _ = Task(0, queries()[name]).target
+
+
+def test_what_reachability_cannot_decide_is_searched_alone() -> None:
+    searches = plan(Task(number, queries()[name]) for number, name in enumerate(("live", "most", "live")))
+    assert [(search.analysis, len(search.tasks)) for search in searches] == [
+        (Analysis.LIVENESS, 1),
+        (Analysis.EXTREMES, 1),
+        (Analysis.LIVENESS, 1),
+    ]

@@ -19,6 +19,7 @@ from tachk.diagnostics.span import Source
 from tachk.engines.options import Limits
 from tachk.engines.outcome import TIME_LIMIT, GoalOutcome, Outcome, Statistics, Status
 from tachk.loading.load import load_model
+from tachk.properties import reachability
 from tachk.properties import verify as verifying
 from tachk.properties.verdict import Answer, Verdict
 from tachk.properties.verify import verify
@@ -145,8 +146,9 @@ def test_properties_share_the_time_and_leave_what_they_do_not_need(
         return Outcome(tuple(GoalOutcome(Status.UNREACHABLE) for _ in goals), Statistics())
 
     monkeypatch.setattr(module, "monotonic", lambda: now[0])
-    monkeypatch.setattr(verifying, "time", SimpleNamespace(monotonic=lambda: now[0]))
-    monkeypatch.setattr(verifying, "explore", explore)
+    for timed in (reachability, verifying):
+        monkeypatch.setattr(timed, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(reachability, "explore", explore)
     assert len(answers(THREE, limits)) == 4
     assert seen == given
 
@@ -166,7 +168,7 @@ def test_no_time_to_leave_out_bystanders_decides_nothing(monkeypatch: pytest.Mon
     def late(*_: object) -> None:
         raise OutOfTimeError
 
-    monkeypatch.setattr(verifying, "without_bystanders", late)
+    monkeypatch.setattr(reachability, "without_bystanders", late)
     text = "process P() { init location A { to B; } location B; } system P; property p : E<> P.B;"
     (verdict,) = answers(text, Limits(seconds=60.0))
     assert verdict.answer is Answer.HOLDS

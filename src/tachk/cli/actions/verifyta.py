@@ -30,8 +30,9 @@ from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.readings import agreed
+from tachk.properties.unanswered import refused
 from tachk.properties.verdict import Answer, Verdict
-from tachk.properties.verify import refused, verify
+from tachk.properties.verify import verify
 from tachk.report.run.verifyta_trace import concrete_trace, symbolic_trace
 from tachk.report.verifyta_report import (
     evidence,
