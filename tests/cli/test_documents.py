@@ -79,23 +79,17 @@ def run(arguments: list[str]) -> tuple[str, int]:
     return out.getvalue(), 0 if code is None else int(code)
 
 
+def check_in_page(path: Path, command: Command) -> None:
+    """Whether a command does what the page says; measured times and sizes may differ."""
+    output, status = run(command.arguments)
+    check(path, replace(command, output=without_measurements(command.output)), without_measurements(output), status)
+
+
 def check(path: Path, command: Command, output: str, status: int) -> None:
     place = f"{path.name}:{command.line}"
     assert status == command.status, f"{place}: exit status {status}, output:\n{output}"
     message = f"{place}: expected\n{command.output}\nbut the output is\n{output}"
     assert re.fullmatch(pattern(command.output), output), message
-
-
-@pytest.mark.parametrize("path", sorted(HERE.glob("*.md")), ids=lambda path: path.stem)
-def test_document(path: Path, tmp_path: Path) -> None:
-    files, commands = read_document(path)
-    assert commands, "the document has no command"
-    for name, text in files.items():
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(text, encoding="utf-8")
-    with chdir(tmp_path):
-        for command in commands:
-            check(path, command, *run(command.arguments))
 
 
 PAGES = (
@@ -104,10 +98,45 @@ PAGES = (
     *(str(page.relative_to(CHECKOUT)) for page in sorted((CHECKOUT / "docs").rglob("*.md"))),
 )
 TUTORIAL = "docs/tutorial.md"
-SHOWING = [name for name in PAGES if name != TUTORIAL and "\n$ tachk" in (CHECKOUT / name).read_text(encoding="utf-8")]
 
 
-@pytest.mark.parametrize("name", SHOWING)
+def showing(brings_files: bool) -> list[str]:
+    """The pages with commands, other than the tutorial, that bring the files they speak of, or that do not."""
+    pages = []
+    for name in PAGES:
+        files, commands = read_document(CHECKOUT / name)
+        if commands and name != TUTORIAL and bool(files) is brings_files:
+            pages.append(name)
+    return pages
+
+
+@pytest.mark.parametrize("path", sorted(HERE.glob("*.md")), ids=lambda path: path.stem)
+def test_document(path: Path, tmp_path: Path) -> None:
+    commands = written_out(path, tmp_path)
+    with chdir(tmp_path):
+        for command in commands:
+            check(path, command, *run(command.arguments))
+
+
+@pytest.mark.parametrize("name", showing(brings_files=True))
+def test_pages_that_bring_their_files(name: str, tmp_path: Path) -> None:
+    commands = written_out(CHECKOUT / name, tmp_path)
+    with chdir(tmp_path):
+        for command in commands:
+            check_in_page(CHECKOUT / name, command)
+
+
+def written_out(path: Path, folder: Path) -> list[Command]:
+    """Writes the files of a document into a folder; its commands."""
+    files, commands = read_document(path)
+    assert commands, "the document has no command"
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    return commands
+
+
+@pytest.mark.parametrize("name", showing(brings_files=False))
 def test_pages_that_show_commands_in_the_checkout(name: str) -> None:
     readme = CHECKOUT / name
     _, commands = read_document(readme)
@@ -115,13 +144,7 @@ def test_pages_that_show_commands_in_the_checkout(name: str) -> None:
     assert len(commands) == len(shown), "every command stands in a fence of the language console"
     with chdir(CHECKOUT):
         for command in commands:
-            output, status = run(command.arguments)
-            check(
-                readme,
-                replace(command, output=without_measurements(command.output)),
-                without_measurements(output),
-                status,
-            )
+            check_in_page(readme, command)
 
 
 def test_the_tutorial_goes_as_it_says(tmp_path: Path) -> None:
@@ -138,9 +161,7 @@ def test_the_tutorial_goes_as_it_says(tmp_path: Path) -> None:
                 Path(name).write_text(body, encoding="utf-8")
             elif language == "console":
                 for command in read_commands(body, line):
-                    output, status = run(command.arguments)
-                    command = replace(command, output=without_measurements(command.output))
-                    check(page, command, without_measurements(output), status)
+                    check_in_page(page, command)
                     done.append(command.arguments[0])
             elif language == "pycon":
                 run_examples(page.name, body, line, names)
