@@ -61,7 +61,8 @@ class CsvFaultKind(Enum):
     LINE_TOO_LONG = ...
 
 class Options:
-    """Its fields are options of `tachk.engines.options`, by the same names; see `tachk.engines.zone.core_options`."""
+    """Its fields are options of `tachk.engines.options`, by the same names; see `core_options` in
+    `tachk.engines.core_search`."""
 
 class Limits:
     states: int

@@ -13,8 +13,8 @@ import pytest
 from tachk import _core
 from tachk.compiler.bytecode import Opcode
 from tachk.compiler.program import Comparison, DeadlockLiteral
+from tachk.engines.core_search import core_options
 from tachk.engines.options import BoundScope, Extrapolation, Options, SearchOrder
-from tachk.engines.zone import core_options
 from tachk.model.fault import RuntimeErrorKind
 from tachk.runtime.monitor_program import NodeKind, Relation, ValueOperator
 

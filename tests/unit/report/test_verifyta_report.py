@@ -59,7 +59,7 @@ def test_cpu_time_is_no_wall_clock_time(monkeypatch: pytest.MonkeyPatch) -> None
     import tachk.engines.zone as zone
 
     ticks = iter((1.0, 1.25, 3.0, 3.25, 5.0, 5.25))
-    monkeypatch.setattr(zone, "_user_seconds", lambda: next(ticks))
+    monkeypatch.setattr(zone, "user_seconds", lambda: next(ticks))
     assert " -- CPU user time used : 250 ms" in run_to_verifyta(record())
 
 
