@@ -14,7 +14,7 @@ Wrong input raises `InputError` with every finding; a limit that is hit is an an
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from html import escape
 from time import monotonic
@@ -37,6 +37,8 @@ from tachk.time_limit import time_limit
 
 if TYPE_CHECKING:
     from tachk.drawing.svg import Picture
+    from tachk.engines.outcome import Statistics
+    from tachk.properties.deep.findings import DeepCheck
     from tachk.properties.verify import VerifyProgress
 
 __all__ = [
@@ -256,6 +258,23 @@ class Model:
             trace,
         )
         return Report(record)
+
+    def check(
+        self,
+        limits: Limits | None = None,
+        options: Options | None = None,
+        progress: Callable[[Statistics], None] | None = None,
+    ) -> DeepCheck:
+        """Explores the states of the model and looks for what is odd about it although no property asks for it, as
+        `tachk check --deep` does: what no run reaches, time-locks, Zeno loops, names that nothing uses.
+
+        Raises:
+            InputError: the initial state violates an invariant.
+            UnsupportedError: the model has refusals.
+        """
+        from tachk.properties.deep.deep_check import deep_check
+
+        return deep_check(self.network, self.warnings, options or Options(), limits or Limits(), progress)
 
     def zone_graph(self, limit: int = 10_000) -> Any:
         """The symbolic states that are reachable and what leads from one to the other, as a `networkx.DiGraph`.

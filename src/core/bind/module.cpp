@@ -121,6 +121,7 @@ NB_MODULE(_core, m) {
           },
           "(explored, stored, transitions, bytes)")
       .def("reached", &tachk::Explorer::reached, nb::arg("goal"), "The node where a goal was reached first, or None.")
+      .def("taken", &tachk::Explorer::taken, "The numbers of the edges that some action so far has taken, ascending.")
       .def("path", &tachk::Explorer::path, nb::arg("node"), "The edge numbers of each action on the way to a node.")
       .def("leads_to", &tachk::Explorer::leads_to, nb::arg("actions"), nb::arg("goal"),
            "Whether these actions, as edge numbers, can end in a goal; for a fresh explorer without extrapolation.")

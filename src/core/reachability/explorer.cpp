@@ -28,7 +28,8 @@ Explorer::Explorer(Program program, const Options& options, const Limits& limits
       goals_(graph_.program(), graph_.semantics(), graph_.operations(), options_.shortest),
       deadlocks_(graph_, goals_),
       passing_(graph_, options_.passing),
-      source_(graph_.blank()) {}
+      source_(graph_.blank()),
+      work_{.taken = std::vector<std::uint8_t>(graph_.program().edges.size(), 0)} {}
 
 // ---- the loop -------------------------------------------------------------------------------------------------------
 
@@ -45,7 +46,8 @@ struct Explorer::Storing {
     search.passed_.announce(effect.slots.data(), written);
   }
   bool wants(const Successor& successor) {
-    if (!successor.edges.empty()) ++search.transitions_;
+    if (!successor.edges.empty()) ++search.work_.transitions;
+    for (const std::uint32_t edge : successor.edges) search.work_.taken[edge] = 1;
     passes = search.passing_.passes(successor);
     if (passes) return true;
     discrete = search.passed_.locate();
@@ -90,12 +92,12 @@ void Explorer::expand(std::uint32_t number) {
   passed_.unpack(node, source_.slots.data());
   graph_.unpack(source_.slots.data(), passed_.zone(node), source_.zone);
   node_ = number;
-  ++explored_;
+  ++work_.explored;
   deadlocks_.begin(source_);
   passing_.begin(!deadlocks_.open());
   graph_.expand(source_, Storing{*this});
   deadlocks_.end(number, source_);
-  for (; passing_.next(source_); ++explored_) graph_.expand(source_, Storing{*this});
+  for (; passing_.next(source_); ++work_.explored) graph_.expand(source_, Storing{*this});
   waiting_.close();
 }
 
@@ -150,7 +152,14 @@ Status Explorer::run(std::uint64_t expansions) {
 }
 
 Statistics Explorer::statistics() const {
-  return {explored_, passed_.stored(), transitions_, passed_.bytes() + waiting_.bytes()};
+  return {work_.explored, passed_.stored(), work_.transitions, passed_.bytes() + waiting_.bytes()};
+}
+
+std::vector<std::uint32_t> Explorer::taken() const {
+  std::vector<std::uint32_t> edges;
+  for (std::uint32_t edge = 0; edge < work_.taken.size(); ++edge)
+    if (work_.taken[edge] != 0) edges.push_back(edge);
+  return edges;
 }
 
 std::optional<std::uint32_t> Explorer::reached(std::size_t goal) const {

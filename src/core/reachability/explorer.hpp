@@ -61,6 +61,9 @@ class Explorer final {
   // The node in which a goal was reached first.
   std::optional<std::uint32_t> reached(std::size_t goal) const;
   const std::optional<FaultReport>& fault() const { return fault_; }
+  // The edges that some action of an explored state has taken, in ascending order. Where the search has gone through
+  // everything, no other edge can be taken at all.
+  std::vector<std::uint32_t> taken() const;
   // The actions that lead from the initial state to a node.
   Path path(std::uint32_t node);
   // Whether these actions, taken one after the other from the initial state, can end in a goal. Asked of an explorer
@@ -69,6 +72,12 @@ class Explorer final {
 
  private:
   struct Storing;
+  // What has been done so far.
+  struct Work {
+    std::uint64_t explored = 0;
+    std::uint64_t transitions = 0;
+    std::vector<std::uint8_t> taken;  // of each edge, whether it has been
+  };
 
   Status search(std::uint64_t expansions);
   std::uint32_t next();
@@ -88,8 +97,7 @@ class Explorer final {
   PassingStates passing_;
   SymbolicState source_;          // that is being expanded; a copy, because its node may be covered meanwhile
   std::uint32_t node_ = no_node;  // its number, or that of the stored state from which it is passed through
-  std::uint64_t explored_ = 0;
-  std::uint64_t transitions_ = 0;
+  Work work_;
   bool started_ = false;
   std::optional<FaultReport> fault_;
 };

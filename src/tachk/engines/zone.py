@@ -52,11 +52,47 @@ def explore(
     return _joined(outcome, second, doubtful)
 
 
+def explore_everything(
+    program: Program,
+    goals: Sequence[Goal],
+    options: Options = Options(),
+    limits: Limits = Limits(),
+    progress: Progress | None = None,
+) -> tuple[Outcome, frozenset[tuple[int, int]]]:
+    """Search as `explore` does, but go on when every goal is decided, until nothing is left or a limit is hit.
+
+    Returns the outcome, and the edges that were taken, each as (process, edge of the process). If the search has gone
+    through everything (the outcome has no reason), no other edge can be taken. It is the reason of the first search
+    that counts: one that decides doubtful goals comes after it.
+    """
+    never = Goal(())
+    explorer = _explorer(program, [*goals, never], options, limits)
+    outcome, doubtful = _outcome(program, goals, explorer, options, limits, progress)
+    taken = frozenset((program.edges[n].process, program.edges[n].edge) for n in explorer.taken())
+    if doubtful:
+        left = limits.after(outcome.statistics.seconds)
+        second = explore(program, [goals[n] for n in doubtful], replace(options, extrapolation=Extrapolation.MAX), left)
+        reason = outcome.reason
+        outcome = replace(_joined(outcome, second, doubtful), reason=reason)
+    return outcome, taken
+
+
 def _search(
     program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
 ) -> tuple[Outcome, list[int]]:
     """The outcome of one exploration, and the goals that may be REACHED only seemingly."""
-    explorer = _explorer(program, goals, options, limits)
+    return _outcome(program, goals, _explorer(program, goals, options, limits), options, limits, progress)
+
+
+def _outcome(
+    program: Program,
+    goals: Sequence[Goal],
+    explorer: _core.Explorer,
+    options: Options,
+    limits: Limits,
+    progress: Progress | None,
+) -> tuple[Outcome, list[int]]:
+    """What comes of running an explorer, which may have further goals; and the goals REACHED only seemingly."""
     start, user = time.perf_counter(), user_seconds()
     status, reason = run_in_slices(explorer, start, limits, progress)
     fault = fault_of(program, explorer) if status is _core.Status.FAULT else None

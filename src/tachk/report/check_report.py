@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 import tachk
@@ -13,6 +13,10 @@ from tachk.diagnostics.codes.all_codes import CODES
 from tachk.diagnostics.diagnostic import Diagnostic, Severity
 from tachk.diagnostics.render_json import diagnostic_to_json
 from tachk.diagnostics.span import Span
+
+if TYPE_CHECKING:
+    from tachk.model.network import Network
+    from tachk.properties.deep.findings import DeepCheck
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +41,8 @@ class Checked:
         complaint: what is wrong that has no place in a text, such as a file that is not there.
         help: how to mend the complaint.
         out_of_time: whether the complaint is that the limit on time was over, and nothing else is known.
+        deep: what exploring the states of the model told, where that was asked for.
+        network: the model, for telling that.
     """
 
     model: str
@@ -46,10 +52,13 @@ class Checked:
     complaint: str | None = None
     help: str | None = None
     out_of_time: bool = False
+    deep: DeepCheck | None = None
+    network: Network | None = None
 
     @property
     def everything(self) -> tuple[Diagnostic, ...]:
-        return (*self.findings, *(self.portability or ()))
+        deep = () if self.deep is None else self.deep.findings
+        return (*self.findings, *deep, *(self.portability or ()))
 
 
 def checks_to_json(checks: Iterable[Checked]) -> dict[str, Any]:
@@ -79,7 +88,16 @@ def _check_to_json(check: Checked) -> dict[str, Any]:
         },
         "findings": [*([plain] if check.complaint else []), *map(diagnostic_to_json, check.findings)],
         "portability": None if check.portability is None else [*map(diagnostic_to_json, check.portability)],
+        "deep": _deep_to_json(check),
     }
+
+
+def _deep_to_json(check: Checked) -> dict[str, Any] | None:
+    if check.deep is None or check.network is None:
+        return None
+    from tachk.report.deep_report import deep_to_json
+
+    return deep_to_json(check.network, check.deep)
 
 
 def checks_to_sarif(checks: Sequence[Checked]) -> dict[str, Any]:

@@ -88,3 +88,36 @@ def test_github_gets_one_escaped_line_for_each_finding(
 def test_a_report_goes_to_a_file(models: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
     assert report(models, "json", capsys, output=Path("r.json")) == ""
     assert len(json.loads(Path("r.json").read_text(encoding="utf-8"))["models"]) == 4
+
+
+def test_a_deep_check_in_every_form(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("stuck.ta").write_text("process P() { clock x; init location a { invariant x <= 3; } }\nsystem P;\n")
+    assert run_check(("stuck.ta",), (), form=ReportForm.JSON, deep=True) is ExitStatus.AS_EXPECTED
+    data = json.loads(capsys.readouterr().out)
+    jsonschema.validate(data, json.loads(SCHEMA.read_text(encoding="utf-8")))
+    deep = data["models"][0]["deep"]
+    assert deep["complete"]
+    (finding,) = [finding for question in deep["questions"] for finding in question["findings"]]
+    assert (finding["code"], finding["place"]["line"], finding["place"]["column"]) == ("W0605", 1, 52)
+    assert [state["time"] for state in finding["trace"]] == ["0"]
+    run_check(("stuck.ta",), (), form=ReportForm.SARIF, deep=True)
+    assert [found["ruleId"] for found in json.loads(capsys.readouterr().out)["runs"][0]["results"]] == ["W0605"]
+    run_check(("stuck.ta",), (), form=ReportForm.GITHUB, deep=True)
+    assert capsys.readouterr().out.startswith("::warning file=stuck.ta,line=1,endLine=1,col=52")
+    run_check(("stuck.ta",), (), deep=True)
+    captured = capsys.readouterr()
+    assert "time-locks                      reached" in captured.out
+    assert "W0605 at stuck.ta:1:52 is reached by this run" in captured.out
+    assert "warning[W0605]" in captured.err
+
+
+def test_a_deep_check_that_ends_early_is_undecided(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("fault.ta").write_text("int[0,3] n;\nprocess P() { init location a { to a { assign n++; } } }\nsystem P;\n")
+    assert run_check(("fault.ta",), (), deep=True) is ExitStatus.UNKNOWN
+    out = capsys.readouterr().out
+    assert "then not on: run-time error" in out
+    assert "time-locks                      not decided (run-time error)" in out

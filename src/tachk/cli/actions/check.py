@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
+from time import monotonic
 from typing import TextIO
 
 from tachk import api
@@ -13,6 +15,7 @@ from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import OUT_OF_TIME, complain, print_diagnostics
 from tachk.cli.reporting import ReportForm
 from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
+from tachk.engines.options import Limits
 from tachk.formats.uppaal.portability import portability
 from tachk.formats.uppaal.versions import Version
 from tachk.loading.load import load_model
@@ -28,6 +31,7 @@ def run_check(
     output: Path | None = None,
     strict_xta: bool = False,
     seconds: float | None = None,
+    deep: bool = False,
 ) -> ExitStatus:
     """Reads every model and tells what is wrong or odd about each.
 
@@ -38,13 +42,14 @@ def run_check(
         output: the file of the report, standard output without.
         strict_xta: refuse what tachk adds to the language of UPPAAL.
         seconds: of each model; one that takes longer is left, and the status is UNKNOWN if it is no worse.
+        deep: explore the states of each model, and tell what no run does; see `tachk.properties.deep`.
     """
     constants = parse_definitions(definitions)
     checks: list[Checked] = []
     with destination(output) as out:
         assert out is not None
         for path in models:
-            checks.append(_within(seconds, path, constants, version, strict_xta))
+            checks.append(_within(seconds, path, constants, version, strict_xta, deep))
             if form is ReportForm.TEXT:
                 _tell(checks[-1], version, len(models) > 1, out)
         match form:
@@ -60,26 +65,42 @@ def run_check(
 
 
 def _within(
-    seconds: float | None, path: str, constants: dict[str, str], version: Version | None, strict_xta: bool
+    seconds: float | None,
+    path: str,
+    constants: dict[str, str],
+    version: Version | None,
+    strict_xta: bool,
+    deep: bool,
 ) -> Checked:
+    started = monotonic()
     try:
         with time_limit(seconds):
-            return _check(path, constants, version, strict_xta)
+            check, model = _check(path, constants, version, strict_xta)
     except OutOfTimeError:
         return Checked(path, complaint=OUT_OF_TIME, out_of_time=True)
+    if not deep or model is None:
+        return check
+    limits = Limits(seconds=seconds).after(monotonic() - started)
+    try:
+        return replace(check, deep=model.check(limits), network=model.network)
+    except InputError as error:
+        return replace(check, findings=(*error.diagnostics, *check.findings), size=None)
 
 
-def _check(path: str, constants: dict[str, str], version: Version | None, strict_xta: bool) -> Checked:
+def _check(
+    path: str, constants: dict[str, str], version: Version | None, strict_xta: bool
+) -> tuple[Checked, api.Model | None]:
+    """What reading tells, and the model where it can be used."""
     try:
         model = api.Model(load_model(path, constants, strict_xta), path, tuple(constants))
     except InputError as error:
-        return Checked(path, findings=error.diagnostics)
+        return Checked(path, findings=error.diagnostics), None
     except UnsupportedError as error:
-        return Checked(path, findings=(error.diagnostic,))
+        return Checked(path, findings=(error.diagnostic,)), None
     except UsageError as error:
-        return Checked(path, complaint=error.message, help=error.help)
+        return Checked(path, complaint=error.message, help=error.help), None
     if model.refusals:
-        return Checked(path, findings=(*model.refusals, *model.warnings))
+        return Checked(path, findings=(*model.refusals, *model.warnings)), None
     processes = model.network.processes
     size = Size(
         len(processes),
@@ -87,12 +108,15 @@ def _check(path: str, constants: dict[str, str], version: Version | None, strict
         sum(len(process.edges) for process in processes),
         len(model.properties),
     )
-    return Checked(path, size, model.warnings, None if version is None else portability(model.loaded, version))
+    other = None if version is None else portability(model.loaded, version)
+    return Checked(path, size, model.warnings, other), model
 
 
 def _tell(check: Checked, version: Version | None, named: bool, out: TextIO) -> None:
     """The report for people: a line for each model that can be used, and the findings on standard error."""
     print_diagnostics(check.findings)
+    if check.deep is not None:
+        print_diagnostics(check.deep.findings)
     if check.complaint is not None:
         complain(f"{check.model}: {check.complaint}" if named else check.complaint, check.help)
     size = check.size
@@ -111,6 +135,10 @@ def _tell(check: Checked, version: Version | None, named: bool, out: TextIO) -> 
         refused = sum(found.severity is Severity.ERROR for found in check.portability)
         otherwise = len(check.portability) - refused
         print(f"{check.model}: {version.full_name} would refuse {refused}, treat otherwise {otherwise}", file=out)
+    if check.deep is not None and check.network is not None:
+        from tachk.report.deep_report import tell_deep_check
+
+        tell_deep_check(check.network, check.deep, out)
 
 
 def _status(check: Checked) -> ExitStatus:
@@ -123,4 +151,6 @@ def _status(check: Checked) -> ExitStatus:
         return ExitStatus.UNSUPPORTED
     if any(found.severity is Severity.ERROR for found in check.portability or ()):
         return ExitStatus.NOT_AS_EXPECTED
+    if check.deep is not None and not check.deep.decided:
+        return ExitStatus.UNKNOWN
     return ExitStatus.AS_EXPECTED

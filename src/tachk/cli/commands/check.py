@@ -29,7 +29,13 @@ from tachk.formats.uppaal.versions import Version
     help="Form of the report: text for people, json for programs, sarif for code scanning, github for annotations.",
 )
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
-@options.max_seconds("Stop reading a model after this time, with exit status 20.")
+@click.option(
+    "deep",
+    "--deep",
+    is_flag=True,
+    help="Explore the states of each model, and warn of what no run reaches, time-locks, Zeno loops, unused names.",
+)
+@options.max_seconds("Stop reading or exploring a model after this time, with exit status 20.")
 @click.option("strict_xta", "--strict-xta", is_flag=True, help="Refuse what tachk adds to the language of UPPAAL.")
 def command(**given: Any) -> None:
     """Read models and report every mistake and warning, without checking a property."""

@@ -7,6 +7,7 @@ of other tools, E09xx formulas over traces, W0xxx warnings.
 
 from __future__ import annotations
 
+from tachk.diagnostics.codes.deep_codes import DEEP_CODES
 from tachk.diagnostics.codes.export_codes import EXPORT_CODES
 from tachk.diagnostics.codes.formula_codes import DURATION_CODES
 from tachk.diagnostics.codes.lowering_codes import LOWERING_CODES
@@ -32,6 +33,7 @@ CODES: dict[str, Explanation] = {
     **RUN_TIME_CODES,
     **OBSERVER_CODES,
     **EXPORT_CODES,
+    **DEEP_CODES,
     **MONITORING_CODES,
     **TRACE_CODES,
 }

@@ -1,0 +1,55 @@
+"""Explanations of what `tachk check --deep` warns of."""
+
+from __future__ import annotations
+
+from tachk.diagnostics.explanation import Explanation
+
+DEEP_CODES: dict[str, Explanation] = {
+    "W0601": Explanation(
+        "location that no run reaches",
+        "Edges lead to this location, but no run takes one of them, in any process of the template. Every property "
+        "that speaks of the location alone is decided by that. Found by exploring all states (`tachk check --deep`).",
+        "int n;\nprocess P() { init location a { to a; to b { guard n > 0; } } location b { to a; } }\nsystem P;",
+        "int n = 1;\nprocess P() { init location a { to a; to b; } location b { to a; } }\nsystem P;",
+    ),
+    "W0602": Explanation(
+        "edge that no run takes",
+        "Runs reach the location that this edge leaves, but none takes it, in any process of the template: its guard "
+        "is false there, nobody synchronises with it, or the invariants forbid it.",
+        "chan c;\nprocess P() { init location a { to b { sync c!; } } location b { to a; } }\n"
+        "process Q() { init location a { to a { guard false; sync c?; } to b; } location b { to a; } }\nsystem P, Q;",
+        "chan c;\nprocess P() { init location a { to b { sync c!; } } location b { to a; } }\n"
+        "process Q() { init location a { to a { sync c?; } to b; } location b { to a; } }\nsystem P, Q;",
+    ),
+    "W0603": Explanation(
+        "guard that is never true",
+        "Runs reach the location that this edge leaves, but what its guard says about variables is false in each of "
+        "these states.",
+        "int n;\nprocess P() { init location a { to a { guard n > 3; assign n = 0; } to a { assign n = 1; } } }\n"
+        "system P;",
+        "int n;\nprocess P() { init location a { to a { guard n > 0; assign n = 0; } to a { assign n = 1; } } }\n"
+        "system P;",
+    ),
+    "W0604": Explanation(
+        "guard that is always true",
+        "The guard is true in every state in which its process is where the edge begins. So it excludes nothing; "
+        "perhaps it says something else than it should.",
+        "int n;\nprocess P() { init location a { to a { guard n < 2; assign n = 1 - n; } } }\nsystem P;",
+        "int n;\nprocess P() { init location a { to a { assign n = 1; } } }\nsystem P;",
+    ),
+    "W0605": Explanation(
+        "time-lock",
+        "A run ends where no action is possible and an invariant, or an urgent or committed location, lets no more "
+        "time pass. No real system does that, so the model is wrong, and what a property says about all runs says "
+        "nothing about what comes after this state.",
+        "process P() { clock x; init location a { invariant x <= 3; } }\nsystem P;",
+        "process P() { clock x; init location a { invariant x <= 3; to b; } location b { to b; } }\nsystem P;",
+    ),
+    "W0606": Explanation(
+        "deadlock in which time passes",
+        "A run ends where no action is possible any more, while time goes on. Some systems are meant to end; for "
+        "others it is a mistake. `property ends : E<> deadlock;` asks for both kinds of deadlock.",
+        "process P() { init location a { to b; } location b; }\nsystem P;",
+        "process P() { init location a { to b; } location b { to a; } }\nsystem P;",
+    ),
+}

@@ -1,0 +1,209 @@
+"""One exploration and what can be told from it, then what the model alone tells."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+from tachk.certify.replay import ReplayError, replay
+from tachk.compiler.features import check_selections, check_supported
+from tachk.compiler.fold import Known, known_values
+from tachk.compiler.lower import lower
+from tachk.diagnostics.diagnostic import Diagnostic, InternalError, UnsupportedError
+from tachk.engines.concretise import concretise
+from tachk.engines.options import Limits, Options
+from tachk.engines.outcome import TIME_LIMIT, GoalOutcome, Outcome, Progress, Statistics, Status
+from tachk.engines.zone import explore_everything
+from tachk.model.expressions import BOOL, Constant, Expression
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.properties.deep.findings import DeepCheck, Evidence, Part, counted
+from tachk.properties.deep.guards import GuardGoal, always_true_findings, guard_goals, never_true
+from tachk.properties.deep.reached import (
+    in_some_process,
+    switched_off,
+    unreached_findings,
+    unreached_locations,
+    untaken_edges,
+    untaken_findings,
+)
+from tachk.properties.deep.stuck import (
+    Bound,
+    bounds_on_time,
+    deadlock_finding,
+    plain_deadlocks,
+    time_lock_finding,
+    time_locks,
+)
+from tachk.properties.fault_explanation import diagnostic_of, explain
+from tachk.properties.verify import check_initial_state
+from tachk.records import dataclass
+from tachk.semantics.discrete import PreparedNetwork, prepare
+from tachk.semantics.timed_trace import TimedTrace
+from tachk.time_limit import OutOfTimeError, time_limit
+from tachk.words import QueryKind
+
+_STOPPED = "clocks stop in this model, so the states that were found may not all be real"
+
+
+@dataclass(frozen=True, slots=True)
+class Explored:
+    """What the exploration gave.
+
+    Attributes:
+        bounds: the locations that limit time; None where clocks stop.
+        guards: what was asked of guards; ``unmet``: what of it was not reached.
+        ends: whether a time-lock and whether a plain deadlock is reached, in this order.
+    """
+
+    model: PreparedNetwork
+    known: Known
+    outcome: Outcome
+    taken: frozenset[tuple[int, int]]
+    bounds: list[Bound] | None
+    guards: list[GuardGoal]
+    ends: tuple[GoalOutcome, ...]
+    targets: tuple[Expression, ...]
+
+    @property
+    def unmet(self) -> list[GuardGoal]:
+        outcomes = self.outcome.goals[len(self.ends) :]
+        return [goal for goal, found in zip(self.guards, outcomes, strict=True) if found.status is not Status.REACHED]
+
+
+def deep_check(
+    network: Network,
+    warnings: Sequence[Diagnostic] = (),
+    options: Options = Options(),
+    limits: Limits = Limits(),
+    progress: Progress | None = None,
+) -> DeepCheck:
+    """Looks for what is odd about a network although no property asks for it.
+
+    Args:
+        warnings: what is known about it already, and not told again.
+
+    A limit that is hit, a run-time error and a construct that cannot be checked leave questions undecided; each says
+    why. Raises InputError where the initial state violates an invariant.
+    """
+    try:
+        with time_limit(limits.seconds):
+            explored = _explore(network, options, limits, progress)
+    except OutOfTimeError:
+        return _nothing(TIME_LIMIT)
+    except UnsupportedError as error:
+        return _nothing(error.diagnostic.message)
+    found = [*_reached_parts(explored, warnings), *_stuck_parts(explored), *_fault_parts(explored.outcome)]
+    return DeepCheck(tuple(found), explored.outcome.statistics, explored.outcome.reason)
+
+
+def _explore(network: Network, options: Options, limits: Limits, progress: Progress | None) -> Explored:
+    started = time.monotonic()
+    check_selections(network)
+    check_supported(network, Query("", QueryKind.POSSIBLY, Constant(1, BOOL)))
+    model = prepare(network)
+    check_initial_state(model)
+    known = known_values(network, [])
+    stops = any(location.rates for process in network.processes for location in process.locations)
+    bounds = None if stops else list(bounds_on_time(network, known))
+    ends = (Constant(0, BOOL), plain_deadlocks([])) if bounds is None else (time_locks(bounds), plain_deadlocks(bounds))
+    guards = list(guard_goals(network, known))
+    program, goals = lower(network, [*ends, *(goal.target for goal in guards)])
+    left = limits.after(time.monotonic() - started)
+    outcome, taken = explore_everything(program, goals, options, left, progress)
+    if outcome.fault is not None:
+        outcome = replace(outcome, fault=explain(model, outcome.fault, limits.seconds))
+    return Explored(model, known, outcome, taken, bounds, guards, outcome.goals[: len(ends)], ends)
+
+
+def _nothing(reason: str) -> DeepCheck:
+    parts = tuple(Part(question, "not decided", undecided=reason) for question in (_LOCATIONS, _EDGES, _GUARDS, *_ENDS))
+    return DeepCheck(parts, Statistics(), reason)
+
+
+_LOCATIONS, _EDGES, _GUARDS = "locations never reached", "edges never taken", "guards always true"
+_ENDS = ("time-locks", "deadlocks in which time passes")
+
+
+# ---- what was reached ------------------------------------------------------------------------------------------------
+
+
+def _reached_parts(explored: Explored, warnings: Sequence[Diagnostic]) -> tuple[Part, ...]:
+    network, taken, outcome = explored.model.network, explored.taken, explored.outcome
+    off = switched_off(network, explored.known)
+    locations, edges = set(unreached_locations(network, taken)), set(untaken_edges(network, taken | off))
+    if outcome.reason:
+        left = (
+            (_LOCATIONS, f"not decided: {_of_all(len(locations), sum(len(p.locations) for p in network.processes))}"),
+            (_EDGES, f"not decided: {_of_all(len(edges), sum(len(p.edges) for p in network.processes))}"),
+            (_GUARDS, "not decided"),
+        )
+        return tuple(Part(question, answer, undecided=outcome.reason) for question, answer in left)
+    unmet = explored.unmet
+    never = never_true(unmet)
+    unreached = unreached_findings(network, taken, warnings)
+    untaken = untaken_findings(network, taken | off, never, warnings)
+    always = always_true_findings(network, unmet, explored.guards)
+    return (
+        Part(_LOCATIONS, _counted(unreached, in_some_process(network, locations)), unreached),
+        Part(_EDGES, _counted(untaken, in_some_process(network, edges)), untaken),
+        Part(_GUARDS, counted(always), always),
+    )
+
+
+def _of_all(missing: int, all_: int) -> str:
+    return f"{missing} of {all_} not met so far"
+
+
+def _counted(findings: tuple[Diagnostic, ...], single: int) -> str:
+    return f"{counted(findings)}, and {single} only in some processes of a template" if single else counted(findings)
+
+
+# ---- where nothing follows -------------------------------------------------------------------------------------------
+
+
+def _stuck_parts(explored: Explored) -> tuple[Part, ...]:
+    parts = []
+    for question, goal, target in zip(_ENDS, explored.ends, explored.targets, strict=True):
+        parts.append(_stuck_part(explored, question, goal, target))
+    if explored.bounds is None and explored.ends[1].status is not Status.UNREACHABLE:
+        # Without knowing which invariants limit time, a deadlock may be of either kind.
+        reason = _STOPPED if explored.ends[1].status is Status.REACHED else explored.outcome.reason
+        return tuple(Part(question, "not decided", undecided=reason) for question in _ENDS)
+    return tuple(parts)
+
+
+def _stuck_part(explored: Explored, question: str, goal: GoalOutcome, target: Expression) -> Part:
+    if goal.status is Status.UNREACHABLE:
+        return Part(question, "none")
+    if goal.status is Status.UNDECIDED:
+        return Part(question, "not decided", undecided=explored.outcome.reason or TIME_LIMIT)
+    if explored.bounds is None:
+        return Part(question, "not decided", undecided=_STOPPED)
+    run = _run(explored.model, goal, target)
+    if question == _ENDS[0]:
+        finding = time_lock_finding(explored.model, explored.bounds, run)
+    else:
+        finding = deadlock_finding(explored.model.network, run)
+    return Part(question, "reached", (finding,), (Evidence(finding, run),))
+
+
+def _run(model: PreparedNetwork, goal: GoalOutcome, target: Expression) -> TimedTrace:
+    run = concretise(model, goal.path or (), target)
+    if run is None:
+        raise InternalError("the path found to a state without actions has no timed run")
+    try:
+        replay(model, run, target)
+    except ReplayError as error:
+        raise InternalError(f"the run found to a state without actions does not replay: {error}") from error
+    return run
+
+
+def _fault_parts(outcome: Outcome) -> tuple[Part, ...]:
+    """The run-time error that ended the exploration, if one did."""
+    if outcome.fault is None:
+        return ()
+    finding = diagnostic_of(outcome.fault)
+    evidence = () if outcome.fault.run is None else (Evidence(finding, outcome.fault.run),)
+    return (Part("run-time errors", "reached", (finding,), evidence),)

@@ -1,0 +1,73 @@
+"""What `tachk check --deep` found, as text and as JSON."""
+
+from __future__ import annotations
+
+from typing import Any, TextIO
+
+from rich.console import Console
+
+from tachk.diagnostics.render_json import diagnostic_to_json
+from tachk.model.network import Network
+from tachk.properties.deep.findings import DeepCheck, Part
+from tachk.report.json_report import trace_to_json
+from tachk.report.quantity import duration, grouped, seconds
+from tachk.report.run.telling import Ends, Telling
+from tachk.report.run.trace_text import print_trace
+from tachk.report.run.trace_view import view_trace
+
+_ENDS = Ends(4, 8)
+"""Of a longer run only so many steps are told."""
+
+
+def tell_deep_check(network: Network, check: DeepCheck, out: TextIO) -> None:
+    """How far the exploration went, a line for each question, and the runs that show findings."""
+    statistics = check.statistics
+    states = "state" if statistics.states_stored == 1 else "states"
+    took = f"{grouped(statistics.states_stored)} {states} in {seconds(statistics.seconds)}"
+    print(f"  explored {took}, then not on: {check.reason}" if check.reason else f"  explored all {took}", file=out)
+    width = max(len(part.question) for part in check.parts)
+    for part in check.parts:
+        print(f"  {part.question:<{width}}  {_answer(part)}", file=out)
+    for evidence in check.evidence:
+        end = duration(evidence.run.states[-1].time, network.time_unit)
+        steps = len(evidence.run.steps)
+        run = f"this run of {steps} {'step' if steps == 1 else 'steps'}, at time {end}:"
+        print(f"\n{evidence.finding.code} at {evidence.finding.span} is reached by {run}", file=out)
+        console = Console(file=out, highlight=False, soft_wrap=True)
+        print_trace(view_trace(network, evidence.run), console, network.time_unit, Telling(ends=_ENDS))
+
+
+def _answer(part: Part) -> str:
+    return f"{part.answer} ({part.undecided})" if part.undecided else part.answer
+
+
+def deep_to_json(network: Network, check: DeepCheck) -> dict[str, Any]:
+    """As docs/schema/check.schema.json describes it; the trace of a finding is of the form of `tachk verify`."""
+    statistics = check.statistics
+    runs = {id(evidence.finding): evidence.run for evidence in check.evidence}
+    return {
+        "complete": not check.reason,
+        "reason": check.reason,
+        "stats": {
+            "states_explored": statistics.states_explored,
+            "states_stored": statistics.states_stored,
+            "transitions": statistics.transitions,
+            "seconds": statistics.seconds,
+            "peak_bytes": statistics.peak_bytes,
+        },
+        "questions": [
+            {
+                "question": part.question,
+                "answer": part.answer,
+                "undecided": part.undecided,
+                "findings": [
+                    {
+                        **diagnostic_to_json(finding),
+                        "trace": trace_to_json(view_trace(network, runs[id(finding)])) if id(finding) in runs else None,
+                    }
+                    for finding in part.findings
+                ],
+            }
+            for part in check.parts
+        ],
+    }

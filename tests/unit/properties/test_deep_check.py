@@ -1,0 +1,126 @@
+from __future__ import annotations
+
+import pytest
+
+import tachk
+from tachk.diagnostics.codes.deep_codes import DEEP_CODES
+from tachk.engines.options import Limits
+from tachk.properties.deep.deep_check import deep_check
+from tachk.properties.deep.findings import DeepCheck
+from tachk.semantics.timed_trace import TimedTrace
+
+
+def check(text: str, **limits: float) -> DeepCheck:
+    model = tachk.loads(text)
+    return deep_check(model.network, model.warnings, limits=Limits(**limits))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("code", DEEP_CODES)
+def test_the_examples_of_a_code_show_it(code: str) -> None:
+    explanation = DEEP_CODES[code]
+    assert code in [finding.code for finding in check(explanation.bad).findings]
+    assert check(explanation.good).findings == ()
+
+
+def found(text: str) -> list[tuple[str, str]]:
+    return [(finding.code, finding.span.text) for finding in check(text).findings]
+
+
+def answer(result: DeepCheck, question: str) -> str:
+    return next(part.answer for part in result.parts if part.question == question)
+
+
+def test_a_location_that_no_process_of_the_template_reaches_is_told_once() -> None:
+    body = (
+        "{ clock x; init location a { invariant x <= 3; to b { guard x > LIMIT; } to a { assign x = 0; } } "
+        "location b; }"
+    )
+    declared = "process P(const int[0,1] k) "
+    nobody = declared + body.replace("LIMIT", "4 + k") + "\nsystem P;"
+    assert ("W0601", "b") in found(nobody)
+    somebody = check(declared + body.replace("LIMIT", "3 - k") + "\nsystem P;")
+    assert "W0601" not in [finding.code for finding in somebody.findings]
+    assert answer(somebody, "locations never reached") == "none, and 1 only in some processes of a template"
+
+
+def test_an_edge_is_told_with_its_guard_where_that_is_the_reason() -> None:
+    text = "int n;\nprocess P() { init location a { to a { guard n > 3; } to a { assign n = 1 - n; } } }\nsystem P;"
+    assert found(text) == [("W0603", "n > 3")]
+
+
+def test_an_edge_without_a_partner_is_told() -> None:
+    text = """chan c;
+    process P() { init location a { to a { sync c!; } } }
+    process Q() { init location a; location b { to b { sync c?; } } }
+    system P, Q;"""
+    assert [code for code, _ in found(text)] == ["W0606", "W0602"]
+
+
+def test_what_constants_switch_off_is_not_told() -> None:
+    text = "const bool ON = false;\nprocess P() { init location a { to a { guard ON; } to a; } }\nsystem P;"
+    assert found(text) == []
+
+
+def test_a_guard_that_excludes_nothing() -> None:
+    text = "int n;\nprocess P() { init location a { to a { guard n < 2; assign n = 1; } } }\nsystem P;"
+    assert found(text) == [("W0604", "n < 2")]
+    assert found(text.replace("n = 1", "n++")) == [("W0606", "a")]
+
+
+def ends(result: DeepCheck) -> tuple[str, str]:
+    return answer(result, "time-locks"), answer(result, "deadlocks in which time passes")
+
+
+@pytest.mark.parametrize(
+    ("location", "expected"),
+    [
+        ("location b { invariant x <= 3; }", ("reached", "none")),
+        ("location b { invariant n == 0 imply x <= 3; }", ("reached", "none")),
+        ("location b { invariant n == 1 imply x <= 3; }", ("none", "reached")),
+        ("location b { invariant x >= 0; }", ("none", "reached")),
+        ("urgent location b;", ("reached", "none")),
+        ("committed location b;", ("reached", "none")),
+        ("location b;", ("none", "reached")),
+        ("location b { invariant x <= 3; to a { assign x = 0; } }", ("none", "none")),
+        ("location b { invariant x <= 3; to a { guard x >= 2; assign x = 0; } }", ("none", "none")),
+    ],
+)
+def test_a_time_lock_is_told_from_a_deadlock(location: str, expected: tuple[str, str]) -> None:
+    start = "clock x; init location a { invariant x <= 1; to b; }"
+    result = check(f"int n;\nprocess P() {{ {start} {location} }}\nsystem P;")
+    assert ends(result) == expected
+
+
+def test_the_run_behind_a_time_lock_ends_in_it() -> None:
+    result = check(
+        "process P() { clock x; init location a { invariant x <= 2; to b { guard x == 2; } } "
+        "location b { invariant x <= 3; } }\n"
+        "system P;"
+    )
+    (evidence,) = result.evidence
+    assert evidence.finding.code == "W0605"
+    assert "P.b" in evidence.finding.message
+    run: TimedTrace = evidence.run
+    assert run.states[-1].discrete.locations == (1,)
+
+
+def test_a_limit_that_is_hit_is_told_and_nothing_is_claimed() -> None:
+    text = "int[0,9999] n;\nprocess P() { init location a { to a { guard n < 9999; assign n++; } } location b; }\n"
+    result = check(text + "system P;", states=100)
+    assert result.reason == "state limit"
+    assert not result.decided
+    assert result.findings == ()
+    assert {part.answer.split(":")[0] for part in result.parts} == {"not decided"}
+    assert check(text + "system P;", seconds=0.0).reason == "time limit"
+
+
+def test_a_run_time_error_is_a_finding() -> None:
+    result = check("int[0,3] n;\nprocess P() { init location a { to a { assign n++; } } }\nsystem P;")
+    assert [finding.code for finding in result.findings] == ["E0761"]
+    assert result.reason == "run-time error"
+
+
+def test_with_stopped_clocks_a_deadlock_is_not_decided() -> None:
+    text = "process P() { clock x; init location a { invariant x <= 3 && x' == 0; } }\nsystem P;"
+    assert ends(check(text)) == ("not decided", "not decided")
+    assert ends(check(text.replace("x' == 0; }", "x' == 0; to a; }"))) == ("none", "none")
