@@ -34,18 +34,23 @@ Clocks = tuple[Fraction, ...]
 
 def explore_regions(network: Network, goals: Sequence[Expression], limits: Limits = Limits()) -> Outcome:
     """Exact. Raises ValueError for networks with stopwatches, and if the initial state violates an invariant."""
+    return _explore(network, goals, limits, *region_steps(network, goals))
+
+
+def region_steps(
+    network: Network, predicates: Sequence[Expression]
+) -> tuple[Callable[[Clocks], Clocks], Callable[[Clocks], Fraction | None]]:
+    """What takes a point to the one that stands for its region, and the delay from there into the next region (None
+    where no region comes after it). Raises ValueError for networks with stopwatches."""
     if any(location.rates for process in network.processes for location in process.locations):
         raise ValueError("regions are not a bisimulation where clocks stop")
-    constants = clock_constants(network, goals)
+    constants = clock_constants(network, predicates)
     if constants.diagonals:
         # Behind a gap this wide nothing can be told apart, also after one of the clocks is set to a constant.
         width = 2 * max(*constants.maximum, _largest_reset(network)) + 1
-        return _explore(network, goals, limits, lambda clocks: _spread(_narrowed(clocks, width)), _next_region)
+        return lambda clocks: _spread(_narrowed(clocks, width)), _next_region
     maximum = constants.maximum[1:]
-    return _explore(
-        network,
-        goals,
-        limits,
+    return (
         lambda clocks: _spread(_capped(clocks, maximum)),
         lambda clocks: _next_region(tuple(v for v, m in zip(clocks, maximum, strict=True) if v <= m)),
     )
@@ -138,7 +143,7 @@ class _States:
             for number, goal in enumerate(self.goals):
                 if number not in self.found and satisfies(self.model, state, goal):
                     self.found[number] = path
-            following = _delayed(self.model, state, self.next_delay(state.clocks))
+            following = delayed(self.model, state, self.next_delay(state.clocks))
 
 
 def _explore(
@@ -186,7 +191,8 @@ def _explore(
     )
 
 
-def _delayed(model: PreparedNetwork, state: TimedState, duration: Fraction | None) -> TimedState | None:
+def delayed(model: PreparedNetwork, state: TimedState, duration: Fraction | None) -> TimedState | None:
+    """The state after a delay; None where there is none to take or it cannot pass."""
     if duration is None:
         return None
     try:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from enum import StrEnum
 
 from tachk.diagnostics.span import Span
+from tachk.model.expressions import Expression
 from tachk.model.fault import RuntimeErrorKind
 from tachk.records import dataclass
 from tachk.semantics.timed_trace import TimedTrace, Transition
@@ -73,6 +74,69 @@ class Outcome:
 
     goals: tuple[GoalOutcome, ...]
     statistics: Statistics
+    reason: str = ""
+    fault: RunTimeFault | None = None
+    exact: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Obligation:
+    """That every run from certain states on meets a goal.
+
+    Attributes:
+        goal: what has to become true, at once or later, during a delay or behind a transition.
+        trigger: from which of the reachable states on; None: from the initial state on.
+    """
+
+    goal: Expression
+    trigger: Expression | None = None
+
+
+class RunEnd(StrEnum):
+    """How a run goes on for ever, or cannot go on."""
+
+    LOOP = "loop"
+    """The same transitions are taken again and again."""
+    IDLE = "idle"
+    """Time passes for ever, and nothing else need happen."""
+    STUCK = "stuck"
+    """Nothing can happen any more, at whatever time, and time cannot pass for ever."""
+
+
+@dataclass(frozen=True, slots=True)
+class AvoidingRun:
+    """A run that avoids a predicate for ever. It may have to wait before the first transition, and behind each.
+
+    Attributes:
+        stem: the transitions from the initial state to the loop, or to the last state.
+        begins: how many transitions of the stem come before the state from which on the predicate is avoided.
+        loop: the transitions of the loop; none where the run ends.
+    """
+
+    end: RunEnd
+    stem: tuple[Transition, ...]
+    begins: int
+    loop: tuple[Transition, ...] = ()
+
+
+class LivenessStatus(StrEnum):
+    FOUND = "found"
+    NONE = "none"
+    """There is no such run."""
+    UNDECIDED = "undecided"
+
+
+@dataclass(frozen=True, slots=True)
+class LivenessOutcome:
+    """Attributes:
+    run: where one was FOUND.
+    reason: why it is UNDECIDED, in the words of `Outcome`.
+    exact: False if the set of states was over-approximated (stopwatches): then FOUND needs a replayed run.
+    """
+
+    status: LivenessStatus
+    statistics: Statistics
+    run: AvoidingRun | None = None
     reason: str = ""
     fault: RunTimeFault | None = None
     exact: bool = True

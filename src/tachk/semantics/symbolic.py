@@ -120,6 +120,13 @@ def situation(model: PreparedNetwork, discrete: DiscreteState) -> Situation:
     return Situation(discrete, invariant, delays, stopped, tuple(moves), urgent, alive, perhaps_alive, faults)
 
 
+def reaching(here: Situation, somewhere: Federation) -> Federation:
+    """The valuations from which ``somewhere`` is met now or after a delay that can pass. No clock may be stopped."""
+    if not here.delays or here.invariant is None:
+        return somewhere
+    return _alive(here.invariant, here.urgent, somewhere)
+
+
 def _alive(invariant: Zone, urgent: Federation, somewhere: Federation) -> Federation:
     """The valuations from which ``somewhere`` can be reached by a delay, all clocks running."""
     if not urgent:

@@ -1,0 +1,162 @@
+"""The reference for obligations: zones in plain Python, told apart by equality alone.
+
+Sound and complete for networks without stopwatches. Zones are widened as in `tachk.engines.reference`, which adds only
+valuations of regions that were there: with the constants of goal and trigger counted, a zone without the goal stays
+without it, and what can happen, now or later, stays the same (Bouyer 2004).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from tachk.engines.avoiding_runs import Budget, Graph, LimitError, avoiding_run, build, outcome_of
+from tachk.engines.options import Limits
+from tachk.engines.outcome import LivenessOutcome, Obligation, RunEnd, RunTimeFault, Statistics
+from tachk.engines.reference import widen
+from tachk.model.expressions import Expression
+from tachk.model.fault import EvaluationFault
+from tachk.model.network import Network
+from tachk.semantics import dbm, symbolic
+from tachk.semantics.clock_constants import ClockConstants, clock_constants
+from tachk.semantics.dbm import INFINITY, Federation, Zone
+from tachk.semantics.discrete import PreparedNetwork, prepare
+from tachk.semantics.symbolic import Situation
+from tachk.semantics.timed_trace import DiscreteState, Transition
+
+Node = tuple[DiscreteState, Zone]
+
+
+def check_by_zones(network: Network, obligation: Obligation, limits: Limits = Limits()) -> LivenessOutcome:
+    """Exact. Raises ValueError for networks with stopwatches, and if the initial state violates an invariant."""
+    if any(location.rates for process in network.processes for location in process.locations):
+        raise ValueError("the past of a zone is no zone where clocks stop")
+    constants = clock_constants(network, [e for e in (obligation.goal, obligation.trigger) if e is not None])
+    graph = _Zones(prepare(network), obligation.goal, constants)
+    budget = Budget(limits)
+    found, reason, fault = None, "", None
+    try:
+        starts = _starts(graph, obligation.trigger, budget)
+        found = avoiding_run(starts, graph.follow_avoiding, graph.end, budget)
+    except LimitError as limit:
+        reason = str(limit)
+    except EvaluationFault as error:
+        fault, reason = RunTimeFault(error.kind, error.span, (), None), "run-time error"
+    statistics = Statistics(budget.nodes, budget.nodes, 0, time.monotonic() - budget.started)
+    return outcome_of(found, statistics, reason, fault)
+
+
+def _starts(graph: _Zones, trigger: Expression | None, budget: Budget) -> dict[Node, tuple[Transition, ...]]:
+    """Where runs begin to avoid the goal, each with the way to it. Raises LimitError and EvaluationFault."""
+    start, _ = symbolic.initial_situation(graph.model)
+    zones = [z for z in [start.invariant and dbm.intersect(dbm.origin(graph.model.dimension), start.invariant)] if z]
+    if not zones:
+        raise ValueError("the initial state violates an invariant")
+    if trigger is None:
+        return dict.fromkeys(graph.avoiding(start, zones), ())
+    reached: Graph[Node] = build(graph.widened(start, symbolic.elapse(start, zones)), graph.follow, budget)
+    starts: dict[Node, tuple[Transition, ...]] = {}
+    for node in reached.came:
+        here = graph.situation(node[0])
+        met = symbolic.intersections([node[1]], symbolic.where(graph.model, here, trigger))
+        for begun in graph.avoiding(here, met):
+            starts.setdefault(begun, reached.way(node)[1])
+    return starts
+
+
+@dataclass(slots=True)
+class _Zones:
+    """The widened zones of a network, with and without those of a goal."""
+
+    model: PreparedNetwork
+    goal: Expression
+    constants: ClockConstants
+    situations: dict[DiscreteState, Situation] = field(default_factory=dict)
+    goals: dict[DiscreteState, Federation] = field(default_factory=dict)
+    endings: dict[DiscreteState, list[tuple[RunEnd, Federation]]] = field(default_factory=dict)
+
+    def situation(self, discrete: DiscreteState) -> Situation:
+        if discrete not in self.situations:
+            self.situations[discrete] = symbolic.situation(self.model, discrete)
+        return self.situations[discrete]
+
+    def met(self, here: Situation) -> Federation:
+        """Where the goal is true."""
+        if here.discrete not in self.goals:
+            self.goals[here.discrete] = symbolic.where(self.model, here, self.goal)
+        return self.goals[here.discrete]
+
+    def widened(self, here: Situation, zones: Federation) -> Iterator[Node]:
+        return ((here.discrete, part) for zone in zones for part in widen(self.constants, zone))
+
+    def avoiding(self, here: Situation, zones: Federation) -> Iterator[Node]:
+        """What is reached by letting time pass without meeting the goal."""
+        goal = self.met(here)
+        return self.widened(here, elapse_before(here, dbm.subtract_all(zones, goal), goal))
+
+    def follow(self, node: Node) -> Iterator[tuple[Transition | None, Node]]:
+        for transition, there, fired in self._fired(node):
+            yield from ((transition, after) for after in self.widened(there, symbolic.elapse(there, fired)))
+
+    def follow_avoiding(self, node: Node) -> Iterator[tuple[Transition | None, Node]]:
+        for transition, there, fired in self._fired(node):
+            yield from ((transition, after) for after in self.avoiding(there, fired))
+
+    def _fired(self, node: Node) -> Iterator[tuple[Transition, Situation, Federation]]:
+        """What the moves lead to, before time passes. Raises EvaluationFault."""
+        here, zones = self.situation(node[0]), [node[1]]
+        for asked in here.faults:
+            if symbolic.intersections(zones, asked.domain):
+                raise asked.fault
+        for move in here.moves:
+            if move.fault is not None and symbolic.intersections(zones, move.domain):
+                raise move.fault
+        for move in here.moves:
+            fired = symbolic.fire(here, zones, move)
+            if fired:
+                assert move.target is not None
+                yield move.transition, self.situation(move.target), fired
+
+    def end(self, node: Node) -> RunEnd | None:
+        """How a run can end here, or go on by time alone, without the goal."""
+        if node[0] not in self.endings:
+            here = self.situation(node[0])
+            self.endings[node[0]] = list(_endings(here, self.met(here)))
+        return next((kind for kind, where in self.endings[node[0]] if symbolic.intersections([node[1]], where)), None)
+
+
+def elapse_before(here: Situation, starts: Federation, holes: Federation) -> Federation:
+    """What is reached from valuations outside the holes by letting time pass, before the first hole."""
+    pieces: list[tuple[Zone, Federation]] = [(start, []) for start in starts]
+    for hole in holes:
+        past = dbm.down(hole)
+        split: list[tuple[Zone, Federation]] = []
+        for start, ahead in pieces:
+            split += [(outside, ahead) for outside in dbm.subtract(start, past)]
+            inside = dbm.intersect(start, past)
+            if inside is not None:
+                split.append((inside, [*ahead, hole]))
+        pieces = split
+    reached: Federation = []
+    for start, ahead in pieces:
+        zones = symbolic.elapse(here, [start])
+        for hole in ahead:
+            # Of what lies in the past of the hole and outside, nothing lies behind it.
+            zones = symbolic.intersections(zones, dbm.subtract(dbm.down(hole), hole))
+        reached += zones
+    return reached
+
+
+def _endings(here: Situation, goal: Federation) -> Iterator[tuple[RunEnd, Federation]]:
+    """The valuations without the goal in which a run can end, or which it can leave by time alone, never meeting it."""
+    invariant = here.invariant
+    if invariant is None:
+        return
+    if here.delays and all(invariant[clock, 0] >= INFINITY for clock in range(1, invariant.dimension)):
+        stops = [dbm.down(zone) for zone in (*goal, *here.urgent)]
+        yield RunEnd.IDLE, dbm.subtract_all([invariant], stops)
+    doubtful = [*(f.domain for f in here.faults), *(m.domain for m in here.moves if m.fault is not None)]
+    unknown = [dbm.down(zone) if here.delays else zone for domain in doubtful for zone in domain]
+    meets = symbolic.reaching(here, goal)
+    yield RunEnd.STUCK, dbm.subtract_all([invariant], [*here.alive, *meets, *unknown])
