@@ -63,10 +63,11 @@ class Decoder {
         in_.sequence([this] { return Process{in_.number(), in_.sequence([this] { return location(); })}; });
     program_.edges = in_.sequence([this] { return edge(); });
     program_.goals = in_.sequence([this] {
-      return Goal{in_.sequence([this] {
-        const auto deadlock = static_cast<DeadlockLiteral>(in_.number());
-        return Disjunct{condition(), deadlock};
-      })};
+      const bool decides = in_.flag();
+      return Goal{decides, in_.sequence([this] {
+                    const auto deadlock = static_cast<DeadlockLiteral>(in_.number());
+                    return Disjunct{condition(), deadlock};
+                  })};
     });
     program_.default_priority = in_.number();
     program_.maximum_constants = in_.sequence([this] { return note(in_.wide()); });

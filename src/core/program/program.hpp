@@ -149,6 +149,7 @@ struct Disjunct {
 };
 
 struct Goal {
+  bool decides;  // the search goes on for it; otherwise it is only noted if it is met on the way
   std::vector<Disjunct> disjuncts;
 };
 

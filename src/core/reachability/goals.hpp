@@ -3,6 +3,7 @@
 // (DeadlockWatch).
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -33,8 +34,11 @@ class GoalWatch final {
   void settle(std::size_t goal, std::uint32_t node);
   void end_layer();
 
-  // Whether there are goals, and none is open.
-  bool settled() const { return open_.empty() && !reached_.empty(); }
+  // Whether there are goals, and none is open that the search goes on for.
+  bool settled() const {
+    return !reached_.empty() &&
+           std::none_of(open_.begin(), open_.end(), [this](std::size_t goal) { return program_.goals[goal].decides; });
+  }
   const std::vector<std::size_t>& open() const { return open_; }
   // The node in which a goal was reached first; no_node if it was not.
   std::uint32_t node(std::size_t goal) const { return reached_[goal]; }

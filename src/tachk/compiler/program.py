@@ -197,6 +197,11 @@ class Disjunct:
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """A set of states to be reached: the union of its disjuncts. Its code lives in the program it was lowered with."""
+    """A set of states to be reached: the union of its disjuncts. Its code lives in the program it was lowered with.
+
+    Attributes:
+        decides: the search goes on for it; otherwise it is noted if it is met on the way, without a path.
+    """
 
     disjuncts: tuple[Disjunct, ...]
+    decides: bool = True

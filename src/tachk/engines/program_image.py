@@ -30,7 +30,7 @@ def encode(program: Program, goals: Sequence[Goal]) -> list[int]:
         image.extend(_update(edge.update))
     image.append(len(goals))
     for goal in goals:
-        image.append(len(goal.disjuncts))
+        image += (int(goal.decides), len(goal.disjuncts))
         for disjunct in goal.disjuncts:
             image.append(int(disjunct.deadlock))
             image.extend(_condition(disjunct.condition))

@@ -67,7 +67,8 @@ def explore_everything(
     """
     never = Goal(())
     explorer = _explorer(program, [*goals, never], options, limits)
-    outcome, doubtful = _outcome(program, goals, explorer, options, limits, progress)
+    outcome, doubtful = _outcome(program, [*goals, never], explorer, options, limits, progress)
+    outcome = replace(outcome, goals=outcome.goals[:-1])
     taken = frozenset((program.edges[n].process, program.edges[n].edge) for n in explorer.taken())
     if doubtful:
         left = limits.after(outcome.statistics.seconds)
@@ -92,11 +93,12 @@ def _outcome(
     limits: Limits,
     progress: Progress | None,
 ) -> tuple[Outcome, list[int]]:
-    """What comes of running an explorer, which may have further goals; and the goals REACHED only seemingly."""
+    """What comes of running an explorer; and the goals REACHED only seemingly."""
     start, user = time.perf_counter(), user_seconds()
     status, reason = run_in_slices(explorer, start, limits, progress)
     fault = fault_of(program, explorer) if status is _core.Status.FAULT else None
-    outcomes = tuple(_goal_outcome(program, explorer, number, status) for number in range(len(goals)))
+    outcomes = tuple(_goal_outcome(program, explorer, number, goal, status) for number, goal in enumerate(goals))
+    outcomes = _noted(goals, outcomes)
     statistics = replace(statistics_of(explorer, start), user_seconds=user_seconds() - user)
     outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
     if options.extrapolation is not Extrapolation.LU:
@@ -138,8 +140,22 @@ def _with_goals(outcome: Outcome, others: Mapping[int, GoalOutcome]) -> tuple[Go
     return tuple(others.get(number, goal) for number, goal in enumerate(outcome.goals))
 
 
-def _goal_outcome(program: Program, explorer: _core.Explorer, goal: int, status: _core.Status) -> GoalOutcome:
-    node = explorer.reached(goal)
+def _noted(goals: Sequence[Goal], outcomes: tuple[GoalOutcome, ...]) -> tuple[GoalOutcome, ...]:
+    """The outcomes; goals that do not decide are undecided where the search stopped because those that do are met."""
+    pairs = list(zip(goals, outcomes, strict=True))
+    if not any(goal.decides for goal in goals) or any(
+        goal.decides and found.status is not Status.REACHED for goal, found in pairs
+    ):
+        return outcomes
+    undecided = GoalOutcome(Status.UNDECIDED)
+    return tuple(found if goal.decides or found.status is Status.REACHED else undecided for goal, found in pairs)
+
+
+def _goal_outcome(
+    program: Program, explorer: _core.Explorer, number: int, goal: Goal, status: _core.Status
+) -> GoalOutcome:
+    node = explorer.reached(number)
     if node is not None:
-        return GoalOutcome(Status.REACHED, transitions_of(program, explorer.path(node)))
+        path = transitions_of(program, explorer.path(node)) if goal.decides else None
+        return GoalOutcome(Status.REACHED, path)
     return GoalOutcome(Status.UNREACHABLE if status is _core.Status.FINISHED else Status.UNDECIDED)

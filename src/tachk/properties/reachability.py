@@ -20,6 +20,7 @@ from tachk.properties.observed import ObserverMove, fault_without_observer, obse
 from tachk.properties.plan import Search, Task
 from tachk.properties.unanswered import none_begun
 from tachk.properties.unexamined import unexamined
+from tachk.properties.vacuity import noted, triggers_of, with_notes
 from tachk.properties.verdict import Answer, Verdict
 from tachk.reduction.bystanders import without_bystanders
 from tachk.reduction.spectators import with_spectators, without_spectators
@@ -70,18 +71,21 @@ def _settle_without_bystanders(
             relaxed = without_bystanders(network, targets)
             if relaxed == network:
                 return {}
-            program, goals = lower(relaxed, targets)
+            triggers = triggers_of(search.tasks, relaxed)
+            program, goals = lower(relaxed, [*targets, *(trigger.condition for trigger in triggers)])
+            goals = (*goals[: len(targets)], *noted(goals[len(targets) :]))
     except OutOfTimeError:
         return {}
     outcome = explore(program, goals, options, first_try.after(time.monotonic() - started), progress)
     if outcome.reason == INTERRUPTED:
         return none_begun(search.tasks, INTERRUPTED)
     left_out = unexamined(network, relaxed)
-    return {
+    settled = {
         task.number: Verdict(task.query, answers_of(task.query)[1], True, "", outcome.statistics, unexamined=left_out)
-        for task, goal in zip(search.tasks, outcome.goals, strict=True)
+        for task, goal in zip(search.tasks, outcome.goals[: len(targets)], strict=True)
         if goal.status is Status.UNREACHABLE
     }
+    return with_notes(settled, triggers, outcome.goals[len(targets) :])
 
 
 def _explore(
@@ -93,7 +97,9 @@ def _explore(
     try:
         with time_limit(limits.seconds):
             reduced = without_spectators(network, targets) if options.hold_spectators else network
-            program, goals = lower(reduced, targets)
+            triggers = triggers_of(search.tasks, reduced)
+            program, goals = lower(reduced, [*targets, *(trigger.condition for trigger in triggers)])
+            goals = (*goals[: len(targets)], *noted(goals[len(targets) :]))
     except OutOfTimeError:
         return none_begun(search.tasks, TIME_LIMIT)
     outcome = explore(program, goals, options, limits.after(time.monotonic() - started), progress)
@@ -104,7 +110,7 @@ def _explore(
             fault = replace(fault, run=_whole_run(model, searched, fault.run))
         outcome = replace(outcome, fault=fault if search.observer is None else fault_without_observer(network, fault))
     verdicts: dict[int, Verdict] = {}
-    for task, goal in zip(search.tasks, outcome.goals, strict=True):
+    for task, goal in zip(search.tasks, outcome.goals[: len(targets)], strict=True):
         verdict = _verdict(model, searched, task, goal, outcome, trace)
         if verdict is None:
             everything = replace(options, hold_spectators=False)
@@ -114,7 +120,7 @@ def _explore(
             verdicts |= _explore(model, replace(search, tasks=(task,)), everything, rest, progress, trace)
         else:
             verdicts[task.number] = verdict
-    return verdicts
+    return with_notes(verdicts, triggers, outcome.goals[len(targets) :])
 
 
 def _whole_run(model: PreparedNetwork, searched: PreparedNetwork, run: TimedTrace) -> TimedTrace | None:

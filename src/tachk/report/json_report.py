@@ -89,6 +89,7 @@ def verdict_to_json(network: Network, verdict: Verdict, every_step: bool = False
         "reason": verdict.reason,
         "unexamined": list(verdict.unexamined),
         "assumption": verdict.assumption,
+        "notes": list(verdict.notes),
         "stats": {
             "states_explored": statistics.states_explored,
             "states_stored": statistics.states_stored,

@@ -66,6 +66,8 @@ def _suite(parent: ElementTree.Element, record: RunRecord) -> None:
             if record.leaves_the_model(verdict):
                 said = f"differs from what the model expects of other constants: {said}"
             _result(case, "failure", said, _details(record, verdict))
+        if verdict.notes:
+            ElementTree.SubElement(case, "system-out").text = clean("\n".join(verdict.notes))
     for query in record.not_checked:
         case = _case(suite, record.model, _name(query.name, query.title), "0.000")
         if query.diagnostics:

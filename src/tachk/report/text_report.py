@@ -62,6 +62,8 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, te
     for verdict in record.verdicts:
         if verdict.assumption:
             console.print(Text(f"\n{verdict.query.name}: {verdict.assumption}", style="yellow"))
+        for note in verdict.notes:
+            console.print(Text(f"\n{verdict.query.name}: {note}", style="yellow"), soft_wrap=True)
     for verdict in record.verdicts if record.runs else ():
         if verdict.trace is None:
             continue

@@ -83,6 +83,8 @@ def verdict_lines(verdict: Verdict) -> Iterator[str]:
             yield note(f"no answer: {verdict.reason}")
     if verdict.assumption:
         yield note(verdict.assumption)
+    for text in verdict.notes:
+        yield note(text)
 
 
 def evidence(verdict: Verdict) -> str:

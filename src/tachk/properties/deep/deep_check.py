@@ -110,6 +110,7 @@ def _explore(network: Network, options: Options, limits: Limits, progress: Progr
     ends = (Constant(0, BOOL), plain_deadlocks([])) if bounds is None else (time_locks(bounds), plain_deadlocks(bounds))
     guards = list(guard_goals(network, known))
     program, goals = lower(network, [*ends, *(goal.target for goal in guards)])
+    goals = (*goals[: len(ends)], *(replace(goal, decides=False) for goal in goals[len(ends) :]))
     left = limits.after(time.monotonic() - started)
     outcome, taken = explore_everything(program, goals, options, left, progress)
     if outcome.fault is not None:

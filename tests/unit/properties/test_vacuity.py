@@ -1,0 +1,124 @@
+from __future__ import annotations
+
+import json
+from random import Random
+
+import pytest
+
+import tachk
+from tachk.compiler.lower import lower
+from tachk.engines import zone
+from tachk.engines.options import Limits, Options
+from tachk.engines.outcome import Status
+from tachk.model.builder import NetworkBuilder
+from tachk.model.expressions import BOOL, Binary, Constant
+from tachk.model.query import Query
+from tachk.operators import BinaryOperator
+from tachk.properties.vacuity import noted
+from tachk.properties.verify import verify
+from tachk.report.junit_report import runs_to_junit
+from tachk.report.verifyta_report import run_to_verifyta
+from tachk.testing import Shape, random_case
+from tachk.words import QueryKind
+
+MODEL = """
+int[0,2] n; bool b; int[0,5] a[2];
+const int K = 2;
+process P() {
+    clock x;
+    init location a { invariant x <= 3; to c { guard x >= 2; assign x = 0, n = 1 - n; } }
+    location c { invariant x <= 1; to a { assign x = 0; } to never { guard x > 1; }
+        to a { guard false; assign b = 1; } }
+    location never;
+}
+system P;
+"""
+
+
+def notes(query: str, **options: object) -> tuple[str, ...]:
+    (verdict,) = tachk.loads(MODEL).verify(query, options=Options(**options))  # type: ignore[arg-type]
+    return verdict.notes
+
+
+NEVER = "holds only because `{}` is never true"
+
+
+@pytest.mark.parametrize(
+    ("query", "texts"),
+    [
+        ("A[] P.never imply b", ["P.never"]),
+        ("A[] P.never imply P.x > 7", ["P.never"]),
+        ("A[] P.c imply P.x <= 1", []),
+        ("A[] P.a imply (n == 2 imply b)", ["n == 2"]),
+        ("A[] (n == 2 imply b) and (P.c imply not P.a)", ["n == 2"]),
+        ("A[] forall (i : int[0,2]) n == 2 && i < 2 imply P.x <= i", ["n == 2 && i < 2"]),
+        ("A[] forall (i : int[0,2]) n == i imply i < 2", []),
+        ("A[] not P.never", []),  # that is what the property says, not what it presumes
+        ("A[] P.x > 9 imply b", []),  # would make the search larger
+        ("A[] deadlock imply b", []),
+        ("A[] K > 3 imply b", []),  # decided by constants
+        ("A[] a[n] > 7 imply b", ["a[n] > 7"]),
+        ("E<> P.a imply b", []),
+        ("A[] n < 2 imply n > 5", []),  # fails
+    ],
+)
+@pytest.mark.parametrize("passing", [0, 4])
+def test_what_is_never_true(query: str, texts: list[str], passing: int) -> None:
+    if query.startswith("A[] a[n]"):
+        texts = []  # may be a run-time error as far as is known: not asked
+    assert notes(query, passing=passing) == tuple(NEVER.format(text) for text in texts)
+
+
+def test_notes_are_told_in_every_form() -> None:
+    report = tachk.loads(MODEL).verify("A[] P.never imply b")
+    note = NEVER.format("P.never")
+    assert f"q1: {note}" in str(report)
+    assert json.loads(json.dumps(report.to_dict()))["results"][0]["notes"] == [note]  # type: ignore[index,call-overload]
+    assert f"<system-out>{note}</system-out>" in runs_to_junit([report.record])
+    assert f" -- tachk: {note}" in run_to_verifyta(report.record)
+    assert f"<small>{note.replace('`', '`')}</small>" in report._repr_html_()
+
+
+def test_what_is_only_noted_neither_prolongs_a_search_nor_claims_to_be_unreachable() -> None:
+    builder = NetworkBuilder()
+    n = builder.integer("n", 0, 99)
+    process = builder.process("P")
+    here = process.location("a")
+    process.edge(here, here, guard=n < 99, updates=[n.assign(n + 1)])
+    program, (first, second) = lower(builder.build(), [(n == 3).expression, (n == 50).expression])
+    outcome = zone.explore(program, (first, *noted([second])))
+    assert [goal.status for goal in outcome.goals] == [Status.REACHED, Status.UNDECIDED]
+    assert outcome.statistics.states_stored < 10
+    outcome = zone.explore(program, (second, *noted([first])))
+    assert [goal.status for goal in outcome.goals] == [Status.REACHED, Status.REACHED]
+    assert outcome.goals[1].path is None
+
+
+@pytest.mark.parametrize("language", [False, True])
+def test_notes_on_random_networks_are_true_and_change_no_answer(language: bool) -> None:
+    told = 0
+    for seed in range(120):
+        case = random_case(Random(seed), Shape(processes=2, locations=3, clocks=1, constant=3, language=language))
+        if len(case.predicates) < 2:
+            continue
+        trigger, other = case.predicates[:2]
+        imply = Binary(BinaryOperator.IMPLY, trigger, other, BOOL)
+        try:
+            asked, alone = verify(
+                case.network,
+                [Query("q", QueryKind.INVARIANTLY, imply), Query("e", QueryKind.POSSIBLY, trigger)],
+                limits=Limits(states=3000),
+                trace=False,
+            )
+        except tachk.InputError:
+            continue
+        if asked.notes:
+            told += 1
+            assert alone.answer.value != "holds", f"seed {seed}"
+    assert told > 1 or language
+
+
+def test_a_constant_is_no_trigger() -> None:
+    query = Query("q", QueryKind.INVARIANTLY, Binary(BinaryOperator.IMPLY, Constant(0), Constant(1), BOOL))
+    (verdict,) = verify(tachk.loads(MODEL).network, [query])
+    assert verdict.notes == ()
