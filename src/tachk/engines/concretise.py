@@ -34,20 +34,20 @@ def concretise(
     for its edges and values alone.
     """
     try:
-        states, phases = _discrete_run(model, path)
-        requirements = [r for k, t in enumerate(path) for r in _of_phase(model, states[k], k, t)]
-        requirements += _of_phase(model, states[-1], len(path), None)
+        states, phases = discrete_run(model, path)
+        requirements = [r for k, t in enumerate(path) for r in of_phase(model, states[k], k, t)]
+        requirements += of_phase(model, states[-1], len(path), None)
         if predicate is not None:
-            requirements.append(_at_end(len(path), _final(model, states, phases, path, predicate)))
+            requirements.append(at_end(len(path), _final(model, states, phases, path, predicate)))
     except EvaluationFault:
         return None
     solve = any_solution if any(phase.stopped for phase in phases) else earliest
     durations = solve(phases, requirements)
-    return None if durations is None else _trace(model, states, phases, path, durations)
+    return None if durations is None else timed_trace(model, states, phases, path, durations)
 
 
-def _discrete_run(model: PreparedNetwork, path: Sequence[Transition]) -> tuple[list[DiscreteState], list[Phase]]:
-    """The discrete states of the path, and its phases.
+def discrete_run(model: PreparedNetwork, path: Sequence[Transition | None]) -> tuple[list[DiscreteState], list[Phase]]:
+    """The discrete states of the path, and its phases. None stands for a moment at which nothing happens.
 
     Behind the clocks of the model the phases have one more, which is 0 at the beginning of every phase.
     """
@@ -55,6 +55,11 @@ def _discrete_run(model: PreparedNetwork, path: Sequence[Transition]) -> tuple[l
     resets = [(0, 0)] * (model.dimension + 1)
     phases = [Phase(tuple(resets), stopped_clocks(model, states[0]))]
     for number, transition in enumerate(path, start=1):
+        if transition is None:
+            resets[model.dimension] = (number, 0)
+            states.append(states[-1])
+            phases.append(Phase(tuple(resets), phases[-1].stopped))
+            continue
         if any(model.edge(p).source != states[-1].locations[p.process] for p in transition.participants):
             raise ValueError(f"transition {number} does not start in the state before it")
         state, assigned = execute_updates(model, states[-1], transition)
@@ -66,31 +71,31 @@ def _discrete_run(model: PreparedNetwork, path: Sequence[Transition]) -> tuple[l
     return states, phases
 
 
-def _of_phase(
+def of_phase(
     model: PreparedNetwork, discrete: DiscreteState, phase: int, leaves_by: Transition | None
 ) -> Iterator[Requirement]:
     """What must hold so that control can stay in a state for the phase and leave it by a transition."""
     waiting = model.dimension
-    yield _at_end(phase, [((0, waiting, LESS_EQUAL_ZERO),)])
+    yield at_end(phase, [((0, waiting, LESS_EQUAL_ZERO),)])
     if not may_delay(model, discrete):
-        yield _at_end(phase, [((waiting, 0, LESS_EQUAL_ZERO),)])
+        yield at_end(phase, [((waiting, 0, LESS_EQUAL_ZERO),)])
     scratch = environment(model, discrete)
     for location in model.current(discrete):
         if location.invariant is not None:
             condition = conditional_constraints(location.invariant, scratch)
             yield [tuple(Moment(phase, False, c) for c in conjunction) for conjunction in condition]
-            yield _at_end(phase, condition)
+            yield at_end(phase, condition)
     if leaves_by is not None:
-        yield _at_end(phase, symbolic.guard_of(model, discrete, leaves_by))
+        yield at_end(phase, symbolic.guard_of(model, discrete, leaves_by))
         if model.has_priorities:
-            yield _at_end(phase, _unblocked(model, discrete, leaves_by))
+            yield at_end(phase, _unblocked(model, discrete, leaves_by))
     if may_delay(model, discrete) and any(type_.urgent for type_, _ in model.channels):
         here = symbolic.situation(model, discrete)
         for zone in here.urgent:
             yield _not_while_urgent(phase, zone, here, waiting)
 
 
-def _at_end(phase: int, condition: Sequence[Sequence[Constraint]]) -> Requirement:
+def at_end(phase: int, condition: Sequence[Sequence[Constraint]]) -> Requirement:
     return [tuple(Moment(phase, True, c) for c in conjunction) for conjunction in condition]
 
 
@@ -99,11 +104,11 @@ def _unblocked(model: PreparedNetwork, discrete: DiscreteState, transition: Tran
     here = symbolic.situation(model, discrete)
     for move in here.moves:
         if move.transition == transition:
-            return _conditions(dbm.subtract_all([dbm.universe(model.dimension)], move.blockers))
+            return conditions(dbm.subtract_all([dbm.universe(model.dimension)], move.blockers))
     return []
 
 
-def _conditions(federation: Sequence[Zone]) -> list[tuple[Constraint, ...]]:
+def conditions(federation: Sequence[Zone]) -> list[tuple[Constraint, ...]]:
     return [tuple(zone.constraints()) for zone in federation]
 
 
@@ -126,19 +131,20 @@ def _not_while_urgent(phase: int, zone: Zone, here: symbolic.Situation, waiting:
     return options
 
 
-def _reached(
-    model: PreparedNetwork, states: Sequence[DiscreteState], phases: Sequence[Phase], path: Sequence[Transition]
+def reached(
+    model: PreparedNetwork, states: Sequence[DiscreteState], phases: Sequence[Phase], path: Sequence[Transition | None]
 ) -> Zone:
     """A zone that holds the clock values in which the path can end, and as a rule little more."""
     zone = dbm.origin(model.dimension)
     for number, state in enumerate(states):
         invariant = symbolic.invariant_zone(model, state)
-        conditions: list[Iterable[Constraint]] = [] if invariant is None else [invariant.constraints()]
+        needed: list[Iterable[Constraint]] = [] if invariant is None else [invariant.constraints()]
         if may_delay(model, state):
             zone = dbm.up(zone, phases[number].stopped)
-        if number < len(path) and len(guard := symbolic.guard_of(model, state, path[number])) == 1:
-            conditions.append(guard[0])
-        for condition in conditions:
+        transition = path[number] if number < len(path) else None
+        if transition is not None and len(guard := symbolic.guard_of(model, state, transition)) == 1:
+            needed.append(guard[0])
+        for condition in needed:
             narrowed = dbm.constrain_all(zone, condition)
             if narrowed is None:
                 return dbm.universe(model.dimension)
@@ -165,32 +171,36 @@ def _final(
     if any(isinstance(e, Deadlock) for e in walk(predicate)):
         here = symbolic.situation(model, states[-1])
         if here.invariant is not None:
-            here = replace(here, invariant=dbm.intersect(here.invariant, _reached(model, states, phases, path)))
-        return _conditions(symbolic.where(model, here, predicate))
+            here = replace(here, invariant=dbm.intersect(here.invariant, reached(model, states, phases, path)))
+        return conditions(symbolic.where(model, here, predicate))
     return certain(predicate, environment(model, states[-1]))
 
 
-def _trace(
+def timed_trace(
     model: PreparedNetwork,
     states: Sequence[DiscreteState],
     phases: Sequence[Phase],
-    path: Sequence[Transition],
+    path: Sequence[Transition | None],
     durations: Sequence[Fraction],
 ) -> TimedTrace:
+    """The run that takes the transitions of a path after these durations. None in the path ends no delay."""
     zero = Fraction(0)
     state = TimedState(states[0], (zero,) * (model.dimension - 1), zero)
-    initial, steps = state, []
+    initial, steps, waited = state, [], zero
     for phase, transition in enumerate([*path, None]):
         wait, stopped = durations[phase], phases[phase].stopped
         clocks = [v if n in stopped else v + wait for n, v in enumerate(state.clocks, start=1)]
-        if transition is None:
-            if wait > 0:
-                steps.append(TimedStep(wait, None, TimedState(states[-1], tuple(clocks), state.time + wait)))
-            break
-        for number in range(1, model.dimension):
-            since, value = phases[phase + 1].resets[number]
-            if since == phase + 1:
-                clocks[number - 1] = Fraction(value)
-        state = TimedState(states[phase + 1], tuple(clocks), state.time + wait)
-        steps.append(TimedStep(wait, transition, state))
+        waited += wait
+        if transition is not None:
+            for number in range(1, model.dimension):
+                since, value = phases[phase + 1].resets[number]
+                if since == phase + 1:
+                    clocks[number - 1] = Fraction(value)
+            state = TimedState(states[phase + 1], tuple(clocks), state.time + wait)
+            steps.append(TimedStep(waited, transition, state))
+            waited = zero
+        else:
+            state = TimedState(states[phase], tuple(clocks), state.time + wait)
+    if waited > 0:
+        steps.append(TimedStep(waited, None, state))
     return TimedTrace(initial, tuple(steps))

@@ -19,8 +19,9 @@ from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.semantics import dbm, symbolic
+from tachk.semantics.avoidance import elapse_before, ends_in_deadlock, idles_for_ever
 from tachk.semantics.clock_constants import ClockConstants, clock_constants
-from tachk.semantics.dbm import INFINITY, Federation, Zone
+from tachk.semantics.dbm import Federation, Zone
 from tachk.semantics.discrete import PreparedNetwork, prepare
 from tachk.semantics.symbolic import Situation
 from tachk.semantics.timed_trace import DiscreteState, Transition
@@ -105,6 +106,15 @@ class _Zones:
 
     def _fired(self, node: Node) -> Iterator[tuple[Transition, Situation, Federation]]:
         """What the moves lead to, before time passes. Raises EvaluationFault."""
+        self._check_faults(node)
+        here, zones = self.situation(node[0]), [node[1]]
+        for move in here.moves:
+            fired = symbolic.fire(here, zones, move)
+            if fired:
+                assert move.target is not None
+                yield move.transition, self.situation(move.target), fired
+
+    def _check_faults(self, node: Node) -> None:
         here, zones = self.situation(node[0]), [node[1]]
         for asked in here.faults:
             if symbolic.intersections(zones, asked.domain):
@@ -112,51 +122,15 @@ class _Zones:
         for move in here.moves:
             if move.fault is not None and symbolic.intersections(zones, move.domain):
                 raise move.fault
-        for move in here.moves:
-            fired = symbolic.fire(here, zones, move)
-            if fired:
-                assert move.target is not None
-                yield move.transition, self.situation(move.target), fired
 
     def end(self, node: Node) -> RunEnd | None:
-        """How a run can end here, or go on by time alone, without the goal."""
+        """How a run can end here, or go on by time alone, without the goal. Raises EvaluationFault."""
+        self._check_faults(node)
         if node[0] not in self.endings:
             here = self.situation(node[0])
-            self.endings[node[0]] = list(_endings(here, self.met(here)))
+            goal = self.met(here)
+            self.endings[node[0]] = [
+                (RunEnd.IDLE, idles_for_ever(here, goal)),
+                (RunEnd.STUCK, ends_in_deadlock(here, goal)),
+            ]
         return next((kind for kind, where in self.endings[node[0]] if symbolic.intersections([node[1]], where)), None)
-
-
-def elapse_before(here: Situation, starts: Federation, holes: Federation) -> Federation:
-    """What is reached from valuations outside the holes by letting time pass, before the first hole."""
-    pieces: list[tuple[Zone, Federation]] = [(start, []) for start in starts]
-    for hole in holes:
-        past = dbm.down(hole)
-        split: list[tuple[Zone, Federation]] = []
-        for start, ahead in pieces:
-            split += [(outside, ahead) for outside in dbm.subtract(start, past)]
-            inside = dbm.intersect(start, past)
-            if inside is not None:
-                split.append((inside, [*ahead, hole]))
-        pieces = split
-    reached: Federation = []
-    for start, ahead in pieces:
-        zones = symbolic.elapse(here, [start])
-        for hole in ahead:
-            # Of what lies in the past of the hole and outside, nothing lies behind it.
-            zones = symbolic.intersections(zones, dbm.subtract(dbm.down(hole), hole))
-        reached += zones
-    return reached
-
-
-def _endings(here: Situation, goal: Federation) -> Iterator[tuple[RunEnd, Federation]]:
-    """The valuations without the goal in which a run can end, or which it can leave by time alone, never meeting it."""
-    invariant = here.invariant
-    if invariant is None:
-        return
-    if here.delays and all(invariant[clock, 0] >= INFINITY for clock in range(1, invariant.dimension)):
-        stops = [dbm.down(zone) for zone in (*goal, *here.urgent)]
-        yield RunEnd.IDLE, dbm.subtract_all([invariant], stops)
-    doubtful = [*(f.domain for f in here.faults), *(m.domain for m in here.moves if m.fault is not None)]
-    unknown = [dbm.down(zone) if here.delays else zone for domain in doubtful for zone in domain]
-    meets = symbolic.reaching(here, goal)
-    yield RunEnd.STUCK, dbm.subtract_all([invariant], [*here.alive, *meets, *unknown])

@@ -8,16 +8,17 @@ satisfies all invariants. It is *enabled* if no possible transition has a higher
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 
 from tachk.model.evaluate import Environment, holds
 from tachk.model.expressions import Binary, Expression, Unary
 from tachk.model.fault import EvaluationFault
 from tachk.operators import BinaryOperator, UnaryOperator
-from tachk.semantics.constraints import Disjunction, conditional_constraints, satisfied
+from tachk.semantics.constraints import Disjunction, certain, conditional_constraints, satisfied
 from tachk.semantics.dbm import INFINITY, Constraint, bound_value
 from tachk.semantics.discrete import (
     PreparedNetwork,
@@ -183,7 +184,7 @@ def delay(model: PreparedNetwork, state: TimedState, duration: Fraction) -> Time
     if not satisfies_invariants(model, after):
         raise StepError("the delay violates an invariant")
     if any(type_.urgent for type_, _ in model.channels):
-        for moment in _telling_moments(model, state, before=duration):
+        for moment in telling_moments(model, state, before=duration):
             if urgent(model, _later(model, state, moment)):
                 raise StepError(f"a synchronisation over an urgent channel is enabled {moment} units into the delay")
     return after
@@ -205,7 +206,7 @@ def deadlocked(model: PreparedNetwork, state: TimedState) -> bool:
         return False
     if not may_delay(model, state.discrete):
         return True
-    for moment in _telling_moments(model, state, before=None):
+    for moment in telling_moments(model, state, before=None):
         try:
             after = delay(model, state, moment)
         except StepError:
@@ -257,15 +258,18 @@ def _later(model: PreparedNetwork, state: TimedState, duration: Fraction) -> Tim
     return replace(state, clocks=clocks, time=state.time + duration)
 
 
-def _telling_moments(model: PreparedNetwork, state: TimedState, before: Fraction | None) -> list[Fraction]:
-    """Moments in ``[0, before)`` such that whatever is possible in that time is possible at one of them.
+def telling_moments(
+    model: PreparedNetwork, state: TimedState, before: Fraction | None, predicates: Sequence[Expression] = ()
+) -> list[Fraction]:
+    """Moments in ``[0, before)`` such that whatever is possible in that time is possible at one of them, and predicates
+    that are true at one moment are true at one of these.
 
     These are the moments when a clock constraint that matters changes its truth value, and one between any two of them.
     """
     stopped = stopped_clocks(model, state.discrete) | {0}
     changes = {Fraction(0)}
     point = (Fraction(0), *state.clocks)
-    for i, j, raw in _constraints_in_sight(model, state.discrete):
+    for i, j, raw in constraints_in_sight(model, state.discrete, predicates):
         speed = (i not in stopped) - (j not in stopped)
         if speed and raw < INFINITY:
             moment = (bound_value(raw) - (point[i] - point[j])) / speed
@@ -277,10 +281,18 @@ def _telling_moments(model: PreparedNetwork, state: TimedState, before: Fraction
     return sorted([*ordered, *between])
 
 
-def _constraints_in_sight(model: PreparedNetwork, discrete: DiscreteState) -> Iterator[Constraint]:
+def constraints_in_sight(
+    model: PreparedNetwork, discrete: DiscreteState, predicates: Sequence[Expression] = ()
+) -> Iterator[Constraint]:
     """The clock constraints of all guards, and of the invariants here and behind all transitions that values do not
-    rule out. What cannot be evaluated is left out: whoever tries it while it is asked for will meet the fault."""
+    rule out; and those of predicates, whose ``deadlock`` depends on no others. What cannot be evaluated is left out:
+    whoever tries it while it is asked for will meet the fault."""
     yield from _constraints(_invariants(model, discrete), environment(model, discrete))
+    for predicate in predicates:
+        for answer in (False, True):
+            scratch = environment(model, discrete)
+            scratch.deadlock = partial(bool, answer)
+            yield from (c for both in (False, True) for part in certain(predicate, scratch, both) for c in part)
     closed: Disjunction = []
     guards: dict[Participant, Disjunction] = {}
 

@@ -1,0 +1,116 @@
+"""The moments of a run whose last part can be repeated for ever with the same delays, as a problem for z3.
+
+Every clock constraint is a bound on the difference of two moments; that a clock has the same value before and after the
+last part relates four. Times are tried as multiples of one half first, which is enough for most models and is easy to
+read, and then as any numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from tachk.engines.schedule import Moment, Phase, Requirement
+from tachk.semantics.dbm import INFINITY, bound_value, is_strict
+from tachk.semantics.repetition import Sight
+
+if TYPE_CHECKING:
+    import z3
+
+MILLISECONDS = 3000
+"""How long z3 may take for one question."""
+
+
+def repeating(
+    phases: Sequence[Phase], requirements: Sequence[Requirement], start: int, sight: Sight, takes_time: bool
+) -> list[Fraction] | None:
+    """The durations of the phases of a run that can go on from the beginning of the last phase as it went on from that
+    of phase ``start``; None if none was found.
+
+    Args:
+        takes_time: at least one time unit passes between the two.
+    """
+    for whole in (True, False):
+        found = _solve(phases, requirements, start, sight, takes_time, whole)
+        if found is not None:
+            return found
+    return None
+
+
+def _solve(
+    phases: Sequence[Phase],
+    requirements: Sequence[Requirement],
+    start: int,
+    sight: Sight,
+    takes_time: bool,
+    whole: bool,
+) -> list[Fraction] | None:
+    import z3
+
+    unit = 2 if whole else 1
+    make = z3.Int if whole else z3.Real
+    moments: list[z3.ArithRef] = [make(f"t{k}") for k in range(len(phases) + 1)]
+    solver = z3.SolverFor("QF_LIA" if whole else "QF_LRA")
+    solver.set("timeout", MILLISECONDS)
+    solver.add(moments[0] == 0, *(a <= b for a, b in pairwise(moments)))
+
+    def formula(moment: Moment) -> z3.BoolRef:
+        i, j, raw = moment.constraint
+        if raw >= INFINITY:
+            return z3.BoolVal(True)
+        resets = phases[moment.phase].resets
+        now = moments[moment.phase + moment.at_end]
+        (from_i, value_i), (from_j, value_j) = resets[i] if i else (0, 0), resets[j] if j else (0, 0)
+        of_i = now - moments[from_i] + value_i * unit if i else 0
+        of_j = now - moments[from_j] + value_j * unit if j else 0
+        bound = bound_value(raw) * unit
+        return of_i - of_j < bound if is_strict(raw) else of_i - of_j <= bound
+
+    for requirement in requirements:
+        solver.add(z3.Or([z3.And([formula(m) for m in conjunction]) for conjunction in requirement]))
+    last = len(phases) - 1
+    if takes_time:
+        solver.add(moments[last] - moments[start] >= unit)
+    for clock in range(1, len(phases[0].resets) - 1):
+        if clock not in sight.related and clock not in sight.largest:
+            continue
+        before, after = (
+            moments[phase] - moments[phases[phase].resets[clock][0]] + phases[phase].resets[clock][1] * unit
+            for phase in (start, last)
+        )
+        beyond = sight.largest.get(clock, 0) * unit
+        free = [] if clock in sight.related else [z3.And(before > beyond, after > beyond)]
+        solver.add(z3.Or([before == after, *free]))
+    if solver.check() != z3.sat:
+        return None
+    times = _early(solver, moments[-1], moments, unit)
+    return [after - before for before, after in pairwise(times)]
+
+
+def _early(solver: z3.Solver, end: z3.ArithRef, moments: Sequence[z3.ArithRef], unit: int) -> list[Fraction]:
+    """A solution that ends early, as far as a few more questions show."""
+    import z3
+
+    def solution() -> list[Fraction]:
+        model = solver.model()
+        values = [model.eval(moment, model_completion=True) for moment in moments]
+        if unit > 1:
+            return [Fraction(value.as_long(), unit) for value in values]
+        return [Fraction(value.numerator_as_long(), value.denominator_as_long()) for value in values]
+
+    best = solution()
+    low = Fraction(0)
+    for _ in range(8):
+        middle = (low + best[-1]) / 2
+        if best[-1] - low < 1:
+            break
+        solver.push()
+        solver.add(end <= (int(middle * unit) if unit > 1 else z3.Q(middle.numerator, middle.denominator)))
+        if solver.check() == z3.sat:
+            best = solution()
+        else:
+            low = middle
+        solver.pop()
+    return best
