@@ -122,6 +122,17 @@ NB_MODULE(_core, m) {
           "(explored, stored, transitions, bytes)")
       .def("reached", &tachk::Explorer::reached, nb::arg("goal"), "The node where a goal was reached first, or None.")
       .def("taken", &tachk::Explorer::taken, "The numbers of the edges that some action so far has taken, ascending.")
+      .def(
+          "extreme",
+          [](const tachk::Explorer& self, std::size_t measure) {
+            const auto found = self.extreme(measure);
+            using Found = std::tuple<std::optional<std::int64_t>, bool, std::uint32_t>;
+            if (!found) return std::optional<Found>();
+            const bool limited = found->value != tachk::unbounded_entry;
+            return std::optional(
+                Found{limited ? std::optional(found->value) : std::nullopt, found->strict, found->node});
+          },
+          nb::arg("measure"), "(value or None for no limit, strict, node) of the extreme value; None if there is none.")
       .def("path", &tachk::Explorer::path, nb::arg("node"), "The edge numbers of each action on the way to a node.")
       .def("leads_to", &tachk::Explorer::leads_to, nb::arg("actions"), nb::arg("goal"),
            "Whether these actions, as edge numbers, can end in a goal; for a fresh explorer without extrapolation.")

@@ -62,13 +62,8 @@ class Decoder {
     program_.processes =
         in_.sequence([this] { return Process{in_.number(), in_.sequence([this] { return location(); })}; });
     program_.edges = in_.sequence([this] { return edge(); });
-    program_.goals = in_.sequence([this] {
-      const bool decides = in_.flag();
-      return Goal{decides, in_.sequence([this] {
-                    const auto deadlock = static_cast<DeadlockLiteral>(in_.number());
-                    return Disjunct{condition(), deadlock};
-                  })};
-    });
+    program_.goals = in_.sequence([this] { return goal(); });
+    program_.measures = in_.sequence([this] { return measure(); });
     program_.default_priority = in_.number();
     program_.maximum_constants = in_.sequence([this] { return note(in_.wide()); });
     program_.diagonals = in_.sequence([this] {
@@ -184,6 +179,24 @@ class Decoder {
     return result;
   }
 
+  Goal goal() {
+    const bool decides = in_.flag();
+    return Goal{decides, in_.sequence([this] {
+                  const auto deadlock = static_cast<DeadlockLiteral>(in_.number());
+                  return Disjunct{condition(), deadlock};
+                })};
+  }
+
+  Measure measure() {
+    Measure result;
+    result.where = goal();
+    result.largest = in_.flag();
+    result.clock = clock();
+    result.code = code();
+    if ((result.clock == 0) == (result.code == no_code)) throw std::invalid_argument("bad measure in image");
+    return result;
+  }
+
   Reader in_;
   Program program_;
 };
@@ -238,6 +251,10 @@ Program without_idle_clocks(Program program) {
   }
   for (Goal& goal : program.goals)
     for (Disjunct& disjunct : goal.disjuncts) renumber_condition(disjunct.condition);
+  for (Measure& measure : program.measures) {
+    for (Disjunct& disjunct : measure.where.disjuncts) renumber_condition(disjunct.condition);
+    mentioned(measure.clock);
+  }
   renumber(program.diagonals);
   for (std::size_t clock = 1; clock < numbers.size(); ++clock)
     if (numbers[clock] != 0) program.maximum_constants[numbers[clock]] = program.maximum_constants[clock];

@@ -153,6 +153,14 @@ struct Goal {
   std::vector<Disjunct> disjuncts;
 };
 
+// The least or the largest value of something in the states of a goal: of an integer, or of a clock.
+struct Measure {
+  Goal where;  // none of its disjuncts asks for deadlock
+  bool largest;
+  std::uint16_t clock;  // 0 for an integer
+  std::int32_t code;    // of the integer
+};
+
 struct Program {
   std::vector<Process> processes;
   std::vector<Channel> channels;
@@ -165,6 +173,7 @@ struct Program {
   std::vector<Atom> diagonals;
   std::vector<Edge> edges;
   std::vector<Goal> goals;
+  std::vector<Measure> measures;
   bool has_priorities = false;
   bool has_stopwatches = false;
   Raw largest_constant = 0;        // in any atom, reset or bound

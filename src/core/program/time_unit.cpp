@@ -23,6 +23,8 @@ void for_each_time(Program& program, Visit&& visit) {
   }
   for (Goal& goal : program.goals)
     for (Disjunct& disjunct : goal.disjuncts) visit_condition(disjunct.condition);
+  for (Measure& measure : program.measures)
+    for (Disjunct& disjunct : measure.where.disjuncts) visit_condition(disjunct.condition);
   for (Atom& diagonal : program.diagonals) visit(diagonal);
 }
 

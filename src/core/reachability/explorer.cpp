@@ -8,18 +8,20 @@
 namespace tachk {
 namespace {
 
-Options consistent(Options options, const Limits& limits) {
+Options consistent(Options options, const Limits& limits, const Program& program) {
   if (options.shortest && options.order != SearchOrder::breadth_first)
     throw std::invalid_argument("shortest paths need a breadth-first search");
   // Steps are counted in stored states.
   if (options.shortest || limits.depth != UINT32_MAX) options.passing = 0;
+  // What is passed through is not measured.
+  if (!program.measures.empty()) options.passing = 0;
   return options;
 }
 
 }  // namespace
 
 Explorer::Explorer(Program program, const Options& options, const Limits& limits)
-    : options_(consistent(options, limits)),
+    : options_(consistent(options, limits, program)),
       limits_(limits),
       graph_(std::move(program), options_),
       passed_(graph_.program(), graph_.operations(), options_.chunk_words, options_.reclaim,
@@ -27,6 +29,7 @@ Explorer::Explorer(Program program, const Options& options, const Limits& limits
       waiting_(options_.order, options_.seed, limits_.depth),
       goals_(graph_.program(), graph_.semantics(), graph_.operations(), options_.shortest),
       deadlocks_(graph_, goals_),
+      measures_(graph_.program(), graph_.semantics(), graph_.operations()),
       passing_(graph_, options_.passing),
       source_(graph_.blank()),
       work_{.taken = std::vector<std::uint8_t>(graph_.program().edges.size(), 0)} {}
@@ -109,6 +112,7 @@ void Explorer::store(const Successor& successor, std::uint32_t discrete) {
   waiting_.add(number, parent);
   try {
     goals_.check(number, slots, zone);
+    measures_.check(number, slots, zone);
   } catch (const ModelFault& fault) {  // of the new state, not of the action that leads there
     throw FaultReport{fault.kind, fault.position, number, {}, {}};
   }

@@ -13,6 +13,7 @@
 #include "program/program.hpp"
 #include "reachability/deadlock_watch.hpp"
 #include "reachability/goals.hpp"
+#include "reachability/measures.hpp"
 #include "reachability/options.hpp"
 #include "reachability/passing.hpp"
 #include "reachability/waiting.hpp"
@@ -60,6 +61,8 @@ class Explorer final {
   Statistics statistics() const;
   // The node in which a goal was reached first.
   std::optional<std::uint32_t> reached(std::size_t goal) const;
+  // The extreme value of a measure among the states stored so far.
+  std::optional<Extreme> extreme(std::size_t measure) const { return measures_.extreme(measure); }
   const std::optional<FaultReport>& fault() const { return fault_; }
   // The edges that some action of an explored state has taken, in ascending order. Where the search has gone through
   // everything, no other edge can be taken at all.
@@ -94,6 +97,7 @@ class Explorer final {
   Layers layers_;
   GoalWatch goals_;
   DeadlockWatch deadlocks_;
+  MeasureWatch measures_;
   PassingStates passing_;
   SymbolicState source_;          // that is being expanded; a copy, because its node may be covered meanwhile
   std::uint32_t node_ = no_node;  // its number, or that of the stored state from which it is passed through

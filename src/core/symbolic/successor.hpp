@@ -64,6 +64,9 @@ class Semantics {
   // Which clocks stand still; null if none can in this program.
   const std::uint8_t* stopped_clocks(std::int32_t* slots);
 
+  // What code computes. Throws ModelFault.
+  std::int64_t value(std::int32_t code, std::int32_t* slots) { return machine_.value(code, slots); }
+
   // Tests and code of a condition.
   bool holds(const Condition& condition, std::int32_t* slots);
 

@@ -80,8 +80,9 @@ def check_selections(network: Network) -> None:
 
 
 def check_supported(network: Network, query: Query) -> None:
-    """Raises UnsupportedError, naming the place, if the reachability engine cannot decide the query."""
-    if query.target is None:
+    """Raises UnsupportedError, naming the place, if no engine can decide the query."""
+    measured = query.kind in (QueryKind.SUPREMUM, QueryKind.INFIMUM, QueryKind.BOUNDS)
+    if query.target is None and not measured:
         raise UnsupportedError(
             Diagnostic(
                 "E0720",
@@ -92,8 +93,9 @@ def check_supported(network: Network, query: Query) -> None:
         )
     _check_urgency(network)
     _check_rates(network)
-    if mentions_time(query.target):
-        check_predicate(query.target, known_values(network, [query.target]))
+    predicate = query.predicate if measured else query.target
+    if predicate is not None and mentions_time(predicate):
+        check_predicate(predicate, known_values(network, [predicate]))
 
 
 def _check_urgency(network: Network) -> None:
@@ -120,9 +122,6 @@ def _check_rates(network: Network) -> None:
 _ALTERNATIVES = {
     QueryKind.EVENTUALLY: "with a known deadline T, the formula F[0, T] p asks for p in time",
     QueryKind.LEADS_TO: "with a known deadline T, the formula G (p -> F[0, T] q) asks for an answer in time",
-    QueryKind.SUPREMUM: "check A[] x <= c for a constant c",
-    QueryKind.INFIMUM: "check A[] x >= c for a constant c",
-    QueryKind.BOUNDS: "check A[] x >= c and A[] x <= d for constants c and d",
 }
 
 

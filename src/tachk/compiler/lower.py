@@ -26,6 +26,7 @@ from tachk.compiler.program import (
     NO_CODE,
     Condition,
     Goal,
+    Measure,
     Program,
     ProgramEdge,
     ProgramLocation,
@@ -34,10 +35,12 @@ from tachk.compiler.program import (
 from tachk.compiler.slot_layout import SlotLayout, cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
-from tachk.model.expressions import Assign, Constant, Expression, Field, Index, Reference
+from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, Field, Index, Reference
 from tachk.model.network import Edge, Location, Network, Process
 from tachk.model.traversal import called_functions, statement_expressions, walk
 from tachk.model.types import ChannelType, ClockType, leaves
+from tachk.operators import BinaryOperator
+from tachk.records import dataclass
 from tachk.words import Direction
 
 MAXIMAL_EDGES = 1_000_000
@@ -51,20 +54,80 @@ def lower(network: Network, predicates: Sequence[Expression] = ()) -> tuple[Prog
     and UnsupportedError for what the engine cannot represent.
     """
     known = known_values(network, predicates)
-    layout = SlotLayout(network, known)
-    generator = CodeGenerator(layout, known)
-    lowering = _Lowering(network, layout, generator)
-    lowering.find_reset_values(known)
-    for number, process in enumerate(network.processes):
-        lowering.add_process(number, process, known)
+    lowering = _lowered(network, known)
     goals = []
     observed: list[Observed] = []
     for predicate in predicates:
         goal, compared = compile_goal(predicate, known, lowering.compiler)
         goals.append(goal)
         observed.extend(compared)
-    generator.finish()
+    lowering.generator.finish()
     return lowering.program(observed), tuple(goals)
+
+
+def lower_measures(
+    network: Network, measured: Sequence[Measured]
+) -> tuple[Program, tuple[Goal, ...], tuple[Measure, ...]]:
+    """The program of a network, a goal for each clock whose largest value is asked for, and how to measure in states.
+
+    The goal is that the clock is beyond its horizon. Up to there the clock bounds of the program keep its values apart.
+    Raises as `lower` does, and ValueError for a clock that depends on the state.
+    """
+    known = known_values(network, [part for m in measured for part in (m.where, m.beyond)])
+    lowering = _lowered(network, known)
+    measures = []
+    goals = []
+    observed: list[Observed] = []
+    for each in measured:
+        where, compared = compile_goal(each.where, known, lowering.compiler)
+        observed.extend(compared)
+        if not isinstance(each.expression.type, ClockType):
+            measures.append(Measure(where, each.largest, code=lowering.generator.value_code(each.expression, known)))
+            continue
+        slot = lowering.layout.known_slot(fold_place(each.expression, known))
+        if slot is None:
+            raise ValueError("the clock that is measured depends on the state")
+        measures.append(Measure(where, each.largest, clock=lowering.layout.slots[slot].initial))
+        beyond, compared = compile_goal(each.beyond, known, lowering.compiler)
+        observed.extend(compared)
+        if each.largest:
+            goals.append(beyond)
+    lowering.generator.finish()
+    return lowering.program(observed), tuple(goals), tuple(measures)
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """The least or the largest value of an expression where a predicate holds.
+
+    Attributes:
+        where: without ``deadlock``.
+        expression: an integer or a clock.
+        horizon: of a clock: the largest value is found if it is at most so large, the least one if it is smaller.
+    """
+
+    where: Expression
+    expression: Expression
+    largest: bool
+    horizon: int = 0
+
+    @property
+    def beyond(self) -> Expression:
+        """The comparison that a search has to be exact about for what is measured, where the predicate holds."""
+        operator = BinaryOperator.GREATER if self.largest else BinaryOperator.LESS
+        return Binary(
+            BinaryOperator.AND, self.where, Binary(operator, self.expression, Constant(self.horizon), BOOL), BOOL
+        )
+
+
+def _lowered(network: Network, known: Known) -> _Lowering:
+    """The processes of a network, as far as no predicate counts."""
+    layout = SlotLayout(network, known)
+    lowering = _Lowering(network, layout, CodeGenerator(layout, known))
+    lowering.find_reset_values(known)
+    for number, process in enumerate(network.processes):
+        lowering.add_process(number, process, known)
+    return lowering
 
 
 class _Lowering:

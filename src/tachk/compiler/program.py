@@ -205,3 +205,18 @@ class Goal:
 
     disjuncts: tuple[Disjunct, ...]
     decides: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """The least or the largest value of something in the states of a goal, none of which asks for deadlock.
+
+    Attributes:
+        clock: its number; 0 for an integer.
+        code: of the integer; NO_CODE for a clock.
+    """
+
+    where: Goal
+    largest: bool
+    clock: int = 0
+    code: int = NO_CODE

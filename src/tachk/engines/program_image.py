@@ -5,10 +5,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from tachk.compiler.program import ClockConstraint, Condition, Goal, Program, ProgramLocation, Update
+from tachk.compiler.program import ClockConstraint, Condition, Goal, Measure, Program, ProgramLocation, Update
 
 
-def encode(program: Program, goals: Sequence[Goal]) -> list[int]:
+def encode(program: Program, goals: Sequence[Goal], measures: Sequence[Measure] = ()) -> list[int]:
     """The numbers that `src/core/program/program.cpp` reads."""
     image = [program.clocks, program.state_slots, len(program.slots)]
     for slot in program.slots:
@@ -30,15 +30,22 @@ def encode(program: Program, goals: Sequence[Goal]) -> list[int]:
         image.extend(_update(edge.update))
     image.append(len(goals))
     for goal in goals:
-        image += (int(goal.decides), len(goal.disjuncts))
-        for disjunct in goal.disjuncts:
-            image.append(int(disjunct.deadlock))
-            image.extend(_condition(disjunct.condition))
+        image.extend(_goal(goal))
+    image.append(len(measures))
+    for measure in measures:
+        image += (*_goal(measure.where), int(measure.largest), measure.clock, measure.code)
     image.append(program.default_priority)
     image += (len(program.maximum_constants), *program.maximum_constants)
     image += (len(program.diagonals), *(number for diagonal in program.diagonals for number in diagonal))
     image += (int(program.has_priorities), int(program.has_stopwatches), program.largest_reset, program.computed_unit)
     return image
+
+
+def _goal(goal: Goal) -> Iterator[int]:
+    yield from (int(goal.decides), len(goal.disjuncts))
+    for disjunct in goal.disjuncts:
+        yield int(disjunct.deadlock)
+        yield from _condition(disjunct.condition)
 
 
 def _location(location: ProgramLocation) -> Iterator[int]:

@@ -97,7 +97,7 @@ def _outcome(
     start, user = time.perf_counter(), user_seconds()
     status, reason = run_in_slices(explorer, start, limits, progress)
     fault = fault_of(program, explorer) if status is _core.Status.FAULT else None
-    outcomes = tuple(_goal_outcome(program, explorer, number, goal, status) for number, goal in enumerate(goals))
+    outcomes = tuple(goal_outcome(program, explorer, number, goal, status) for number, goal in enumerate(goals))
     outcomes = _noted(goals, outcomes)
     statistics = replace(statistics_of(explorer, start), user_seconds=user_seconds() - user)
     outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
@@ -151,9 +151,10 @@ def _noted(goals: Sequence[Goal], outcomes: tuple[GoalOutcome, ...]) -> tuple[Go
     return tuple(found if goal.decides or found.status is Status.REACHED else undecided for goal, found in pairs)
 
 
-def _goal_outcome(
+def goal_outcome(
     program: Program, explorer: _core.Explorer, number: int, goal: Goal, status: _core.Status
 ) -> GoalOutcome:
+    """What a search that ended with a status has found about a goal."""
     node = explorer.reached(number)
     if node is not None:
         path = transitions_of(program, explorer.path(node)) if goal.decides else None

@@ -12,7 +12,7 @@ from tachk.diagnostics.span import NOWHERE, Span
 from tachk.engines.outcome import RunTimeFault
 from tachk.model.network import Network
 from tachk.properties.fault_explanation import diagnostic_of
-from tachk.properties.verdict import Verdict
+from tachk.properties.verdict import Extreme, Extremes, Verdict
 from tachk.report.record import NotRead, RunRecord
 from tachk.report.run.trace_view import Event, Move, Snapshot, TraceView, ViewStep, view_event, view_path, view_trace
 from tachk.words import Direction
@@ -102,7 +102,18 @@ def verdict_to_json(network: Network, verdict: Verdict, every_step: bool = False
         else trace_to_json(_told(view_trace(network, verdict.trace), every_step)),
         "fault": None if verdict.fault is None else _fault(network, verdict.fault),
         "observer": _observer(verdict),
+        "values": [_values(network, found, every_step) for found in verdict.extremes],
     }
+
+
+def _values(network: Network, found: Extremes, every_step: bool) -> dict[str, Json]:
+    def extreme(of: Extreme | None) -> Json:
+        if of is None:
+            return None
+        run = None if of.run is None else trace_to_json(_told(view_trace(network, of.run), every_step))
+        return {"value": of.value, "strict": of.strict, "trace": run}
+
+    return {"expression": found.expression, "lower": extreme(found.least), "upper": extreme(found.largest)}
 
 
 def _told(view: TraceView, every_step: bool) -> TraceView:

@@ -12,6 +12,7 @@ from rich.console import Console
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.render import render
 from tachk.properties.verdict import Answer, Verdict
+from tachk.report.extreme_text import value_lines
 from tachk.report.record import NotRead, RunRecord
 from tachk.report.run.trace_text import print_trace
 from tachk.report.run.trace_view import view_trace
@@ -66,8 +67,9 @@ def _suite(parent: ElementTree.Element, record: RunRecord) -> None:
             if record.leaves_the_model(verdict):
                 said = f"differs from what the model expects of other constants: {said}"
             _result(case, "failure", said, _details(record, verdict))
-        if verdict.notes:
-            ElementTree.SubElement(case, "system-out").text = clean("\n".join(verdict.notes))
+        words = [*value_lines(verdict, record.network.time_unit), *verdict.notes]
+        if words:
+            ElementTree.SubElement(case, "system-out").text = clean("\n".join(words))
     for query in record.not_checked:
         case = _case(suite, record.model, _name(query.name, query.title), "0.000")
         if query.diagnostics:

@@ -17,6 +17,7 @@ from tachk.model.network import Network
 from tachk.model.query import Observer
 from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.verdict import Answer, Verdict
+from tachk.report.extreme_text import value_lines, value_shown
 from tachk.report.quantity import bytes_, duration, grouped, seconds
 from tachk.report.record import RunRecord
 from tachk.report.run.telling import Ends, Telling
@@ -57,6 +58,7 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, te
         if not query.diagnostics:
             text = " ".join(query.text.split())
             console.print(Text(f"  {query.name} is not checked: {text} ({query.reason})", style="dim"))
+    _print_values(record, console)
     _print_unknown(record, console, telling.every_step)
     _print_unexamined(record.verdicts, console)
     for verdict in record.verdicts:
@@ -98,6 +100,16 @@ def evidence_text(network: Network, verdict: Verdict, telling: Telling = Telling
     elif verdict.fault is not None:
         print_fault(network, verdict.fault, console, every_step=telling.every_step)
     return out.getvalue().rstrip("\n")
+
+
+def _print_values(record: RunRecord, console: Console) -> None:
+    """What was asked for by `sup`, `inf` and `bounds`, below the table."""
+    told = [verdict for verdict in record.verdicts if verdict.extremes]
+    if told:
+        console.print()
+    for verdict in told:
+        for line in value_lines(verdict, record.network.time_unit):
+            console.print(Text(f"  {verdict.query.name}: {line}"), soft_wrap=True)
 
 
 def _print_unknown(record: RunRecord, console: Console, every_step: bool) -> None:
@@ -242,8 +254,11 @@ def _trace_title(network: Network, verdict: Verdict) -> str:
     assert verdict.trace is not None
     steps = len(verdict.trace.steps)
     end = duration(verdict.trace.states[-1].time, network.time_unit)
-    shows = "is satisfied" if verdict.answer is Answer.HOLDS else "is violated"
     plural = "step" if steps == 1 else "steps"
+    if verdict.extremes:
+        value = value_shown(verdict, network.time_unit)
+        return f"{verdict.query.name}: {value} at the end of this run of {steps} {plural}, at time {end}:"
+    shows = "is satisfied" if verdict.answer is Answer.HOLDS else "is violated"
     as_expected = ", as expected," if verdict.met and verdict.answer is Answer.FAILS else ""
     return f"{verdict.query.name} {shows}{as_expected} by this run of {steps} {plural}, at time {end}:"
 

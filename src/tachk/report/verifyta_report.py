@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from tachk.diagnostics.span import Span
 from tachk.engines.options import SearchOrder
 from tachk.properties.verdict import Answer, Verdict
+from tachk.report.extreme_text import verifyta_values
 from tachk.report.process_memory import peak_memory
 from tachk.report.record import NotChecked, RunRecord
 
@@ -70,6 +71,7 @@ def verdict_lines(verdict: Verdict) -> Iterator[str]:
     match verdict.answer:
         case Answer.HOLDS:
             yield " -- Formula is satisfied."
+            yield from (f" -- Result: {value}" for value in verifyta_values(verdict))
         case Answer.FAILS:
             yield " -- Formula is NOT satisfied."
         case Answer.UNKNOWN if verdict.unsupported is not None:

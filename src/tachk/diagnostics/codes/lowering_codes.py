@@ -69,8 +69,8 @@ LOWERING_CODES: dict[str, Explanation] = {
     ),
     "E0720": Explanation(
         "kind of query that is not checked yet",
-        "Checked are E<> and A[], with deadlock anywhere in them. The liveness operators A<>, E[] and --> and the "
-        "optimising queries sup, inf and bounds are read, and listed as not checked.",
+        "Checked are E<> and A[], with deadlock anywhere in them, and sup, inf and bounds. The liveness operators A<>, "
+        "E[] and --> are read, and listed as not checked.",
         "A<> P.done",
         "A[] P.waiting imply P.x <= 20",
     ),

@@ -1,0 +1,67 @@
+"""One exploration that finds the extreme values of integers and clocks in the states of goals."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+from tachk import _core
+from tachk.compiler.program import Goal, Measure, Program
+from tachk.engines.core_search import (
+    core_limits,
+    core_options,
+    fault_of,
+    run_in_slices,
+    statistics_of,
+    transitions_of,
+    user_seconds,
+)
+from tachk.engines.options import Limits, Options
+from tachk.engines.outcome import Outcome, Progress
+from tachk.engines.program_image import encode
+from tachk.engines.zone import goal_outcome
+from tachk.records import dataclass
+from tachk.semantics.timed_trace import Transition
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """The extreme value of one measure among the states of a search.
+
+    Attributes:
+        value: None where there is no limit.
+        strict: the value is approached and not taken.
+        path: to a state with this value.
+    """
+
+    value: int | None
+    strict: bool
+    path: tuple[Transition, ...]
+
+
+def measure(
+    program: Program,
+    goals: Sequence[Goal],
+    measures: Sequence[Measure],
+    options: Options = Options(),
+    limits: Limits = Limits(),
+    progress: Progress | None = None,
+) -> tuple[Outcome, tuple[Measurement | None, ...]]:
+    """Explores everything, unless all of some goals are reached or a limit is hit, and measures all states.
+
+    A measurement is None where no state was measured. That of a clock tells of the abstraction of the zones beyond its
+    horizon, see `tachk.compiler.lower.lower_measures`.
+    """
+    explorer = _core.Explorer(encode(program, goals, measures), core_options(options), core_limits(limits))
+    start, user = time.perf_counter(), user_seconds()
+    status, reason = run_in_slices(explorer, start, limits, progress)
+    fault = fault_of(program, explorer) if status is _core.Status.FAULT else None
+    outcomes = tuple(goal_outcome(program, explorer, number, goal, status) for number, goal in enumerate(goals))
+    statistics = replace(statistics_of(explorer, start), user_seconds=user_seconds() - user)
+    outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
+    extremes = [explorer.extreme(number) for number in range(len(measures))]
+    return outcome, tuple(
+        None if found is None else Measurement(found[0], found[1], transitions_of(program, explorer.path(found[2])))
+        for found in extremes
+    )

@@ -1,0 +1,49 @@
+"""The values that ``sup``, ``inf`` and ``bounds`` have found, as people and verifyta write them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+
+from tachk.model.types import ClockType
+from tachk.properties.verdict import Extreme, Extremes, Verdict
+from tachk.report.quantity import duration
+
+
+def value_lines(verdict: Verdict, time_unit: str) -> Iterator[str]:
+    """For each expression what was found: ``P.x ≥ 2 ms, P.x < 9 ms``, ``P.x has no largest value``."""
+    for operand, found in zip(verdict.query.operands, verdict.extremes, strict=False):
+        unit = time_unit if isinstance(operand.type, ClockType) else ""
+        yield ", ".join(_said(found.expression, extreme, largest, unit) for extreme, largest in asked(found))
+
+
+def value_shown(verdict: Verdict, time_unit: str) -> str:
+    """What the trace of a verdict shows: ``P.x is 15 ms``."""
+    for operand, found in zip(verdict.query.operands, verdict.extremes, strict=True):
+        for extreme, _ in asked(found):
+            if extreme.run is verdict.trace and extreme.value is not None:
+                unit = time_unit if isinstance(operand.type, ClockType) else ""
+                return f"{found.expression} is {duration(Fraction(extreme.value), unit)}"
+    raise ValueError(f"the trace of {verdict.query.name} shows no value")
+
+
+def verifyta_values(verdict: Verdict) -> Iterator[str]:
+    """``P.x <= 15``; what has no limit is below infinity."""
+    for found in verdict.extremes:
+        for extreme, largest in asked(found):
+            sign = ("<" if largest else ">") + ("" if extreme.strict or extreme.value is None else "=")
+            value = str(extreme.value) if extreme.value is not None else "infinity" if largest else "-infinity"
+            yield f"{found.expression} {sign} {value}"
+
+
+def asked(found: Extremes) -> list[tuple[Extreme, bool]]:
+    """The extremes that were asked for, each with whether it is the largest."""
+    both = ((found.least, False), (found.largest, True))
+    return [(extreme, largest) for extreme, largest in both if extreme is not None]
+
+
+def _said(expression: str, extreme: Extreme, largest: bool, unit: str) -> str:
+    if extreme.value is None:
+        return f"{expression} has no {'largest' if largest else 'least'} value"
+    sign = {(True, False): "≤", (True, True): "<", (False, False): "≥", (False, True): ">"}[largest, extreme.strict]
+    return f"{expression} {sign} {duration(Fraction(extreme.value), unit)}"

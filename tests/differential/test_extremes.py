@@ -1,0 +1,36 @@
+"""Least and largest values in random networks: an oracle that walks from region to region contradicts none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from random import Random
+
+import pytest
+
+from tachk.engines.options import Extrapolation, Options, SearchOrder
+from tachk.model.expressions import BOOL, Constant
+from tachk.testing import Shape, random_case
+from tachk.testing.extremes_agreement import compare_extremes, expressions_of
+
+OPTIONS = (Options(), Options(order=SearchOrder.DFS, extrapolation=Extrapolation.MAX, passing=8))
+
+SHAPES = {
+    "plain": Shape(),
+    "closed": Shape(strict=False, deadlocks=False, clocks=2),
+    "priorities": Shape(priorities=True, clocks=2),
+    "diagonals": Shape(diagonals=True, clocks=2, constant=3, processes=2, locations=3),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_no_value_is_contradicted(shape: str) -> None:
+    decided = 0
+    for seed in range(5):
+        random = Random(seed)
+        case = random_case(random, SHAPES[shape])
+        if seed % 2:
+            case = replace(case, predicates=(Constant(1, BOOL),))
+        found = compare_extremes(case, expressions_of(case, random, True), OPTIONS, 200)
+        assert found.problems == (), f"seed {seed}"
+        decided += found.decided
+    assert decided > 0
