@@ -11,6 +11,7 @@ The shapes of observers, by what they have to remember:
 - S7 the time since the last occurrence.
 - S8 the time since a rise.
 - S9 a stretch and a window at once.
+- S10 what is awaited without a deadline: a run violates it by never ending to wait.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ class Pattern:
     name: as the literature calls it, with what distinguishes it.
     example: a sentence.
     formula: what the example means, in the syntax of formulas.
-    shape: of the observer, ``S1`` to ``S9``; empty where there is none and runs can only be monitored.
+    shape: of the observer, ``S1`` to ``S10``; empty where there is none and runs can only be monitored.
     meaning: in one line.
     """
 
@@ -69,7 +70,7 @@ CATALOGUE: tuple[Family, ...] = (
         (
             Pattern("universality", "p must be true.", "G p", "S1", "p at every instant"),
             Pattern("absence", "p must not occur.", "G !p", "S1", "p at no instant"),
-            Pattern("existence", "p must occur.", "F p", "", "p at some instant"),
+            Pattern("existence", "p must occur.", "F p", "S10", "p at some instant"),
             Pattern(
                 "bounded existence",
                 "p must occur within 5 s.",
@@ -135,7 +136,7 @@ CATALOGUE: tuple[Family, ...] = (
                 "response",
                 "Whenever p is true, eventually, q must be true.",
                 "G (p -> F q)",
-                "",
+                "S10",
                 "after every instant of p comes one of q",
             ),
             Pattern(
@@ -189,7 +190,7 @@ CATALOGUE: tuple[Family, ...] = (
                 "response of maximum duration",
                 "Whenever p is true, within 5 s, q must stay true for at most 2 s.",
                 "G (p -> F[0, 5 s] (q && F(0, 2 s] !q))",
-                "",
+                "S9",
                 "within 5 s q is true and at most 2 s later it is not",
             ),
             Pattern(
@@ -355,7 +356,7 @@ CATALOGUE: tuple[Family, ...] = (
                 "existence after",
                 "After Q, p must occur.",
                 "F Q -> F (Q && F p)",
-                "",
+                "S10",
                 "if there is a Q, there is a p at or after it",
             ),
             Pattern(
@@ -369,14 +370,14 @@ CATALOGUE: tuple[Family, ...] = (
                 "existence after until",
                 "After Q until R, p must occur.",
                 "G (Q && !R -> !R U (p && !R))",
-                "",
+                "S10",
                 "after a Q comes a p before the next R",
             ),
             Pattern(
                 "bounded response before",
                 "Before R, whenever p is true, within 5 s, q must be true.",
                 "F R -> (p -> !R U[0, 5 s] (q && !R)) U R",
-                "",
+                "S2",
                 "as long as R has not come, every p is answered by q within 5 s and before R",
             ),
             Pattern(
@@ -390,14 +391,14 @@ CATALOGUE: tuple[Family, ...] = (
                 "bounded response between",
                 "Between Q and R, whenever p is true, within 5 s, q must be true.",
                 "G (Q && !R && F R -> (p -> !R U[0, 5 s] (q && !R)) U R)",
-                "",
+                "S2",
                 "between a Q and the next R, every p is answered by q within 5 s and before R",
             ),
             Pattern(
                 "bounded response after until",
                 "After Q until R, whenever p is true, within 5 s, q must be true.",
                 "G (Q && !R -> (p -> !R U[0, 5 s] (q && !R)) W R)",
-                "",
+                "S2",
                 "the same, even if R never comes",
             ),
             Pattern(
@@ -418,7 +419,7 @@ CATALOGUE: tuple[Family, ...] = (
                 "bounded recurrence between",
                 "Between Q and R, q must occur at least every 5 s.",
                 "G (Q && !R && F R -> F[0, 5 s] (q || R) U R)",
-                "",
+                "S7",
                 "between a Q and the next R, q or R comes within 5 s from every instant on",
             ),
             Pattern(

@@ -24,13 +24,15 @@ class Observer:
 
     Attributes:
         process: to be added to the network behind all others.
-        bad: the location that is reachable if and only if the formula can be violated.
+        bad: the location that is reachable if and only if a finite run violates the formula.
+        endings: the locations that a run without end violates the formula by never leaving.
         formula: the formula with its bounds as numbers, as text.
     """
 
     process: Process
     bad: int
     formula: str
+    endings: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

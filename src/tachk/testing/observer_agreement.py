@@ -23,6 +23,7 @@ from tachk.frontend.made_network import scope_of
 from tachk.frontend.queries.observer_processes import elaborate_temporal
 from tachk.loading.load import load_model
 from tachk.logic.durations import scaled
+from tachk.model.expressions import LocationTest
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.types import IntType
@@ -65,14 +66,17 @@ def random_observer_case(random: Random) -> ObserverCase:
 def bounded_observer_case(random: Random) -> ObserverCase:
     """A requirement with windows, often about rises and falls, and a trace in which one flag after the other changes
     exactly a bound of its windows, or the difference of two, after the one before."""
-    formula = _on_bounds(random)
+    return _case_on_bounds(random, _on_bounds(random))
+
+
+def _case_on_bounds(random: Random, formula: Formula) -> ObserverCase:
     bounds = {duration.value for duration in _durations(formula) if isinstance(duration.value, Fraction)}
     gaps = sorted({gap for low in (Fraction(0), *bounds) for high in bounds if (gap := high - low) > 0}) or [
         Fraction(1)
     ]
     flags = {name: random.random() < share for name, share in zip(FLAGS, (0.0, 0.3, 0.7), strict=True)}
     rows, times = [dict(flags)], [Fraction(0)]
-    for _ in range(random.randint(1, 4)):
+    for _ in range(random.randint(1, 6)):
         for name in random.sample(FLAGS, random.choice((1, 1, 2))):
             flags[name] = not flags[name]
         rows.append(dict(flags))
@@ -80,6 +84,12 @@ def bounded_observer_case(random: Random) -> ObserverCase:
     columns = {name: tuple(row[name] for row in rows) for name in FLAGS}
     end = times[-1] * SCALE + random.choice((1, 5, 13))
     return ObserverCase(scaled(formula, Fraction(SCALE)), ExactTrace(tuple(t * SCALE for t in times), columns, end))
+
+
+def nested_observer_case(random: Random) -> ObserverCase:
+    """A requirement in which something temporal stands in a window, an until or the past, and a trace as for
+    `bounded_observer_case`."""
+    return _case_on_bounds(random, _nested(random))
 
 
 def replaying(trace: ExactTrace) -> LoadedModel:
@@ -109,8 +119,9 @@ def query_of(formula: Formula, model: LoadedModel) -> Query | None:
 def violated(model: LoadedModel, query: Query, options: Options = Options()) -> bool:
     """Whether the observer can reach its bad location."""
     network = observed(model.network, query.observer)
-    assert query.target is not None
-    program, goals = lower(network, [query.target])
+    assert query.observer is not None
+    bad = LocationTest(len(network.processes) - 1, query.observer.bad, span=NOWHERE)
+    program, goals = lower(network, [bad])
     outcome = explore(program, goals, options, Limits(states=100_000))
     assert outcome.goals[0].status is not Status.UNDECIDED, outcome.reason
     return outcome.goals[0].status is Status.REACHED
@@ -226,6 +237,59 @@ def _on_bounds(random: Random) -> Formula:
     ]
     answer = random.choices(makers, (3, 4, 4, 2, 3, 2, 2, 2, 1))[0]()
     return _globally(_implies(syntax.Rise(NOWHERE, trigger), answer))
+
+
+def _nested(random: Random) -> Formula:
+    """A chain of answers, a scope between edges, something that settles, or a window in the past."""
+    names = random.sample(FLAGS, 3)
+    first, second, third = (_state_or_edge(random, name) for name in names)
+    flag = syntax.Atom(NOWHERE, ast.NameExpression(NOWHERE, names[0]))
+    chained = syntax.And(NOWHERE, (second, syntax.Eventually(NOWHERE, _inner(random), third)))
+    begun = syntax.And(NOWHERE, (first, syntax.Not(NOWHERE, second), syntax.Eventually(NOWHERE, _EVER, second)))
+    makers: list[Callable[[], Formula]] = [
+        lambda: _globally(_implies(first, syntax.Eventually(NOWHERE, _window(random), chained))),
+        lambda: syntax.Eventually(NOWHERE, _window(random), chained),
+        lambda: syntax.Eventually(NOWHERE, _window(random), syntax.And(NOWHERE, (first, second))),
+        lambda: _globally(_implies(begun, syntax.Until(NOWHERE, _EVER, syntax.Not(NOWHERE, third), second))),
+        lambda: _globally(_implies(begun, syntax.Until(NOWHERE, _EVER, _implies(third, _answer(random)), second))),
+        lambda: _globally(_implies(first, syntax.Until(NOWHERE, _window(random), _negated(second), second))),
+        lambda: _globally(_implies(first, syntax.WeakUntil(NOWHERE, syntax.Not(NOWHERE, third), second))),
+        lambda: _globally(
+            _implies(first, syntax.Eventually(NOWHERE, _from_zero(random), syntax.Always(NOWHERE, _EVER, second)))
+        ),
+        lambda: _globally(_implies(first, _maybe_negated(random, syntax.Once(NOWHERE, _window(random), second)))),
+        lambda: _globally(_implies(first, _maybe_negated(random, syntax.Historically(NOWHERE, _window(random), flag)))),
+    ]
+    return random.choices(makers, (4, 2, 3, 2, 2, 2, 1, 1, 3, 2))[0]()
+
+
+def _answer(random: Random) -> Formula:
+    return syntax.Eventually(NOWHERE, _from_zero(random), _state_or_edge(random, random.choice(FLAGS)))
+
+
+def _state_or_edge(random: Random, name: str) -> Formula:
+    flag = syntax.Atom(NOWHERE, ast.NameExpression(NOWHERE, name))
+    makers: list[Callable[[], Formula]] = [
+        lambda: flag,
+        lambda: syntax.Not(NOWHERE, flag),
+        lambda: syntax.Rise(NOWHERE, flag),
+        lambda: syntax.Fall(NOWHERE, flag),
+    ]
+    return random.choices(makers, (3, 1, 3, 1))[0]()
+
+
+def _negated(formula: Formula) -> Formula:
+    return syntax.Not(NOWHERE, formula)
+
+
+def _maybe_negated(random: Random, formula: Formula) -> Formula:
+    return _negated(formula) if random.random() < 0.5 else formula
+
+
+def _inner(random: Random) -> syntax.Interval:
+    length = syntax.Duration(NOWHERE, Fraction(random.randint(1, 2)))
+    closed = random.random() < 0.7, random.random() < 0.7
+    return syntax.Interval(NOWHERE, syntax.Duration(NOWHERE, Fraction(0)), length, *closed)
 
 
 def _window(random: Random) -> syntax.Interval:

@@ -98,13 +98,20 @@ def test_without_observers_temporal_properties_are_comments() -> None:
     assert "Observer" not in exported(MODEL, observers=False).text
 
 
+def test_what_only_a_run_without_end_violates_stays_a_comment() -> None:
+    model = "process P() { init location A { to A; } } system P; property endless : G(P.A -> F !P.A);"
+    found = exported(model, ExportFormat.QUERIES)
+    assert "UPPAAL does not check" in found.text
+    assert any("`endless` stays a comment: a run without end" in step.text for step in found.steps)
+
+
 def test_what_cannot_be_repeated_stays_a_comment_with_the_reason() -> None:
     model = """
     process P(const int n) { int a[2] = { 1, 2 }; init location A { to A; } }
     P1 = P(1); P2(const int[0, 1] k) = P(k);
     property array : G(P1.a[0] == 1);
     property partial : G P2(0).A;
-    property endless : G(P1.A -> F !P1.A);
+    property endless : F G P1.A;
     system P1, P2;
     """
     found = exported(model, ExportFormat.QUERIES)

@@ -38,7 +38,7 @@ def test_the_observer_that_is_named_exists(pattern: Pattern) -> None:
 def test_names_are_unique_and_shapes_known() -> None:
     names = [pattern.name for pattern in patterns()]
     assert len(set(names)) == len(names)
-    assert {pattern.shape for pattern in patterns()} <= {"", *(f"S{number}" for number in range(1, 10))}
+    assert {pattern.shape for pattern in patterns()} <= {"", *(f"S{number}" for number in range(1, 11))}
     assert all(family.patterns for family in CATALOGUE)
 
 

@@ -24,7 +24,7 @@ def formula(text: str) -> Formula:
 
 
 def observer(text: str) -> ast.Template:
-    return build_observer(formula(text), "Observer")
+    return build_observer(formula(text), "Observer").template
 
 
 def locations(template: ast.Template) -> list[str]:
@@ -137,10 +137,9 @@ def test_edges_are_followed_in_every_window(text: str) -> None:
 @pytest.mark.parametrize(
     ("text", "blamed", "reason"),
     [
-        ("F q", "F q", "only a run without end"),
-        ("G (p -> F q)", "F q", "only a run without end"),
-        ("p U q", "p U q", "only a run without end"),
+        ("F G q", "F G q", "again and again"),
         ("G (p -> F[0,5] (q U[0,3] r))", "F[0,5] (q U[0,3] r)", "something temporal would have to hold at every"),
+        ("G (p -> F[0,5] (q && F[1,2] r))", "F[0,5] (q && F[1,2] r)", "something temporal would have to hold at every"),
         ("G (p -> F[0,5] G[1,2] q)", "F[0,5] G[1,2] q", "another window begins"),
         ("G (p -> O[2,5] q)", "[2,5]", "does not reach up to the present"),
         ("G (rise(F[0,2] p) -> q)", "F[0,2] p", "a temporal formula cannot stand here"),
@@ -152,6 +151,44 @@ def test_what_no_observer_follows_is_named_with_its_place(text: str, blamed: str
         observer(text)
     assert caught.value.span.text == blamed
     assert reason in caught.value.reason
+
+
+@pytest.mark.parametrize(
+    ("text", "endless"),
+    [
+        ("F q", True),
+        ("G (p -> F q)", True),
+        ("G F p", True),
+        ("p U q", True),
+        ("G p -> G q", True),
+        ("F p -> F (p && F q)", True),
+        ("G (p -> F[0,5] q)", False),
+        ("G (p && F q -> F[0,5] q)", False),
+    ],
+)
+def test_what_sets_no_deadline_is_violated_by_never_leaving_a_location(text: str, endless: bool) -> None:
+    assert bool(build_observer(formula(text), "Observer").endings) is endless
+
+
+def test_what_lasts_for_ever_from_later_on_does_not_exclude_what_comes_before() -> None:
+    assert build_observer(formula("G[0,3] !p || F[5,inf) p"), "Observer").endings
+
+
+@pytest.mark.parametrize(
+    ("text", "most"),
+    [
+        ("G (rise(p) -> F[0,10] (rise(q) && F[0,10] rise(r)))", 3),
+        ("F[0,20] (p && F[0,3] q)", 3),
+        ("G (rise(p) -> F[0,8] (q && rise(r)))", 2),
+        ("G (rise(p) -> !rise(p) U[4,6] rise(p))", 2),
+        ("G (rise(p) && !rise(q) && F rise(q) -> !r U rise(q))", 2),
+        ("G (p && !q && F q -> (r -> !q U[0,2] (s && !q)) U q)", 2),
+        ("G (p -> F[0,5] G q)", 2),
+        ("G (p -> F[0,5] (q && F(0,2] !q))", 3),
+    ],
+)
+def test_what_is_temporal_inside_a_window_takes_few_clocks(text: str, most: int) -> None:
+    assert clocks(observer(text)) <= most
 
 
 def test_a_deadline_that_comes_later_in_the_formula_makes_an_unbounded_end_harmless() -> None:

@@ -124,7 +124,7 @@ def test_priorities_refuse_temporal_properties_only(verdicts: Verdicts) -> None:
 @pytest.mark.parametrize(
     ("formula", "code", "place"),
     [
-        ("G(Door.Open -> F Door.Closed)", "E0730", "F Door.Closed"),
+        ("F G Door.Open", "E0730", "F G Door.Open"),
         ("G(Door.x > 2 -> Door.Open)", "E0731", "Door.x"),
         ("G(global > 2 -> Door.Open)", "E0731", "global"),
     ],

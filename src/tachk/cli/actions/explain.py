@@ -75,7 +75,7 @@ def _observer(formula: Formula) -> str:
     values = [duration.value for duration in nodes_of_kind(formula, Duration) if isinstance(duration.value, Fraction)]
     scale = lcm(*(value.denominator for value in values))
     try:
-        template = build_observer(scaled(formula, Fraction(scale)), "Observer")
+        template = build_observer(scaled(formula, Fraction(scale)), "Observer").template
     except NoObserver as reason:
         return f"none: {reason.reason}"
     names = ", ".join(location.name.name for location in template.locations)

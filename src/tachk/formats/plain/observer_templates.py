@@ -80,7 +80,7 @@ def _watched(
     try:
         reflected = rewrite(formula, partial(_reflected, signals=signals, mirrors=copy))
         own = fresh_name(f"Observer_{name}", mirrors.taken)
-        template = build_observer(reflected, own, _declared(model.items))
+        built = build_observer(reflected, own, _declared(model.items))
         for original in model.items:
             if isinstance(original, ast.Template):
                 copy.template(original)
@@ -89,6 +89,10 @@ def _watched(
         return None
     except NoObserver as reason:
         steps.append(Step("property", reason.span, f"`{name}` stays a comment: {reason.reason}"))
+        return None
+    if built.endings:
+        unseen = f"a run without end may violate it, which no location such as `{BAD}` shows"
+        steps.append(Step("property", item.name.span, f"`{name}` stays a comment: {unseen}"))
         return None
     mirrors.taken.add(own)
     mirrors.steps += copy.steps
@@ -99,7 +103,7 @@ def _watched(
         )
     )
     doc = "\n".join(part for part in (item.doc, print_formula(formula)) if part)
-    return _Watched(item, formula, replace(template, doc=doc))
+    return _Watched(item, formula, replace(built.template, doc=doc))
 
 
 def _declared(items: Iterable[ast.Item]) -> Iterator[str]:

@@ -14,10 +14,10 @@ from tachk.frontend.scope import FamilySymbol, ProcessSymbol, Scope
 from tachk.frontend.templates.templates import elaborate_process
 from tachk.logic.observer.construction import BAD, NoObserver, build_observer
 from tachk.logic.sentences import meaning
-from tachk.model.expressions import BOOL, Deadlock, LocationTest, Unary
+from tachk.model.expressions import BOOL, Binary, Deadlock, Expression, LocationTest, Unary
 from tachk.model.query import Expectation, Observer, Query
 from tachk.model.traversal import clock_in, walk
-from tachk.operators import UnaryOperator
+from tachk.operators import BinaryOperator, UnaryOperator
 from tachk.syntax import ast
 from tachk.syntax.formula import Atom, Change, Formula, operands
 from tachk.syntax.formulas.printer import print_formula
@@ -44,23 +44,33 @@ def elaborate_temporal(
         return None
     own_name = fresh_name(OBSERVER, set(scope.names()))
     try:
-        template = build_observer(formula, own_name)
+        built = build_observer(formula, own_name)
     except NoObserver as refusal:
         context.error("E0730", refusal.span, refusal.reason, refusal.help)
         return None
-    process, _ = elaborate_process(template, own_name, Scope(scope), Declared(own_name), ChannelTable(set()), context)
-    bad = next(number for number, location in enumerate(process.locations) if location.name == BAD)
-    predicate = Unary(UnaryOperator.NOT, LocationTest(_processes(scope), bad, span=node.span), BOOL, node.span)
+    process, _ = elaborate_process(
+        built.template, own_name, Scope(scope), Declared(own_name), ChannelTable(set()), context
+    )
+    places = {location.name: number for number, location in enumerate(process.locations)}
+    observer = _processes(scope)
+    shown: Expression = LocationTest(observer, places[BAD], span=node.span)
+    for ending in built.endings:
+        here = LocationTest(observer, places[ending.location], span=node.span)
+        kept = condition(ending.condition, scope, context)
+        assert kept is not None
+        stays = Binary(BinaryOperator.AND, here, kept, BOOL, node.span)
+        shown = Binary(BinaryOperator.OR, shown, stays, BOOL, node.span)
+    absent = Unary(UnaryOperator.NOT, shown, BOOL, node.span)
     return Query(
         name,
-        QueryKind.INVARIANTLY,
-        predicate,
-        (),
+        QueryKind.LEADS_TO if built.endings else QueryKind.INVARIANTLY,
+        shown if built.endings else absent,
+        (absent,) if built.endings else (),
         node.sentence or node.span.text,
         title,
         expectation,
         node.span,
-        Observer(process, bad, print_formula(formula)),
+        Observer(process, places[BAD], print_formula(formula), tuple(places[e.location] for e in built.endings)),
     )
 
 

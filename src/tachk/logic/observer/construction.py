@@ -16,7 +16,7 @@ from tachk.diagnostics.span import Span
 from tachk.logic.observer.conditions import Conjunction, all_of, is_false, negated, truth
 from tachk.logic.observer.goals import Goal, NoObserver, saved_expressions
 from tachk.logic.observer.names import location_names
-from tachk.logic.observer.states import SHOWN, State
+from tachk.logic.observer.states import SHOWN, State, is_endless
 from tachk.logic.observer.tableau import Step, Tableau
 from tachk.logic.observer.violation import violation
 from tachk.operators import BinaryOperator, PrefixOperator
@@ -26,18 +26,39 @@ from tachk.syntax.printing.expression_printer import print_expression
 from tachk.syntax.rewrite import fresh_name, names_in
 from tachk.words import Direction
 
-__all__ = ["BAD", "NoObserver", "build_observer"]
+__all__ = ["BAD", "BuiltObserver", "Ending", "NoObserver", "build_observer"]
 
 BAD = "Bad"
 """The location that is reachable if and only if the formula can be violated."""
 
-MAXIMAL_LOCATIONS = 100
+MAXIMAL_LOCATIONS = 200
 MAXIMAL_CLOCKS = 6
 _CLOCKS = ("x", "y", "z", "u", "v", "w")
 
 
-def build_observer(formula: Formula, name: str, taken: Iterable[str] = ()) -> ast.Template:
-    """The template of an observer, without parameters and with a location ``Bad``.
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """A location that a run violates the formula by never leaving.
+
+    Attributes:
+        condition: what holds there while time passes.
+    """
+
+    location: str
+    condition: ast.Expression
+
+
+@dataclass(frozen=True, slots=True)
+class BuiltObserver:
+    """``template``: without parameters and with a location ``Bad``; ``endings``: empty where each violation is seen
+    in a finite run."""
+
+    template: ast.Template
+    endings: tuple[Ending, ...] = ()
+
+
+def build_observer(formula: Formula, name: str, taken: Iterable[str] = ()) -> BuiltObserver:
+    """The observer of a formula.
 
     Args:
         formula: durations are numbers of time units.
@@ -49,12 +70,13 @@ def build_observer(formula: Formula, name: str, taken: Iterable[str] = ()) -> as
     """
     goal = violation(formula)
     used = {*names_in(formula), *taken, name}
-    return _Writer(formula.span, goal, name, used).template()
+    writer = _Writer(formula.span, goal, name, used)
+    return BuiltObserver(writer.template(), writer.endings())
 
 
 @dataclass(slots=True)
 class _Automaton:
-    """The part of a tableau from which `SHOWN` can be reached."""
+    """The part of a tableau from which `SHOWN` or an endless state can be reached."""
 
     states: list[State] = field(default_factory=list)
     steps: dict[State, list[Step]] = field(default_factory=dict)
@@ -108,6 +130,10 @@ class _Writer:
         return ast.Template(
             self.span, self._identifier(self.name), (), self._declarations(), tuple(locations), classic=False
         )
+
+    def endings(self) -> tuple[Ending, ...]:
+        endless = (state for state in self.automaton.states if is_endless(state))
+        return tuple(Ending(self.names[state], all_of(self.tableau.requirement(state), self.span)) for state in endless)
 
     def _declarations(self) -> tuple[ast.VariableDeclaration, ...]:
         found = []
@@ -250,7 +276,7 @@ class _Writer:
 
 
 def _explored(tableau: Tableau, span: Span) -> _Automaton:
-    """All states that can be reached and from which `SHOWN` can be reached, in breadth-first order."""
+    """All states that can be reached and that lead to `SHOWN` or are endless, in breadth-first order."""
     initial = [state for state, _ in tableau.initial]
     steps: dict[State, list[Step]] = {}
     waiting = deque([*initial, *([tableau.idle] if tableau.idle is not None else [])])
@@ -268,7 +294,7 @@ def _explored(tableau: Tableau, span: Span) -> _Automaton:
                 waiting.append(target)
         if len(seen) > MAXIMAL_LOCATIONS:
             raise NoObserver(span, f"its observer would need more than {MAXIMAL_LOCATIONS} locations")
-    useful = {SHOWN}
+    useful = {SHOWN, *(state for state in steps if is_endless(state))}
     grown = True
     while grown:
         more = {

@@ -9,7 +9,6 @@ cases of open bounds vanish for that reason.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import field
 
 from tachk.diagnostics.span import Span
 from tachk.logic.observer.conditions import all_of, any_of
@@ -167,26 +166,28 @@ class Recurring:
 
 
 @dataclass(frozen=True, slots=True)
-class NeverRising:
-    """At no instant of the window, whose lower bound is 0, does the condition become true.
+class Way:
+    """One way in which an instant can be as it should: what holds at it, and right before it."""
+
+    condition: ast.Expression
+    before: frozenset[Before]
+
+
+@dataclass(frozen=True, slots=True)
+class Everywhere:
+    """Every instant of the window, whose lower bound is 0, is as in one of the ways ``allowed``; or else all instants
+    of the window ``inner`` from it on, which begins at 0 too, are as in one of the ways ``kept``.
 
     The instants of a window with an open lower bound are those after the present one.
     """
 
     window: Window
-    condition: ast.Expression
-    initially: bool
+    allowed: tuple[Way, ...]
+    kept: tuple[Way, ...] = ()
+    inner: Window | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Forever:
-    """The condition from now on without end: no finite run shows it."""
-
-    condition: ast.Expression
-    span: Span = field(compare=False, repr=False)
-
-
-Goal = Holds | Preceded | Differs | Both | Either | Sometime | Throughout | Recurring | NeverRising | Forever
+Goal = Holds | Preceded | Differs | Both | Either | Sometime | Throughout | Recurring | Everywhere
 
 
 # ---- joining goals and looking into them ---------------------------------------------------------------------------
@@ -221,7 +222,7 @@ def parts_of(goal: Goal) -> Iterator[Goal]:
                 pending += parts
             case Sometime(goal=inner):
                 pending.append(inner)
-            case Holds() | Preceded() | Differs() | Throughout() | Recurring() | NeverRising() | Forever():
+            case Holds() | Preceded() | Differs() | Throughout() | Recurring() | Everywhere():
                 pass
 
 

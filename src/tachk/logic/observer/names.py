@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from tachk.logic.observer.goals import HeldFor, Sometime, Throughout, Was
+from tachk.logic.observer.goals import Everywhere, HeldFor, Sometime, Throughout, Was
 from tachk.logic.observer.states import Seen, Settling, State, Task
 from tachk.syntax.rewrite import fresh_name
 
@@ -42,8 +42,8 @@ def _task_name(item: Task) -> str:
             return "Gap"
         case Task(goal=Throughout()):
             return "Waiting"
-        case Task(phase="low"):
-            return "Low"
+        case Task(goal=Everywhere()):
+            return "Holding"
         case _:
             return "Holding"
 

@@ -8,23 +8,19 @@ Clocks are handed out to the items of a state; those that begin at the same inst
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
-from itertools import chain
 
 from tachk.logic.observer.conditions import Conjunction, truth
 from tachk.logic.observer.goals import (
     Before,
+    Everywhere,
     HeldFor,
-    NeverRising,
     Past,
-    Preceded,
     Recurring,
     Sometime,
     Throughout,
     Was,
     Window,
-    parts_of,
 )
 from tachk.operators import BinaryOperator
 from tachk.records import dataclass
@@ -32,7 +28,7 @@ from tachk.records import dataclass
 FRESH = -1
 """The clock that a step sets to 0, before it has a number."""
 
-Lasting = Sometime | Throughout | Recurring | NeverRising
+Lasting = Sometime | Throughout | Recurring | Everywhere
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,14 +36,16 @@ class Task:
     """Something to be shown from now on.
 
     Attributes:
-        phase: ``ahead`` of the window; ``on`` inside it; ``gap``: an answer is awaited; ``low``: what must not become
-            true is false.
+        phase: ``ahead`` of the window; ``on`` inside it; ``gap``: an answer is awaited; for `Everywhere` those that
+            `everywhere` names.
         clocks: the time since the task began; in a gap also the time since the gap began.
+        before: for `Everywhere`, what the conditions were right before the present instant.
     """
 
     goal: Lasting
     phase: str
     clocks: tuple[int, ...] = ()
+    before: tuple[bool, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +111,25 @@ def is_there_initially(past: Past) -> bool:
     return isinstance(past, HeldFor) or (isinstance(past, Before) and past.initially)
 
 
+def lasts_for_ever(task: Task) -> bool:
+    """Whether the task is never done, and only a run without end fulfils it."""
+    match task:
+        case Task(goal=Sometime()) | Task(phase="ahead"):
+            return False
+        case Task(goal=Everywhere(inner=Window(high=None)), phase="last" | "past closed" | "past open"):
+            return True
+        case Task(goal=Throughout() | Recurring() | Everywhere() as goal):
+            return goal.window.high is None
+        case _:
+            return False
+
+
+def is_endless(state: State) -> bool:
+    """Whether a run that never leaves the state violates the formula."""
+    tasks = [item for item in state if isinstance(item, Task)]
+    return bool(tasks) and all(map(lasts_for_ever, tasks))
+
+
 def waits_for_ever(state: State) -> bool:
     tasks = [item for item in state if isinstance(item, Task)]
     return (
@@ -122,21 +139,6 @@ def waits_for_ever(state: State) -> bool:
         and tasks[0].goal.window.is_ever
         and tasks[0].goal.meanwhile == truth(True, tasks[0].goal.meanwhile.span)
     )
-
-
-def pasts_wanted(items: Iterable[Item]) -> frozenset[Past]:
-    """The pasts that some goal ahead asks for."""
-    found: set[Past] = set()
-    ahead = (item.goal.goal for item in items if isinstance(item, Task) and isinstance(item.goal, Sometime))
-    for part in chain.from_iterable(map(parts_of, ahead)):
-        match part:
-            case Preceded(past=past):
-                found.add(past)
-            case NeverRising(window=Window(low_closed=True), condition=condition, initially=initially):
-                found.add(Before(condition, initially))
-            case _:
-                pass
-    return frozenset(found)
 
 
 def numbered(items: frozenset[Item]) -> tuple[State, int | None]:

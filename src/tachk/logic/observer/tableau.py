@@ -11,13 +11,14 @@ from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from tachk.diagnostics.span import Span
+from tachk.logic.observer import everywhere
 from tachk.logic.observer.conditions import Conjunction, all_of, conjunction, is_false, negated
 from tachk.logic.observer.goals import (
     Before,
+    Everywhere,
     Goal,
     HeldFor,
     Holds,
-    NeverRising,
     Past,
     Recurring,
     Saved,
@@ -43,13 +44,12 @@ from tachk.logic.observer.states import (
     numbered,
     ordered,
     over,
-    pasts_wanted,
     positive,
     readiness,
     still,
     waits_for_ever,
 )
-from tachk.logic.observer.ways import Branch, SavedNames, branches_of, comparison, looking_back
+from tachk.logic.observer.ways import Branch, SavedNames, branches_of, comparison, looking_back, pasts_wanted
 from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 
@@ -95,7 +95,7 @@ class Tableau:
             self.idle = frozenset(item for item in ever[0] if isinstance(item, Task))
 
     def _begun(self, branch: Branch) -> tuple[State, Conjunction]:
-        wanted = pasts_wanted(branch.tasks)
+        wanted = pasts_wanted(branch.tasks, self.saved)
         pasts = [Seen(past, "initial") for past in wanted if is_there_initially(past)]
         claims = self._settling(branch.now, FRESH)
         if not branch.tasks and not claims:
@@ -120,8 +120,8 @@ class Tableau:
                 yield condition
             case Task(goal=Recurring(condition=condition, answer=answer)):
                 yield _or(condition, answer)
-            case Task(goal=NeverRising(condition=condition), phase=phase):
-                yield condition if phase == "on" else negated(condition)
+            case Task(goal=Everywhere()):
+                yield from everywhere.requirement(item)
             case Seen(past=Before(condition=condition) | HeldFor(condition=condition)):
                 yield condition
             case Seen(past=Was(since=since, there=there), phase=phase):
@@ -141,7 +141,7 @@ class Tableau:
                     found[clock, high] = None
                 case Task(goal=goal, phase="ahead", clocks=(clock, *_)):
                     found[clock, goal.window.low] = None
-                case Task(goal=Recurring(length=length), phase="gap", clocks=(_, clock)):
+                case Task(goal=Recurring(length=length), phase="gap", clocks=(*_, clock)):
                     found[clock, length] = None
                 case Seen(past=Was(length=int(length)), phase="since", clocks=(clock,)):
                     found.setdefault((clock, length), state - {item})
@@ -167,31 +167,31 @@ class Tableau:
                     for ready in self._ready(state, branch.pasts):
                         yield from self._step(state, task, branch.tasks, branch.now, (*guards, *ready))
             case Task(goal=goal, phase="ahead", clocks=(clock, *_)):
-                on = replace(task, phase="on")
+                on = replace(task, phase="on", clocks=() if goal.window.high is None else (clock,))
                 begins = ClockGuard(clock, BinaryOperator.EQUAL, goal.window.low)
                 yield from self._step(state, task, (on,), frozenset(), (begins,))
             case Task(goal=Recurring(window=window, answer=answer, length=length, closed=closed), phase="gap"):
-                window_clock, gap = task.clocks
+                *ends, gap = task.clocks
                 in_time = at_most(gap, length, closed)
-                on = Task(task.goal, "on", (window_clock,))
+                on = Task(task.goal, "on", tuple(ends))
                 now = conjunction((answer,))
-                yield from self._step(state, task, (on,), now, (in_time, still(window, window_clock)))
-                yield from self._step(state, task, (), now, (in_time, over(window, window_clock)))
-            case Task(goal=Throughout() | Recurring() | NeverRising() as goal, clocks=(clock, *_)):
-                yield from self._step(state, task, (), frozenset(), (over(goal.window, clock),))
+                yield from self._step(state, task, (on,), now, (in_time, *(still(window, clock) for clock in ends)))
+                for clock in ends:
+                    yield from self._step(state, task, (), now, (in_time, over(window, clock)))
+            case Task(goal=Everywhere()):
+                for move in everywhere.moves(task):
+                    tasks = () if move.task is None else (move.task,)
+                    yield from self._step(state, task, tasks, move.now, move.clocks, move.guard)
+            case Task(goal=Throughout() | Recurring() as goal, clocks=ends):
+                for clock in ends:
+                    yield from self._step(state, task, (), frozenset(), (over(goal.window, clock),))
                 if isinstance(goal, Recurring):
                     open_ = conjunction((negated(_or(goal.condition, goal.answer)),))
-                    gap_task = Task(goal, "gap", (clock, FRESH))
-                    yield from self._step(
-                        state, task, (gap_task,), frozenset(), (still(goal.window, clock),), guard=open_
-                    )
-                if isinstance(goal, NeverRising) and task.phase == "on":
-                    low = replace(task, phase="low")
-                    yield from self._step(
-                        state, task, (low,), frozenset(), (), guard=conjunction((negated(goal.condition),))
-                    )
+                    gap_task = Task(goal, "gap", (*ends, FRESH))
+                    begun = tuple(still(goal.window, clock) for clock in ends)
+                    yield from self._step(state, task, (gap_task,), frozenset(), begun, guard=open_)
             case _:
-                pass  # it lasts for ever
+                raise TypeError(f"{task} leads nowhere that is known")
 
     def _ready(self, state: State, pasts: Iterable[Past]) -> Iterator[tuple[ClockGuard, ...]]:
         """What clocks must say for all pasts to be there; nothing if one is not being watched."""
@@ -213,7 +213,8 @@ class Tableau:
         """A step with a task exchanged for others. Claims of the same instant stay open, older ones are settled."""
         others = [item for item in state if isinstance(item, Task) and item != done]
         after = frozenset((*others, *tasks))
-        pasts = [item for item in state if isinstance(item, Seen) and item.past in pasts_wanted(after)]
+        wanted = pasts_wanted(after, self.saved)
+        pasts = [item for item in state if isinstance(item, Seen) and item.past in wanted]
         new = [part for task in tasks if not may_pass(task) for part in self._requirement(task)]
         condition = conjunction((*guard, *now, *new))
         open_ = next((item for item in state if isinstance(item, Settling)), None)
@@ -288,7 +289,7 @@ class Tableau:
         when what has to last does not."""
         watched = {item.past: item for item in state if isinstance(item, Seen)}
         claim = next((item for item in state if isinstance(item, Settling)), None)
-        for past in sorted(pasts_wanted(item for item in state if isinstance(item, Task)), key=repr):
+        for past in sorted(pasts_wanted(state, self.saved), key=repr):
             item = watched.get(past)
             if item is None:
                 yield from self._begin(state, past, claim)
@@ -313,7 +314,8 @@ class Tableau:
         item = Seen(past, "on", (FRESH,))
         if not isinstance(past, Saved):
             condition = conjunction(self._requirement(item))
-            yield from self._past_step(state, state | {item}, condition, (), forced=True)
+            others = _remembered(state, past) if isinstance(past, Before) else state
+            yield from self._past_step(state, others | {item}, condition, (), forced=True)
             return
         clocks: tuple[ClockGuard, ...] = ()
         if claim is not None:
@@ -338,6 +340,22 @@ class Tableau:
 
 
 # ---- small questions ------------------------------------------------------------------------------------------------
+
+
+def _remembered(state: State, begun: Before) -> State:
+    """What is left of a state when something begins to be watched that has to have been there right before an instant.
+
+    One clock tells for all such pasts: what begins now is of no use now, so that those which are needed can be used
+    first. One that contradicts what begins is over."""
+    kept: set[Item] = set()
+    for item in state:
+        match item:
+            case Seen(past=Before(condition=condition), phase="on"):
+                if not is_false(conjunction((condition, begun.condition))):
+                    kept.add(replace(item, clocks=(FRESH,)))
+            case _:
+                kept.add(item)
+    return frozenset(kept)
 
 
 def _or(one: ast.Expression, other: ast.Expression) -> ast.Expression:

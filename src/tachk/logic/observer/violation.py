@@ -6,20 +6,21 @@ Nickovic and Pnueli (2005).
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 from tachk.diagnostics.span import Span
 from tachk.logic.observer.conditions import all_of, any_of, negated, truth
+from tachk.logic.observer.everywhere import is_possible, ways_of
 from tachk.logic.observer.goals import (
     Before,
     Both,
     Differs,
     Either,
-    Forever,
+    Everywhere,
     Goal,
     HeldFor,
     Holds,
-    NeverRising,
     NoObserver,
     Preceded,
     Recurring,
@@ -27,6 +28,7 @@ from tachk.logic.observer.goals import (
     Sometime,
     Throughout,
     Was,
+    Way,
     Window,
     both,
     either,
@@ -102,8 +104,7 @@ def _goal(node: Formula, positive: bool) -> Goal:
             ever = Window(0, None)
             if positive:
                 return either((_until(ever, left, right), _always(node, ever, Holds(_condition(left)))))
-            reached, kept = _condition(right), _condition(left)
-            return _sometime(ever, negated(reached), Holds(_neither(kept, reached)))
+            return _without(node, ever, right, both((_goal(left, False), _goal(right, False))))
         case formula.Rise(operand=operand):
             return _edge(_condition(operand), True, positive)
         case formula.Fall(operand=operand):
@@ -199,7 +200,7 @@ def _not_until(node: Formula, window: Window, left: Formula, right: Formula) -> 
         return Holds(truth(True, right.span))
     if window.is_now:
         return _goal(right, False)
-    kept, reached = _condition(left), _condition(right)
+    failing, absent = _goal(left, False), _goal(right, False)
     if window.low > 0 or not window.low_closed:
         if not window.low_closed:
             raise NoObserver(
@@ -209,25 +210,41 @@ def _not_until(node: Formula, window: Window, left: Formula, right: Formula) -> 
             )
         rest = Window(0, None if window.high is None else window.high - window.low, True, window.high_closed)
         free = truth(True, right.span)
-        return either(
-            (
-                Sometime(Window(0, window.low, True, False), free, Holds(negated(kept))),
-                _always(node, window, Holds(negated(reached))),
-                Sometime(
-                    Window(window.low, window.low),
-                    free,
-                    _sometime(rest, negated(reached), Holds(_neither(kept, reached)))
-                    if not rest.is_now
-                    else Holds(_neither(kept, reached)),
-                ),
+        found: list[Goal] = [
+            _sometime(Window(0, window.low, True, False), free, failing),
+            _always(node, window, absent),
+        ]
+        if not _is_impossible(both((failing, absent))):
+            later = both((failing, absent)) if rest.is_now else _without(node, rest, right, both((failing, absent)))
+            found.append(_sometime(Window(window.low, window.low), free, later))
+        return either(tuple(found))
+    return either((_always(node, window, absent), _without(node, window, right, both((failing, absent)))))
+
+
+def _without(node: Formula, window: Window, right: Formula, goal: Goal) -> Goal:
+    """``goal`` at some instant of the window, and ``right`` at none before it."""
+    reached = condition_of(right)
+    if reached is not None:
+        return _sometime(window, negated(reached), goal)
+    match right:
+        case formula.Rise(operand=operand) | formula.Fall(operand=operand) if window.is_ever:
+            high = _condition(operand) if isinstance(right, formula.Rise) else negated(_condition(operand))
+            fallen = _sometime(window, negated(high), goal)
+            # What does not rise is true for a while, then false.
+            unrisen = both((_goal(right, False), _sometime(window, high, either((goal, fallen)))))
+            return goal if _is_impossible(unrisen) else either((goal, unrisen))
+        case _:
+            raise NoObserver(
+                right.span,
+                "a temporal formula cannot stand here: in this place an observer needs a condition on one state, or "
+                "such a condition becoming true or false in an until without bounds",
+                "split the requirement, or name a state of the model that stands for this part",
             )
-        )
-    return either(
-        (
-            _always(node, window, Holds(negated(reached))),
-            _sometime(window, negated(reached), Holds(_neither(kept, reached))),
-        )
-    )
+
+
+def _is_impossible(goal: Goal) -> bool:
+    ways = ways_of(goal)
+    return ways is not None and not any(map(is_possible, ways))
 
 
 def _always(node: Formula, window: Window, goal: Goal) -> Goal:
@@ -235,27 +252,19 @@ def _always(node: Formula, window: Window, goal: Goal) -> Goal:
     span = node.span
     match goal:
         case Holds(condition=condition):
-            if condition == truth(True, span):
-                return goal
-            return Forever(condition, span) if window.high is None else Throughout(window, condition)
+            return goal if condition == truth(True, span) else Throughout(window, condition)
         case Both(parts=parts):
             return both(tuple(_always(node, window, part) for part in parts))
         case Throughout(window=inner, condition=condition):
             return _always(node, window.then(inner), Holds(condition))
-        case Forever(condition=condition):
-            return Forever(condition, span)
-        case _ if window.high is None:
-            return Forever(truth(True, span), span)
+        case Sometime(window=inner, meanwhile=meanwhile) if inner.high is None and meanwhile == truth(True, span):
+            return _again(span, window, inner, goal)
         case Sometime():
             return _recurring(span, window, truth(False, span), goal)
         case Either(parts=(Holds(condition=condition), Sometime() as answer)):
             return _recurring(span, window, condition, answer)
-        case Either(
-            parts=(Holds(condition=condition), Preceded(past=Before(condition=before, initially=initially)))
-        ) if condition == negated(before):
-            rest = Window(0, window.high - window.low, window.low_closed, window.high_closed)
-            never = goal if rest.is_now else NeverRising(rest, before, initially)
-            return never if window.low == 0 else Sometime(Window(window.low, window.low), truth(True, span), never)
+        case Either() | Preceded() if (found := _everywhere(node, window, goal)) is not None:
+            return found
         case _:
             raise NoObserver(
                 span,
@@ -263,6 +272,49 @@ def _always(node: Formula, window: Window, goal: Goal) -> Goal:
                 "an observer would need more clocks than it has",
                 "name a bounded number of instants: use `rise(...)` in a trigger, or split the requirement",
             )
+
+
+def _again(span: Span, window: Window, inner: Window, goal: Sometime) -> Goal:
+    """From every instant of the window on, some time later: that is, at some time after the last instant."""
+    if window.high is None:
+        raise NoObserver(
+            span,
+            "only a run in which something happens again and again shows that this is violated",
+            "say from when on it has to be so, as in `F[0,10] G q`, or how often it may fail",
+        )
+    if window.high_closed:
+        return replace(goal, window=Window(window.high + inner.low, None, inner.low_closed))
+    raise NoObserver(span, "the window has no last instant, from which on it would have to be so", "close the bound")
+
+
+def _everywhere(node: Formula, window: Window, goal: Either | Preceded) -> Goal | None:
+    """``goal`` at every instant of the window where it speaks of the instant, of what was right before, and of at most
+    one thing that lasts from then on."""
+    parts = goal.parts if isinstance(goal, Either) else (goal,)
+    now = [part for part in parts if ways_of(part) is not None]
+    later = [part for part in parts if ways_of(part) is None]
+    allowed = ways_of(Either(tuple(now)))
+    if len(later) > 1 or not allowed:
+        return None
+    kept: tuple[Way, ...] = ()
+    inner: Window | None = None
+    match later:
+        case []:
+            pass
+        case [Both(parts=each)]:
+            return both(tuple(_always(node, window, either((*now, part))) for part in each))
+        case [Throughout(window=inner, condition=condition)]:
+            kept = (Way(condition, frozenset()),)
+        case [Everywhere(window=inner, allowed=kept, kept=())]:
+            pass
+        case _:
+            return None
+    if inner is not None and inner.low > 0:
+        return None
+    high = None if window.high is None else window.high - window.low
+    rest = Window(0, high, window.low_closed, window.high_closed)
+    found = goal if rest.is_now else Everywhere(rest, allowed, kept, inner)
+    return found if window.low == 0 else Sometime(Window(window.low, window.low), truth(True, node.span), found)
 
 
 def _recurring(span: Span, window: Window, condition: ast.Expression, goal: Sometime) -> Goal:
@@ -275,7 +327,11 @@ def _recurring(span: Span, window: Window, condition: ast.Expression, goal: Some
         and window.low_closed
     ):
         if inner.high is None:
-            raise NoObserver(span, "no finite run shows that something without a deadline does not happen")
+            raise NoObserver(
+                span,
+                "only a run in which something happens again and again shows that this is violated",
+                "give the inner operator a window, as in `F[0,10]`",
+            )
         return Recurring(window, condition, goal.goal.condition, inner.high, inner.high_closed)
     raise NoObserver(
         span,

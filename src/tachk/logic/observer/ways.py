@@ -6,17 +6,15 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 
-from tachk.logic.observer.conditions import Conjunction, conjunction, is_false, negated, truth
+from tachk.logic.observer import everywhere
+from tachk.logic.observer.conditions import Conjunction, conjunction, is_false, truth
 from tachk.logic.observer.goals import (
-    Before,
     Both,
     Differs,
     Either,
-    Forever,
+    Everywhere,
     Goal,
     Holds,
-    NeverRising,
-    NoObserver,
     Past,
     Preceded,
     Recurring,
@@ -24,10 +22,12 @@ from tachk.logic.observer.goals import (
     Sometime,
     Throughout,
     Was,
+    Way,
+    Window,
     both,
     saved_expressions,
 )
-from tachk.logic.observer.states import FRESH, Task
+from tachk.logic.observer.states import FRESH, Item, Task, lasts_for_ever
 from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 
@@ -42,23 +42,25 @@ class Branch:
     now: Conjunction = frozenset()
     pasts: frozenset[Past] = frozenset()
     tasks: frozenset[Task] = frozenset()
-    forever: tuple[Forever, ...] = ()
 
 
 def branches_of(goal: Goal, saved: SavedNames, at_start: bool = False) -> list[Branch]:
-    """The ways to reach a goal at an instant, or when the run begins. Raises NoObserver if one never ends."""
-    branches = []
-    for branch in _expanded(goal, saved, at_start):
-        if is_false(branch.now) or any(_excludes(branch, forever) for forever in branch.forever):
-            continue
-        if branch.forever:
-            raise NoObserver(
-                branch.forever[0].span,
-                "only a run without end shows that this is violated: it sets no deadline",
-                "give the operator a window, as in `F[0,10]`",
-            )
-        branches.append(branch)
-    return branches
+    """The ways to reach a goal at an instant, or when the run begins."""
+    branches = [branch for branch in _expanded(goal, saved, at_start) if not is_false(branch.now)]
+    return [branch for branch in branches if not _is_excluded(branch)]
+
+
+def pasts_wanted(items: Iterable[Item], saved: SavedNames) -> frozenset[Past]:
+    """The pasts that some goal ahead asks for."""
+    found: set[Past] = set()
+    pending = [item for item in items if isinstance(item, Task)]
+    while pending:
+        task = pending.pop()
+        if isinstance(task.goal, Sometime):
+            for branch in branches_of(task.goal.goal, saved):
+                found |= branch.pasts
+                pending += branch.tasks
+    return frozenset(found)
 
 
 def _expanded(goal: Goal, saved: SavedNames, at_start: bool) -> list[Branch]:
@@ -77,20 +79,17 @@ def _expanded(goal: Goal, saved: SavedNames, at_start: bool) -> list[Branch]:
             return [branch for part in parts for branch in _expanded(part, saved, at_start)]
         case Both(parts=parts):
             return [_joined(chosen) for chosen in product(*(_expanded(part, saved, at_start) for part in parts))]
-        case Forever():
-            return [Branch(forever=(goal,))]
         case Sometime(window=window):
             later = Branch(tasks=frozenset((Task(goal, "on", () if window.is_ever else (FRESH,)),)))
             if at_start and window.low == 0 and window.low_closed and saved_expressions(goal.goal):
                 return [later, *_expanded(goal.goal, saved, at_start)]
             return [later]
         case Throughout(window=window) | Recurring(window=window):
-            return [Branch(tasks=frozenset((Task(goal, "ahead" if window.low else "on", (FRESH,)),)))]
-        case NeverRising(window=window, condition=condition, initially=initially):
-            high = Branch(pasts=frozenset((Before(condition, initially),)) if window.low_closed else frozenset())
+            clocks = () if window.high is None and window.low == 0 else (FRESH,)
+            return [Branch(tasks=frozenset((Task(goal, "ahead" if window.low else "on", clocks),)))]
+        case Everywhere():
             return [
-                Branch(tasks=frozenset((Task(goal, "low", (FRESH,)),))),
-                replace(high, tasks=frozenset((Task(goal, "on", (FRESH,)),))),
+                Branch(one.now, frozenset(one.pasts), frozenset((one.task,))) for one in everywhere.beginnings(goal)
             ]
 
 
@@ -126,12 +125,26 @@ def _joined(branches: Iterable[Branch]) -> Branch:
         conjunction(part for branch in parts for part in branch.now),
         frozenset(past for branch in parts for past in branch.pasts),
         frozenset(task for branch in parts for task in branch.tasks),
-        tuple(forever for branch in parts for forever in branch.forever),
     )
 
 
-def _excludes(branch: Branch, forever: Forever) -> bool:
-    """Whether something else in the branch is impossible if the condition holds for ever."""
-    opposite = conjunction((negated(forever.condition),))
+def _is_excluded(branch: Branch) -> bool:
+    """Whether something is awaited that is impossible because of what has to last for ever."""
+    lasting = [task for task in branch.tasks if lasts_for_ever(task)]
     awaited = [task.goal.goal for task in branch.tasks if isinstance(task.goal, Sometime)]
-    return any(isinstance(goal, Holds) and opposite <= conjunction((goal.condition,)) for goal in awaited)
+    return any(_excludes(task, goal) for task in lasting for goal in awaited)
+
+
+def _excludes(task: Task, goal: Goal) -> bool:
+    """Whether the goal is never reached while the task lasts."""
+    ways = everywhere.ways_of(goal)
+    if ways is None:
+        return False
+    match task.goal:
+        case Throughout(condition=condition):
+            kept: tuple[Way, ...] = (Way(condition, frozenset()),)
+        case Everywhere(window=Window(low_closed=True), allowed=kept, kept=()):
+            pass
+        case _:
+            return False
+    return not any(everywhere.is_possible(everywhere.joined((one, other))) for one in ways for other in kept)

@@ -1,0 +1,293 @@
+"""What has to hold at every instant of a window, edges and answers that last included, followed without guessing.
+
+Between two instants at which one of the conditions changes whose edges matter, nothing rises or falls. So it is
+enough to know what these conditions were right before an instant: a task remembers them, and a step from one
+valuation to another one claims for its instant what is allowed there. Where an instant that is not allowed asks for
+something that then has to last, the latest such instant asks for it longest, and one clock is enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import product
+
+from tachk.diagnostics.span import Span
+from tachk.logic.observer.conditions import Conjunction, all_of, any_of, conjunction, is_false, negated, truth
+from tachk.logic.observer.goals import (
+    Before,
+    Both,
+    Differs,
+    Either,
+    Everywhere,
+    Goal,
+    Holds,
+    Preceded,
+    Recurring,
+    Sometime,
+    Throughout,
+    Way,
+)
+from tachk.logic.observer.states import FRESH, ClockGuard, Task, at_least, over
+from tachk.syntax import ast
+
+Valuation = tuple[bool, ...]
+"""Of the conditions whose edges matter."""
+
+FREE, DURING, CLOSED, OPEN = "free", "during", "closed", "open"
+"""Nothing is asked for; an interval asks for something; an instant did, the last one that counts included; an interval
+did. Behind the window, ``last`` and the last two with ``past`` in front."""
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """``task``: what is left to be shown, if anything; ``now``: what is claimed of the instant."""
+
+    task: Task | None
+    now: Conjunction = frozenset()
+    clocks: tuple[ClockGuard, ...] = ()
+    guard: Conjunction = frozenset()
+
+
+@dataclass(frozen=True, slots=True)
+class Beginning:
+    """A task that begins at an instant, given what was right before it."""
+
+    task: Task
+    now: Conjunction
+    pasts: frozenset[Before]
+
+
+def ways_of(goal: Goal) -> tuple[Way, ...] | None:
+    """The goal as a condition on an instant and what was right before; None where it speaks of more."""
+    match goal:
+        case Holds(condition=condition):
+            return (Way(condition, frozenset()),)
+        case Preceded(past=Before() as before):
+            return (Way(truth(True, before.condition.span), frozenset((before,))),)
+        case Either(parts=parts):
+            found = [ways_of(part) for part in parts]
+            return None if None in found else tuple(way for ways in found for way in ways or ())
+        case Both(parts=parts):
+            each = [ways_of(part) for part in parts]
+            if None in each:
+                return None
+            return tuple(joined(chosen) for chosen in product(*(ways or () for ways in each)))
+        case Preceded() | Differs() | Sometime() | Throughout() | Recurring() | Everywhere():
+            return None
+
+
+def joined(ways: Iterable[Way]) -> Way:
+    """What is so in all the ways."""
+    chosen = list(ways)
+    parts = conjunction(way.condition for way in chosen)
+    span = chosen[0].condition.span
+    before = frozenset(past for way in chosen for past in way.before)
+    return Way(truth(False, span) if is_false(parts) else all_of(parts, span), before)
+
+
+def is_possible(way: Way) -> bool:
+    """False only for a way in which no instant can be."""
+    values = [_literal(before) for before in way.before]
+    return not is_false(conjunction((way.condition,))) and len({edge for edge, _ in values}) == len(set(values))
+
+
+def requirement(task: Task) -> Iterator[ast.Expression]:
+    """What must hold while time passes."""
+    goal = _goal(task)
+    yield from _values(goal, task.before)
+    if task.phase in (FREE, CLOSED, OPEN):
+        yield _at(goal, goal.allowed, task.before)
+    if task.phase != FREE:
+        yield _at(goal, goal.kept, task.before)
+
+
+def beginnings(goal: Everywhere) -> list[Beginning]:
+    """The ways to begin at an instant."""
+    found: list[Beginning] = []
+    for valuation in _valuations(goal):
+        values = _values(goal, valuation)
+        if not goal.window.low_closed:
+            tasks = (_task(goal, FREE, valuation), *_obliged(goal, valuation, instant=False))
+            found += [Beginning(task, frozenset(), frozenset()) for task in tasks]
+            continue
+        for way in goal.allowed:
+            found.append(_begun(_task(goal, FREE, valuation), (way.condition, *values), way.before))
+        for way in _asked_at_once(goal):
+            tasks = _obliged(goal, valuation, instant=True)
+            found += [_begun(task, (way.condition, *values), way.before) for task in tasks]
+    possible = [
+        one for one in found if not is_false(one.now) and not is_false(conjunction((*one.now, *requirement(one.task))))
+    ]
+    return [one for one in possible if not any(_is_better(other, one) for other in possible)]
+
+
+def _begun(task: Task, claims: Iterable[ast.Expression], pasts: frozenset[Before]) -> Beginning:
+    return Beginning(task, _claimed(task, conjunction(claims)), pasts)
+
+
+def _is_better(one: Beginning, other: Beginning) -> bool:
+    return one != other and one.task == other.task and one.now <= other.now and one.pasts <= other.pasts
+
+
+def moves(task: Task) -> Iterator[Move]:
+    """The steps that lead on from a task."""
+    goal = _goal(task)
+    allowed, kept = _at(goal, goal.allowed, task.before), _at(goal, goal.kept, task.before)
+    if task.phase in (FREE, DURING, CLOSED, OPEN) and goal.window.high is not None:
+        after = {FREE: None, DURING: _next(task, "last")}.get(task.phase, _next(task, f"past {task.phase}"))
+        yield Move(after, clocks=(over(goal.window, task.clocks[0]),))
+    match task.phase:
+        case "free":
+            if goal.kept:
+                yield Move(_next(task, DURING), guard=conjunction((negated(allowed),)))
+            at_once = [kept] if goal.inner is not None and goal.inner.low_closed else []
+            for valuation in _others(task):
+                yield from _change(task, FREE, valuation, (allowed,))
+                if goal.kept:
+                    yield from _change(task, CLOSED, valuation, at_once)
+                    yield from _change(task, DURING, valuation, at_once)
+        case "during":
+            yield Move(_next(task, OPEN), guard=conjunction((allowed,)))
+            for valuation in _others(task):
+                yield from _change(task, DURING, valuation, (kept,))
+                yield from _change(task, OPEN, valuation, (allowed, kept))
+                yield from _change(task, CLOSED, valuation, (kept,))
+        case "closed" | "open":
+            for guard in _ended(task):
+                yield Move(_next(task, FREE), clocks=(guard,))
+            yield Move(_next(task, DURING), guard=conjunction((negated(allowed),)))
+            for valuation in _others(task):
+                yield from _change(task, task.phase, valuation, (allowed, kept), renewed=False)
+                yield from _change(task, CLOSED, valuation, (kept,))
+                yield from _change(task, DURING, valuation, (kept,))
+        case _:
+            for guard in _ended(task):
+                yield Move(None, clocks=(guard,))
+            for valuation in _others(task):
+                yield from _change(task, task.phase, valuation, (kept,))
+
+
+def _change(
+    task: Task, phase: str, valuation: Valuation, claims: Iterable[ast.Expression], renewed: bool = True
+) -> Iterator[Move]:
+    goal = _goal(task)
+    after = _next(task, phase, valuation, renewed)
+    claimed = conjunction((*claims, *_values(goal, valuation)))
+    if phase == DURING and not _may_go_on_asking(goal, valuation):
+        return
+    if not is_false(claimed) and not is_false(conjunction((*claimed, *requirement(after)))):
+        yield Move(after, _claimed(after, claimed))
+
+
+def _claimed(task: Task, claims: Conjunction) -> Conjunction:
+    """What has to be claimed of an instant; nothing where the task requires as much, and what it remembers of the
+    instant cannot be used to allow more than is allowed."""
+    goal = _goal(task)
+    required = conjunction(requirement(task))
+    if goal.kept or not claims <= required:
+        return claims
+    allowed = _at(goal, goal.allowed, task.before)
+    if allowed == truth(True, allowed.span):
+        return frozenset()
+    stays = all(is_false(conjunction((allowed, *_values(goal, other)))) for other in _others(task))
+    return frozenset() if stays else claims
+
+
+# ---- tasks ----------------------------------------------------------------------------------------------------------
+
+
+def _task(goal: Everywhere, phase: str, valuation: Valuation) -> Task:
+    return Task(goal, phase, (FRESH, FRESH) if phase in (CLOSED, OPEN) else (FRESH,), valuation)
+
+
+def _obliged(goal: Everywhere, valuation: Valuation, instant: bool) -> tuple[Task, ...]:
+    """The tasks that begin with something to last, which the instant itself, or only what comes after it, asks for."""
+    if not goal.kept:
+        return ()
+    during = _task(goal, DURING, valuation)
+    lasting = (during,) if _may_go_on_asking(goal, valuation) else ()
+    return (_task(goal, CLOSED, valuation), *lasting) if instant else lasting
+
+
+def _may_go_on_asking(goal: Everywhere, valuation: Valuation) -> bool:
+    """Whether an interval, and not only an instant, can ask for something that lasts."""
+    asking = negated(_at(goal, goal.allowed, valuation))
+    return not is_false(conjunction((asking, *_values(goal, valuation))))
+
+
+def _next(task: Task, phase: str, valuation: Valuation | None = None, renewed: bool = True) -> Task:
+    before = task.before if valuation is None else valuation
+    clocks: tuple[int, ...] = task.clocks[:1]
+    if phase in (CLOSED, OPEN):
+        clocks = (task.clocks[0], FRESH) if renewed else task.clocks
+    elif phase.startswith("past"):
+        clocks = task.clocks[-1:]
+    return Task(task.goal, phase, clocks, before)
+
+
+def _ended(task: Task) -> tuple[ClockGuard, ...]:
+    """That nothing has to last any longer, if that ever comes."""
+    goal = _goal(task)
+    assert goal.inner is not None
+    if goal.inner.high is None:
+        return ()
+    closed = goal.inner.high_closed
+    if task.phase == "last":
+        assert goal.window.high is not None
+        sum_ = goal.window.high + goal.inner.high
+        return (at_least(task.clocks[0], sum_, not (closed and goal.window.high_closed)),)
+    return (at_least(task.clocks[-1], goal.inner.high, not (closed and task.phase.endswith(CLOSED))),)
+
+
+def _goal(task: Task) -> Everywhere:
+    assert isinstance(task.goal, Everywhere)
+    return task.goal
+
+
+# ---- valuations -----------------------------------------------------------------------------------------------------
+
+
+def _literal(before: Before) -> tuple[ast.Expression, bool]:
+    opposite = negated(before.condition)
+    if repr(opposite) < repr(before.condition):
+        return opposite, False
+    return before.condition, True
+
+
+def _edges(goal: Everywhere) -> list[ast.Expression]:
+    found = {_literal(before)[0] for way in (*goal.allowed, *goal.kept) for before in way.before}
+    return sorted(found, key=repr)
+
+
+def _valuations(goal: Everywhere) -> Iterator[Valuation]:
+    return product((False, True), repeat=len(_edges(goal)))
+
+
+def _others(task: Task) -> Iterator[Valuation]:
+    return (valuation for valuation in _valuations(_goal(task)) if valuation != task.before)
+
+
+def _values(goal: Everywhere, valuation: Valuation) -> list[ast.Expression]:
+    return [edge if value else negated(edge) for edge, value in zip(_edges(goal), valuation, strict=True)]
+
+
+def _at(goal: Everywhere, ways: tuple[Way, ...], valuation: Valuation) -> ast.Expression:
+    """What the ways ask of an instant if the conditions had these values right before it."""
+    known = dict(zip(_edges(goal), valuation, strict=True))
+    possible = [
+        way.condition
+        for way in ways
+        if all(known[edge] == value for edge, value in (_literal(before) for before in way.before))
+    ]
+    return any_of(possible, _span(goal))
+
+
+def _asked_at_once(goal: Everywhere) -> tuple[Way, ...]:
+    if goal.inner is None or goal.inner.low_closed:
+        return goal.kept
+    return (Way(truth(True, _span(goal)), frozenset()),)
+
+
+def _span(goal: Everywhere) -> Span:
+    return goal.allowed[0].condition.span
