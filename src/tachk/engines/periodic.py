@@ -1,8 +1,7 @@
 """The moments of a run whose last part can be repeated for ever with the same delays, as a problem for z3.
 
 Every clock constraint is a bound on the difference of two moments; that a clock has the same value before and after the
-last part relates four. Times are tried as multiples of one half first, which is enough for most models and is easy to
-read, and then as any numbers.
+last part relates four. Where there is a solution, one in multiples of one half is preferred, which is easy to read.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from tachk.semantics.repetition import Sight
 if TYPE_CHECKING:
     import z3
 
-MILLISECONDS = 3000
+MILLISECONDS = 2000
 """How long z3 may take for one question."""
 
 
@@ -32,11 +31,10 @@ def repeating(
     Args:
         takes_time: at least one time unit passes between the two.
     """
-    for whole in (True, False):
-        found = _solve(phases, requirements, start, sight, takes_time, whole)
-        if found is not None:
-            return found
-    return None
+    found = _solve(phases, requirements, start, sight, takes_time, whole=False)
+    if found is None:
+        return None
+    return _solve(phases, requirements, start, sight, takes_time, whole=True) or found
 
 
 def _solve(

@@ -100,6 +100,8 @@ def verdict_to_json(network: Network, verdict: Verdict, every_step: bool = False
         "trace": None
         if verdict.trace is None
         else trace_to_json(_told(view_trace(network, verdict.trace), every_step)),
+        "ending": None if verdict.trace is None else verdict.trace.ending.value,
+        "loop_start": None if verdict.trace is None else verdict.trace.loop_start,
         "fault": None if verdict.fault is None else _fault(network, verdict.fault),
         "observer": _observer(verdict),
         "values": [_values(network, found, every_step) for found in verdict.extremes],

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from io import StringIO
+from typing import assert_never
 
 from rich.console import Console
 from rich.table import Table
@@ -24,7 +25,7 @@ from tachk.report.run.telling import Ends, Telling
 from tachk.report.run.trace_summary import news_line
 from tachk.report.run.trace_text import event_lines, print_trace
 from tachk.report.run.trace_view import view_event, view_path, view_trace
-from tachk.semantics.timed_trace import TimedTrace
+from tachk.semantics.timed_trace import Ending, TimedTrace
 
 _CONSTANTS_SHOWN = 8
 _FAULT_ENDS = Ends(10, 30)
@@ -260,7 +261,20 @@ def _trace_title(network: Network, verdict: Verdict) -> str:
         return f"{verdict.query.name}: {value} at the end of this run of {steps} {plural}, at time {end}:"
     shows = "is satisfied" if verdict.answer is Answer.HOLDS else "is violated"
     as_expected = ", as expected," if verdict.met and verdict.answer is Answer.FAILS else ""
-    return f"{verdict.query.name} {shows}{as_expected} by this run of {steps} {plural}, at time {end}:"
+    told = f"{verdict.query.name} {shows}{as_expected} by this run of {steps} {plural}"
+    match verdict.trace.ending:
+        case Ending.OPEN:
+            return f"{told}, at time {end}:"
+        case Ending.IDLE:
+            return f"{told}, after which time passes for ever:"
+        case Ending.STUCK:
+            return f"{told}, after which nothing can happen:"
+        case Ending.PERIODIC | Ending.RECURRENT:
+            first = verdict.trace.loop_start or 0
+            again = "the last of which repeats" if first == steps - 1 else f"the last {steps - first} of which repeat"
+            return f"{told}, {again} for ever:" if first else f"{told}, which repeat{'s' * (steps == 1)} for ever:"
+        case never:
+            assert_never(never)
 
 
 def _observer_line(verdict: Verdict, observer: Observer, time_unit: str) -> Text:

@@ -7,6 +7,7 @@ holds words that scripts take for a verdict.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import assert_never
 
 from tachk.diagnostics.span import Span
 from tachk.engines.options import SearchOrder
@@ -14,6 +15,7 @@ from tachk.properties.verdict import Answer, Verdict
 from tachk.report.extreme_text import verifyta_values
 from tachk.report.process_memory import peak_memory
 from tachk.report.record import NotChecked, RunRecord
+from tachk.semantics.timed_trace import Ending, TimedTrace
 
 _ORDERS = {
     SearchOrder.BFS: "breadth first",
@@ -39,6 +41,7 @@ def run_to_verifyta(record: RunRecord, trace: str = "no") -> str:
             lines += verdict_lines(report)
             if trace != "no" and report.trace is not None:
                 lines.append(f"Showing {evidence(report)}.")
+                lines += ending_lines(report.trace)
             lines += summary_lines(report)
     return "\n".join(lines) + "\n"
 
@@ -92,6 +95,23 @@ def verdict_lines(verdict: Verdict) -> Iterator[str]:
 def evidence(verdict: Verdict) -> str:
     """What the trace of a verdict is called."""
     return "example trace" if verdict.answer is Answer.HOLDS else "counter example"
+
+
+def ending_lines(run: TimedTrace) -> Iterator[str]:
+    """What comes after the last state of a trace, which the trace itself does not say."""
+    match run.ending:
+        case Ending.OPEN:
+            return
+        case Ending.IDLE:
+            yield note("from the last state on time passes for ever")
+        case Ending.STUCK:
+            yield note("from the last state on nothing can happen any more")
+        case Ending.PERIODIC:
+            yield note(f"the transitions from number {(run.loop_start or 0) + 1} on repeat for ever, with their delays")
+        case Ending.RECURRENT:
+            yield note(f"the transitions from number {(run.loop_start or 0) + 1} on repeat for ever, delays differ")
+        case never:
+            assert_never(never)
 
 
 def summary_lines(verdict: Verdict) -> Iterator[str]:

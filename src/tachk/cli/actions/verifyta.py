@@ -35,6 +35,7 @@ from tachk.properties.verdict import Answer, Verdict
 from tachk.properties.verify import verify
 from tachk.report.run.verifyta_trace import concrete_trace, symbolic_trace
 from tachk.report.verifyta_report import (
+    ending_lines,
     evidence,
     heading_lines,
     note,
@@ -174,7 +175,7 @@ def _write_trace(number: int, verdict: Verdict, network: Network, options: Verif
         if options.xml:
             _write(f"{options.xml}{number}.xml", run_to_trace_xml(network, run), "XMLTrace outputted to: ", sys.stdout)
         if not options.xtr and not options.xml:
-            _print([f"Showing {shows}."])
+            _print([f"Showing {shows}.", *ending_lines(run)])
             print((symbolic_trace if options.symbolic else concrete_trace)(network, run), file=sys.stderr, flush=True)
     except EvaluationFault as fault:
         _error(place_of(verdict.query.span), f"no symbolic trace: {fault}")

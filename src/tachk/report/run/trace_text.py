@@ -8,10 +8,12 @@ from fractions import Fraction
 from rich.console import Console
 from rich.text import Text
 
+from tachk.records import dataclass
 from tachk.report.quantity import duration, grouped
 from tachk.report.run.repeated_rounds import Round, Single, fold_rounds
 from tachk.report.run.telling import Ends, Telling
 from tachk.report.run.trace_view import Event, Move, Snapshot, TraceView
+from tachk.semantics.timed_trace import Ending
 from tachk.words import Direction
 
 _ARRAY_TOGETHER = 3
@@ -23,10 +25,24 @@ _COLUMNS = 120
 def print_trace(trace: TraceView, console: Console, time_unit: str = "", telling: Telling = Telling()) -> None:
     """Prints a run."""
     told = trace if telling.every_step else trace.without_hidden()
-    items = [Single(number) for number in range(len(told.steps))] if telling.every_step else fold_rounds(told.steps)
     teller = _Teller(told, time_unit, telling.clocks, min(_COLUMNS, console.width))
-    ends = Ends(len(items), 0) if telling.every_step else telling.ends
-    console.print(teller.text(items, ends), end="", soft_wrap=True)
+    start = len(told.steps) if told.loop_start is None else told.loop_start
+    stem, loop = (_items(told, a, b, telling.every_step) for a, b in ((0, start), (start, len(told.steps))))
+    ends = Ends(len(stem) + len(loop) + 1, 0) if telling.every_step else telling.ends
+    console.print(teller.text(stem, loop, ends), end="", soft_wrap=True)
+
+
+def _items(trace: TraceView, begin: int, end: int, every_step: bool) -> Sequence[Single | Round]:
+    """Some steps of a run: a loop at its end is not put together with what comes before it."""
+    if every_step:
+        return [Single(number) for number in range(begin, end)]
+    return [_later(item, begin) for item in fold_rounds(trace.steps[begin:end])]
+
+
+def _later(item: Single | Round, steps: int) -> Single | Round:
+    if isinstance(item, Single):
+        return Single(item.number + steps)
+    return Round(tuple(_later(inner, steps) for inner in item.block), item.times, item.length)
 
 
 def event_lines(event: Event, room: int = 0) -> Iterator[Text]:
@@ -46,6 +62,31 @@ def event_lines(event: Event, room: int = 0) -> Iterator[Text]:
             yield Text("  ").append_text(words)
 
 
+_LOOP_BEGINNING = 20
+"""So many steps and rounds of a loop are told at least."""
+
+_ENDINGS = {
+    Ending.IDLE: "∞ from here on time passes for ever, and nothing else need happen",
+    Ending.STUCK: "⊣ from here on nothing can happen any more",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """What is told of some items: those at both ends, and how many steps are left out between them."""
+
+    beginning: Sequence[Single | Round]
+    left_out: int
+    end: Sequence[Single | Round]
+
+    @staticmethod
+    def of(items: Sequence[Single | Round], ends: Ends) -> _Part:
+        if len(items) <= ends.beginning + ends.end + 1:
+            return _Part(items, 0, ())  # saying that one is left out would save nothing
+        between = items[ends.beginning : len(items) - ends.end]
+        return _Part(items[: ends.beginning], sum(item.length for item in between), items[len(items) - ends.end :])
+
+
 class _Teller:
     """Writes the lines of one run."""
 
@@ -59,22 +100,35 @@ class _Teller:
         self._lines = Text()
         self._width = 0
 
-    def text(self, items: Sequence[Single | Round], ends: Ends) -> Text:
-        if len(items) <= ends.beginning + ends.end + 1:
-            ends = Ends(len(items) + 1, 0)  # saying that one is left out would save nothing
-        left_out = items[ends.beginning : max(ends.beginning, len(items) - ends.end)]
-        end = items[ends.beginning + len(left_out) :]
-        numbers = [*_numbers(items[: ends.beginning]), *_numbers(end)]
+    def text(self, stem: Sequence[Single | Round], loop: Sequence[Single | Round], ends: Ends) -> Text:
+        parts = [_Part.of(stem, ends)]
+        if loop:
+            parts.append(_Part.of(loop, Ends(max(ends.beginning, _LOOP_BEGINNING), ends.end)))
+        numbers = [number for part in parts for number in _numbers([*part.beginning, *part.end])]
         self._width = max(len(self._times[0]), *(len(self._times[n + 1]) for n in numbers), 0)
-        if ends.beginning:
+        if ends.beginning or not parts[0].left_out:
             self._step(0, list(_start_lines(self._trace.initial, self._clocks)))
-        for item in items[: ends.beginning]:
-            self._item(item)
-        if left_out:
-            self._lines.append(f"  ...  ({grouped(sum(item.length for item in left_out))} steps)\n", style="dim")
-        for item in end:
-            self._item(item)
+        for number, part in enumerate(parts):
+            if number == 1:
+                self._note(self._loop_words())
+            for item in part.beginning:
+                self._item(item)
+            if part.left_out:
+                self._lines.append(f"  ...  ({grouped(part.left_out)} steps)\n", style="dim")
+            for item in part.end:
+                self._item(item)
+        if self._trace.ending in _ENDINGS:
+            self._note(_ENDINGS[self._trace.ending])
         return self._lines
+
+    def _loop_words(self) -> str:
+        if self._trace.ending is Ending.RECURRENT:
+            return "↻ from here on this repeats for ever, with delays that differ from round to round:"
+        steps = self._trace.steps[self._trace.loop_start :]
+        period = sum((step.delay for step in steps if step.delay is not None), Fraction(0))
+        if not period:
+            return "↻ from here on this repeats for ever, and no time passes:"
+        return f"↻ from here on this repeats for ever, every {duration(period, self._unit)}:"
 
     def _item(self, item: Single | Round) -> None:
         if isinstance(item, Single):

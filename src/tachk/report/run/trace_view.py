@@ -16,7 +16,7 @@ from tachk.model.network import Edge, Network
 from tachk.model.types import BoolType, ChannelType, ClockType, cell_count
 from tachk.records import dataclass
 from tachk.semantics.discrete import bind_selects, environment, execute_updates, initial_discrete, prepare
-from tachk.semantics.timed_trace import DiscreteState, Participant, TimedState, TimedTrace, Transition
+from tachk.semantics.timed_trace import DiscreteState, Ending, Participant, TimedState, TimedTrace, Transition
 from tachk.words import Direction
 
 
@@ -85,12 +85,15 @@ class ViewStep:
 class TraceView:
     """Attributes:
     hidden_processes, hidden_variables: the names that told runs leave out.
+    ending, loop_start: what comes after the last step, as in `TimedTrace`.
     """
 
     initial: Snapshot
     steps: tuple[ViewStep, ...]
     hidden_processes: frozenset[str] = frozenset()
     hidden_variables: frozenset[str] = frozenset()
+    ending: Ending = Ending.OPEN
+    loop_start: int | None = None
 
     def without_hidden(self) -> TraceView:
         """The run without the hidden processes where others act, or where they bring no news, and without their
@@ -101,7 +104,7 @@ class TraceView:
             replace(step, event=None if step.event is None else _shown_event(step.event), state=self._shown(step.state))
             for step in self.steps
         )
-        return TraceView(self._shown(self.initial), tuple(steps))
+        return TraceView(self._shown(self.initial), tuple(steps), ending=self.ending, loop_start=self.loop_start)
 
     def _shown(self, state: Snapshot) -> Snapshot:
         return replace(
@@ -125,7 +128,8 @@ def view_trace(network: Network, trace: TimedTrace) -> TraceView:
         event = None if step.transition is None else names.event(before, step.transition)
         steps.append(ViewStep(step.delay, event, names.timed_snapshot(step.state)))
         before = step.state.discrete
-    return names.view(names.timed_snapshot(trace.initial), steps)
+    view = names.view(names.timed_snapshot(trace.initial), steps)
+    return replace(view, ending=trace.ending, loop_start=trace.loop_start)
 
 
 def view_path(network: Network, path: Sequence[Transition]) -> TraceView:

@@ -1,0 +1,130 @@
+"""Runs that go on for ever, told: as text, JSON, a page, and as verifyta prints them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import pytest
+
+from tachk.diagnostics.span import Source
+from tachk.engines.lasso import lasso
+from tachk.engines.liveness_reference import check_by_zones
+from tachk.engines.outcome import Obligation, Statistics
+from tachk.loading.load import load_model
+from tachk.properties.verdict import Answer, Verdict
+from tachk.report.html_report import run_to_html
+from tachk.report.json_report import verdict_to_json
+from tachk.report.record import RunRecord
+from tachk.report.run.telling import Ends, Telling
+from tachk.report.text_report import evidence_text
+from tachk.report.verifyta_report import run_to_verifyta
+from tachk.semantics.discrete import prepare
+from tachk.semantics.timed_trace import Ending
+
+MODEL = """
+clock x;
+process Machine() {{
+    int[0, 2] wear = 0;
+    /// is off
+    init location Off {{ invariant x <= 9; to Idle {{ guard x >= 4; assign x = 0; }} }}
+    location Idle {{ invariant x <= 5; to Busy {{ guard x >= 5; assign x = 0; }} }}
+    /// works
+    location Busy {{ {busy} }}
+    location Repaired;
+}}
+system Machine;
+property repaired : A<> Machine.Repaired;
+"""
+WORKS = "invariant x <= 2; to Idle { guard x >= 2; assign x = 0, wear = wear < 2 ? wear + 1 : 2; }"
+
+
+def checked(busy: str) -> RunRecord:
+    """What is said of the model, its run made with the help of the oracle."""
+    loaded = load_model(Source("machine.ta", MODEL.format(busy=busy)))
+    (query,) = loaded.queries
+    assert query.predicate is not None
+    obligation = Obligation(query.predicate)
+    run = check_by_zones(loaded.network, obligation).run
+    assert run is not None
+    trace = lasso(prepare(loaded.network), run, obligation)
+    verdict = Verdict(query, Answer.FAILS, True, "", Statistics(), trace)
+    return RunRecord("machine.ta", loaded.network, (verdict,))
+
+
+def told(record: RunRecord, telling: Telling = Telling()) -> str:
+    return evidence_text(record.network, record.verdicts[0], telling)
+
+
+def test_a_loop_is_told_after_what_leads_to_it() -> None:
+    lines = told(checked(WORKS)).splitlines()
+    assert re.fullmatch(
+        r"repaired is violated by this run of \d+ steps, the last 2 of which repeat for ever:", lines[0]
+    )
+    (loop,) = (number for number, line in enumerate(lines) if "↻ from here on" in line)
+    assert lines[loop].strip() == "↻ from here on this repeats for ever, every 7:"
+    assert "Idle → Busy" in lines[loop + 1] and "Busy → Idle" in lines[-1]
+    assert any("Off → Idle" in line for line in lines[:loop])
+
+
+def test_a_loop_in_which_no_time_passes_says_so() -> None:
+    assert "repeats for ever, and no time passes:" in told(checked("invariant x <= 3; to Busy;"))
+
+
+def test_rounds_that_differ_are_told_once() -> None:
+    record = checked(WORKS)
+    (verdict,) = record.verdicts
+    assert verdict.trace is not None
+    recurrent = replace(verdict, trace=replace(verdict.trace, ending=Ending.RECURRENT))
+    assert "with delays that differ from round to round" in evidence_text(record.network, recurrent)
+
+
+@pytest.mark.parametrize(
+    ("busy", "title", "last"),
+    [
+        ("", "after which time passes for ever:", "∞ from here on time passes for ever, and nothing else need happen"),
+        ("invariant x <= 3;", "after which nothing can happen:", "⊣ from here on nothing can happen any more"),
+    ],
+)
+def test_runs_that_end_say_how(busy: str, title: str, last: str) -> None:
+    lines = told(checked(busy)).splitlines()
+    assert lines[0].endswith(title)
+    assert lines[-1].strip() == last
+
+
+def test_of_a_long_run_the_loop_is_told() -> None:
+    text = told(checked(WORKS), Telling(ends=Ends(0, 1)))
+    assert "↻ from here on" in text and "Idle → Busy" in text
+
+
+def test_every_step_tells_the_loop_too() -> None:
+    text = told(checked(WORKS), Telling(every_step=True, clocks=True))
+    assert "↻ from here on" in text and "start in Machine.Off" in text
+
+
+def test_json_has_the_state_to_which_the_loop_returns() -> None:
+    record = checked(WORKS)
+    found = verdict_to_json(record.network, record.verdicts[0])
+    assert found["ending"] == "periodic"
+    start, trace = found["loop_start"], found["trace"]
+    assert isinstance(start, int) and isinstance(trace, list) and start == len(trace) - 3
+    ends = verdict_to_json(record.network, checked("").verdicts[0])
+    assert (ends["ending"], ends["loop_start"]) == ("idle", None)
+    without = verdict_to_json(record.network, replace(record.verdicts[0], trace=None))
+    assert (without["ending"], without["loop_start"]) == (None, None)
+
+
+def test_the_page_tells_the_loop() -> None:
+    assert "repeats for ever, every 7:" in run_to_html(checked(WORKS))
+
+
+@pytest.mark.parametrize(
+    ("busy", "words"),
+    [
+        (WORKS, "repeat for ever, with their delays"),
+        ("", "from the last state on time passes for ever"),
+        ("invariant x <= 3;", "from the last state on nothing can happen any more"),
+    ],
+)
+def test_verifyta_says_what_comes_after_its_trace(busy: str, words: str) -> None:
+    assert f"{words}\n" in run_to_verifyta(checked(busy), "some")
