@@ -35,7 +35,7 @@ MODEL = """\
 <queries>{queries}</queries></nta>
 """
 REACH, NEVER, DEADLOCK = "E&lt;&gt; P.B", "A[] not P.B", "A[] not deadlock"
-LIVE, CHANCE = "A&lt;&gt; P.B", "Pr[&lt;=10](&lt;&gt; P.B)"
+LIVE, CHANCE = "A&lt;&gt; deadlock", "Pr[&lt;=10](&lt;&gt; P.B)"
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def folder(tmp_path: Path) -> Iterator[Path]:
     (tmp_path / "true.q").write_text("E<> P.B\n")
     (tmp_path / "false.q").write_text("A[] not P.B\n")
     (tmp_path / "holds.q").write_text("A[] x >= 0\n")
-    (tmp_path / "refused.q").write_text("A<> P.B\n")
+    (tmp_path / "refused.q").write_text("A<> deadlock\n")
     with chdir(tmp_path):
         yield tmp_path
 
@@ -132,7 +132,7 @@ def test_gamma(folder: Path) -> None:
     assert gamma_verdict("E<> P.B", verifyta("-t0", "-T", "m.xml", "true.q")) is True
     assert gamma_verdict("A[] not P.B", verifyta("-t0", "-T", "m.xml", "false.q")) is False
     assert gamma_verdict("A[] x >= 0", verifyta("-t0", "-T", "m.xml", "holds.q")) is True
-    assert gamma_verdict("A<> P.B", verifyta("-t0", "-T", "m.xml", "refused.q")) == "error"
+    assert gamma_verdict("A<> deadlock", verifyta("-t0", "-T", "m.xml", "refused.q")) == "error"
     assert gamma_trace(verifyta("-t0", "-T", "m.xml", "true.q").err) == [
         ("locations", ["P.A"]),
         ("variables", {"x": "0", "isStable": "0"}),

@@ -14,6 +14,7 @@
 #include "csv.hpp"
 #include "group.hpp"
 #include "linear.hpp"
+#include "liveness.hpp"
 #include "offline.hpp"
 #include "online.hpp"
 #include "reachability/explorer.hpp"
@@ -141,6 +142,7 @@ NB_MODULE(_core, m) {
           "kernel", [](const tachk::Explorer& self) { return std::string(self.operations().name); },
           "Which implementation of the zone operations is in use.");
 
+  bind_liveness(m);
   bind_csv(m);
   bind_offline(m);
   bind_linear(m);

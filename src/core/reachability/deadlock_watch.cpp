@@ -26,15 +26,6 @@ void DeadlockWatch::find_candidates(SymbolicState& source) {
     }
 }
 
-Delay DeadlockWatch::delay_in(SymbolicState& source) {
-  std::int32_t* slots = source.slots.data();
-  const bool passes = semantics_.time_passes(slots);
-  const std::uint8_t* stopped = semantics_.stopped_clocks(slots);
-  const int dimension = program_.dimension();
-  if (stopped != nullptr && std::find(stopped, stopped + dimension, 1) != stopped + dimension) return Delay::partial;
-  return passes ? Delay::free : Delay::none;
-}
-
 void DeadlockWatch::begin(SymbolicState& source) {
   if (!open_) return;
   find_candidates(source);
@@ -42,7 +33,7 @@ void DeadlockWatch::begin(SymbolicState& source) {
   const bool wants_live = std::any_of(candidates_.begin(), candidates_.end(), [](const Candidate& candidate) {
     return candidate.disjunct->deadlock == DeadlockLiteral::forbidden;
   });
-  const Delay delay = delay_in(source);
+  const Delay delay = delay_in(semantics_, source.slots.data());
   atoms_.clear();
   semantics_.invariant(source.slots.data(), atoms_);
   finder_.begin(source.zone.get(), atoms_, delay, wants_live);

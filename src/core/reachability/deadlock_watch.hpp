@@ -34,7 +34,6 @@ class DeadlockWatch final {
 
   // The open disjuncts whose predicates the state satisfies.
   void find_candidates(SymbolicState& source);
-  Delay delay_in(SymbolicState& source);
 
   const Program& program_;
   Semantics& semantics_;

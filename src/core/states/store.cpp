@@ -38,6 +38,16 @@ bool PassedList::covers(std::uint32_t discrete, ZoneView zone) const {
   });
 }
 
+bool PassedList::contains(std::uint32_t discrete, ZoneView zone, bool subsumption) const {
+  if (subsumption) return covers(discrete, zone);
+  const auto equal = [&](std::uint32_t number) { return zones_.equals(node(number).zone, zone); };
+  const std::uint32_t first = head(discrete);
+  if (is_long(first)) return chain(first).any_above(extent_of(zone), equal);
+  for (std::uint32_t number = first; number != no_node; number = node(number).next)
+    if (equal(number)) return true;
+  return false;
+}
+
 void PassedList::cover(std::uint32_t number) {
   Node& node = entry(number);
   node.next = covered_mark;

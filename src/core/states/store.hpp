@@ -43,6 +43,9 @@ class PassedList {
   // Whether a stored zone of this discrete state contains the zone.
   bool covers(std::uint32_t discrete, ZoneView zone) const;
 
+  // As `covers`; without `subsumption`, whether an equal zone is stored.
+  bool contains(std::uint32_t discrete, ZoneView zone, bool subsumption) const;
+
   // Adds a state unless it is covered; removes the states that it covers. The number of the new node, or no_node.
   // With `subsumption` a state is covered by a state with a zone that contains its own, without by an equal one only.
   std::uint32_t add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption);

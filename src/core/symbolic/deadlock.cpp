@@ -1,6 +1,16 @@
 #include "symbolic/deadlock.hpp"
 
+#include <algorithm>
+
 namespace tachk {
+
+Delay delay_in(Semantics& semantics, std::int32_t* slots) {
+  const bool passes = semantics.time_passes(slots);
+  const std::uint8_t* stopped = semantics.stopped_clocks(slots);
+  const int dimension = semantics.program().dimension();
+  if (stopped != nullptr && std::find(stopped, stopped + dimension, 1) != stopped + dimension) return Delay::partial;
+  return passes ? Delay::free : Delay::none;
+}
 
 DeadlockFinder::DeadlockFinder(const ZoneOperations& operations, int dimension)
     : operations_(operations),

@@ -2,8 +2,10 @@
 // after any delay, found while the actions of the state are gone through.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
+#include "symbolic/successor.hpp"
 #include "zones/federation.hpp"
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
@@ -18,6 +20,9 @@ enum class Delay {
   // perhaps live, so that both answers stay over-approximated.
   partial,
 };
+
+// Throws ModelFault.
+Delay delay_in(Semantics& semantics, std::int32_t* slots);
 
 class DeadlockFinder {
  public:

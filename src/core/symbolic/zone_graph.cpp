@@ -70,17 +70,19 @@ bool ZoneGraph::begin() {
   return semantics_.invariant(effect_.slots.data(), effect_.invariant);
 }
 
-bool ZoneGraph::reach(ConstZoneRef guarded, Effect& effect) {
+bool ZoneGraph::enter(ConstZoneRef guarded, const Effect& effect) {
   const int dimension = program_.dimension();
-  const std::vector<Atom>& invariant = effect.invariant;
-  const ZoneRef target = target_.get();
   target_.assign(guarded);
-  operations_.reset(target, dimension, effect.resets.data(), effect.resets.size());
-  if (!operations_.intersect(target, dimension, invariant.data(), invariant.size())) return false;
+  operations_.reset(target_.get(), dimension, effect.resets.data(), effect.resets.size());
+  return operations_.intersect(target_.get(), dimension, effect.invariant.data(), effect.invariant.size());
+}
+
+void ZoneGraph::delay(Effect& effect) {
+  const std::vector<Atom>& invariant = effect.invariant;
   std::int32_t* slots = effect.slots.data();
-  if (semantics_.time_passes(slots))
-    operations_.up_within(target, dimension, semantics_.stopped_clocks(slots), invariant.data(), invariant.size());
-  return true;
+  if (!semantics_.time_passes(slots)) return;
+  const std::uint8_t* stopped = semantics_.stopped_clocks(slots);
+  operations_.up_within(target_.get(), program_.dimension(), stopped, invariant.data(), invariant.size());
 }
 
 }  // namespace tachk

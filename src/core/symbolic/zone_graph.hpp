@@ -56,6 +56,8 @@ struct ActionFault : ModelFault {
 // What is done with the successors of a state. Of each action it is told, in this order:
 //   possible(guarded, effect)  the action breaks no integer part of an invariant; `guarded`: where its guard holds
 //   expect(effect)             the zone of a successor is going to be computed
+//   enters(entry, invariant)   optional: whether the step goes on from here, where no time has passed yet; if not, the
+//                              receiver has dealt with it
 //   wants(successor)           whether this successor is of interest; its zone is not abstracted yet, because most
 //                              successors end here
 //   take(successor)            the successor, abstracted
@@ -87,6 +89,13 @@ class ZoneGraph final {
   template <Receiver R>
   void expand(SymbolicState& source, R&& receiver);
 
+  // Calls take(abstract) for each of the zones that together stand for a zone of a discrete state, which is used up.
+  // Throws ConstantOverflow.
+  template <class Take>
+  void abstract(const std::int32_t* slots, ZoneBuffer& zone, Take&& take) {
+    abstraction_.apply(slots, zone, take);
+  }
+
   // Memory for a state.
   SymbolicState blank() const;
   SymbolicState copy(const Successor& successor) const;
@@ -98,9 +107,10 @@ class ZoneGraph final {
  private:
   // Sets `effect_` to what comes before the first action; false if an invariant excludes it.
   bool begin();
-  // Goes from the guarded zone to `target_`, by the resets and the invariant of the effect and by time; false if
-  // nothing is left.
-  bool reach(ConstZoneRef guarded, Effect& effect);
+  // Goes from the guarded zone to `target_`, by the resets and the invariant of the effect; false if nothing is left.
+  bool enter(ConstZoneRef guarded, const Effect& effect);
+  // Lets time pass in `target_`.
+  void delay(Effect& effect);
   template <Receiver R>
   void expand_by_priority(SymbolicState& source, R& receiver);
   template <Receiver R>
@@ -176,8 +186,11 @@ void ZoneGraph::expand_by_priority(SymbolicState& source, R& receiver) {
 template <Receiver R>
 void ZoneGraph::follow(std::span<const std::uint32_t> edges, ConstZoneRef guarded, Effect& effect, R& receiver) {
   receiver.expect(effect);
-  if (!within(edges, [&] { return reach(guarded, effect); })) return;
+  if (!enter(guarded, effect)) return;
   std::int32_t* slots = effect.slots.data();
+  if constexpr (requires { receiver.enters(Successor{}, effect.invariant); })
+    if (!receiver.enters(Successor{edges, slots, target_.get()}, effect.invariant)) return;
+  within(edges, [&] { return delay(effect), true; });
   if (!receiver.wants(Successor{edges, slots, target_.get()})) return;
   abstraction_.apply(slots, target_, [&](ConstZoneRef zone) { receiver.take(Successor{edges, slots, zone}); });
 }

@@ -13,14 +13,15 @@ from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import (
     Constant,
+    Deadlock,
     Expression,
 )
 from tachk.model.network import Edge, Network
 from tachk.model.query import Query
-from tachk.model.traversal import reads_clock
+from tachk.model.traversal import reads_clock, walk
 from tachk.model.types import ChannelType
 from tachk.records import dataclass
-from tachk.words import Direction, QueryKind
+from tachk.words import Direction
 
 MAXIMAL_SELECTIONS = 10_000_000
 """Combinations of the values of one edge's select labels; each is tried against the guard."""
@@ -81,21 +82,28 @@ def check_selections(network: Network) -> None:
 
 def check_supported(network: Network, query: Query) -> None:
     """Raises UnsupportedError, naming the place, if no engine can decide the query."""
-    measured = query.kind in (QueryKind.SUPREMUM, QueryKind.INFIMUM, QueryKind.BOUNDS)
-    if query.target is None and not measured:
-        raise UnsupportedError(
-            Diagnostic(
-                "E0720",
-                f"queries with `{query.kind.value}` are not checked yet",
-                query.span,
-                _ALTERNATIVES.get(query.kind),
-            )
-        )
     _check_urgency(network)
     _check_rates(network)
-    predicate = query.predicate if measured else query.target
-    if predicate is not None and mentions_time(predicate):
-        check_predicate(predicate, known_values(network, [predicate]))
+    for predicate in (query.target or query.predicate, query.avoided):
+        if predicate is None:
+            continue
+        if query.avoided is not None:
+            _check_no_deadlock(predicate)
+        if mentions_time(predicate):
+            check_predicate(predicate, known_values(network, [predicate]))
+
+
+def _check_no_deadlock(predicate: Expression) -> None:
+    for part in walk(predicate):
+        if isinstance(part, Deadlock):
+            raise UnsupportedError(
+                Diagnostic(
+                    "E0720",
+                    "`deadlock` is not checked yet in queries about runs",
+                    part.span,
+                    "E<> deadlock and A[] not deadlock ask whether a run can get stuck",
+                )
+            )
 
 
 def _check_urgency(network: Network) -> None:
@@ -117,12 +125,6 @@ def _check_rates(network: Network) -> None:
         known = known_values(network, [])
         for rate in rates:
             rate_of(rate, known)
-
-
-_ALTERNATIVES = {
-    QueryKind.EVENTUALLY: "with a known deadline T, the formula F[0, T] p asks for p in time",
-    QueryKind.LEADS_TO: "with a known deadline T, the formula G (p -> F[0, T] q) asks for an answer in time",
-}
 
 
 def rate_of(rate: Expression, known: Known) -> Expression:

@@ -81,4 +81,31 @@ class Query:
             return None
         if self.holds_when_reached:
             return self.predicate
-        return Unary(UnaryOperator.NOT, self.predicate, BOOL, self.predicate.span)
+        return _negation(self.predicate)
+
+    @property
+    def avoided(self) -> Expression | None:
+        """What a run must avoid for ever to decide the query; None where no single run does."""
+        match self.kind:
+            case QueryKind.EVENTUALLY:
+                return self.predicate
+            case QueryKind.POTENTIALLY_ALWAYS:
+                assert self.predicate is not None
+                return _negation(self.predicate)
+            case QueryKind.LEADS_TO:
+                return self.operands[0]
+            case QueryKind.POSSIBLY | QueryKind.INVARIANTLY:
+                return None
+            case QueryKind.SUPREMUM | QueryKind.INFIMUM | QueryKind.BOUNDS:
+                return None
+            case never:
+                assert_never(never)
+
+    @property
+    def begins(self) -> Expression | None:
+        """The states in which such a run may begin to avoid it; None: the initial state."""
+        return self.predicate if self.kind is QueryKind.LEADS_TO else None
+
+
+def _negation(predicate: Expression) -> Expression:
+    return Unary(UnaryOperator.NOT, predicate, BOOL, predicate.span)

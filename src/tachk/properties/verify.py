@@ -17,7 +17,7 @@ from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Progress, Statistics
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties import extremes, reachability
+from tachk.properties import extremes, liveness, reachability
 from tachk.properties.observed import check_observable
 from tachk.properties.plan import Analysis, Search, Task, plan
 from tachk.properties.unanswered import none_begun, not_begun, unsupported
@@ -98,10 +98,10 @@ def _answer(
     match search.analysis:
         case Analysis.REACHABILITY:
             return reachability.answer(model, search, options, limits, progress, trace)
+        case Analysis.LIVENESS:
+            return liveness.answer(model, search, options, limits, progress, trace)
         case Analysis.EXTREMES:
             return extremes.answer(model, search, options, limits, progress, trace)
-        case Analysis.LIVENESS:
-            raise NotImplementedError
         case never:
             assert_never(never)
 

@@ -68,11 +68,11 @@ LOWERING_CODES: dict[str, Explanation] = {
         "invariant x' == 0;",
     ),
     "E0720": Explanation(
-        "kind of query that is not checked yet",
-        "Checked are E<> and A[], with deadlock anywhere in them, and sup, inf and bounds. The liveness operators A<>, "
-        "E[] and --> are read, and listed as not checked.",
-        "A<> P.done",
-        "A[] P.waiting imply P.x <= 20",
+        "query that is not checked yet",
+        "Checked are E<> and A[], with deadlock anywhere in them, sup, inf and bounds, and A<>, E[] and --> without "
+        "deadlock.",
+        "A<> deadlock",
+        "A[] not deadlock",
     ),
     "E0721": Explanation(
         "clock guard on an urgent channel",

@@ -1,0 +1,62 @@
+#include "liveness.hpp"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+#include <optional>
+#include <tuple>
+#include <vector>
+
+#include "liveness/liveness_search.hpp"
+
+namespace nb = nanobind;
+
+namespace {
+
+using FaultTuple = std::tuple<tachk::FaultKind, int, tachk::Path, tachk::Edges>;
+using ViolationTuple = std::tuple<tachk::ViolationKind, tachk::Path, std::size_t, tachk::Path>;
+
+std::unique_ptr<tachk::LivenessSearch> make_search(const std::vector<std::int64_t>& image,
+                                                   const tachk::Options& options, const tachk::Limits& limits) {
+  return std::make_unique<tachk::LivenessSearch>(tachk::decode_program(image), options, limits);
+}
+
+std::optional<FaultTuple> fault_of(const tachk::LivenessSearch& search) {
+  const auto& fault = search.fault();
+  if (!fault) return std::nullopt;
+  return FaultTuple{fault->kind, fault->position, fault->path, fault->edges};
+}
+
+std::optional<ViolationTuple> violation_of(const tachk::LivenessSearch& search) {
+  const auto& found = search.violation();
+  if (!found) return std::nullopt;
+  return ViolationTuple{found->kind, found->stem, found->begins, found->loop};
+}
+
+}  // namespace
+
+void bind_liveness(nb::module_& m) {
+  nb::enum_<tachk::ViolationKind>(m, "ViolationKind")
+      .value("LOOP", tachk::ViolationKind::loop)
+      .value("IDLE", tachk::ViolationKind::idle)
+      .value("STUCK", tachk::ViolationKind::stuck);
+  nb::class_<tachk::LivenessSearch>(m, "LivenessSearch")
+      .def(nb::new_(&make_search), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
+      .def("run", &tachk::LivenessSearch::run, nb::arg("expansions"), nb::call_guard<nb::gil_scoped_release>(),
+           "Takes up to this many steps of the search.")
+      .def(
+          "statistics",
+          [](const tachk::LivenessSearch& self) {
+            const tachk::Statistics s = self.statistics();
+            return std::make_tuple(s.explored, s.stored, s.transitions, s.bytes);
+          },
+          "(explored, stored, transitions, bytes)")
+      .def("violation", &violation_of, "(kind, stem, begins, loop) of a run that was found, as edge numbers, or None.")
+      .def("gets_stuck", &tachk::LivenessSearch::gets_stuck, nb::arg("actions"), nb::arg("begins"),
+           "Whether these actions, as edge numbers, can end where nothing is possible; for a fresh search without "
+           "extrapolation.")
+      .def("fault", &fault_of, "(kind, code position, path, edges of the action) of a run-time error, or None.");
+}

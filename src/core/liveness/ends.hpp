@@ -1,0 +1,46 @@
+// Where a run may end that avoids a predicate: valuations of one symbolic state in which time can pass for ever, or
+// from which nothing can happen any more, without the predicate becoming true. What actions are possible is told while
+// the state is expanded: begin, pass for every possible action, end.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "liveness/avoidance.hpp"
+#include "liveness/predicate.hpp"
+#include "symbolic/deadlock.hpp"
+#include "symbolic/zone_graph.hpp"
+
+namespace tachk {
+
+enum class Ending {
+  idle,   // time passes for ever
+  stuck,  // no action is possible, now or after any delay, and time does not pass for ever
+};
+
+class Ends final {
+ public:
+  explicit Ends(ZoneGraph& graph);
+
+  // `avoided` is looked at in the state. Throws ModelFault.
+  void begin(SymbolicState& source, Predicate& avoided);
+  void pass(ConstZoneRef guarded, const Effect& effect);
+  // An end in the state, if there is one. With bounds that widen zones in one direction only (LU) a valuation may seem
+  // stuck that stands for true ones that are not; an idle one stands for idle ones.
+  std::optional<Ending> end() const;
+
+ private:
+  bool may_idle(Delay delay, const std::uint8_t* stopped) const;
+
+  Semantics& semantics_;
+  ZoneOperations operations_;
+  int dimension_;
+  Avoidance avoidance_;
+  DeadlockFinder finder_;
+  std::vector<Atom> invariant_;
+  std::vector<Atom> atoms_;
+  const Federation* never_ = nullptr;  // from where the predicate is not met
+  bool idle_ = false;
+};
+
+}  // namespace tachk

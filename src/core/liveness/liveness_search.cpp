@@ -1,0 +1,332 @@
+#include "liveness/liveness_search.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+#include "reachability/paths.hpp"
+
+namespace tachk {
+
+// A run-time error of a predicate in the state that an action leads to.
+struct LivenessSearch::StateFault : ModelFault {
+  StateFault(const ModelFault& fault, std::span<const std::uint32_t> action)
+      : ModelFault(fault), edges(action.begin(), action.end()) {}
+
+  Edges edges;
+};
+
+LivenessSearch::LivenessSearch(Program program, const Options& options, const Limits& limits)
+    : options_(options),
+      limits_(limits),
+      graph_(std::move(program), options_),
+      restriction_(graph_, graph_.program().goals.at(0)),
+      ends_(graph_),
+      passed_(graph_.program(), graph_.operations(), options_.chunk_words, options_.reclaim,
+              graph_.smaller_operations()),
+      stack_(graph_),
+      source_(graph_.blank()) {
+  if (graph_.program().goals.size() < 2) return;
+  beginnings_.emplace(Predicate(graph_.program().goals[1], graph_.semantics()), Reachable(graph_, options_, limits_));
+}
+
+// ---- the loop -------------------------------------------------------------------------------------------------------
+
+// Pushes the successors that are neither covered nor close a loop.
+struct LivenessSearch::Descending {
+  LivenessSearch& search;
+
+  void possible(ConstZoneRef guarded, const Effect& effect) const { search.ends_.pass(guarded, effect); }
+  void expect(const Effect& effect) const { search.passed_.announce(effect.slots.data(), effect.written); }
+  bool enters(const Successor& entry, const std::vector<Atom>& invariant) const {
+    search.done_.transitions += !entry.edges.empty();
+    try {
+      return search.restriction_.lets_through(entry, invariant, [this](const Successor& part) { take(part); });
+    } catch (const ModelFault& fault) {  // of the new state, not of the action that leads there
+      throw StateFault(fault, entry.edges);
+    }
+  }
+  bool wants(const Successor& successor) const {
+    return !search.options_.subsumption ||
+           !search.passed_.covers(search.passed_.locate(), search.graph_.packed(successor.slots, successor.zone));
+  }
+  void take(const Successor& successor) const { search.push(successor); }
+};
+
+Status LivenessSearch::search(std::uint64_t steps) {
+  while (!violation_) {
+    if (steps-- == 0) return Status::running;
+    if (!advance()) return complete_ ? Status::finished : Status::depth_limit;
+    if (stored() > limits_.states) return Status::state_limit;
+    if (limits_.memory_bytes != UINT64_MAX && statistics().bytes > limits_.memory_bytes) return Status::memory_limit;
+  }
+  return Status::finished;
+}
+
+bool LivenessSearch::advance() {
+  if (stack_.empty()) return start();
+  const SearchStack::State top = stack_.top();
+  if (top.open) {
+    passed_.add(top.discrete, stack_.top_zone(), no_node, options_.subsumption);
+    stack_.pop();
+  } else if (passed_.contains(top.discrete, stack_.top_zone(), options_.subsumption)) {
+    stack_.pop();
+  } else if (stack_.depth() >= limits_.depth) {
+    complete_ = false;
+    stack_.pop();
+  } else {
+    expand();
+  }
+  return true;
+}
+
+void LivenessSearch::expand() {
+  stack_.open_top();
+  unpack(stack_.size() - 1);
+  ++done_.explored;
+  ends_.begin(source_, restriction_.avoided());
+  graph_.expand(source_, Descending{*this});
+  const std::optional<Ending> ending = ends_.end();
+  if (ending == Ending::idle)
+    found(ViolationKind::idle);
+  else if (closing_)
+    found(ViolationKind::loop);
+  else if (ending == Ending::stuck)
+    found(ViolationKind::stuck);
+}
+
+void LivenessSearch::push(const Successor& successor) {
+  if (closing_) return;
+  const std::uint32_t discrete = passed_.locate();
+  const ZoneView zone = graph_.packed(successor.slots, successor.zone);
+  if (passed_.contains(discrete, zone, options_.subsumption)) return;
+  const std::uint32_t open = stack_.find_below(discrete, zone, options_.subsumption);
+  if (open == no_node) return stack_.push(discrete, zone);
+  closing_ = Closing{open, {successor.edges.begin(), successor.edges.end()}};
+}
+
+void LivenessSearch::unpack(std::uint32_t number) {
+  const SearchStack::State& state = stack_[number];
+  passed_.unpack({state.discrete, 0, no_node, no_node}, source_.slots.data());
+  graph_.unpack(source_.slots.data(), stack_.zone(number).data, source_.zone);
+}
+
+// ---- where runs begin -----------------------------------------------------------------------------------------------
+
+// Pushes what the next run may begin with, if that is not known yet; false if there is nothing left to begin with.
+bool LivenessSearch::start() {
+  if (!beginnings_) {
+    if (std::exchange(reached_, true)) return false;
+    graph_.start(Descending{*this});
+    return true;
+  }
+  if (!reached_) {
+    reached_ = !beginnings_->reachable.advance(source_);
+    if (reached_) complete_ = beginnings_->reachable.complete();
+    return true;
+  }
+  while (beginnings_->next < beginnings_->reachable.states().size())
+    if (start_from(beginnings_->next++)) return true;
+  return false;
+}
+
+bool LivenessSearch::start_from(std::uint32_t number) {
+  PassedList& states = beginnings_->reachable.states();
+  if (states.covered(number)) return false;
+  beginnings_->begun = number;
+  const Node node = states.node(number);
+  states.unpack(node, source_.slots.data());
+  graph_.unpack(source_.slots.data(), states.zone(node), source_.zone);
+  parts(source_, [&](const Successor& part) {
+    passed_.announce(part.slots, SlotSet::all());
+    push(part);
+  });
+  return true;
+}
+
+template <class Take>
+void LivenessSearch::parts(SymbolicState& state, Take&& take) {
+  std::int32_t* slots = state.slots.data();
+  Predicate& predicate = beginnings_->predicate;
+  const Truth begins = predicate.in(slots);
+  if (begins == Truth::never) return;
+  const Truth avoided = restriction_.avoided().in(slots);
+  if (avoided == Truth::always) return;
+  if (begins == Truth::always && avoided == Truth::never) return take(Successor{{}, slots, state.zone.get()});
+  const int dimension = graph_.program().dimension();
+  std::vector<Atom> invariant;
+  graph_.semantics().invariant(slots, invariant);
+  const std::size_t count = begins == Truth::always ? 1 : predicate.size();
+  for (std::size_t number = 0; number < count; ++number) {
+    ZoneBuffer entry(state.zone);
+    std::vector<Atom> atoms(invariant);
+    if (begins == Truth::by_clocks) atoms.insert(atoms.end(), predicate[number].begin(), predicate[number].end());
+    if (!graph_.operations().intersect(entry.get(), dimension, atoms.data(), atoms.size())) continue;
+    restriction_.parts(Successor{{}, slots, entry.get()}, invariant, take);
+  }
+}
+
+// ---- what was found -------------------------------------------------------------------------------------------------
+
+// Looks for the action by which one open state led to another one.
+struct LivenessSearch::Finding {
+  LivenessSearch& search;
+  std::uint32_t sought;
+  Edges& edges;
+
+  void possible(ConstZoneRef, const Effect&) const {}
+  void expect(const Effect& effect) const { search.passed_.announce(effect.slots.data(), SlotSet::all()); }
+  bool enters(const Successor& entry, const std::vector<Atom>& invariant) const {
+    return edges.empty() &&
+           search.restriction_.lets_through(entry, invariant, [this](const Successor& part) { take(part); });
+  }
+  bool wants(const Successor&) const { return search.passed_.locate() == search.stack_[sought].discrete; }
+  void take(const Successor& successor) const {
+    if (!edges.empty() || !wants(successor)) return;
+    const ZoneView zone = search.graph_.packed(successor.slots, successor.zone);
+    if (search.stack_.holds(sought, zone)) edges.assign(successor.edges.begin(), successor.edges.end());
+  }
+};
+
+Edges LivenessSearch::edges_between(std::uint32_t from, std::uint32_t to) {
+  Edges edges;
+  unpack(from);
+  try {
+    graph_.expand(source_, Finding{*this, to, edges});
+  } catch (const ModelFault&) {
+    // The search stopped at this fault, in an action behind the one looked for.
+  } catch (const ConstantOverflow&) {
+    // As above.
+  }
+  if (edges.empty()) throw std::logic_error("an open state is not a successor of the one below it");
+  return edges;
+}
+
+Path LivenessSearch::path_so_far() {
+  Path path;
+  if (beginnings_) {
+    Reachable& reachable = beginnings_->reachable;
+    const std::uint32_t node = reached_ ? beginnings_->begun : reachable.node();
+    if (node != no_node) path = path_to(graph_, reachable.states(), 0, node);
+  }
+  const std::vector<std::uint32_t> open = stack_.path();
+  for (std::size_t number = 1; number < open.size(); ++number)
+    path.push_back(edges_between(open[number - 1], open[number]));
+  return path;
+}
+
+void LivenessSearch::found(ViolationKind kind) {
+  Path stem = path_so_far();
+  const std::vector<std::uint32_t> open = stack_.path();
+  const std::size_t begins = stem.size() + 1 - open.size();
+  violation_ = Violation{kind, {}, begins, {}};
+  if (kind == ViolationKind::loop) {
+    const auto back = std::find(open.begin(), open.end(), closing_->state) - open.begin();
+    const auto entrance = stem.begin() + static_cast<std::ptrdiff_t>(begins) + back;
+    violation_->loop.assign(entrance, stem.end());
+    violation_->loop.push_back(closing_->edges);
+    stem.erase(entrance, stem.end());
+  }
+  violation_->stem = std::move(stem);
+}
+
+// ---- a path without extrapolation -----------------------------------------------------------------------------------
+
+namespace {
+
+// Keeps what an action leads to, or all there is where no action has been taken yet.
+struct Following {
+  const ZoneGraph& graph;
+  Restriction* restriction;  // none where q may hold
+  const Edges* edges;
+  std::vector<SymbolicState>& states;
+
+  void possible(ConstZoneRef, const Effect&) const {}
+  void expect(const Effect&) const {}
+  bool enters(const Successor& entry, const std::vector<Atom>& invariant) const {
+    if (edges != nullptr && !std::equal(entry.edges.begin(), entry.edges.end(), edges->begin(), edges->end()))
+      return false;
+    return restriction == nullptr ||
+           restriction->lets_through(entry, invariant, [this](const Successor& part) { take(part); });
+  }
+  bool wants(const Successor&) const { return true; }
+  void take(const Successor& successor) const { states.push_back(graph.copy(successor)); }
+};
+
+// Wants no successors, only to know whether there are any.
+struct Probing {
+  Ends& ends;
+
+  void possible(ConstZoneRef guarded, const Effect& effect) const { ends.pass(guarded, effect); }
+  void expect(const Effect&) const {}
+  bool wants(const Successor&) const { return false; }
+  void take(const Successor&) const {}
+};
+
+}  // namespace
+
+bool LivenessSearch::gets_stuck(const Path& actions, std::size_t begins) {
+  std::vector<SymbolicState> states;
+  try {
+    graph_.start(Following{graph_, beginnings_ ? nullptr : &restriction_, nullptr, states});
+    for (std::size_t number = 0;; ++number) {
+      if (beginnings_ && number == begins) {
+        std::vector<SymbolicState> parts_of_all;
+        for (SymbolicState& state : states)
+          parts(state, [&](const Successor& part) { parts_of_all.push_back(graph_.copy(part)); });
+        states.swap(parts_of_all);
+      }
+      if (number == actions.size()) break;
+      Restriction* restriction = number >= begins ? &restriction_ : nullptr;
+      std::vector<SymbolicState> next;
+      for (SymbolicState& state : states) graph_.expand(state, Following{graph_, restriction, &actions[number], next});
+      states.swap(next);
+    }
+    for (SymbolicState& state : states) {
+      ends_.begin(state, restriction_.avoided());
+      graph_.expand(state, Probing{ends_});
+      if (ends_.end()) return true;
+    }
+  } catch (const ModelFault&) {
+  } catch (const ConstantOverflow&) {
+  }
+  return false;
+}
+
+// ---- how it is asked for --------------------------------------------------------------------------------------------
+
+Status LivenessSearch::run(std::uint64_t steps) {
+  if (fault_) return Status::fault;
+  try {
+    return search(steps);
+  } catch (const StateFault& fault) {
+    fault_ = LivenessFault{fault.kind, fault.position, path_so_far(), {}};
+    if (!fault.edges.empty()) fault_->path.push_back(fault.edges);
+  } catch (const ActionFault& fault) {
+    fault_ = LivenessFault{fault.kind, fault.position, path_so_far(), fault.edges};
+  } catch (const ModelFault& fault) {
+    fault_ = LivenessFault{fault.kind, fault.position, path_so_far(), {}};
+  } catch (const ConstantOverflow&) {
+    return Status::constant_limit;
+  }
+  return Status::fault;
+}
+
+std::uint64_t LivenessSearch::stored() const {
+  const std::uint64_t reached = beginnings_ ? beginnings_->reachable.states().stored() : 0;
+  return reached + passed_.stored() + stack_.depth();
+}
+
+Statistics LivenessSearch::statistics() const {
+  Statistics sum{done_.explored, stored(), done_.transitions, passed_.bytes() + stack_.bytes()};
+  if (beginnings_) {
+    const Reachable& reachable = beginnings_->reachable;
+    sum.explored += reachable.explored();
+    sum.transitions += reachable.transitions();
+    sum.bytes += reachable.bytes();
+  }
+  return sum;
+}
+
+}  // namespace tachk

@@ -1,0 +1,116 @@
+// Whether some run avoids a predicate q for ever: depth first, with subsumption in both directions.
+//
+// The search goes through the zone graph without q (Restriction). A successor whose zone contains that of a state on
+// the path to it closes a loop. A successor inside a finished state is dropped. Every state on the way is asked whether
+// a run can end in it (Ends). Of `p --> q` the runs begin in each reachable state in which p holds and q does not, and
+// share the finished states.
+//
+// A loop w ->+ v with w inside v is an infinite run: every valuation of v is simulated by one that a valuation of w
+// leads to, hence for any number of rounds some valuation of w can go them all. Dropping is sound because a valuation
+// that was expanded in a finished state has its successors in states that finished earlier: an infinite run would
+// descend for ever. Which of the two tests comes first does not matter for the answer (docs/decisions/liveness.md).
+// S. Wimmer and P. Lammich verified the algorithm, "Verified model checking of timed automata", TACAS 2018; A. Laarman,
+// M. Olesen, A. Dalsgaard, K. Larsen, J. van de Pol, "Multi-core emptiness checking of timed Buechi automata using
+// inclusion abstraction", CAV 2013, say when subsumption is sound.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "liveness/ends.hpp"
+#include "liveness/reachable.hpp"
+#include "liveness/restriction.hpp"
+#include "liveness/search_stack.hpp"
+#include "reachability/explorer.hpp"
+#include "states/store.hpp"
+#include "symbolic/zone_graph.hpp"
+
+namespace tachk {
+
+enum class ViolationKind { loop, idle, stuck };
+
+// A run that avoids q for ever, from its action number `begins` on.
+struct Violation {
+  ViolationKind kind;
+  Path stem;
+  std::size_t begins;
+  Path loop;  // of a loop only
+};
+
+struct LivenessFault {
+  FaultKind kind;
+  std::int32_t position;  // of the code word
+  Path path;              // to the last state before it
+  Edges edges;            // of the action; empty for an invariant of the initial state or a predicate
+};
+
+class LivenessSearch final {
+ public:
+  // The first goal of the program is q, the second, if there is one, p.
+  LivenessSearch(Program program, const Options& options, const Limits& limits = {});
+  LivenessSearch(const LivenessSearch&) = delete;
+  LivenessSearch& operator=(const LivenessSearch&) = delete;
+
+  // Takes so many steps of the search. `running` asks for another call, `finished` without a violation says that there
+  // is none.
+  Status run(std::uint64_t steps);
+
+  Statistics statistics() const;
+  const std::optional<Violation>& violation() const { return violation_; }
+  const std::optional<LivenessFault>& fault() const { return fault_; }
+  // Whether these actions can end in a state that is stuck and avoid q from action number `begins` on. Asked of a
+  // search without extrapolation that has not run; false also if clock values become too large on the way.
+  bool gets_stuck(const Path& actions, std::size_t begins);
+
+ private:
+  struct Descending;
+  struct Finding;
+  struct StateFault;
+
+  // Where the runs of p --> q begin.
+  struct Beginnings {
+    Predicate predicate;
+    Reachable reachable;
+    std::uint32_t begun = no_node;  // the reached state in which the path begins
+    std::uint32_t next = 0;         // the next one that is looked at
+  };
+  // An action that leads back to an open state.
+  struct Closing {
+    std::uint32_t state;
+    Edges edges;
+  };
+
+  Status search(std::uint64_t steps);
+  std::uint64_t stored() const;
+  bool advance();
+  bool start();
+  bool start_from(std::uint32_t node);
+  void expand();
+  void push(const Successor& successor);
+  // Calls take(successor) for each part of a reached state in which p holds and q does not, with the delays that avoid
+  // q.
+  template <class Take>
+  void parts(SymbolicState& state, Take&& take);
+  void unpack(std::uint32_t number);
+  void found(ViolationKind kind);
+  Edges edges_between(std::uint32_t from, std::uint32_t to);
+  Path path_so_far();
+
+  Options options_;
+  Limits limits_;
+  ZoneGraph graph_;
+  Restriction restriction_;
+  Ends ends_;
+  std::optional<Beginnings> beginnings_;  // none: runs begin in the initial states
+  PassedList passed_;                     // finished states; the later one has finished, the larger is its number
+  SearchStack stack_;
+  SymbolicState source_;
+  std::optional<Closing> closing_;  // of the state being expanded
+  Statistics done_;                 // without what `beginnings_` counts
+  bool reached_ = false;            // whether all states in which runs may begin are known
+  bool complete_ = true;
+  std::optional<Violation> violation_;
+  std::optional<LivenessFault> fault_;
+};
+
+}  // namespace tachk

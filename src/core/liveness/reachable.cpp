@@ -1,0 +1,46 @@
+#include "liveness/reachable.hpp"
+
+#include <utility>
+
+namespace tachk {
+
+Reachable::Reachable(ZoneGraph& graph, const Options& options, const Limits& limits)
+    : graph_(graph),
+      subsumption_(options.subsumption),
+      passed_(graph.program(), graph.operations(), options.chunk_words, options.reclaim, graph.smaller_operations()),
+      waiting_(SearchOrder::breadth_first, options.seed, limits.depth) {}
+
+struct Reachable::Storing {
+  Reachable& search;
+  std::uint32_t discrete = 0;
+
+  void possible(ConstZoneRef, const Effect&) const {}
+  void expect(const Effect& effect) const { search.passed_.announce(effect.slots.data(), effect.written); }
+  bool wants(const Successor& successor) {
+    search.transitions_ += !successor.edges.empty();
+    discrete = search.passed_.locate();
+    return !search.subsumption_ ||
+           !search.passed_.covers(discrete, search.graph_.packed(successor.slots, successor.zone));
+  }
+  void take(const Successor& successor) const {
+    const ZoneView zone = search.graph_.packed(successor.slots, successor.zone);
+    const std::uint32_t number = search.passed_.add(discrete, zone, search.node_, search.subsumption_);
+    if (number != no_node) search.waiting_.add(number, search.node_);
+  }
+};
+
+bool Reachable::advance(SymbolicState& source) {
+  if (!std::exchange(started_, true)) graph_.start(Storing{*this});
+  std::uint32_t number = waiting_.next();
+  while (number != no_node && (passed_.covered(number) || !waiting_.admits(number))) number = waiting_.next();
+  if (number == no_node) return false;
+  node_ = number;
+  const Node node = passed_.node(number);
+  passed_.unpack(node, source.slots.data());
+  graph_.unpack(source.slots.data(), passed_.zone(node), source.zone);
+  ++explored_;
+  graph_.expand(source, Storing{*this});
+  return true;
+}
+
+}  // namespace tachk

@@ -1,0 +1,43 @@
+// All reachable states, breadth first: where the runs begin that a search for liveness is about.
+#pragma once
+
+#include <cstdint>
+
+#include "reachability/options.hpp"
+#include "reachability/waiting.hpp"
+#include "states/store.hpp"
+#include "symbolic/zone_graph.hpp"
+
+namespace tachk {
+
+class Reachable final {
+ public:
+  Reachable(ZoneGraph& graph, const Options& options, const Limits& limits);
+
+  // Expands one state; false if none is left. Throws ModelFault, ConstantOverflow.
+  bool advance(SymbolicState& source);
+
+  PassedList& states() { return passed_; }
+  const PassedList& states() const { return passed_; }
+  // The state being expanded; no_node before the first.
+  std::uint32_t node() const { return node_; }
+  // Whether the limit on depth has left nothing out.
+  bool complete() const { return waiting_.complete(); }
+  std::uint64_t explored() const { return explored_; }
+  std::uint64_t transitions() const { return transitions_; }
+  std::size_t bytes() const { return passed_.bytes() + waiting_.bytes(); }
+
+ private:
+  struct Storing;
+
+  ZoneGraph& graph_;
+  bool subsumption_;
+  PassedList passed_;
+  Waiting waiting_;
+  std::uint32_t node_ = no_node;
+  std::uint64_t explored_ = 0;
+  std::uint64_t transitions_ = 0;
+  bool started_ = false;
+};
+
+}  // namespace tachk

@@ -1,0 +1,141 @@
+"""The search for runs that avoid a predicate for ever: a program goes to the core, what it finds comes back."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from enum import StrEnum
+
+from tachk import _core
+from tachk.compiler.program import Goal, Program
+from tachk.engines.core_search import (
+    core_limits,
+    core_options,
+    fault_of,
+    run_in_slices,
+    statistics_of,
+    transitions_of,
+    user_seconds,
+)
+from tachk.engines.options import Extrapolation, Limits, Options
+from tachk.engines.outcome import Progress, RunTimeFault, Statistics
+from tachk.engines.program_image import encode
+from tachk.records import dataclass
+from tachk.semantics.timed_trace import Transition
+
+
+class RunEnd(StrEnum):
+    """How a run goes on for ever, or cannot go on."""
+
+    LOOP = "loop"
+    """The same transitions are taken again and again."""
+    IDLE = "idle"
+    """Time passes for ever, and nothing else need happen."""
+    STUCK = "stuck"
+    """Nothing can happen any more, at whatever time, and time cannot pass for ever."""
+
+
+@dataclass(frozen=True, slots=True)
+class AvoidingRun:
+    """A run that avoids a predicate for ever. It may have to wait before the first transition, and behind each.
+
+    Attributes:
+        stem: the transitions from the initial state to the loop, or to the last state.
+        begins: how many transitions of the stem come before the state from which on the predicate is avoided.
+        loop: the transitions of the loop; none where the run ends.
+    """
+
+    end: RunEnd
+    stem: tuple[Transition, ...]
+    begins: int
+    loop: tuple[Transition, ...] = ()
+
+
+class LivenessStatus(StrEnum):
+    FOUND = "found"
+    NONE = "none"
+    """There is no such run."""
+    UNDECIDED = "undecided"
+
+
+@dataclass(frozen=True, slots=True)
+class LivenessOutcome:
+    """Attributes:
+    run: where one was FOUND.
+    reason: why it is UNDECIDED, in the words of `tachk.engines.outcome.Outcome`.
+    exact: False if the set of states was over-approximated (stopwatches): then FOUND needs a replayed run.
+    """
+
+    status: LivenessStatus
+    statistics: Statistics
+    run: AvoidingRun | None = None
+    reason: str = ""
+    fault: RunTimeFault | None = None
+    exact: bool = True
+
+
+def find_avoiding_run(
+    program: Program,
+    avoided: Goal,
+    begins: Goal | None = None,
+    options: Options = Options(),
+    limits: Limits = Limits(),
+    progress: Progress | None = None,
+) -> LivenessOutcome:
+    """Look for a run that never meets ``avoided``: from the initial state, or from any reachable state of ``begins``
+    that is none of ``avoided``.
+
+    The clock bounds of the program must count the constants of both predicates as lower and as upper bounds, so that
+    a zone is never widened across the border of one. Ctrl-C ends the search with the reason INTERRUPTED.
+
+    LU bounds keep infinite runs, and those in which time passes for ever: what a widened valuation can do a true one
+    can do. They do not keep runs that get stuck, because a widened valuation may be able to do less. Such a run is
+    tried without extrapolation; if it proves not to be one, a search with MAX decides.
+    """
+    goals = [avoided] if begins is None else [avoided, begins]
+    first, stands = _search(program, goals, options, limits, progress)
+    if stands:
+        return first
+    limits = limits.after(first.statistics.seconds)
+    finer = replace(options, extrapolation=Extrapolation.MAX)
+    second, _ = _search(program, goals, finer, limits, progress)
+    return replace(second, statistics=_both(first.statistics, second.statistics))
+
+
+def _search(
+    program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
+) -> tuple[LivenessOutcome, bool]:
+    """The outcome of one search, and whether it stands."""
+    image = encode(program, goals)
+    search = _core.LivenessSearch(image, core_options(options), core_limits(limits))
+    start, user = time.perf_counter(), user_seconds()
+    status, reason = run_in_slices(search, start, limits, progress)
+    fault = fault_of(program, search) if status is _core.Status.FAULT else None
+    statistics = replace(statistics_of(search, start), user_seconds=user_seconds() - user)
+    violation = search.violation()
+    if violation is None:
+        finished = status is _core.Status.FINISHED
+        answer = LivenessStatus.NONE if finished else LivenessStatus.UNDECIDED
+        return LivenessOutcome(answer, statistics, None, reason, fault), True
+    kind, stem, begins, loop = violation
+    run = AvoidingRun(RunEnd[kind.name], transitions_of(program, stem), begins, transitions_of(program, loop))
+    exact = not program.has_stopwatches
+    outcome = LivenessOutcome(LivenessStatus.FOUND, statistics, run, exact=exact)
+    if run.end is not RunEnd.STUCK or options.extrapolation is not Extrapolation.LU:
+        return outcome, True
+    without = replace(options, extrapolation=Extrapolation.NONE)
+    probe = _core.LivenessSearch(image, core_options(without), core_limits(Limits()))
+    return outcome, probe.gets_stuck(stem, begins)
+
+
+def _both(a: Statistics, b: Statistics) -> Statistics:
+    """The work of two searches, one after the other."""
+    return Statistics(
+        a.states_explored + b.states_explored,
+        max(a.states_stored, b.states_stored),
+        a.transitions + b.transitions,
+        a.seconds + b.seconds,
+        max(a.peak_bytes, b.peak_bytes),
+        a.user_seconds + b.user_seconds,
+    )

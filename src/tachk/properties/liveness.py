@@ -1,0 +1,81 @@
+"""Queries that no single state decides: whether some run avoids a predicate for ever."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+from tachk.compiler.lower import lower
+from tachk.engines.liveness import LivenessOutcome, LivenessStatus, find_avoiding_run
+from tachk.engines.options import Limits, Options
+from tachk.engines.outcome import TIME_LIMIT, Progress
+from tachk.model.expressions import BOOL, Expression, Unary
+from tachk.model.query import Query
+from tachk.operators import UnaryOperator
+from tachk.properties.fault_explanation import explain
+from tachk.properties.plan import Search, Task
+from tachk.properties.unanswered import not_begun
+from tachk.properties.verdict import Answer, Verdict
+from tachk.semantics.discrete import PreparedNetwork
+from tachk.time_limit import OutOfTimeError, time_limit
+from tachk.words import QueryKind
+
+
+def answer(
+    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
+) -> dict[int, Verdict]:
+    """The verdicts about the tasks of a search, by number.
+
+    The whole network is searched: a process that cannot influence the predicates may still run for ever, or stop time.
+    """
+    return {task.number: _verdict(model, task, options, limits, progress) for task in search.tasks}
+
+
+def _verdict(
+    model: PreparedNetwork, task: Task, options: Options, limits: Limits, progress: Progress | None
+) -> Verdict:
+    started = time.monotonic()
+    query = task.query
+    avoided, begins = query.avoided, query.begins
+    assert avoided is not None
+    # Both ways round, so that the bounds of clocks count the constants as lower and as upper ones.
+    predicates = [both for one in (avoided, begins) if one is not None for both in (one, _negation(one))]
+    try:
+        with time_limit(limits.seconds):
+            program, goals = lower(model.network, predicates)
+    except OutOfTimeError:
+        return not_begun(query, TIME_LIMIT)
+    left = limits.after(time.monotonic() - started)
+    outcome = find_avoiding_run(program, goals[0], None if begins is None else goals[2], options, left, progress)
+    if outcome.fault is not None:
+        outcome = replace(outcome, fault=explain(model, outcome.fault, limits.seconds))
+    return _of_outcome(query, outcome)
+
+
+def _negation(predicate: Expression) -> Expression:
+    return Unary(UnaryOperator.NOT, predicate, BOOL, predicate.span)
+
+
+_INEXACT = "the stopwatches make the search inexact, and the run it found may not be possible"
+
+
+def _of_outcome(query: Query, outcome: LivenessOutcome) -> Verdict:
+    verdict = Verdict(query, Answer.UNKNOWN, True, outcome.reason, outcome.statistics, fault=outcome.fault)
+    on_found, otherwise = answers_of(query)
+    match outcome.status:
+        case LivenessStatus.UNDECIDED:
+            return verdict
+        case LivenessStatus.NONE:
+            # An over-approximation without such a run proves that there is none.
+            return replace(verdict, answer=otherwise)
+        case LivenessStatus.FOUND:
+            if not outcome.exact:
+                return replace(verdict, exact=False, reason=_INEXACT)
+            return replace(verdict, answer=on_found)
+
+
+def answers_of(query: Query) -> tuple[Answer, Answer]:
+    """The answers where a run is found that avoids what it should meet, and where there is none."""
+    if query.kind is QueryKind.POTENTIALLY_ALWAYS:
+        return Answer.HOLDS, Answer.FAILS
+    return Answer.FAILS, Answer.HOLDS
