@@ -40,6 +40,8 @@ if TYPE_CHECKING:
     from tachk.engines.outcome import Statistics
     from tachk.properties.deep.findings import DeepCheck
     from tachk.properties.verify import VerifyProgress
+    from tachk.report.region.synthesis import Synthesis
+    from tachk.synthesis.parameters import Parameter
 
 __all__ = [
     "Answer",
@@ -275,6 +277,54 @@ class Model:
         from tachk.properties.deep.deep_check import deep_check
 
         return deep_check(self.network, self.warnings, options or Options(), limits or Limits(), progress)
+
+    def synthesize(
+        self,
+        *query: str,
+        over: str | Iterable[str | Parameter],
+        property: str | None = None,
+        answer: Answer = Answer.HOLDS,
+        options: Options | None = None,
+        limits: Limits | None = None,
+        progress: VerifyProgress | None = None,
+        infer: bool = True,
+        reuse: bool = True,
+    ) -> Synthesis:
+        """For which values of constants a property or a query has an answer.
+
+        Args:
+            query: a formula, in place of ``property``.
+            over: such as ``"PERIOD=1..50,DEADLINE=10..100:10"``.
+            property: the name of a property of the model.
+            limits: the one on seconds holds for all searches together, the others for each.
+            infer: let one answer stand for others where a constant is proved to be an upper or a lower bound only.
+            reuse: try the run that was found with other values before a search.
+
+        Neither of the last two changes an answer that is known. The answer for some values may be unknown.
+
+        Raises:
+            InputError: the query is wrong, or the model is with all values.
+            UsageError: there is no such property or constant, or not exactly one query.
+            UnsupportedError: the query cannot be decided.
+        """
+        from tachk.report.region.synthesis import Synthesis
+        from tachk.synthesis.parameters import parameters_of
+        from tachk.synthesis.synthesize import synthesize
+
+        given: list[str | Parameter] = [over] if isinstance(over, str) else list(over)
+        names = () if property is None else (property,)
+        region = synthesize(
+            self._written,
+            Questions(self.path, names, (), tuple(Source("<query>", text) for text in query)),
+            [p for each in given for p in (parameters_of([each]) if isinstance(each, str) else (each,))],
+            answer,
+            options or Options(),
+            limits or Limits(),
+            progress,
+            infer,
+            reuse,
+        )
+        return Synthesis(region, self.loaded.heading.time_unit)
 
     def zone_graph(self, limit: int = 10_000) -> Any:
         """The symbolic states that are reachable and what leads from one to the other, as a `networkx.DiGraph`.

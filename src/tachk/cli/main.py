@@ -17,6 +17,7 @@ from tachk.cli.console_script import end_program
 
 COMMANDS = (
     "verify",
+    "synthesize",
     "check",
     "fmt",
     "convert",

@@ -17,6 +17,7 @@ class ReportForm(StrEnum):
     VERIFYTA = "verifyta"
     SARIF = "sarif"
     GITHUB = "github"
+    CSV = "csv"
 
 
 class Evidence(StrEnum):
@@ -25,6 +26,13 @@ class Evidence(StrEnum):
     SOME = "some"
     SHORTEST = "shortest"
     NONE = "none"
+
+
+class WantedAnswer(StrEnum):
+    """The answers that a region can be asked for."""
+
+    HOLDS = "holds"
+    FAILS = "fails"
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from dataclasses import field
 
 from tachk.diagnostics.span import Span
 from tachk.frontend.findings import Findings
+from tachk.frontend.open_constants import OpenConstants
 from tachk.model.cell_layout import CellLayout, cell_bounds
 from tachk.model.evaluate import Cells, Environment, Place, evaluate_cells
 from tachk.model.expressions import (
@@ -68,6 +69,7 @@ class Context:
     in_function: elaborating the body of a function.
     scalar_sets: how many anonymous scalar types there are.
     time_unit: as `Network.time_unit`.
+    open_constants: scalar constants that are not `Constant` expressions but keep their names; usually none.
     """
 
     findings: Findings
@@ -78,6 +80,7 @@ class Context:
     scalar_sets: int = 0
     budget: Budget = field(default_factory=Budget)
     time_unit: str = ""
+    open_constants: OpenConstants = field(default_factory=OpenConstants)
 
     def error(self, code: str, span: Span, message: str, help: str | None = None) -> None:
         self.findings.add(code, span, message, help)
@@ -171,6 +174,7 @@ class Context:
             self._not_constant(expression, unknown, what)
             return None
         environment = Environment(_NO_CELLS, [])
+        self.open_constants.note(touched.reads, expression.span)
         for variable in touched.reads & self.constants:
             ranges = [cell_bounds(leaf) for _, leaf in leaves(variable.type)]
             environment.frame[variable] = Place(Cells(list(variable.initial), ranges), 0)

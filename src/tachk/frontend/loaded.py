@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError
 from tachk.diagnostics.span import Source
 from tachk.frontend.context import Budget, Context
 from tachk.frontend.elaborate import elaborate_each_property
 from tachk.frontend.findings import Findings
+from tachk.frontend.open_constants import OpenConstants
+from tachk.frontend.overrides import constant_overrides
 from tachk.frontend.priority_readings import other_readings
 from tachk.frontend.queries.queries import UncheckedQuery, elaborate_entries
 from tachk.frontend.scope import Scope
@@ -106,6 +108,45 @@ def other_readings_of(loaded: LoadedModel) -> Iterator[tuple[str, LoadedModel]]:
         )
 
 
+def with_constants(
+    loaded: LoadedModel, values: Mapping[str, int], properties: Collection[str], open_constants: Iterable[str] = ()
+) -> LoadedModel:
+    """The model with other values of global constants.
+
+    Args:
+        properties: the names of those that are kept, without their expectations.
+        open_constants: those that are to keep their names, see `OpenConstants`; the network is for reading then, and
+            not for running.
+
+    Raises:
+        InputError: the model is wrong with these values.
+        UsageError: there is no such constant.
+    """
+    findings = Findings()
+    given = constant_overrides(values, loaded.items, findings)
+    items = [
+        replace(item, expectation=None) if isinstance(item, ast.PropertyDeclaration) else item
+        for item in loaded.items
+        if not isinstance(item, ast.PropertyDeclaration) or item.name.name in properties
+    ]
+    context = Context(findings, budget=Budget(INSTANCES), open_constants=OpenConstants(frozenset(open_constants)))
+    overrides = {**loaded.overrides, **given}
+    result = elaborate_each_property(items, loaded.document.span, overrides, context)
+    if findings.has_mistakes:
+        raise InputError(findings.sorted())
+    refusals = tuple(found for found in findings.sorted() if found.is_unsupported)
+    return replace(
+        loaded,
+        _elaborated=result.network,
+        queries=result.queries,
+        unchecked=explained(result.unchecked, refusals),
+        scope=result.scope,
+        context=context,
+        refusals=refusals,
+        overrides=overrides,
+    )
+
+
 def explained(unchecked: Iterable[UncheckedQuery], refusals: Sequence[Diagnostic]) -> tuple[UncheckedQuery, ...]:
     """The queries, those that use the name of something refused with the reason."""
     return tuple(
@@ -131,6 +172,6 @@ def elaborate_query_file(
         first: the number of the first query.
     """
     known = loaded.context
-    own = Context(Findings(), known.constants, known.effects, budget=Budget(INSTANCES), time_unit=known.time_unit)
+    own = replace(known, findings=Findings(), in_query=False, scalar_sets=0, budget=Budget(INSTANCES))
     queries, unchecked = elaborate_entries(parse_each_query(source), loaded.scope, own, first)
     return queries, explained(unchecked, loaded.refusals)

@@ -169,6 +169,7 @@ def _verdict(
             return replace(verdict, reason=_INEXACT)
         raise InternalError(f"the run found for {task.query.text!r} does not replay: {error}") from error
     moves: tuple[ObserverMove, ...] = ()
+    path = tuple(step.transition for step in run.steps if step.transition is not None)
     if task.query.observer is not None:
         run, moves = without_observer(network, run)
-    return replace(verdict, answer=on_reached, exact=True, reason="", trace=run, moves=moves)
+    return replace(verdict, answer=on_reached, exact=True, reason="", trace=run, moves=moves, path=path)

@@ -9,7 +9,7 @@ from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.engines.outcome import RunTimeFault, Statistics
 from tachk.model.query import Expectation, Query
 from tachk.properties.observed import ObserverMove
-from tachk.semantics.timed_trace import TimedTrace
+from tachk.semantics.timed_trace import TimedTrace, Transition
 
 
 class Answer(StrEnum):
@@ -60,6 +60,7 @@ class Verdict:
         restriction.
     notes: what the user should know beside the answer: that it holds for no reason of interest, for example.
     moves: what the observer of a temporal property did along the trace, which is that of the model alone.
+    path: the transitions of the run with those of the observer, where there is a trace.
     """
 
     query: Query
@@ -75,6 +76,7 @@ class Verdict:
     assumption: str = ""
     extremes: tuple[Extremes, ...] = ()
     notes: tuple[str, ...] = ()
+    path: tuple[Transition, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Verdict {self.query.name}: {self.answer.value}, {self.query.text}>"

@@ -12,6 +12,7 @@ from tachk.frontend.expressions.initialisers import initialiser
 from tachk.frontend.expressions.places import converted
 from tachk.frontend.expressions.typed_expressions import expression, type_reader
 from tachk.frontend.expressions.typing import WIDE, describe, is_data, is_integral
+from tachk.frontend.open_constants import OpenConstants
 from tachk.frontend.priority_readings import FIRST, says_default
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.model.cell_layout import cell_bounds, default_cells
@@ -203,12 +204,45 @@ def _constant(node: ast.Declarator, type_: Type, scope: Scope, declared: Declare
         context.error("E0607", node.name.span, f"constant `{name}` needs a value")
         return None
     wide = widened(type_)
-    cells = _initial_cells(given, wide, f"the value of `{name}`", scope, context)
+    value = initialiser(given, wide, scope, context)
+    if value is None:
+        return None
+    opened = not declared.owner and name in context.open_constants.names
+    kept = opened or keeps_names(value, wide, context)
+    cells = checked_cells(value, wide, f"the value of `{name}`", _noting_nothing(context) if kept else context)
     if cells is None:
         return None
     if is_integral(type_) and not declared.owner:
         declared.constants.append((name, cells[0]))
+    if opened:
+        return _open_constant(node.name, wide, cells, declared, context)
+    if kept:
+        return ValueSymbol(value, False, "constant", node.name.span)
     return constant_symbol(name, wide, cells, "constant", node.name, declared, context)
+
+
+def _open_constant(
+    name: ast.Identifier, type_: Type, cells: tuple[int, ...], declared: Declared, context: Context
+) -> ValueSymbol:
+    variable = Variable(name.name, type_, declared.kind, cells, span=name.span)
+    declared.variables.append(variable)
+    context.constants.add(variable)
+    context.open_constants.variables[name.name] = variable
+    return ValueSymbol(Reference(variable), False, "constant", name.span)
+
+
+def keeps_names(value: Expression, type_: Type, context: Context) -> bool:
+    """Whether a constant with this value stands for an expression of open constants.
+
+    One with a range does not, for its range has to be checked.
+    """
+    if type_ != WIDE and not isinstance(type_, BoolType):
+        return False
+    return bool(context.open_constants.among(context.effects_of([value]).reads))
+
+
+def _noting_nothing(context: Context) -> Context:
+    return replace(context, open_constants=OpenConstants())
 
 
 def constant_symbol(

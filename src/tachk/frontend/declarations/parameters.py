@@ -41,7 +41,7 @@ def as_variables(changed: Iterable[ast.Parameter], parameters: Scope, declared: 
         if not isinstance(symbol, ValueSymbol):
             continue
         value = symbol.expression
-        if not isinstance(value, Constant):
+        if not isinstance(value, Constant) and not context.open_constants.among(context.effects_of([value]).reads):
             continue
         type_ = IntType() if value.type == WIDE else value.type
         cells = argument_value(value, type_, f"the argument for `{name}`", context)

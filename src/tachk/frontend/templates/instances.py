@@ -11,9 +11,15 @@ from tachk.diagnostics.span import NOWHERE, Span
 from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable
-from tachk.frontend.declarations.declarations import Declared, argument_value, constant_symbol, widened
+from tachk.frontend.declarations.declarations import (
+    Declared,
+    argument_value,
+    constant_symbol,
+    keeps_names,
+    widened,
+)
 from tachk.frontend.declarations.parameters import as_variables, changed_parameters
-from tachk.frontend.expressions.places import assignable, is_place
+from tachk.frontend.expressions.places import assignable, converted, is_place
 from tachk.frontend.expressions.typed_expressions import expression, type_reader
 from tachk.frontend.expressions.typing import can_assign, describe, is_bounded, is_data, same_shape
 from tachk.frontend.findings import Findings, count, wrong_arguments
@@ -255,6 +261,8 @@ class Instances:
             )
             return None
         wide = widened(type_)
+        if keeps_names(value, wide, self.context):
+            return ValueSymbol(converted(value, wide), False, "parameter", parameter.name.span)
         cells = argument_value(value, wide, f"the argument for `{name}`", self.context)
         if cells is None:
             return None

@@ -1,0 +1,105 @@
+"""`tachk synthesize`."""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+from tachk import api
+from tachk.cli.arguments import parse_definitions, parse_size
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.guard import print_diagnostics
+from tachk.cli.progress import ProgressLine
+from tachk.cli.reporting import ReportForm, Reporting, WantedAnswer
+from tachk.cli.terminal import can_rewrite_lines
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.engines.options import Limits
+from tachk.properties.verdict import Answer
+from tachk.records import dataclass
+from tachk.report.region.synthesis import Synthesis
+from tachk.synthesis.region import Region
+from tachk.time_limit import time_limit
+
+_PICTURES = (".png", ".svg", ".pdf")
+
+
+@dataclass(frozen=True, slots=True)
+class Varied:
+    """What is to be found, as it was typed.
+
+    Attributes:
+        over: the constants with their ranges.
+        max_memory: such as ``2G``.
+    """
+
+    model: str
+    query: str | None = None
+    property: str | None = None
+    over: tuple[str, ...] = ()
+    definitions: tuple[str, ...] = ()
+    wanted: WantedAnswer = WantedAnswer.HOLDS
+    every_corner: bool = False
+    max_memory: str | None = None
+    infer: bool = True
+    reuse: bool = True
+
+
+def run_synthesize(varied: Varied, limits: Limits = Limits(), reporting: Reporting = Reporting()) -> ExitStatus:
+    if (varied.query is None) is (varied.property is None):
+        raise UsageError("a region is that of one property", "give --property NAME, or a query behind the model")
+    if varied.max_memory is not None:
+        limits = replace(limits, memory_bytes=parse_size(varied.max_memory))
+    picture = reporting.output if reporting.output and reporting.output.suffix.lower() in _PICTURES else None
+    started = time.monotonic()
+    with time_limit(limits.seconds):
+        model = api.load(varied.model, **parse_definitions(varied.definitions))
+    print_diagnostics((*model.refusals, *model.warnings))
+    found = _found(model, varied, limits.after(time.monotonic() - started), reporting)
+    if picture is not None:
+        found.plot(picture)
+    with destination(None if picture else reporting.output, reporting.quiet) as out:
+        if out is not None:
+            out.write(_report(found, varied, reporting.form, picture))
+    return _status(found.region)
+
+
+def _found(model: api.Model, varied: Varied, limits: Limits, reporting: Reporting) -> Synthesis:
+    progress = ProgressLine() if can_rewrite_lines(sys.stderr) and not reporting.quiet else None
+    try:
+        return model.synthesize(
+            *([] if varied.query is None else [varied.query]),
+            over=varied.over,
+            property=varied.property,
+            answer=Answer(varied.wanted.value),
+            limits=limits,
+            progress=progress,
+            infer=varied.infer,
+            reuse=varied.reuse,
+        )
+    finally:
+        if progress is not None:
+            progress.clear()
+
+
+def _report(found: Synthesis, varied: Varied, form: ReportForm, picture: Path | None) -> str:
+    if form is ReportForm.JSON:
+        from tachk.report.json_text import json_text
+
+        return json_text(found.to_dict())
+    if form is ReportForm.CSV:
+        from tachk.report.region.json import region_to_csv
+
+        return region_to_csv(found.region)
+    written = f"written: {picture}\n" if picture else ""
+    return found.to_text(varied.every_corner) + written
+
+
+def _status(region: Region) -> ExitStatus:
+    if region.interrupted:
+        return ExitStatus.INTERRUPTED
+    if region.unknown:
+        return ExitStatus.UNKNOWN
+    return ExitStatus.AS_EXPECTED if region.holding else ExitStatus.NOT_AS_EXPECTED

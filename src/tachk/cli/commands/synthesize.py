@@ -1,0 +1,73 @@
+"""The options of `tachk synthesize`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from tachk.cli import options
+from tachk.cli.reporting import ReportForm, WantedAnswer
+
+
+@click.command(name="synthesize", short_help="Find the values of constants for which a property holds.")
+@click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
+@click.argument("query", metavar="[QUERY]", required=False, help="A query, in place of --property.")
+@click.option("property", "--property", metavar="NAME", help="The property of the model.")
+@click.option(
+    "over",
+    "--over",
+    metavar="NAME=LOW..HIGH[:STEP],...",
+    required=True,
+    multiple=True,
+    help="The constants to vary and their values.",
+)
+@options.definitions
+@click.option(
+    "wanted",
+    "--answer",
+    type=options.Choice(WantedAnswer),
+    default=WantedAnswer.HOLDS.value,
+    show_default=True,
+    help="Which answer the region is to have.",
+)
+@options.report(ReportForm.TEXT, ReportForm.JSON, ReportForm.CSV)
+@click.option("every_corner", "--all-corners", is_flag=True, help="List every corner of the border.")
+@click.option(
+    "states",
+    "--max-states",
+    metavar="N",
+    type=click.IntRange(min=1),
+    help="Stop a search after storing N states; its values are unknown then.",
+)
+@options.max_seconds("Stop after this time, which all searches share. What is not known by then is unknown.")
+@click.option("--max-memory", metavar="SIZE", help="Stop a search that takes more memory than this, such as 2G.")
+@click.option(
+    "infer",
+    "--infer/--no-infer",
+    default=True,
+    show_default=True,
+    help="Let one answer stand for others where a constant is proved to be an upper or a lower bound only.",
+)
+@click.option(
+    "reuse",
+    "--reuse/--no-reuse",
+    default=True,
+    show_default=True,
+    help="Try the run that was found with other values before a search.",
+)
+def command(**given: Any) -> None:
+    """Find the values of constants for which a property holds.
+
+    \b
+    tachk synthesize fischer.ta --property mutual_exclusion --over WRITE=1..20,WAIT=1..20
+
+    With -o and a name that ends in .png, .svg or .pdf, tachk draws the region into that file and prints the report.
+    Exit status: 0 the region is not empty, 10 it is empty, 20 something is unknown.
+    """
+    from tachk.cli.actions.synthesize import Varied, run_synthesize
+    from tachk.cli.reporting import Reporting
+    from tachk.engines.options import Limits
+
+    arguments = options.distributed(given, Varied, Limits, Reporting)
+    options.finish(lambda: run_synthesize(*arguments))

@@ -1,0 +1,40 @@
+"""Constants that keep their names in a network, for analyses that ask what their values do.
+
+Everywhere else a scalar constant is a number wherever it is used. An open constant is a variable that nothing changes,
+and so is a constant whose value is an expression of open ones; where elaboration needs the value nevertheless (the size
+of an array, a range, an initial value), it takes the one at hand and notes the place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import field
+
+from tachk.diagnostics.span import Span
+from tachk.model.expressions import Variable
+from tachk.records import dataclass
+
+
+@dataclass(slots=True)
+class OpenConstants:
+    """Attributes:
+    names: of global constants that are to stay open.
+    variables: those that were declared so far, by name.
+    needed: where elaboration needed the value of one, by name; the first place of each.
+    """
+
+    names: frozenset[str] = frozenset()
+    variables: dict[str, Variable] = field(default_factory=dict)
+    needed: dict[str, Span] = field(default_factory=dict)
+
+    def among(self, variables: Iterable[Variable]) -> list[str]:
+        """The names of the open constants among variables."""
+        if not self.variables:
+            return []
+        given = set(variables)
+        return [name for name, variable in self.variables.items() if variable in given]
+
+    def note(self, read: Iterable[Variable], span: Span) -> None:
+        """Elaboration computes something from these variables."""
+        for name in self.among(read):
+            self.needed.setdefault(name, span)

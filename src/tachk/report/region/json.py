@@ -1,0 +1,78 @@
+"""A region for programs: plain dictionaries that follow docs/schema/synthesize.schema.json, and rows of a table."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from io import StringIO
+
+from tachk.report.json_report import Json
+from tachk.report.region.words import inequalities, knowledge
+from tachk.synthesis.bounds_of_parameters import NoBound
+from tachk.synthesis.region import Region, RegionCell
+
+Row = Mapping[str, str | int | float | None]
+
+
+def region_to_json(region: Region) -> dict[str, Json]:
+    words = dict(knowledge(region))
+    return {
+        "model": region.model,
+        "property": region.query.name,
+        "query": region.query.text,
+        "wanted": region.wanted.value,
+        "constants": dict(region.constants),
+        "parameters": [
+            {
+                "name": parameter.name,
+                "low": parameter.low,
+                "high": parameter.high,
+                "step": parameter.step,
+                "bound": None if isinstance(bound, NoBound) else bound.value,
+                "why": words[parameter.name],
+            }
+            for parameter, bound in zip(region.parameters, region.bounds, strict=True)
+        ],
+        "inequalities": inequalities(region) or None,
+        "cells": [_cell(region, cell) for cell in region.cells],
+        "corners": [_values(region, cell) for cell in region.corners],
+        "searched": region.searched,
+        "interrupted": region.interrupted,
+        "seconds": region.seconds,
+    }
+
+
+def _cell(region: Region, cell: RegionCell) -> dict[str, Json]:
+    row = dict(row_of(region, cell))
+    for parameter in region.parameters:
+        del row[parameter.name]
+    return {"values": _values(region, cell), **row}
+
+
+def _values(region: Region, cell: RegionCell) -> dict[str, int]:
+    return {parameter.name: value for parameter, value in zip(region.parameters, cell.values, strict=True)}
+
+
+def row_of(region: Region, cell: RegionCell) -> Row:
+    """A cell as one flat row."""
+    verdict = cell.verdict
+    trace = None if verdict is None else verdict.trace
+    return {
+        **_values(region, cell),
+        "answer": cell.answer.value,
+        "evidence": cell.evidence.value,
+        "reason": cell.reason,
+        "states_stored": None if verdict is None else verdict.statistics.states_stored,
+        "run_steps": None if trace is None else sum(step.transition is not None for step in trace.steps),
+        "run_end": None if trace is None else float(trace.states[-1].time),
+    }
+
+
+def region_to_csv(region: Region) -> str:
+    """One line for each cell."""
+    out = StringIO()
+    rows = [row_of(region, cell) for cell in region.cells]
+    writer = csv.DictWriter(out, list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return out.getvalue()

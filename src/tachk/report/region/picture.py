@@ -1,0 +1,198 @@
+"""A region as a picture: a square for each cell, one map for each combination of the parameters after the second.
+
+The answers differ in shape, not only in colour: filled, hatched, dotted. Cells that were decided themselves have a
+mark; what is without is implied by them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import product
+from pathlib import Path
+from textwrap import wrap
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PatchCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
+
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.properties.verdict import Answer
+from tachk.report.region.words import effort, inequalities, summary
+from tachk.synthesis.parameters import Parameter
+from tachk.synthesis.region import Evidence, Region, RegionCell
+
+FORMATS = (".svg", ".png", ".pdf")
+
+_MOST_MAPS = 12
+_FACE = {Answer.HOLDS: "#5a9367", Answer.FAILS: "#ffffff", Answer.UNKNOWN: "#e4e4e4"}
+_INK = {Answer.HOLDS: "#3d6b48", Answer.FAILS: "#a4161a", Answer.UNKNOWN: "#777777"}
+_HATCH = {Answer.HOLDS: "", Answer.FAILS: "////", Answer.UNKNOWN: "..."}
+_BORDER = "#22223b"
+_STYLE: dict[Any, Any] = {
+    "font.size": 9,
+    "font.family": "DejaVu Sans",
+    "hatch.linewidth": 0.5,
+    "svg.hashsalt": "tachk",
+    "svg.fonttype": "none",
+}
+_METADATA: Any = {"Date": None, "Creator": "tachk"}
+_LINE = 0.19
+
+
+def plot_region(region: Region, path: str | Path) -> None:
+    """Writes the picture of a region.
+
+    Raises UsageError for an unknown format, and where a region has more maps than one picture can show.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in FORMATS:
+        raise UsageError(f"{path}: pictures are written as {', '.join(FORMATS)}", "the ending of the name decides")
+    with rc_context(_STYLE):
+        metadata = _METADATA if target.suffix.lower() == ".svg" else None
+        draw_region(region).savefig(target, dpi=150, metadata=metadata)
+
+
+def draw_region(region: Region) -> Figure:
+    """The picture as a matplotlib figure."""
+    further = region.parameters[2:]
+    maps = list(product(*(parameter.values for parameter in further)))
+    if len(maps) > _MOST_MAPS:
+        raise UsageError(
+            f"a picture of {len(maps)} maps would show nothing",
+            f"give {' or '.join(p.name for p in further)} fewer values; --format csv has all cells",
+        )
+    columns = min(len(maps), 3)
+    rows = math.ceil(len(maps) / columns)
+    size = 5.2 if columns == 1 else 3.1
+    tall = size if len(region.parameters) > 1 else 0.5
+    width = max(columns * size + 1.0, 6.4)
+    heading = _heading(region, round(width * 13))
+    top, bottom = _LINE * len(heading) + 0.35, 0.95
+    gap = 0.75
+    height = rows * tall + (rows - 1) * gap + top + bottom
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+    corners = {cell.values for cell in region.corners}
+    for number, fixed in enumerate(maps):
+        row, column = divmod(number, columns)
+        left = 0.75 + column * ((width - 0.9) / columns)
+        base = height - top - (row + 1) * tall - row * gap
+        own = (width - 0.9) / columns - 0.45
+        axes = figure.add_axes((left / width, base / height, own / width, tall / height))
+        _draw_map(axes, region, fixed, corners)
+        if further:
+            axes.set_title(", ".join(f"{p.name} = {v}" for p, v in zip(further, fixed, strict=True)), fontsize=9)
+    for number, line in enumerate(heading):
+        weight = "bold" if number == 0 else "normal"
+        figure.text(0.12 / width, 1 - (0.1 + _LINE * number) / height, line, va="top", weight=weight)
+    _legend(figure, region)
+    return figure
+
+
+def _heading(region: Region, columns: int) -> list[str]:
+    title = f"{region.query.name}: {region.query.title}" if region.query.title else region.query.name
+    constants = ", ".join(f"{name} = {value}" for name, value in region.constants)
+    words = inequalities(region)
+    lines = [*wrap(title, columns)[:2], *wrap(summary(region) + (f": {words}" if words else ""), columns)]
+    return [*lines, *wrap(f"{region.model}; {constants}" if constants else region.model, columns)[:2], effort(region)]
+
+
+def _draw_map(axes: Axes, region: Region, fixed: Sequence[int], corners: set[tuple[int, ...]]) -> None:
+    across, *rest = region.parameters[:2]
+    up = rest[0] if rest else None
+    cells = [cell for cell in region.cells if cell.values[2:] == tuple(fixed)]
+    for answer in Answer:
+        squares = [_square(region, cell) for cell in cells if cell.answer is answer]
+        axes.add_collection(
+            PatchCollection(
+                squares, facecolor=_FACE[answer], edgecolor=_INK[answer], hatch=_HATCH[answer], linewidth=0.25
+            )
+        )
+    places = {cell.values: _place(region, cell) for cell in cells}
+    decided = [c.values for c in cells if c.evidence in (Evidence.SEARCH, Evidence.RUN)]
+    dot = max(1.0, min(4.5, 170 / max(region.shape[:2])))
+    axes.plot(*_points(places[v] for v in decided), ".", color=_BORDER, markersize=dot, linestyle="")
+    marked = [values for values in decided if values in corners]
+    axes.plot(
+        *_points(places[v] for v in marked),
+        "o",
+        markerfacecolor="none",
+        markeredgecolor=_BORDER,
+        markersize=dot * 1.8,
+        markeredgewidth=0.8,
+        linestyle="",
+    )
+    _border(axes, region, cells)
+    _scale(axes, across, up)
+
+
+def _points(places: Any) -> tuple[list[int], list[int]]:
+    found = list(places)
+    return [x for x, _ in found], [y for _, y in found]
+
+
+def _place(region: Region, cell: RegionCell) -> tuple[int, int]:
+    """The numbers of the values of a cell across and up."""
+    numbers = [p.values.index(value) for p, value in zip(region.parameters[:2], cell.values, strict=False)]
+    return numbers[0], numbers[1] if len(numbers) > 1 else 0
+
+
+def _square(region: Region, cell: RegionCell) -> Rectangle:
+    x, y = _place(region, cell)
+    return Rectangle((x - 0.5, y - 0.5), 1, 1)
+
+
+def _border(axes: Axes, region: Region, cells: Sequence[RegionCell]) -> None:
+    """A line between the wanted answer and the others."""
+    wanted = {_place(region, cell) for cell in cells if cell.answer is region.wanted}
+    every = {_place(region, cell) for cell in cells}
+    for x, y in wanted:
+        if (x + 1, y) in every - wanted:
+            axes.plot([x + 0.5, x + 0.5], [y - 0.5, y + 0.5], color=_BORDER, linewidth=1.6)
+        if (x - 1, y) in every - wanted:
+            axes.plot([x - 0.5, x - 0.5], [y - 0.5, y + 0.5], color=_BORDER, linewidth=1.6)
+        if (x, y + 1) in every - wanted:
+            axes.plot([x - 0.5, x + 0.5], [y + 0.5, y + 0.5], color=_BORDER, linewidth=1.6)
+        if (x, y - 1) in every - wanted:
+            axes.plot([x - 0.5, x + 0.5], [y - 0.5, y - 0.5], color=_BORDER, linewidth=1.6)
+
+
+def _scale(axes: Axes, across: Parameter, up: Parameter | None) -> None:
+    axes.set_xlim(-0.5, len(across.values) - 0.5)
+    axes.set_xlabel(across.name)
+    numbers = _ticks(len(across.values))
+    axes.set_xticks(numbers, [str(across.values[number]) for number in numbers])
+    if up is None:
+        axes.set_ylim(-0.5, 0.5)
+        axes.set_yticks([])
+        return
+    axes.set_ylim(-0.5, len(up.values) - 0.5)
+    axes.set_ylabel(up.name)
+    numbers = _ticks(len(up.values))
+    axes.set_yticks(numbers, [str(up.values[number]) for number in numbers])
+
+
+def _ticks(size: int) -> list[int]:
+    """Numbers of values that get a label: the first, and at most ten in equal distances from it."""
+    distance = next(d for d in (1, 2, 5, 10, 20, 50, 100, 200, 500, 10**3, 10**4, 10**5, 10**6) if size <= 11 * d)
+    return list(range(0, size, distance))
+
+
+def _legend(figure: Figure, region: Region) -> None:
+    present = {cell.answer for cell in region.cells}
+    handles: list[Any] = [
+        Patch(facecolor=_FACE[a], edgecolor=_INK[a], hatch=_HATCH[a], linewidth=0.5, label=a.value)
+        for a in Answer
+        if a in present
+    ]
+    handles.append(Line2D([], [], marker=".", color=_BORDER, linestyle="", label="decided itself"))
+    handles.append(
+        Line2D([], [], marker="o", markerfacecolor="none", color=_BORDER, linestyle="", label="corner, with evidence")
+    )
+    figure.legend(handles=handles, loc="lower center", ncols=len(handles), frameon=False, fontsize=8)

@@ -1,0 +1,81 @@
+"""What reports of a region have in common: sentences about it and about the evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from tachk.diagnostics.span import NOWHERE, Span
+from tachk.properties.verdict import Answer
+from tachk.report.quantity import duration, grouped
+from tachk.synthesis.bounds_of_parameters import Bound, NoBound
+from tachk.synthesis.region import Evidence, Region, RegionCell
+
+
+def summary(region: Region) -> str:
+    """How large the region is."""
+    wanted, cells = len(region.holding), len(region.cells)
+    name, answer = region.query.name, region.wanted.value
+    if region.unknown:
+        return f"{name} {answer} in {grouped(wanted)} of {grouped(cells)} cells; {len(region.unknown)} are unknown"
+    if wanted == cells:
+        return f"{name} {answer} everywhere in the box, in {grouped(cells)} cells"
+    if not wanted:
+        return f"{name} {answer} nowhere in the box, in none of {grouped(cells)} cells"
+    return f"{name} {answer} in {grouped(wanted)} of {grouped(cells)} cells"
+
+
+def inequalities(region: Region) -> str:
+    """The region as inequalities; empty where none are known."""
+    if region.description is None:
+        return ""
+    return region.description.text([parameter.name for parameter in region.parameters])
+
+
+def knowledge(region: Region) -> Iterator[tuple[str, str]]:
+    """What is proved about each parameter: its name, and a sentence."""
+    for parameter, bound in zip(region.parameters, region.bounds, strict=True):
+        match bound:
+            case Bound.UPPER:
+                words = "an upper bound only: more of it only adds behaviour"
+            case Bound.LOWER:
+                words = "a lower bound only: less of it only adds behaviour"
+            case Bound.ABSENT:
+                words = "not in anything that is searched: one value stands for all"
+            case NoBound(reason, span):
+                words = f"value by value: {reason}{_at(span)}"
+        yield parameter.name, words
+
+
+def _at(span: Span) -> str:
+    return "" if span.source is NOWHERE.source else f" ({span})"
+
+
+def evidence(region: Region, cell: RegionCell, time_unit: str) -> str:
+    """Why the answer of a cell is as it is."""
+    verdict = cell.verdict
+    if cell.answer is Answer.UNKNOWN:
+        return cell.reason
+    if verdict is None:
+        return "implied by another cell"
+    if verdict.trace is not None:
+        steps = sum(step.transition is not None for step in verdict.trace.steps)
+        end = duration(verdict.trace.states[-1].time, time_unit)
+        again = ", that of another cell at other times" if cell.evidence is Evidence.RUN else ""
+        return f"a run of {steps} step{'s' * (steps != 1)}, to time {end}{again}"
+    return f"all {grouped(verdict.statistics.states_stored)} states explored"
+
+
+def effort(region: Region) -> str:
+    """How the answers came about."""
+    counts = {kind: sum(cell.evidence is kind for cell in region.cells) for kind in Evidence}
+    parts = [
+        f"{grouped(counts[Evidence.SEARCH])} cells searched",
+        f"{grouped(counts[Evidence.RUN])} by the run of another cell",
+        f"{grouped(counts[Evidence.IMPLIED])} implied",
+    ]
+    return ", ".join(parts)
+
+
+def assignment(region: Region, cell: RegionCell) -> str:
+    """The values of a cell: ``PERIOD=3 DEADLINE=10``."""
+    return " ".join(f"{p.name}={value}" for p, value in zip(region.parameters, cell.values, strict=True))

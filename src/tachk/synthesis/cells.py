@@ -1,0 +1,146 @@
+"""Deciding one combination of values after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from time import monotonic
+
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError
+from tachk.engines.options import Limits, Options
+from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT
+from tachk.frontend.loaded import LoadedModel, with_constants
+from tachk.model.query import Query
+from tachk.properties.answering import answers
+from tachk.properties.questions import Questions
+from tachk.properties.verdict import Answer, Verdict
+from tachk.properties.verify import VerifyProgress, check_initial_state
+from tachk.semantics.discrete import prepare
+from tachk.semantics.timed_trace import Transition
+from tachk.synthesis.parameters import Parameter
+from tachk.synthesis.region import Evidence, RegionCell
+from tachk.synthesis.retiming import retimed
+from tachk.synthesis.walk import Asked, Cell, Status
+from tachk.time_limit import OutOfTimeError, time_limit
+
+_RUNS_TRIED = 1
+"""Of how many other cells the run is tried before a search."""
+
+
+@dataclass(slots=True)
+class Cells:
+    """What is known about each cell that was looked at.
+
+    Attributes:
+        questions: one of them.
+        limits: those on states, memory and depth hold for each search, the one on seconds for all together: each cell
+            has the same share of what is left of them.
+        reuse: try the runs of cells nearby before a search.
+        found: by the numbers of the values.
+        wrong: why the model is wrong with the values of a cell, for the first such cell.
+    """
+
+    model: LoadedModel
+    questions: Questions
+    parameters: Sequence[Parameter]
+    options: Options
+    limits: Limits
+    progress: VerifyProgress | None = None
+    reuse: bool = True
+    found: dict[Cell, RegionCell] = field(default_factory=dict)
+    interrupted: bool = False
+    wrong: InputError | None = None
+    _started: float = field(default_factory=monotonic)
+    _paths: dict[Cell, tuple[Transition, ...]] = field(default_factory=dict)
+
+    def decide(self, asked: Asked) -> Status:
+        """The status of one cell."""
+        values = self._values(asked.cell)
+        try:
+            verdict, evidence = self._verdict(asked)
+        except OutOfTimeError:
+            known = RegionCell(values, Answer.UNKNOWN, Evidence.NONE, TIME_LIMIT)
+        except InputError as error:
+            self.wrong = self.wrong or error
+            known = RegionCell(values, Answer.UNKNOWN, Evidence.NONE, f"wrong model: {_first(error).message}")
+        except KeyboardInterrupt:
+            self.interrupted = True
+            known = RegionCell(values, Answer.UNKNOWN, Evidence.NONE, INTERRUPTED)
+        else:
+            self.interrupted |= verdict.reason == INTERRUPTED
+            known = _told(values, verdict, evidence)
+            if verdict.path:
+                self._paths[asked.cell] = verdict.path
+        self.found[asked.cell] = known
+        return self._status(known)
+
+    def may_infer(self, corners: Sequence[Cell]) -> bool:
+        """Whether the model is right with the values of each of these cells; then it is with all between them."""
+        for corner in corners:
+            try:
+                with time_limit(self._left()):
+                    model, _ = self._model(corner)
+                    check_initial_state(prepare(model.network))
+            except (InputError, UnsupportedError, OutOfTimeError):
+                return False
+            except KeyboardInterrupt:
+                self.interrupted = True
+                return False
+        return True
+
+    def _values(self, cell: Cell) -> tuple[int, ...]:
+        return tuple(p.values[number] for p, number in zip(self.parameters, cell, strict=True))
+
+    def _left(self) -> float | None:
+        return self.limits.after(monotonic() - self._started).seconds
+
+    def _status(self, known: RegionCell) -> Status:
+        if known.answer is Answer.UNKNOWN or known.verdict is None:
+            return Status.UNKNOWN
+        on_reached = bool(known.verdict.query.holds_when_reached)
+        return Status.REACHED if (known.answer is Answer.HOLDS) is on_reached else Status.UNREACHED
+
+    def _model(self, cell: Cell) -> tuple[LoadedModel, Query]:
+        names = (parameter.name for parameter in self.parameters)
+        constants = dict(zip(names, self._values(cell), strict=True))
+        model = with_constants(self.model, constants, self.questions.names)
+        if model.refusals:
+            raise UnsupportedError(model.refusals[0])
+        (query,) = self.questions.about(model)
+        assert isinstance(query, Query)
+        return model, query
+
+    def _verdict(self, asked: Asked) -> tuple[Verdict, Evidence]:
+        """Raises what decides nothing: OutOfTimeError, InputError, KeyboardInterrupt; and UnsupportedError."""
+        if self.interrupted:
+            raise KeyboardInterrupt
+        began = monotonic()
+        left = self._left()
+        limits = replace(self.limits, seconds=None if left is None else left / asked.left)
+        with time_limit(limits.seconds):
+            model, query = self._model(asked.cell)
+            if self.reuse and query.target is not None and not model.network.has_priorities:
+                for path in self._nearest(asked.cell):
+                    verdict = retimed(model.network, query, path)
+                    if verdict is not None:
+                        return verdict, Evidence.RUN
+        limits = limits.after(monotonic() - began)
+        verdict = answers(model, self.questions, [query], self.options, limits, self.progress, trace=True)[0]
+        if verdict.unsupported is not None:
+            raise UnsupportedError(verdict.unsupported)
+        return verdict, Evidence.SEARCH
+
+    def _nearest(self, cell: Cell) -> Sequence[tuple[Transition, ...]]:
+        """The paths of the nearest cells that have one, each once."""
+        near = sorted(self._paths, key=lambda other: sum(abs(a - b) for a, b in zip(cell, other, strict=True)))
+        return list(dict.fromkeys(self._paths[other] for other in near[: 4 * _RUNS_TRIED]))[:_RUNS_TRIED]
+
+
+def _told(values: tuple[int, ...], verdict: Verdict, evidence: Evidence) -> RegionCell:
+    if verdict.answer is Answer.UNKNOWN:
+        return RegionCell(values, Answer.UNKNOWN, Evidence.NONE, verdict.reason, verdict)
+    return RegionCell(values, verdict.answer, evidence, "", verdict)
+
+
+def _first(error: InputError) -> Diagnostic:
+    return next(found for found in error.diagnostics if found.severity is Severity.ERROR)

@@ -1,0 +1,88 @@
+"""Regions against enumeration: each cell as `verify` answers it with these values and nothing else."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import product
+from random import Random
+
+import pytest
+
+from tachk import Answer, InputError, Model, loads
+from tachk.certify.replay import replay
+from tachk.diagnostics.diagnostic import UnsupportedError
+from tachk.properties.observed import observed
+from tachk.semantics.discrete import prepare
+from tachk.synthesis.bounds_of_parameters import Bound
+from tachk.synthesis.region import Evidence, Region
+from tests.unit.synthesis.random_models import HIGH, LOW, random_model
+
+SEEDS = 30
+VALUES = range(LOW, HIGH + 1)
+OVER = f"P={LOW}..{HIGH},Q={LOW}..{HIGH}"
+
+
+def answer_of(text: str, p: int, q: int) -> Answer | None:
+    """What `verify` says; None where the model is wrong with these values, UNKNOWN where an error ended it."""
+    try:
+        (verdict,) = loads(text, P=p, Q=q).verify(trace=False)
+    except InputError:
+        return None
+    if verdict.unsupported is not None:
+        raise UnsupportedError(verdict.unsupported)
+    return verdict.answer
+
+
+def check(model: Model, text: str, region: Region) -> None:
+    for p, q in product(VALUES, VALUES):
+        cell = region.at(P=p, Q=q)
+        expected = answer_of(text, p, q)
+        if expected is None:
+            assert cell.answer is Answer.UNKNOWN
+        elif expected is not Answer.UNKNOWN:
+            assert cell.answer is expected, (p, q, cell)
+    on_reached = Answer.HOLDS if region.query.holds_when_reached else Answer.FAILS
+    for corner in region.corners:
+        assert corner.evidence in (Evidence.SEARCH, Evidence.RUN)
+        assert corner.verdict is not None
+        if corner.answer is on_reached:
+            assert corner.verdict.trace is not None
+            values = dict(zip(("P", "Q"), corner.values, strict=True))
+            replay(prepare(observed(loads(text, **values).network, None)), corner.verdict.trace)
+
+
+@cache
+def synthesized(text: str) -> tuple[Model, Region] | None:
+    model = loads(text)
+    try:
+        return model, model.synthesize(over=OVER, property="p").region
+    except (InputError, UnsupportedError):
+        return None
+
+
+@pytest.mark.parametrize("seed", range(SEEDS))
+def test_a_region_is_what_enumeration_finds(seed: int) -> None:
+    text = random_model(Random(seed))
+    found = synthesized(text)
+    if found is None:
+        for p, q in product(VALUES, VALUES):
+            try:
+                assert answer_of(text, p, q) is None
+            except UnsupportedError:
+                return
+        return
+    model, region = found
+    check(model, text, region)
+
+
+def test_the_random_models_have_what_can_go_wrong() -> None:
+    bounds: list[object] = []
+    evidence: set[Evidence] = set()
+    for seed in range(SEEDS):
+        found = synthesized(random_model(Random(seed)))
+        if found is not None:
+            bounds += found[1].bounds
+            evidence |= {cell.evidence for cell in found[1].cells}
+    assert sum(bound in (Bound.UPPER, Bound.LOWER) for bound in bounds) >= 15
+    assert sum(bound not in tuple(Bound) for bound in bounds) >= 15
+    assert evidence == set(Evidence)

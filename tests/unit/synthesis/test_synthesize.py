@@ -1,0 +1,159 @@
+"""What is asked, what is refused, what limits leave, and what evidence there is."""
+
+from __future__ import annotations
+
+import pytest
+
+from tachk import Answer, InputError, Limits, UnsupportedError, UsageError, loads
+from tachk.certify.replay import replay
+from tachk.semantics.discrete import prepare
+from tachk.synthesis import cells
+from tachk.synthesis.bounds_of_parameters import Bound, NoBound
+from tachk.synthesis.parameters import Parameter, parameters_of
+from tachk.synthesis.region import Evidence
+
+MODEL = """
+const int A = 1;
+const int B = 1;
+const bool ON = true;
+chan c;
+process P() {
+    clock x;
+    init location s { invariant x <= A; to t { guard x >= B && ON; } }
+    location t;
+}
+system P;
+property never : A[] not P.t;
+property ever : E<> P.t;
+property quick : F[0, B] P.t;
+property eventually : A<> P.t;
+"""
+
+
+def test_ranges_are_read() -> None:
+    assert parameters_of(["A=1..5, B=-3..9:4", "C=7"]) == (
+        Parameter("A", 1, 5),
+        Parameter("B", -3, 9, 4),
+        Parameter("C", 7, 7),
+    )
+    assert list(Parameter("B", -3, 9, 4).values) == [-3, 1, 5, 9]
+
+
+@pytest.mark.parametrize(
+    "text", ["A", "A=", "A=1-5", "A=1..", "A=5..1", "A=1..5:0", "A=1..2,A=1..2", "A=0..2000000", ""]
+)
+def test_other_ranges_are_refused(text: str) -> None:
+    with pytest.raises(UsageError):
+        parameters_of([text])
+
+
+def test_unknown_names_are_refused() -> None:
+    model = loads(MODEL)
+    with pytest.raises(UsageError):
+        model.synthesize(over="Z=1..2", property="never")
+    with pytest.raises(UsageError):
+        model.synthesize(over="A=1..2", property="nothing")
+    with pytest.raises(UsageError):
+        model.synthesize(over="A=1..2")
+    with pytest.raises(InputError):
+        model.synthesize("A[] P.u", over="A=1..2")
+
+
+def test_queries_and_answers_of_all_kinds() -> None:
+    model = loads(MODEL)
+    assert model.synthesize("A[] not P.t", over="A=1..4,B=1..4").inequalities == "A < B"
+    assert model.synthesize(property="ever", over="A=1..4,B=1..4").inequalities == "B <= A"
+    failing = model.synthesize(property="never", over="A=1..4,B=1..4", answer=Answer.FAILS)
+    assert failing.inequalities == "B <= A"
+    assert len(failing.region.holding) == 10
+    assert model.synthesize(property="ever", over="ON=0..1").region.holding == ((1,),)
+
+
+def test_a_bound_of_a_formula_is_tried_value_by_value() -> None:
+    region = loads(MODEL).synthesize(property="quick", over="A=1..3,B=1..3").region
+    assert region.bounds[0] is Bound.UPPER
+    assert isinstance(region.bounds[1], NoBound)
+    assert region.searched + sum(cell.evidence is not Evidence.SEARCH for cell in region.cells) == 9
+
+
+def test_a_query_that_cannot_be_decided_is_refused_once() -> None:
+    text = MODEL.replace("chan c;", "urgent chan c;").replace("&& ON; }", "&& ON; sync c!; }")
+    text = text.replace("system P;", "process Q() { init location s { to s { sync c?; } } }\nsystem P, Q;")
+    with pytest.raises(UnsupportedError):
+        loads(text).synthesize(property="never", over="A=1..2")
+
+
+def test_values_that_make_the_model_wrong_are_unknown() -> None:
+    region = loads(MODEL).synthesize(property="never", over="A=-2..2,B=1..2").region
+    assert [cell.values[0] for cell in region.unknown] == [-2, -2, -1, -1]
+    assert "initial state" in region.unknown[0].reason
+    with pytest.raises(InputError):
+        loads(MODEL).synthesize(property="never", over="A=-3..-1")
+
+
+def test_limits_leave_cells_unknown() -> None:
+    region = loads(MODEL).synthesize(property="never", over="A=1..3,B=1..3", limits=Limits(depth=0)).region
+    assert any(cell.reason == "depth limit" for cell in region.unknown)
+    none = loads(MODEL).synthesize(property="never", over="A=1..3,B=1..3", limits=Limits(seconds=0)).region
+    assert {cell.reason for cell in none.cells} == {"time limit"}
+
+
+def test_ctrl_c_keeps_what_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def interrupted(*arguments: object, **named: object) -> object:
+        asked.append(arguments)
+        if len(asked) == 4:
+            raise KeyboardInterrupt
+        return answers(*arguments, **named)  # type: ignore[arg-type]
+
+    answers = cells.answers
+    monkeypatch.setattr(cells, "answers", interrupted)
+    region = loads(MODEL).synthesize(property="never", over="A=1..3,B=1..3", infer=False, reuse=False).region
+    assert region.interrupted
+    assert len(asked) == 4
+    assert sum(cell.evidence is Evidence.SEARCH for cell in region.cells) == 3
+    assert {cell.reason for cell in region.unknown} == {"interrupted"}
+
+
+def test_a_run_is_used_again_at_other_times() -> None:
+    model = loads(MODEL)
+    region = model.synthesize(property="ever", over="A=1..4,B=1..4", infer=False).region
+    again = [cell for cell in region.cells if cell.evidence is Evidence.RUN]
+    assert len(again) == 9
+    for cell in again:
+        assert cell.verdict is not None
+        assert cell.verdict.trace is not None
+        replay(prepare(loads(MODEL, A=cell.values[0], B=cell.values[1]).network), cell.verdict.trace)
+        assert cell.verdict.trace.steps[0].delay == cell.values[1]
+    alone = model.synthesize(property="ever", over="A=1..4,B=1..4", infer=False, reuse=False).region
+    assert [cell.answer for cell in alone.cells] == [cell.answer for cell in region.cells]
+    assert alone.searched == 16
+
+
+def test_a_run_of_a_formula_is_used_again_with_its_observer() -> None:
+    region = loads(MODEL).synthesize("F[0, 2] P.t", over="A=3..6,B=3..6", infer=False).region
+    assert {cell.answer for cell in region.cells} == {Answer.FAILS}
+    assert sum(cell.evidence is Evidence.RUN for cell in region.cells) >= 10
+
+
+def test_a_run_is_not_used_where_its_edges_do_not_exist() -> None:
+    text = """
+    const int N = 1;
+    int[0, 9] n = 0;
+    process P() { init location s { to t { select i : int[0, N]; guard i >= 2; assign n = i; } } location t; }
+    system P;
+    property ever : E<> P.t;
+    """
+    region = loads(text).synthesize(property="ever", over="N=0..5").region
+    assert [cell.answer is Answer.HOLDS for cell in region.cells] == [False, False, True, True, True, True]
+
+
+def test_corners_have_evidence_of_their_own() -> None:
+    region = loads(MODEL).synthesize(property="never", over="A=1..9,B=1..9").region
+    assert region.searched < 30
+    corners = {cell.values: cell for cell in region.corners}
+    assert set(corners) == {(a, a) for a in range(1, 10)} | {(a, a + 1) for a in range(1, 9)}
+    for (a, b), cell in corners.items():
+        assert cell.verdict is not None
+        assert (cell.verdict.trace is not None) is (a >= b)
