@@ -82,10 +82,17 @@ def parse_definitions(definitions: Iterable[str]) -> dict[str, str]:
             raise UsageError(f"-D {name} is given twice")
         if _RANGE.fullmatch(expression):
             raise UsageError(
-                f"-D {definition}: one value at a time", "there is no command for a range of values yet; it is planned"
+                f"-D {definition}: one value at a time",
+                f"for all of them: tachk synthesize MODEL --property NAME --over {name}={_as_range(expression)}",
             )
         result[name] = expression
     return result
+
+
+def _as_range(values: str) -> str:
+    """Several values as `tachk synthesize` takes them."""
+    ends = re.fullmatch(r"(-?\d+)\s*(?:\.\.\.?|:)\s*(-?\d+)", values)
+    return f"{ends[1]}..{ends[2]}" if ends else "LOW..HIGH"
 
 
 def parse_size(text: str) -> int:
