@@ -6,17 +6,25 @@ from contextlib import suppress
 from fractions import Fraction
 from random import Random
 
+import networkx as nx
 import pytest
 
+from tachk.compiler.fold import known_values
 from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import InputError
+from tachk.engines.digitised import delayed
 from tachk.engines.options import Extrapolation, Limits, Options, SearchOrder
 from tachk.engines.zone import explore_everything
 from tachk.engines.zone_graph import zone_graph
+from tachk.model.builder import NetworkBuilder
+from tachk.model.fault import EvaluationFault
+from tachk.model.network import Network
 from tachk.properties.deep.deep_check import deep_check
 from tachk.properties.deep.reached import unreached_locations
+from tachk.properties.deep.steps import steps_of
+from tachk.properties.deep.zeno import suspicious
 from tachk.semantics.discrete import prepare
-from tachk.semantics.step import StepError, delay
+from tachk.semantics.step import StepError, delay, initial_state, successors
 from tachk.testing import Shape, random_case
 
 SHAPES = {
@@ -72,3 +80,58 @@ def test_time_locks_do_not_let_time_pass_and_deadlocks_do(shape: str) -> None:
                     passes = False
                 assert passes == (evidence.finding.code == "W0606"), f"seed {seed}"
     assert min(met.values()) > 2
+
+
+def network_of_circles(random: Random) -> Network:
+    """A network of which many edges reset a clock or wait for one, change a variable or ask for its value."""
+    builder = NetworkBuilder()
+    n, channel = builder.integer("n", 0, 3), builder.channel("c")
+    clocks = [builder.clock("x"), builder.clock("y")]
+    for number in range(random.randint(1, 2)):
+        process = builder.process(f"P{number}")
+        places = [process.location(name, invariant=random.choice([None, None, clocks[0] <= 3])) for name in "abc"]
+        for target in [*places, *random.sample(places, random.randint(0, 2))]:
+            conditions = [clock >= random.randint(0, 2) for clock in clocks if random.random() < 0.4]
+            conditions += [n == random.randint(0, 2)] if random.random() < 0.3 else []
+            updates = [clock.assign(random.choice([0, 0, 0, 0, 1])) for clock in clocks if random.random() < 0.5]
+            updates += (
+                [random.choice([n.assign(random.randint(0, 2)), n.assign(n + 1)])] if random.random() < 0.3 else []
+            )
+            role = random.choice([{}, {}, {"send": channel}, {"receive": channel}]) if number < 2 else {}
+            guard = None if not conditions else conditions[0] if len(conditions) == 1 else conditions[0] & conditions[1]
+            process.edge(random.choice(places), target, guard=guard, updates=updates, **role)
+    return builder.build()
+
+
+def test_where_no_zeno_loop_is_possible_there_is_no_circle_without_time() -> None:
+    """A circle of actions between states with the same clock values, found by trying, is a Zeno run."""
+    excluded = circles = 0
+    for seed in range(300):
+        network = network_of_circles(Random(seed))
+        none_possible = not suspicious(frozenset(steps_of(network, known_values(network, []))))
+        excluded += none_possible
+        if none_possible or seed < 60:
+            with suppress(EvaluationFault):
+                met = goes_round(network, 80)
+                circles += met
+                assert not (none_possible and met), f"seed {seed}"
+    assert circles > 5
+    assert excluded > 40
+
+
+def goes_round(network: Network, states: int) -> bool:
+    """Whether actions alone lead from one of the first states back to it; time passes by halves."""
+    model = prepare(network)
+    start = initial_state(model)
+    arcs = nx.DiGraph()
+    seen = {(start.discrete, start.clocks)}
+    waiting = [start]
+    for state in waiting:
+        after = [end for _, end in successors(model, state)]
+        arcs.add_edges_from(((state.discrete, state.clocks), (end.discrete, end.clocks)) for end in after)
+        later = delayed(model, state, Fraction(1, 2))
+        for end in (*after, *([] if later is None else [later])):
+            if (end.discrete, end.clocks) not in seen and len(waiting) < states:
+                seen.add((end.discrete, end.clocks))
+                waiting.append(end)
+    return not nx.is_directed_acyclic_graph(arcs)

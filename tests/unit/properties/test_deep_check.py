@@ -19,11 +19,15 @@ def check(text: str, **limits: float) -> DeepCheck:
 def test_the_examples_of_a_code_show_it(code: str) -> None:
     explanation = DEEP_CODES[code]
     assert code in [finding.code for finding in check(explanation.bad).findings]
-    assert check(explanation.good).findings == ()
+    if code == "W0607":
+        assert check(explanation.good).findings == ()
+    assert found(explanation.good) == []
 
 
 def found(text: str) -> list[tuple[str, str]]:
-    return [(finding.code, finding.span.text) for finding in check(text).findings]
+    """Everything but Zeno loops, which a short example is full of."""
+    findings = check(text).findings
+    return [(finding.code, finding.span.text) for finding in findings if finding.code != "W0607"]
 
 
 def answer(result: DeepCheck, question: str) -> str:
@@ -110,7 +114,8 @@ def test_a_limit_that_is_hit_is_told_and_nothing_is_claimed() -> None:
     assert result.reason == "state limit"
     assert not result.decided
     assert result.findings == ()
-    assert {part.answer.split(":")[0] for part in result.parts} == {"not decided"}
+    decided = [part.question for part in result.parts if not part.answer.startswith("not decided")]
+    assert decided == ["Zeno loops"]  # without a search
     assert check(text + "system P;", seconds=0.0).reason == "time limit"
 
 
@@ -124,3 +129,64 @@ def test_with_stopped_clocks_a_deadlock_is_not_decided() -> None:
     text = "process P() { clock x; init location a { invariant x <= 3 && x' == 0; } }\nsystem P;"
     assert ends(check(text)) == ("not decided", "not decided")
     assert ends(check(text.replace("x' == 0; }", "x' == 0; to a; }"))) == ("none", "none")
+
+
+def zeno(text: str) -> str:
+    return answer(check(f"{text}\nsystem P{', Q' if 'process Q' in text else ''};"), "Zeno loops")
+
+
+RESET, WAIT = "assign x = 0;", "guard x >= 1;"
+
+
+@pytest.mark.parametrize(
+    ("there", "back", "possible"),
+    [
+        (RESET, WAIT, False),
+        (WAIT, RESET, False),
+        (f"{WAIT} {RESET}", "", False),
+        (RESET, "guard x > 0;", True),  # ever shorter delays
+        (RESET, "guard x == 1;", False),
+        (RESET, "guard x > 1;", False),
+        (RESET, "guard n > 0 imply x >= 1;", True),
+        ("assign x = 1;", WAIT, True),
+        ("", WAIT, True),  # never reset: time need not pass
+        (RESET, "", True),
+        ("guard k < 3; assign k++;", "", False),
+        ("guard k < 3; assign k = k + 2;", "", False),
+        ("assign k -= 1;", "assign k += 1;", True),
+        ("assign k += n;", "", True),
+        ("assign k = 1 - k;", "", True),
+        (RESET, "guard y >= 1; assign y = 0;", False),
+        (RESET, "guard y >= 1;", True),
+        ("assign reset(x);", WAIT, True),  # a function may reset it only now and then
+        ("guard n < 3; assign n++;", "", False),
+        ("guard n < 3; assign n++;", "assign n = 0;", True),
+        ("assign b = 1;", "", True),
+        ("guard !b; assign b = 1;", "", False),
+        ("guard !b; assign b = 1;", "assign b = 0;", True),
+        ("guard n < 3; assign n = n + 1, n = 0;", "", True),
+    ],
+)
+def test_a_circle_without_time_is_excluded_where_a_clock_or_a_variable_does(
+    there: str, back: str, possible: bool
+) -> None:
+    text = f"""int[0,3] n; int k; bool b;
+    void reset(clock &c) {{ if (b) c = 0; }}
+    process P() {{ clock x, y; init location a {{ to c {{ {there} }} }} location c {{ to a {{ {back} }} }} }}"""
+    assert zeno(text) == ("1 may be" if possible else "none possible")
+
+
+def test_a_circle_that_needs_a_partner_is_excluded_with_it() -> None:
+    text = """{kind} c;
+    process P() {{ init location a {{ to a {{ sync c{one}; }} }} }}
+    process Q() {{ clock x; init location a {{ to a {{ guard x >= 2; sync c{other}; assign x = 0; }} }} }}"""
+    assert zeno(text.format(kind="chan", one="!", other="?")) == "none possible"
+    assert zeno(text.format(kind="chan", one="?", other="!")) == "none possible"
+    assert zeno(text.format(kind="broadcast chan", one="?", other="!")) == "none possible"
+    assert zeno(text.format(kind="broadcast chan", one="!", other="?")) == "1 may be"
+
+
+def test_an_edge_that_is_never_taken_is_in_no_zeno_loop() -> None:
+    assert zeno("int[0,1] n;\nprocess P() { init location a { to a { guard n == 1; } to b; } location b; }") == (
+        "none possible"
+    )

@@ -36,6 +36,7 @@ from tachk.properties.deep.stuck import (
     time_lock_finding,
     time_locks,
 )
+from tachk.properties.deep.zeno import zeno_findings
 from tachk.properties.fault_explanation import diagnostic_of, explain
 from tachk.properties.verify import check_initial_state
 from tachk.records import dataclass
@@ -94,7 +95,8 @@ def deep_check(
         return _nothing(TIME_LIMIT)
     except UnsupportedError as error:
         return _nothing(error.diagnostic.message)
-    found = [*_reached_parts(explored, warnings), *_stuck_parts(explored), *_fault_parts(explored.outcome)]
+    found = [*_reached_parts(explored, warnings), *_stuck_parts(explored), _zeno_part(explored)]
+    found += _fault_parts(explored.outcome)
     return DeepCheck(tuple(found), explored.outcome.statistics, explored.outcome.reason)
 
 
@@ -119,11 +121,14 @@ def _explore(network: Network, options: Options, limits: Limits, progress: Progr
 
 
 def _nothing(reason: str) -> DeepCheck:
-    parts = tuple(Part(question, "not decided", undecided=reason) for question in (_LOCATIONS, _EDGES, _GUARDS, *_ENDS))
+    parts = tuple(
+        Part(question, "not decided", undecided=reason) for question in (_LOCATIONS, _EDGES, _GUARDS, *_ENDS, _ZENO)
+    )
     return DeepCheck(parts, Statistics(), reason)
 
 
 _LOCATIONS, _EDGES, _GUARDS = "locations never reached", "edges never taken", "guards always true"
+_ZENO = "Zeno loops"
 _ENDS = ("time-locks", "deadlocks in which time passes")
 
 
@@ -199,6 +204,15 @@ def _run(model: PreparedNetwork, goal: GoalOutcome, target: Expression) -> Timed
     except ReplayError as error:
         raise InternalError(f"the run found to a state without actions does not replay: {error}") from error
     return run
+
+
+def _zeno_part(explored: Explored) -> Part:
+    network, never = explored.model.network, frozenset[tuple[int, int]]()
+    if not explored.outcome.reason:
+        every = {(n, e) for n, process in enumerate(network.processes) for e in range(len(process.edges))}
+        never = frozenset(every - explored.taken)
+    findings = zeno_findings(network, explored.known, never)
+    return Part(_ZENO, f"{len(findings)} may be" if findings else "none possible", findings)
 
 
 def _fault_parts(outcome: Outcome) -> tuple[Part, ...]:
