@@ -274,9 +274,12 @@ class Model:
             InputError: the initial state violates an invariant.
             UnsupportedError: the model has refusals.
         """
+        from tachk.frontend.unused_names import unused_names
         from tachk.properties.deep.deep_check import deep_check
 
-        return deep_check(self.network, self.warnings, options or Options(), limits or Limits(), progress)
+        loaded = self.loaded
+        unused = unused_names(loaded.items, loaded.document.items) if loaded.items else None
+        return deep_check(self.network, self.warnings, unused, options or Options(), limits or Limits(), progress)
 
     def synthesize(
         self,

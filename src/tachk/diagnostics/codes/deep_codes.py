@@ -63,4 +63,20 @@ DEEP_CODES: dict[str, Explanation] = {
         "process P() { clock x; init location a { to b { assign x = 0; } } location b { to a { guard x >= 1; } } }\n"
         "system P;",
     ),
+    "W0608": Explanation(
+        "name that is never used",
+        "Nothing in the model or its properties uses what is declared here. A typing mistake may be the reason.",
+        "chan go, stop;\nprocess P() { init location a { to a { sync go!; } to a; } }\n"
+        "process Q() { init location a { to a { sync go?; } } }\nsystem P, Q;",
+        "chan go;\nprocess P() { init location a { to a { sync go!; } to a; } }\n"
+        "process Q() { init location a { to a { sync go?; } } }\nsystem P, Q;",
+    ),
+    "W0609": Explanation(
+        "variable that is never read",
+        "The variable gets values, or the clock is reset, but no guard, invariant, update or property looks at it. It "
+        "only "
+        "makes more states.",
+        "int n;\nprocess P() { init location a { to a { assign n = 1; } } }\nsystem P;",
+        "int n;\nprocess P() { init location a { to a { assign n = 1; } } }\nsystem P;\nproperty p : A[] n <= 1;",
+    ),
 }

@@ -76,6 +76,7 @@ class Explored:
 def deep_check(
     network: Network,
     warnings: Sequence[Diagnostic] = (),
+    unused: Sequence[Diagnostic] | None = None,
     options: Options = Options(),
     limits: Limits = Limits(),
     progress: Progress | None = None,
@@ -84,6 +85,7 @@ def deep_check(
 
     Args:
         warnings: what is known about it already, and not told again.
+        unused: the names of its text that nothing uses; None where there is no text.
 
     A limit that is hit, a run-time error and a construct that cannot be checked leave questions undecided; each says
     why. Raises InputError where the initial state violates an invariant.
@@ -97,6 +99,8 @@ def deep_check(
         return _nothing(error.diagnostic.message)
     found = [*_reached_parts(explored, warnings), *_stuck_parts(explored), _zeno_part(explored)]
     found += _fault_parts(explored.outcome)
+    if unused is not None:
+        found.append(Part("names never used or read", counted(tuple(unused)), tuple(unused)))
     return DeepCheck(tuple(found), explored.outcome.statistics, explored.outcome.reason)
 
 

@@ -157,24 +157,27 @@ def _changes(network: Network, edge: Edge, known: Known, first: bool) -> dict[Va
 
 def _direction(update: Expression, variable: Variable, known: Known) -> Changes | None:
     """Whether an update makes a variable larger (told as a step from 0 to 1) or smaller (from 1 to 0)."""
-    match update:
-        case Increment(Reference(target), delta) if target is variable:
-            low = high = delta
-        case Assign(Reference(target), value, _, BinaryOperator.ADD) if target is variable:
-            low, high = interval(value, known)
-        case Assign(Reference(target), value, _, BinaryOperator.SUBTRACT) if target is variable:
-            low, high = (-bound for bound in reversed(interval(value, known)))
-        case Assign(Reference(target), Binary(BinaryOperator.ADD, Reference(old), value), _, None) if (
-            target is variable and old is variable
-        ):
-            low, high = interval(value, known)
-        case Assign(Reference(target), Binary(BinaryOperator.SUBTRACT, Reference(old), value), _, None) if (
-            target is variable and old is variable
-        ):
-            low, high = (-bound for bound in reversed(interval(value, known)))
-        case _:
-            return None
+    added = _added(update, variable)
+    if added is None:
+        return None
+    low, high = interval(added[1], known)
+    if not added[0]:
+        low, high = -high, -low
     return frozenset({(0, 1)}) if low > 0 else frozenset({(1, 0)}) if high < 0 else None
+
+
+def _added(update: Expression, variable: Variable) -> tuple[bool, Expression] | None:
+    """What an update adds to a variable, or (False) takes from it; None where it does something else."""
+    if isinstance(update, Increment) and update.target == Reference(variable):
+        return True, Constant(update.delta)
+    if not isinstance(update, Assign) or update.target != Reference(variable):
+        return None
+    operator, value = update.operator, update.value
+    if operator is None and isinstance(value, Binary) and value.left == update.target:
+        operator, value = value.operator, value.right
+    if operator in (BinaryOperator.ADD, BinaryOperator.SUBTRACT):
+        return operator is BinaryOperator.ADD, value
+    return None
 
 
 def _allows(guard: Expression, variable: Variable, value: int, known: Known) -> bool:
@@ -187,27 +190,20 @@ def _allows(guard: Expression, variable: Variable, value: int, known: Known) -> 
 def _written(
     update: Expression, variable: Variable, values: Iterable[int], allowed: tuple[int, int], known: Known
 ) -> Changes | None:
-    match update:
-        case Increment(Reference(target), delta) if target is variable:
-            pairs = [(value, value + delta) for value in values]
-        case Assign(Reference(target), value, _, operator) if target is variable:
-            pairs = []
-            for before in values:
-                there = Known({**known.values, variable: (before,)}, known.bound)
-                after = fold(value, there)
-                if not isinstance(after, Constant):
-                    return None
-                match operator:
-                    case None:
-                        pairs.append((before, after.value))
-                    case BinaryOperator.ADD:
-                        pairs.append((before, before + after.value))
-                    case BinaryOperator.SUBTRACT:
-                        pairs.append((before, before - after.value))
-                    case _:
-                        return None
-        case _:
+    added = _added(update, variable)
+    if added is not None:
+        value, sign = added[1], 1 if added[0] else -1
+    elif isinstance(update, Assign) and update.target == Reference(variable) and update.operator is None:
+        value, sign = update.value, 0
+    else:
+        return None
+    pairs = []
+    for before in values:
+        there = Known({**known.values, variable: (before,)}, known.bound)
+        after = fold(value, there)
+        if not isinstance(after, Constant):
             return None
+        pairs.append((before, before + sign * after.value if sign else after.value))
     if isinstance(variable.type, BoolType):
         pairs = [(before, int(after != 0)) for before, after in pairs]
     # A value outside the range is a run-time error: nothing follows.
