@@ -144,12 +144,12 @@ def _reached_parts(explored: Explored, warnings: Sequence[Diagnostic]) -> tuple[
     off = switched_off(network, explored.known)
     locations, edges = set(unreached_locations(network, taken)), set(untaken_edges(network, taken | off))
     if outcome.reason:
-        left = (
-            (_LOCATIONS, f"not decided: {_of_all(len(locations), sum(len(p.locations) for p in network.processes))}"),
-            (_EDGES, f"not decided: {_of_all(len(edges), sum(len(p.edges) for p in network.processes))}"),
-            (_GUARDS, "not decided"),
+        edge_count = sum(len(process.edges) for process in network.processes)
+        return (
+            _so_far(_LOCATIONS, len(locations), sum(len(p.locations) for p in network.processes), outcome.reason),
+            _so_far(_EDGES, edge_count - len(taken | off), edge_count, outcome.reason),
+            Part(_GUARDS, "not decided", undecided=outcome.reason),
         )
-        return tuple(Part(question, answer, undecided=outcome.reason) for question, answer in left)
     unmet = explored.unmet
     never = never_true(unmet)
     unreached = unreached_findings(network, taken, warnings)
@@ -162,8 +162,11 @@ def _reached_parts(explored: Explored, warnings: Sequence[Diagnostic]) -> tuple[
     )
 
 
-def _of_all(missing: int, all_: int) -> str:
-    return f"{missing} of {all_} not met so far"
+def _so_far(question: str, missing: int, all_: int, reason: str) -> Part:
+    """What is known of a question where the exploration ended early."""
+    if not missing:
+        return Part(question, "none")
+    return Part(question, f"not decided: {missing} of {all_} not met so far", undecided=reason)
 
 
 def _counted(findings: tuple[Diagnostic, ...], single: int) -> str:
