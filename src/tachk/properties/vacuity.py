@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import reduce
 
 from tachk.compiler.conditions import both
 from tachk.compiler.fold import cannot_fail, fold, known_values
 from tachk.compiler.goal import mentions_time
 from tachk.compiler.program import Goal
+from tachk.diagnostics.span import Span
 from tachk.engines.outcome import GoalOutcome, Status
 from tachk.model.expressions import BOOL, Binary, Constant, Expression, Quantifier, QuantifierKind, Variable
 from tachk.model.network import Network
@@ -41,30 +43,40 @@ class Trigger:
 
 
 def triggers_of(tasks: Iterable[Task], network: Network) -> tuple[Trigger, ...]:
-    """The left sides of the implications that properties consist of, as far as they may be asked for on the way."""
+    """The left sides of the implications that properties consist of, as far as they may be asked for on the way.
+
+    An implication under ``forall`` is one however it is held: as a quantifier, or as one copy for each value.
+    """
     tasks = list(tasks)
-    implications = [(task.number, found) for task in tasks for found in _of_query(task.query)]
-    if not implications:
+    copies: dict[tuple[int, Span], list[Expression]] = {}
+    for task in tasks:
+        for left, condition in _of_query(task.query):
+            copies.setdefault((task.number, left.span), []).append(condition)
+    if not copies:
         return ()
     known = known_values(network, [task.query.predicate for task in tasks if task.query.predicate is not None])
-    return tuple(
-        Trigger(number, text, condition)
-        for number, (text, condition) in implications
-        if not mentions_time(condition)
-        and cannot_fail(folded := fold(condition, known))
-        and not isinstance(folded, Constant)
-    )
+    triggers = []
+    for (number, span), conditions in copies.items():
+        folded = [fold(condition, known) for condition in conditions]
+        open_ = [condition for condition in folded if not (isinstance(condition, Constant) and condition.value == 0)]
+        if open_ and all(cannot_fail(c) and not mentions_time(c) and not isinstance(c, Constant) for c in open_):
+            triggers.append(Trigger(number, span.text, reduce(_or, open_)))
+    return tuple(triggers)
 
 
-def _of_query(query: Query) -> Iterator[tuple[str, Expression]]:
+def _or(left: Expression, right: Expression) -> Expression:
+    return Binary(BinaryOperator.OR, left, right, BOOL, right.span)
+
+
+def _of_query(query: Query) -> Iterator[tuple[Expression, Expression]]:
     if query.kind is QueryKind.INVARIANTLY and query.observer is None and query.predicate is not None:
         yield from _implications(query.predicate, None, ())
 
 
 def _implications(
     predicate: Expression, above: Expression | None, bound: tuple[Variable, ...]
-) -> Iterator[tuple[str, Expression]]:
-    """The left sides of the implications in a conjunction, with the text of each.
+) -> Iterator[tuple[Expression, Expression]]:
+    """The left sides of the implications in a conjunction, as they stand there, each with what it means there.
 
     Args:
         above: the left sides of the implications that the predicate is in.
@@ -78,7 +90,7 @@ def _implications(
             yield from _implications(body, above, (*bound, variable))
         case Binary(BinaryOperator.IMPLY, left, right):
             whole = both(above, left)
-            yield left.span.text, _for_some(bound, whole)
+            yield left, _for_some(bound, whole)
             yield from _implications(right, whole, bound)
         case _:
             return

@@ -69,6 +69,13 @@ def test_what_is_never_true(query: str, texts: list[str], passing: int) -> None:
     assert notes(query, passing=passing) == tuple(NEVER.format(text) for text in texts)
 
 
+def test_an_implication_for_all_processes_is_one() -> None:
+    fischer = tachk.load("models/classics/fischer.ta")
+    assert fischer.verify(property="mutual_exclusion")[0].notes == ()
+    (verdict,) = fischer.verify("A[] forall (i : pid_t) P(i).critical && id == 0 imply i == 3")
+    assert verdict.notes == (NEVER.format("P(i).critical && id == 0"),)
+
+
 def test_notes_are_told_in_every_form() -> None:
     report = tachk.loads(MODEL).verify("A[] P.never imply b")
     note = NEVER.format("P.never")
