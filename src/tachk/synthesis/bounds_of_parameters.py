@@ -118,6 +118,8 @@ def _bound(network: Network, query: Query, constants: OpenConstants, name: str, 
         return NoBound("the structure of the model depends on it", constants.needed[name])
     if query.target is None or analysis_of(query) is not Analysis.REACHABILITY:
         return NoBound(f"{query.kind.value} depends on what is not possible", query.span)
+    if query.observer is not None and query.observer.endings:
+        return NoBound("the formula speaks of what happens eventually", query.span)
     deadlock = next((node for node in walk(query.target) if isinstance(node, Deadlock)), None)
     if deadlock is not None:
         return NoBound("`deadlock` depends on what is not possible", deadlock.span)

@@ -18,7 +18,7 @@ from tachk.properties.verify import VerifyProgress, check_initial_state
 from tachk.semantics.discrete import prepare
 from tachk.semantics.timed_trace import Transition
 from tachk.synthesis.parameters import Parameter
-from tachk.synthesis.region import Evidence, RegionCell
+from tachk.synthesis.region import Evidence, RegionCell, shown_by_a_run
 from tachk.synthesis.retiming import retimed
 from tachk.synthesis.walk import Asked, Cell, Status
 from tachk.time_limit import OutOfTimeError, time_limit
@@ -97,8 +97,7 @@ class Cells:
     def _status(self, known: RegionCell) -> Status:
         if known.answer is Answer.UNKNOWN or known.verdict is None:
             return Status.UNKNOWN
-        on_reached = bool(known.verdict.query.holds_when_reached)
-        return Status.REACHED if (known.answer is Answer.HOLDS) is on_reached else Status.UNREACHED
+        return Status.REACHED if known.answer is shown_by_a_run(known.verdict.query) else Status.UNREACHED
 
     def _model(self, cell: Cell) -> tuple[LoadedModel, Query]:
         names = (parameter.name for parameter in self.parameters)

@@ -13,6 +13,7 @@ from tachk.properties.verdict import Answer, Verdict
 from tachk.synthesis.bounds_of_parameters import Bound, NoBound
 from tachk.synthesis.inequalities import Description
 from tachk.synthesis.parameters import Parameter
+from tachk.words import QueryKind
 
 
 class Evidence(StrEnum):
@@ -26,6 +27,12 @@ class Evidence(StrEnum):
     """By another cell with more or with less behaviour."""
     NONE = "none"
     """It is not known."""
+
+
+def shown_by_a_run(query: Query) -> Answer:
+    """The answer for which one run is the evidence; the other one takes the exploration of all states."""
+    existential = query.kind in (QueryKind.POSSIBLY, QueryKind.POTENTIALLY_ALWAYS)
+    return Answer.HOLDS if existential else Answer.FAILS
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +145,7 @@ class Region:
         return differs if differs or edge else None
 
     def _sides(self, cell: RegionCell, axis: int) -> tuple[int, ...]:
-        reached = (cell.answer is Answer.HOLDS) is bool(self.query.holds_when_reached)
+        reached = cell.answer is shown_by_a_run(self.query)
         match self.bounds[axis]:
             case Bound.UPPER:
                 return (-1,) if reached else (1,)

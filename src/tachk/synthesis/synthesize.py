@@ -20,7 +20,7 @@ from tachk.synthesis.bounds_of_parameters import Bound, NoBound, bounds_of_param
 from tachk.synthesis.cells import Cells
 from tachk.synthesis.inequalities import Description, describe
 from tachk.synthesis.parameters import Parameter, checked_parameters
-from tachk.synthesis.region import Evidence, Region, RegionCell
+from tachk.synthesis.region import Evidence, Region, RegionCell, shown_by_a_run
 from tachk.synthesis.walk import Axis, Status, walk
 from tachk.time_limit import OutOfTimeError, time_limit
 
@@ -131,12 +131,12 @@ def _cell(cells: Cells, query: Query, place: tuple[int, ...], status: Status) ->
     if known is not None and (known.answer is not Answer.UNKNOWN or status is Status.UNKNOWN):
         return known
     values = tuple(p.values[number] for p, number in zip(cells.parameters, place, strict=True))
-    on_reached = bool(query.holds_when_reached)
+    reached = shown_by_a_run(query)
     match status:
         case Status.REACHED:
-            answer = Answer.HOLDS if on_reached else Answer.FAILS
+            answer = reached
         case Status.UNREACHED:
-            answer = Answer.FAILS if on_reached else Answer.HOLDS
+            answer = Answer.HOLDS if reached is Answer.FAILS else Answer.FAILS
         case Status.OPEN | Status.UNKNOWN:
             reason = INTERRUPTED if cells.interrupted else TIME_LIMIT
             return RegionCell(values, Answer.UNKNOWN, Evidence.NONE, reason)

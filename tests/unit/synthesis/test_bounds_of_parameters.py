@@ -142,6 +142,7 @@ def test_bounds_of_clocks_are_monotone(where: dict[str, str], bound: Bound) -> N
         {"edge": "guard x <= P;", "query": "A<> one.z"},
         {"edge": "guard x <= P;", "query": "E[] one.a"},
         {"edge": "guard x <= P;", "query": "one.a --> one.z"},
+        {"edge": "guard x <= P;", "query": "G (one.a -> F one.z)"},
         {"query": "A[] one.z imply x == P"},
         {"query": "A[] n <= P"},
         {"query": "F[0, P] one.z"},

@@ -69,6 +69,20 @@ def test_queries_and_answers_of_all_kinds() -> None:
     assert model.synthesize(property="ever", over="ON=0..1").region.holding == ((1,),)
 
 
+def test_what_happens_eventually_is_tried_value_by_value() -> None:
+    model = loads(MODEL)
+    found = model.synthesize(property="eventually", over="A=1..3,B=1..3")
+    assert [cell.answer for cell in found.region.cells] == [
+        model_answer(A=a, B=b) for a in range(1, 4) for b in range(1, 4)
+    ]
+    assert found.region.searched == 9
+    assert "explored" in found.to_text(every_corner=True)
+
+
+def model_answer(**values: int) -> Answer:
+    return loads(MODEL, **values).verify(property="eventually")[0].answer
+
+
 def test_a_bound_of_a_formula_is_tried_value_by_value() -> None:
     region = loads(MODEL).synthesize(property="quick", over="A=1..3,B=1..3").region
     assert region.bounds[0] is Bound.UPPER

@@ -8,7 +8,7 @@ from tachk.diagnostics.span import NOWHERE, Span
 from tachk.properties.verdict import Answer
 from tachk.report.quantity import duration, grouped
 from tachk.synthesis.bounds_of_parameters import Bound, NoBound
-from tachk.synthesis.region import Evidence, Region, RegionCell
+from tachk.synthesis.region import Evidence, Region, RegionCell, shown_by_a_run
 
 
 def summary(region: Region) -> str:
@@ -60,8 +60,11 @@ def evidence(region: Region, cell: RegionCell, time_unit: str) -> str:
     if verdict.trace is not None:
         steps = sum(step.transition is not None for step in verdict.trace.steps)
         end = duration(verdict.trace.states[-1].time, time_unit)
+        loop = "" if verdict.trace.loop_start is None else ", with a loop"
         again = ", that of another cell at other times" if cell.evidence is Evidence.RUN else ""
-        return f"a run of {steps} step{'s' * (steps != 1)}, to time {end}{again}"
+        return f"a run of {steps} step{'s' * (steps != 1)}, to time {end}{loop}{again}"
+    if cell.answer is shown_by_a_run(region.query):
+        return f"found by a search that stored {grouped(verdict.statistics.states_stored)} states"
     return f"all {grouped(verdict.statistics.states_stored)} states explored"
 
 
