@@ -2,7 +2,8 @@
 
 Prints how often each engine reached which conclusion, and every disagreement with the seed that reproduces it.
 Features are the fields of `tachk.testing.Shape`, for instance ``priorities=True clocks=2``. Without any, the shapes in
-`SHAPES` take turns. Ctrl-C ends it with what is known so far. Exit status 1 after a disagreement.
+`SHAPES` take turns. ``smt=N`` asks the second engine too, for runs of up to N steps. Ctrl-C ends it with what is
+known so far. Exit status 1 after a disagreement.
 """
 
 from __future__ import annotations
@@ -44,6 +45,8 @@ _VARIANTS = 4
 def main(arguments: list[str]) -> int:
     count, seed = int(arguments[0]), int(arguments[1])
     features = dict(argument.split("=", 1) for argument in arguments[2:])
+    unrolled = features.pop("smt", None)
+    effort = replace(_EFFORT, unrolled=None if unrolled is None else int(unrolled))
     given = Shape(**{name: ast.literal_eval(value) for name, value in features.items()}) if features else None
     conclusions: Counter[tuple[str, str]] = Counter()
     wrong, faults, started = 0, 0, time.monotonic()
@@ -54,7 +57,7 @@ def main(arguments: list[str]) -> int:
             case = random_case(Random(number), shape)
             nothing = Constant(0, BOOL)  # to be sure that everything is explored, and every run-time error met
             variants = [VARIANTS[(number + turn) % len(VARIANTS)] for turn in range(_VARIANTS)]
-            agreement = compare(replace(case, predicates=(*case.predicates, nothing)), variants, _EFFORT)
+            agreement = compare(replace(case, predicates=(*case.predicates, nothing)), variants, effort)
             faults += any(outcome.fault is not None for outcome in agreement.outcomes.values())
             for name, outcome in agreement.outcomes.items():
                 conclusions.update((name, goal.status.value) for goal in outcome.goals)

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
-from tachk.engines.options import Extrapolation, Limits, Options, SearchOrder
+from tachk.engines.options import Engine, Extrapolation, Limits, Options, SearchOrder
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.queries.queries import UncheckedQuery
 from tachk.loading.load import load_model
@@ -45,6 +45,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Answer",
+    "Engine",
     "Extrapolation",
     "InputError",
     "Limits",

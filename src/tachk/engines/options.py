@@ -9,6 +9,16 @@ from tachk.diagnostics.diagnostic import UsageError
 from tachk.records import dataclass
 
 
+class Engine(StrEnum):
+    """Which engine answers."""
+
+    ZONE = "zone"
+    SMT = "smt"
+    """z3, by bounded model checking and induction; see `tachk.engines.smt`."""
+    BOTH = "both"
+    """One after the other: that they contradict each other is an internal error."""
+
+
 class SearchOrder(StrEnum):
     BFS = "bfs"
     DFS = "dfs"
@@ -41,6 +51,7 @@ class Options:
     """How to search. No option may change a verdict.
 
     Attributes:
+        engine: which engine answers; all other options are of the zone engine.
         order: which state is explored next; BFS gives short paths.
         seed: for RANDOM_DFS, from 0 to 2**32 - 1.
         extrapolation: the zone abstraction.
@@ -79,6 +90,7 @@ class Options:
     hold_spectators: bool = True
     drop_bystanders: bool = True
     shortest: bool = False
+    engine: Engine = Engine.ZONE
 
     def __post_init__(self) -> None:
         _check_range("seed", self.seed, 0, LARGEST_SEED)

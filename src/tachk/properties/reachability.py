@@ -111,7 +111,7 @@ def _explore(
         outcome = replace(outcome, fault=fault if search.observer is None else fault_without_observer(network, fault))
     verdicts: dict[int, Verdict] = {}
     for task, goal in zip(search.tasks, outcome.goals[: len(targets)], strict=True):
-        verdict = _verdict(model, searched, task, goal, outcome, trace)
+        verdict = verdict_of(model, searched, task, goal, outcome, trace)
         if verdict is None:
             everything = replace(options, hold_spectators=False)
             rest = limits
@@ -139,7 +139,7 @@ def answers_of(query: Query) -> tuple[Answer, Answer]:
 _INEXACT = "the stopwatches make the search inexact, and the run it found is not possible"
 
 
-def _verdict(
+def verdict_of(
     model: PreparedNetwork, searched: PreparedNetwork, task: Task, goal: GoalOutcome, outcome: Outcome, trace: bool
 ) -> Verdict | None:
     """The verdict; None if the run that was found meets a run-time error of a process that was held still."""

@@ -17,7 +17,7 @@ from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Progress, Statistics
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties import extremes, liveness, reachability
+from tachk.properties import extremes, liveness, reachability, second_engine
 from tachk.properties.observed import check_observable
 from tachk.properties.plan import Analysis, Search, Task, plan
 from tachk.properties.unanswered import none_begun, not_begun, unsupported
@@ -64,6 +64,7 @@ def verify(
                 try:
                     check_observable(network, query)
                     check_supported(network, query)
+                    second_engine.check_answerable(query, options.engine)
                 except UnsupportedError as error:
                     verdicts[number] = unsupported(query, error.diagnostic)
                 else:
@@ -97,11 +98,14 @@ def _answer(
     """The verdicts about the tasks of a search, by number."""
     match search.analysis:
         case Analysis.REACHABILITY:
-            return reachability.answer(model, search, options, limits, progress, trace)
+            answer = second_engine.answering(options.engine)
+            return answer(model, search, options, limits, progress, trace)
         case Analysis.LIVENESS:
-            return liveness.answer(model, search, options, limits, progress, trace)
+            found = liveness.answer(model, search, options, limits, progress, trace)
+            return second_engine.uncompared(found, options.engine)
         case Analysis.EXTREMES:
-            return extremes.answer(model, search, options, limits, progress, trace)
+            found = extremes.answer(model, search, options, limits, progress, trace)
+            return second_engine.uncompared(found, options.engine)
         case never:
             assert_never(never)
 

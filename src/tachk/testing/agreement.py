@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 
 from tachk.certify.replay import ReplayError, replay
@@ -12,8 +12,10 @@ from tachk.diagnostics.diagnostic import InternalError, UnsupportedError
 from tachk.engines import digitised, reference, zone
 from tachk.engines.concretise import concretise
 from tachk.engines.options import BoundScope, Extrapolation, Limits, Options, SearchOrder
-from tachk.engines.outcome import Outcome, Status
+from tachk.engines.outcome import GoalOutcome, Outcome, Status
+from tachk.model.expressions import Deadlock
 from tachk.model.query import Query
+from tachk.model.traversal import walk
 from tachk.properties.verdict import Answer
 from tachk.properties.verify import verify
 from tachk.semantics.discrete import prepare
@@ -56,10 +58,12 @@ each other."""
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """How many states the oracles may store before they give up."""
+    """How many states the oracles may store before they give up, and how many steps the second engine may unroll;
+    None: it is not asked."""
 
     reference: int = 600
     sampled: int = 1500
+    unrolled: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +87,8 @@ def compare(case: Case, variants: Sequence[Options] = VARIANTS, effort: Effort =
     else:
         outcomes["regions"] = digitised.explore_regions(case.network, case.predicates, sampled)
     outcomes |= _zone_outcomes(case, variants)
+    if effort.unrolled is not None:
+        outcomes |= _smt_outcomes(case, Limits(depth=effort.unrolled))
     problems = _over_approximation(outcomes) if stopwatches else _contradictions(outcomes)
     answers = _answers(case, outcomes) if "zone" in outcomes else ()
     return Agreement(outcomes, (*problems, *_lengths(outcomes), *_runs(case, outcomes, stopwatches), *answers))
@@ -105,6 +111,20 @@ def _zone_outcomes(case: Case, variants: Sequence[Options]) -> dict[str, Outcome
         limits = UNWIDENED_LIMITS if options.extrapolation is Extrapolation.NONE else ZONE_LIMITS
         outcomes[_name(options)] = zone.explore(program, goals, options, limits)
     return outcomes
+
+
+def _smt_outcomes(case: Case, limits: Limits) -> dict[str, Outcome]:
+    """What the second engine finds about the predicates that it encodes, if it encodes the network."""
+    from tachk.engines.smt.search import explore
+
+    asked = [n for n, p in enumerate(case.predicates) if not any(isinstance(part, Deadlock) for part in walk(p))]
+    try:
+        outcome = explore(case.network, [case.predicates[number] for number in asked], limits)
+    except UnsupportedError:
+        return {}
+    goals = dict(zip(asked, outcome.goals, strict=True))
+    unasked = GoalOutcome(Status.UNDECIDED)
+    return {"smt": replace(outcome, goals=tuple(goals.get(n, unasked) for n in range(len(case.predicates))))}
 
 
 def _answers(case: Case, outcomes: dict[str, Outcome]) -> Iterator[str]:

@@ -11,17 +11,19 @@ from functools import partial
 from pathlib import Path
 
 from tachk import api
+from tachk.cli.actions.disagreement import write_disagreement
 from tachk.cli.actions.run_report import RunReport, RunReporting
 from tachk.cli.arguments import parse_definitions, parse_size, split_models_and_queries
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
-from tachk.cli.guard import guarded, print_diagnostics
+from tachk.cli.guard import complain, guarded, print_diagnostics
 from tachk.cli.progress import ProgressLine
 from tachk.cli.reporting import Evidence
 from tachk.cli.terminal import can_rewrite_lines
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits, Options, SearchOrder
 from tachk.engines.outcome import INTERRUPTED
+from tachk.properties.second_engine import DisagreementError
 from tachk.properties.verdict import Answer
 from tachk.records import dataclass
 from tachk.report.record import RunRecord
@@ -91,7 +93,11 @@ def _check_all(
                 model = api.load(path, **constants)
             print_diagnostics((*model.refusals, *model.warnings))
             left = limits.after(time.monotonic() - started)
-            record = _verified(model, queries, asked, options, left, reporting)
+            try:
+                record = _verified(model, queries, asked, options, left, reporting)
+            except DisagreementError as error:
+                complain(str(error), f"one of them is wrong; please report it with {write_disagreement(model, error)}")
+                return ExitStatus.INTERNAL_ERROR
         report.add(record)
         return worst(_statuses(record))
 

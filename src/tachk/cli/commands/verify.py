@@ -8,7 +8,7 @@ import click
 
 from tachk.cli import options
 from tachk.cli.reporting import Evidence, ReportForm
-from tachk.engines.options import LARGEST_SEED, PASSED_IN_A_ROW, Extrapolation, Options, SearchOrder
+from tachk.engines.options import LARGEST_SEED, PASSED_IN_A_ROW, Engine, Extrapolation, Options, SearchOrder
 
 _DEFAULT = Options()
 
@@ -25,6 +25,13 @@ _DEFAULT = Options()
 @options.query_files("Check the queries in this file.")
 @options.definitions
 @click.option("properties", "--property", metavar="NAME", multiple=True, help="Check this property of the model.")
+@click.option(
+    "--engine",
+    type=options.Choice(Engine),
+    default=_DEFAULT.engine.value,
+    show_default=True,
+    help="What answers: zones; smt, a second engine that shares nothing with the first; or both, which are compared.",
+)
 @click.option(
     "order",
     "--search",

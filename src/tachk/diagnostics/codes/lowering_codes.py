@@ -74,6 +74,14 @@ LOWERING_CODES: dict[str, Explanation] = {
         "A<> deadlock",
         "A[] not deadlock",
     ),
+    "E0745": Explanation(
+        "not encoded for the engine smt",
+        "The engine smt answers E<> and A[], and has no formula for priorities of channels and processes, for powers "
+        "whose exponent varies and for loops without a small bound. It refuses what it cannot encode; the zone engine "
+        "checks these.",
+        "chan priority a < b;    // with --engine smt",
+        "chan a, b;",
+    ),
     "E0721": Explanation(
         "clock guard on an urgent channel",
         "Time must stop at the very moment an urgent synchronisation becomes possible. With a clock in its guard that "

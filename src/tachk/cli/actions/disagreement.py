@@ -1,0 +1,38 @@
+"""The report of two engines that contradict each other: all that is needed to find out which one is wrong."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from dataclasses import asdict
+from pathlib import Path
+
+from tachk import api
+from tachk.properties.second_engine import DisagreementError
+from tachk.properties.verdict import Verdict
+from tachk.report.answers import Report
+from tachk.report.record import RunRecord
+
+
+def write_disagreement(model: api.Model, error: DisagreementError) -> Path:
+    """Writes the model, the query, the options and both answers, with their runs, to a new file."""
+
+    def told(verdict: Verdict) -> object:
+        record = RunRecord(model.path, model.network, (verdict,), (), error.options, definitions=model.definitions)
+        return Report(record).to_dict()
+
+    path = Path(model.path)
+    content = {
+        "model": model.path,
+        "text": path.read_text(encoding="utf-8") if path.is_file() else "",
+        "constants": dict(model.constants),
+        "query": error.query.text,
+        "options": asdict(error.options),
+        "zone": told(error.zone),
+        "smt": told(error.smt),
+    }
+    with tempfile.NamedTemporaryFile(
+        "w", prefix="tachk-disagreement-", suffix=".json", delete=False, encoding="utf-8"
+    ) as file:
+        json.dump(content, file, indent=2, default=str)
+    return Path(file.name)

@@ -1,0 +1,434 @@
+"""What a network does in one step, as formulas over the variables of a frame and of the next one.
+
+A frame is a discrete state with two moments: when it was entered and, after a delay, when it is left. A clock is the
+present moment minus the moment of its last reset, so that all clock constraints are about differences of moments.
+Invariants are convex: that they hold at both ends of a delay is enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import z3
+
+from tachk.engines.smt.conditions import certain, guard
+from tachk.engines.smt.evaluator import PossibleFault, refused
+from tachk.engines.smt.frame import ClocksOf, Frame, fresh_frame, machine_of, participants
+from tachk.engines.smt.machine import Machine
+from tachk.engines.smt.storage import CLOCK_SET, CLOCK_VALUE, STATE, Storage
+from tachk.engines.smt.terms import (
+    Formula,
+    all_of,
+    any_of,
+    choose,
+    conj,
+    constant,
+    disj,
+    in_range,
+    neg,
+    of_each_value,
+    real,
+)
+from tachk.model.cell_layout import CellLayout, cell_layout
+from tachk.model.expressions import Expression
+from tachk.model.network import Edge, Network
+from tachk.model.traversal import reads_clock
+from tachk.model.types import ChannelType
+from tachk.semantics.timed_trace import Participant
+from tachk.time_limit import check_time
+from tachk.words import Direction
+
+
+@dataclass(slots=True)
+class _Instance:
+    """An edge with values of its select variables, and what it says in the template frame."""
+
+    participant: Participant
+    edge: Edge
+    fires: z3.BoolRef
+    at_source: Formula
+    open: Formula = False
+    """Its guard holds, and it is there to be taken."""
+    channels: list[tuple[Formula, int]] = field(default_factory=list)
+
+    @property
+    def process(self) -> int:
+        return self.participant.process
+
+    @property
+    def receives(self) -> bool:
+        return self.edge.synchronisation is not None and self.edge.synchronisation.direction is Direction.RECEIVE
+
+    @property
+    def sends(self) -> bool:
+        return self.edge.synchronisation is not None and self.edge.synchronisation.direction is Direction.SEND
+
+
+@dataclass(slots=True)
+class Relation:
+    """Attributes:
+    template: the variables that all formulas are about; `after` are those of the frame behind a step.
+    stay: that the invariants hold at both moments, and that time may pass between them.
+    state_faults: what may go wrong where edges are asked, at the end of the delay.
+    entry_faults: what may go wrong in the invariants when the frame is entered.
+    step: what the step out of the frame makes of it.
+    step_faults: what may go wrong in the updates of the step.
+    """
+
+    network: Network
+    layout: CellLayout
+    template: Frame
+    after: Frame
+    instances: tuple[Participant, ...]
+    initiators: tuple[bool, ...]
+    stay: Formula
+    state_faults: tuple[PossibleFault, ...]
+    entry_faults: tuple[PossibleFault, ...]
+    step: Formula
+    step_possible: Formula
+    step_faults: tuple[PossibleFault, ...]
+    stopped: dict[int, Formula]
+
+    def frame(self, name: str) -> Frame:
+        """Fresh variables of the same shape."""
+        return fresh_frame(self.network, self.layout, self.template, name)
+
+    def at(self, formula: Formula, frame: Frame, after: Frame | None = None) -> Formula:
+        """A formula about the template, said of a frame and of the one behind it."""
+        if isinstance(formula, bool):
+            return formula
+        pairs = list(zip(self.template.variables(), frame.variables(), strict=True))
+        if after is not None:
+            pairs += list(zip(self.after.state(), after.state(), strict=True))
+        return z3.substitute(formula, *pairs)
+
+    def initial(self, frame: Frame) -> Formula:
+        """That a frame is the first one of a run."""
+        parts: list[Formula] = [
+            number.is_value(process.initial)
+            for number, process in zip(frame.locations, self.network.processes, strict=True)
+        ]
+        parts += [number.is_value(value) for number, value in zip(frame.cells, self.layout.initial, strict=True)]
+        parts += [reset == 0 for reset in frame.resets]
+        return all_of([*parts, frame.entered == 0])
+
+    def any_frame(self, frame: Frame) -> Formula:
+        """What holds of the variables of every frame: their ranges, and that clocks are not negative."""
+        parts = [in_range(number) for number in (*frame.locations, *frame.cells)]
+        return all_of([*parts, *(reset <= frame.entered for reset in frame.resets), frame.entered <= frame.left])
+
+    def where(self, predicate: Expression) -> tuple[Formula, Formula, list[PossibleFault]]:
+        """Where a predicate is true; where something in it decides it that cannot be evaluated; and what that is."""
+        machine = machine_of(self.layout, self.template, ClocksOf(self.template, self.stopped, self.template.left))
+        wrong: list[PossibleFault] = []
+        yes, no = certain(machine, predicate, wrong)
+        return yes, neg(disj(yes, no)) if wrong else False, wrong
+
+    def clock(self, number: int) -> z3.ArithRef:
+        """The value of a clock at the end of the delay of the template frame; 0 for number 0."""
+        if number == 0:
+            return z3.RealVal(0)
+        return ClocksOf(self.template, self.stopped, self.template.left).now(number) - self.template.resets[number - 1]
+
+
+def relation(network: Network) -> Relation:
+    """Encodes a network. Raises UnsupportedError for what is not encoded."""
+    layout = cell_layout(network)
+    if network.has_priorities:
+        raise refused("priorities of channels or processes", network.processes[0].span)
+    channels = [layout.types[cell] for cell in layout.channel_cells]
+    return _Encoder(network, layout, [c for c in channels if isinstance(c, ChannelType)]).encode()
+
+
+@dataclass(slots=True)
+class _Encoder:
+    network: Network
+    layout: CellLayout
+    channels: Sequence[ChannelType]
+    frame: Frame = field(init=False)
+    instances: list[_Instance] = field(init=False)
+    committed: list[Formula] = field(init=False)
+    faults: list[PossibleFault] = field(default_factory=list)
+
+    def encode(self) -> Relation:
+        self.frame = fresh_frame(self.network, self.layout, None, "s")
+        after = fresh_frame(self.network, self.layout, self.frame, "n")
+        self.instances = [
+            _Instance(p, self._edge(p), fires, self._at(p.process, [self._edge(p).source]))
+            for p, fires in zip(participants(self.network), self.frame.fires, strict=True)
+        ]
+        self.committed = [
+            self._at(number, [n for n, location in enumerate(process.locations) if location.committed])
+            for number, process in enumerate(self.network.processes)
+        ]
+        stopped = self._stopped()
+        at_end = ClocksOf(self.frame, stopped, self.frame.left)
+        self._ask(machine_of(self.layout, self.frame, at_end))
+        invariant, _ = self._invariant(at_end)
+        on_entry, entry_faults = self._invariant(ClocksOf(self.frame, stopped, self.frame.entered))
+        waits = self.frame.left > self.frame.entered
+        stay = all_of([invariant, on_entry, disj(neg(waits), self._time_may_pass())])
+        chosen = self._chosen()
+        changed, step_faults = self._updated(after, stopped)
+        return Relation(
+            self.network,
+            self.layout,
+            self.frame,
+            after,
+            tuple(instance.participant for instance in self.instances),
+            tuple(not instance.receives for instance in self.instances),
+            stay,
+            tuple(self.faults),
+            tuple(entry_faults),
+            all_of([chosen, changed, neg(any_of(fault.condition for fault in step_faults))]),
+            chosen,
+            tuple(step_faults),
+            stopped,
+        )
+
+    def _edge(self, participant: Participant) -> Edge:
+        return self.network.processes[participant.process].edges[participant.edge]
+
+    def _at(self, process: int, locations: Iterable[int]) -> Formula:
+        return any_of(self.frame.locations[process].is_value(location) for location in locations)
+
+    # ---- what is possible --------------------------------------------------------------------------------------------
+
+    def _ask(self, machine: Machine) -> None:
+        """Which edges are open, over which channels; and what goes wrong in their guards where they are asked."""
+        anyone = any_of(self.committed)
+        for instance in self.instances:
+            if not instance.receives:
+                admitted = True if instance.sends else disj(self.committed[instance.process], neg(anyone))
+                self._ask_edge(machine, instance, conj(instance.at_source, admitted))
+        for instance in self.instances:
+            if instance.receives:
+                self._ask_edge(machine, instance, self._is_called(machine, instance))
+
+    def _is_called(self, machine: Machine, receiver: _Instance) -> Formula:
+        """Whether a sender makes it necessary to ask a receiver."""
+        named = self._channels_named(machine, receiver)
+        free = neg(any_of(self.committed))
+        calls: list[Formula] = []
+        for sender in self.instances:
+            if not sender.sends or sender.process == receiver.process:
+                continue
+            meet = any_of([free, self.committed[sender.process], self.committed[receiver.process]])
+            calls += [
+                conj(sender.open, condition, True if self.channels[channel].broadcast else meet)
+                for condition, channel in sender.channels
+                if channel in named
+            ]
+        return conj(receiver.at_source, any_of(calls))
+
+    def _channels_named(self, machine: Machine, instance: _Instance) -> set[int]:
+        """The channels that an edge may name, whatever goes wrong."""
+        assert instance.edge.synchronisation is not None
+        before = len(machine.faults)
+        self._bind(machine, instance)
+        named = {number for _, number in machine.clocks_named(instance.edge.synchronisation.channel)}
+        del machine.faults[before:]
+        return named
+
+    def _bind(self, machine: Machine, instance: _Instance) -> None:
+        for variable, value in zip(instance.edge.selects, instance.participant.selects, strict=True):
+            machine.bind(variable, value)
+
+    def _ask_edge(self, machine: Machine, instance: _Instance, asked: Formula) -> None:
+        check_time()
+        self._bind(machine, instance)
+        machine.faults = []
+        machine.path = asked
+        _, whole = guard(machine, instance.edge.guard)
+        instance.open = conj(asked, whole)
+        synchronisation = instance.edge.synchronisation
+        if synchronisation is not None:
+            machine.path = instance.open
+            instance.channels = machine.clocks_named(synchronisation.channel)
+            machine.path = asked
+        self.faults += machine.faults
+
+    def _invariant(self, clocks: ClocksOf) -> tuple[Formula, list[PossibleFault]]:
+        machine = machine_of(self.layout, self.frame, clocks)
+        whole: list[Formula] = []
+        asked: Formula = True
+        for number, process in enumerate(self.network.processes):
+            integers: list[Formula] = []
+            for place, location in enumerate(process.locations):
+                if location.invariant is None:
+                    continue
+                here = self._at(number, [place])
+                machine.path = conj(asked, here)
+                integer, all_of_it = guard(machine, location.invariant)
+                whole.append(disj(neg(here), all_of_it))
+                integers.append(disj(neg(here), integer))
+            asked = conj(asked, all_of(integers))
+        return all_of(whole), machine.faults
+
+    def _time_may_pass(self) -> Formula:
+        still = any_of(
+            self._at(number, [n for n, place in enumerate(process.locations) if place.urgent or place.committed])
+            for number, process in enumerate(self.network.processes)
+        )
+        return conj(neg(still), neg(self._urgent()))
+
+    def _urgent(self) -> Formula:
+        """Whether a synchronisation over an urgent channel is enabled."""
+        found: list[Formula] = []
+        for sender in self.instances:
+            if not sender.sends:
+                continue
+            for condition, channel in sender.channels:
+                type_ = self.channels[channel]
+                if not type_.urgent:
+                    continue
+                self._refuse_clock(sender)
+                partner: Formula = True
+                if not type_.broadcast:
+                    partner = any_of(
+                        conj(receiver.open, also)
+                        for receiver in self.instances
+                        if receiver.receives and receiver.process != sender.process
+                        for also, other in receiver.channels
+                        if other == channel
+                    )
+                    for receiver in self.instances:
+                        if receiver.receives and any(other == channel for _, other in receiver.channels):
+                            self._refuse_clock(receiver)
+                found.append(all_of([sender.open, condition, partner]))
+        return any_of(found)
+
+    def _refuse_clock(self, instance: _Instance) -> None:
+        if instance.edge.guard is not None and reads_clock(instance.edge.guard):
+            raise refused("a clock guard on an urgent channel", instance.edge.guard.span)
+
+    def _stopped(self) -> dict[int, Formula]:
+        """The clocks that may stand still, with when they do."""
+        machine = machine_of(self.layout, self.frame, ClocksOf(self.frame, {}, self.frame.left))
+        found: dict[int, Formula] = {}
+        for number, process in enumerate(self.network.processes):
+            for place, location in enumerate(process.locations):
+                for clock, rate in location.rates:
+                    stands = conj(self._at(number, [place]), machine.number(rate).is_value(0))
+                    for condition, named in machine.clocks_named(clock):
+                        found[named] = disj(found.get(named, False), conj(stands, condition))
+        if machine.faults:
+            raise refused("a rate that may go wrong", machine.faults[0].span)
+        return {clock: formula for clock, formula in found.items() if formula is not False}
+
+    # ---- the step ----------------------------------------------------------------------------------------------------
+
+    def _chosen(self) -> Formula:
+        """Which edges fire together: one sender or internal edge, with those that hear it."""
+        parts: list[Formula] = []
+        by_process: list[list[_Instance]] = [[] for _ in self.network.processes]
+        for instance in self.instances:
+            by_process[instance.process].append(instance)
+            parts.append(disj(neg(instance.fires), instance.open))
+        parts += [_at_most_one([i.fires for i in of_process]) for of_process in by_process]
+        starting = [instance.fires for instance in self.instances if not instance.receives]
+        parts += [any_of(starting), _at_most_one(starting)]
+        sends = [
+            any_of(
+                conj(sender.fires, condition)
+                for sender in self.instances
+                if sender.sends
+                for condition, named in sender.channels
+                if named == channel
+            )
+            for channel in range(len(self.channels))
+        ]
+        hears: list[list[Formula]] = [[] for _ in self.channels]
+        receivers = [instance for instance in self.instances if instance.receives]
+        for receiver in receivers:
+            called = [conj(condition, sends[named]) for condition, named in receiver.channels]
+            parts.append(disj(neg(receiver.fires), any_of(called)))
+            for condition, named in receiver.channels:
+                hears[named].append(conj(receiver.fires, condition))
+        announced = any_of(sends[number] for number, type_ in enumerate(self.channels) if type_.broadcast)
+        parts.append(disj(announced, _at_most_one([receiver.fires for receiver in receivers])))
+        for number, type_ in enumerate(self.channels):
+            if not type_.broadcast:
+                parts.append(disj(neg(sends[number]), any_of(hears[number])))
+        parts += self._forced_to_hear(by_process, sends)
+        moves = [conj(c, any_of(i.fires for i in own)) for c, own in zip(self.committed, by_process, strict=True)]
+        parts.append(disj(neg(any_of(self.committed)), any_of(moves)))
+        return all_of(parts)
+
+    def _forced_to_hear(self, by_process: Sequence[Sequence[_Instance]], sends: Sequence[Formula]) -> list[Formula]:
+        """Whoever can hear a broadcast of another process takes part in it."""
+        parts: list[Formula] = []
+        for of_process in by_process:
+            takes_part = any_of(instance.fires for instance in of_process)
+            for receiver in of_process:
+                if not receiver.receives:
+                    continue
+                for condition, named in receiver.channels:
+                    if self.channels[named].broadcast:
+                        parts.append(neg(all_of([sends[named], receiver.open, condition, neg(takes_part)])))
+        return parts
+
+    def _updated(self, after: Frame, stopped: dict[int, Formula]) -> tuple[Formula, list[PossibleFault]]:
+        machine = machine_of(self.layout, self.frame, ClocksOf(self.frame, stopped, self.frame.left))
+        self._execute(machine, [instance for instance in self.instances if not instance.receives])
+        for process in range(len(self.network.processes)):
+            self._execute(machine, [i for i in self.instances if i.receives and i.process == process])
+        parts: list[Formula] = []
+        for position, number in enumerate(after.cells):
+            if number.term is not None:
+                made = machine.storage.cells[STATE, position]
+                parts.append(number.term == made.at_width(number.term.size()))
+        for process, number in enumerate(after.locations):
+            if number.term is not None:
+                target = self.frame.locations[process]
+                for instance in self.instances:
+                    if instance.process == process:
+                        target = choose(instance.fires, constant(instance.edge.target), target)
+                parts.append(number.term == target.at_width(number.term.size()))
+        for clock, reset in enumerate(after.resets, 1):
+            parts.append(reset == self._reset(machine.storage, clock, stopped.get(clock, False)))
+        return all_of([*parts, after.entered == self.frame.left]), machine.faults
+
+    def _execute(self, machine: Machine, alternatives: Sequence[_Instance]) -> None:
+        """The updates of those of some edges that fire; at most one does."""
+        changes = []
+        for instance in alternatives:
+            check_time()
+            if not instance.edge.updates or instance.open is False:
+                continue
+            self._bind(machine, instance)
+            machine.path = instance.fires
+            _, changed = machine.storage.apart(lambda edge=instance.edge: machine.execute(edge.updates))  # type: ignore[misc]
+            changes.append((instance.fires, changed))
+        machine.path = True
+        for fires, changed in changes:
+            machine.storage.apply(changed, fires)
+
+    def _reset(self, storage: Storage, clock: int, stopped: Formula) -> z3.ArithRef:
+        """When a clock would have been 0, as the next frame sees it."""
+        kept = self.frame.resets[clock - 1]
+        if stopped is not False:
+            later = kept + (self.frame.left - self.frame.entered)
+            kept = later if stopped is True else z3.If(stopped, later, kept)
+        is_set = storage.cells[CLOCK_SET, clock].is_value(1)
+        if is_set is False:
+            return kept
+        value = storage.cells[CLOCK_VALUE, clock]
+        listed = of_each_value(value)
+        moment = self.frame.left - real(value)
+        if listed is not None:
+            moment = self.frame.left - listed[-1][1] if listed[-1][1] else self.frame.left
+            for condition, number in listed[:-1]:
+                if not isinstance(condition, bool):
+                    moment = z3.If(condition, self.frame.left - number if number else self.frame.left, moment)
+        return moment if is_set is True else z3.If(is_set, moment, kept)
+
+
+def _at_most_one(fires: Sequence[z3.BoolRef]) -> Formula:
+    if len(fires) < 2:
+        return True
+    if len(fires) <= 6:
+        return all_of(z3.Not(z3.And(a, b)) for a, b in combinations(fires, 2))
+    return z3.AtMost(*fires, 1)

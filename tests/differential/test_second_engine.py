@@ -1,0 +1,32 @@
+"""The engine on z3 on random networks: what it decides, the other engines and the oracles decide the same way."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+
+from tachk.engines.outcome import Status
+from tachk.testing import Shape, random_case
+from tachk.testing.agreement import Effort, compare
+
+EFFORT = Effort(reference=200, sampled=300, unrolled=8)
+
+SHAPES = {
+    "plain": Shape(clocks=2),
+    "closed": Shape(strict=False, clocks=2),
+    "diagonals": Shape(diagonals=True, clocks=2, constant=3),
+    "stopwatches": Shape(stopwatches=True, clocks=2),
+    "language": Shape(language=True, faults=0.3, clocks=1, processes=2, locations=3),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_z3_agrees_with_the_other_engines(shape: str) -> None:
+    decided = 0
+    for seed in range(12):
+        found = compare(random_case(Random(seed), SHAPES[shape]), (), EFFORT)
+        assert found.problems == (), f"seed {seed}"
+        if "smt" in found.outcomes:
+            decided += sum(goal.status is not Status.UNDECIDED for goal in found.outcomes["smt"].goals)
+    assert decided >= 12
