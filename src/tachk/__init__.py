@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from tachk.api import (
         Answer,
+        Engine,
         Extrapolation,
         InputError,
         Limits,
@@ -37,6 +38,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Answer",
+    "Engine",
     "Extrapolation",
     "InputError",
     "Limits",

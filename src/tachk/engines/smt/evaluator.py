@@ -70,6 +70,13 @@ from tachk.operators import COMPARISONS, CONNECTIVES, BinaryOperator, UnaryOpera
 from tachk.semantics.constraints import compares_clocks
 from tachk.time_limit import check_time
 
+_WRONG = {
+    BinaryOperator.POWER: RuntimeErrorKind.NEGATIVE_EXPONENT,
+    BinaryOperator.SHIFT_LEFT: RuntimeErrorKind.SHIFT,
+    BinaryOperator.SHIFT_RIGHT: RuntimeErrorKind.SHIFT,
+}
+"""What happens where an operator has no value; with the others it is division by zero."""
+
 
 @dataclass(frozen=True, slots=True)
 class PossibleFault:
@@ -175,13 +182,9 @@ class Evaluator:
         if not isinstance(first, bool) and compares_clocks(left):
             needed = True
         second = bool_of(self.under(needed, lambda: self.truth(right)))
-        match operator:
-            case BinaryOperator.AND:
-                return conj(first, second)
-            case BinaryOperator.OR:
-                return disj(first, second)
-            case _:
-                return disj(neg(first), second)
+        if operator is BinaryOperator.AND:
+            return conj(first, second)
+        return disj(first if operator is BinaryOperator.OR else neg(first), second)
 
     def _compared(self, operator: BinaryOperator, left: Expression, right: Expression) -> Formula:
         if isinstance(left.type, ArrayType | RecordType):
@@ -327,13 +330,7 @@ class Evaluator:
     def _computed(self, operator: BinaryOperator, left: Number, right: Number, span: Span) -> Number:
         wrong = undefined(operator, right)
         if wrong is not False:
-            match operator:
-                case BinaryOperator.DIVIDE | BinaryOperator.MODULO:
-                    kind = RuntimeErrorKind.DIVISION
-                case BinaryOperator.POWER:
-                    kind = RuntimeErrorKind.NEGATIVE_EXPONENT
-                case _:
-                    kind = RuntimeErrorKind.SHIFT
+            kind = _WRONG.get(operator, RuntimeErrorKind.DIVISION)
             self.goes_wrong(wrong, kind, span)
         try:
             return compute(operator, left, right)
