@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
+from dataclasses import replace
 from fractions import Fraction
 from random import Random
 
@@ -14,6 +15,8 @@ from tachk.frontend.loaded import LoadedModel
 from tachk.logic.observer.construction import NoObserver, build_observer
 from tachk.model.query import Query
 from tachk.properties.observed import observed
+from tachk.properties.verdict import Answer
+from tachk.properties.verify import verify
 from tachk.semantics.clock_constants import clock_constants
 from tachk.semantics.discrete import PreparedNetwork, prepare
 from tachk.semantics.step import StepError, delay, initial_state, successors
@@ -24,6 +27,7 @@ from tachk.testing.agreement import VARIANTS, Effort, compare
 from tachk.testing.exact_monitor import verdict
 from tachk.testing.observer_agreement import (
     bounded_observer_case,
+    endless_observer_case,
     nested_observer_case,
     query_of,
     random_observer_case,
@@ -85,6 +89,25 @@ def test_an_observer_says_what_the_monitor_says_of_what_is_temporal_inside(block
         answers.append(truth)
     assert answers.count(False) > 4
     assert len(answers) - answers.count(False) > 4
+
+
+@pytest.mark.parametrize("block", range(3))
+def test_what_sets_no_deadline_is_judged_as_a_run_whose_values_stay_for_ever(block: int) -> None:
+    answers = []
+    for seed in range(60 * block, 60 * block + 60):
+        case = endless_observer_case(Random(seed))
+        model = replaying(case.trace, stops=False)
+        query = query_of(case.formula, model)
+        if query is None:
+            continue
+        (found,) = verify(model.network, [query])
+        long = replace(case.trace, end=case.trace.end + 1000)
+        truth = verdict(case.formula, long).truth
+        assert (found.answer is Answer.FAILS) == (truth is False), f"seed {seed}: {print_formula(case.formula)}"
+        assert (found.answer is Answer.HOLDS) == (truth is True), f"seed {seed}: {print_formula(case.formula)}"
+        answers.append(truth)
+    assert answers.count(False) > 5
+    assert answers.count(True) > 5
 
 
 def _compare(model: LoadedModel, query: Query, truth: bool | None, case: str) -> None:

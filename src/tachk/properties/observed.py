@@ -59,7 +59,13 @@ def without_observer(network: Network, trace: TimedTrace) -> tuple[TimedTrace, t
     steps: list[TimedStep] = []
     moves: list[ObserverMove] = []
     waited = Fraction(0)
-    for step in trace.steps:
+    loop_start: int | None = None
+    for number, step in enumerate(trace.steps):
+        if number == trace.loop_start:
+            if waited:
+                steps.append(TimedStep(waited, None, own(trace.states[number])))
+                waited = Fraction(0)
+            loop_start = len(steps)
         waited += step.delay
         if step.transition is None or _is_own(step.transition, observer):
             if step.transition is not None:
@@ -70,7 +76,7 @@ def without_observer(network: Network, trace: TimedTrace) -> tuple[TimedTrace, t
         waited = Fraction(0)
     if waited:
         steps.append(TimedStep(waited, None, own(trace.steps[-1].state)))
-    return TimedTrace(own(trace.initial), tuple(steps)), tuple(moves)
+    return TimedTrace(own(trace.initial), tuple(steps), trace.ending, loop_start), tuple(moves)
 
 
 def fault_without_observer(network: Network, fault: RunTimeFault) -> RunTimeFault:

@@ -17,7 +17,7 @@ from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Progress, Statistics
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties import extremes, liveness, reachability, second_engine
+from tachk.properties import extremes, liveness, observed_liveness, reachability, second_engine
 from tachk.properties.observed import check_observable
 from tachk.properties.plan import Analysis, Search, Task, plan
 from tachk.properties.unanswered import none_begun, not_begun, unsupported
@@ -101,7 +101,8 @@ def _answer(
             answer = second_engine.answering(options.engine)
             return answer(model, search, options, limits, progress, trace)
         case Analysis.LIVENESS:
-            found = liveness.answer(model, search, options, limits, progress, trace)
+            decide = liveness.answer if search.observer is None else observed_liveness.answer
+            found = decide(model, search, options, limits, progress, trace)
             return second_engine.uncompared(found, options.engine)
         case Analysis.EXTREMES:
             found = extremes.answer(model, search, options, limits, progress, trace)

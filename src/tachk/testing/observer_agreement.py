@@ -92,8 +92,14 @@ def nested_observer_case(random: Random) -> ObserverCase:
     return _case_on_bounds(random, _nested(random))
 
 
-def replaying(trace: ExactTrace) -> LoadedModel:
-    """A model whose only run takes the rows of a trace at their times and stops at its end."""
+def endless_observer_case(random: Random) -> ObserverCase:
+    """A requirement without a deadline, and a trace as for `bounded_observer_case`."""
+    return _case_on_bounds(random, _endless(random))
+
+
+def replaying(trace: ExactTrace, stops: bool = True) -> LoadedModel:
+    """A model whose only run takes the rows of a trace at their times and stops at its end, or else goes on for ever
+    with the values of the last row."""
     names = list(trace.columns)
     lines = [
         f"bool {', '.join(f'{n} = {_text(trace.columns[n][0])}' for n in names)};",
@@ -102,7 +108,8 @@ def replaying(trace: ExactTrace) -> LoadedModel:
     ]
     for row in range(len(trace.times)):
         due = trace.end if row + 1 == len(trace.times) else trace.times[row + 1]
-        lines.append(f"{'init ' if row == 0 else ''}location R{row} {{ invariant t <= {due};")
+        bound = f"invariant t <= {due};" if stops or row + 1 < len(trace.times) else ""
+        lines.append(f"{'init ' if row == 0 else ''}location R{row} {{ {bound}")
         if row + 1 < len(trace.times):
             values = ", ".join(f"{name} = {_text(trace.columns[name][row + 1])}" for name in names)
             lines.append(f"to R{row + 1} {{ guard t >= {due}; assign {values}; }}")
@@ -261,6 +268,32 @@ def _nested(random: Random) -> Formula:
         lambda: _globally(_implies(first, _maybe_negated(random, syntax.Historically(NOWHERE, _window(random), flag)))),
     ]
     return random.choices(makers, (4, 2, 3, 2, 2, 2, 1, 1, 3, 2))[0]()
+
+
+def _endless(random: Random) -> Formula:
+    """Something is promised without a deadline, or assumed."""
+    first, second, third = (_state_or_edge(random, name) for name in random.sample(FLAGS, 3))
+    state = _condition(random)
+    window = syntax.Eventually(NOWHERE, _window(random), second)
+    makers: list[Callable[[], Formula]] = [
+        lambda: syntax.Eventually(NOWHERE, _EVER, first),
+        lambda: _globally(_implies(first, syntax.Eventually(NOWHERE, _EVER, second))),
+        lambda: _globally(syntax.Eventually(NOWHERE, _EVER, state)),
+        lambda: syntax.Until(NOWHERE, _EVER, state, second),
+        lambda: _implies(_globally(state), _globally(_implies(first, second))),
+        lambda: _implies(_globally(_implies(state, window)), _globally(third)),
+        lambda: _implies(syntax.Eventually(NOWHERE, _EVER, state), syntax.Eventually(NOWHERE, _EVER, second)),
+        lambda: _globally(_implies(state, syntax.Until(NOWHERE, _EVER, _negated(_condition(random)), second))),
+        lambda: _globally(_implies(syntax.Rise(NOWHERE, state), syntax.Eventually(NOWHERE, _after(random), state))),
+        lambda: syntax.And(NOWHERE, (window, syntax.Eventually(NOWHERE, _EVER, third))),
+        lambda: syntax.Or(NOWHERE, (window, syntax.Eventually(NOWHERE, _after(random), third))),
+    ]
+    return random.choice(makers)()
+
+
+def _after(random: Random) -> syntax.Interval:
+    """All time from later on."""
+    return replace(syntax.all_time(NOWHERE), lower=syntax.Duration(NOWHERE, Fraction(random.randint(0, 2))))
 
 
 def _answer(random: Random) -> Formula:

@@ -1,0 +1,71 @@
+"""Temporal properties that only a run without end violates: whether the observer can stay for ever where it does.
+
+An *ending* of the observer has a condition that holds while time passes there. A violation is a run that never leaves
+an ending and whose states all satisfy its condition: as for ``A<>``, it is enough that what is awaited is there for no
+time, between two steps at one instant. Elsewhere such values do not count. So it is asked first whether some run never
+leaves an ending, whatever its condition; where only such a run exists, the verdict says what it rests on.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from functools import reduce
+
+from tachk.engines.options import Limits, Options
+from tachk.engines.outcome import Progress
+from tachk.model.expressions import BOOL, Binary, Expression, LocationTest, Unary
+from tachk.model.network import Network
+from tachk.model.query import Observer, Query
+from tachk.operators import BinaryOperator, UnaryOperator
+from tachk.properties import liveness
+from tachk.properties.observed import fault_without_observer, observed, without_observer
+from tachk.properties.plan import Search, Task
+from tachk.properties.verdict import Answer, Verdict
+from tachk.semantics.discrete import PreparedNetwork, prepare
+
+FLEETING = "holds as `A<>` does: what is awaited may be there for no time, between two steps at one instant"
+
+
+def answer(
+    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
+) -> dict[int, Verdict]:
+    """The verdicts about the tasks of a search, by number."""
+    assert search.observer is not None
+    network = observed(model.network, search.observer)
+    watched = prepare(network)
+    verdicts: dict[int, Verdict] = {}
+    for task in search.tasks:
+        started = time.monotonic()
+        wide = replace(task, query=_anywhere(task.query, search.observer, len(network.processes) - 1))
+        (first,) = liveness.answer(watched, _alone(search, wide), options, limits, progress, False).values()
+        verdict = first
+        if first.answer is Answer.FAILS:
+            left = limits.after(time.monotonic() - started)
+            (second,) = liveness.answer(watched, _alone(search, task), options, left, progress, trace).values()
+            verdict = replace(second, notes=(FLEETING,)) if second.answer is Answer.HOLDS else second
+        verdicts[task.number] = _told(network, replace(verdict, query=task.query))
+    return verdicts
+
+
+def _told(network: Network, verdict: Verdict) -> Verdict:
+    """The verdict with its run, and the error that ended it, told without the observer."""
+    if verdict.fault is not None:
+        verdict = replace(verdict, fault=fault_without_observer(network, verdict.fault))
+    if verdict.trace is not None:
+        run, moves = without_observer(network, verdict.trace)
+        verdict = replace(verdict, trace=run, moves=moves)
+    return verdict
+
+
+def _alone(search: Search, task: Task) -> Search:
+    return replace(search, tasks=(task,), observer=None)
+
+
+def _anywhere(query: Query, observer: Observer, process: int) -> Query:
+    """The query whether a run can stay in the endings, whatever their conditions."""
+    places: list[Expression] = [
+        LocationTest(process, place, span=query.span) for place in (observer.bad, *observer.endings)
+    ]
+    there = reduce(lambda one, other: Binary(BinaryOperator.OR, one, other, BOOL, query.span), places)
+    return replace(query, predicate=there, operands=(Unary(UnaryOperator.NOT, there, BOOL, query.span),))

@@ -1,0 +1,99 @@
+"""Temporal properties that only a run without end violates: what counts as such a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from tachk.diagnostics.span import Source
+from tachk.loading.load import load_model
+from tachk.properties.observed_liveness import FLEETING
+from tachk.properties.verify import verify
+
+Answers = Callable[..., dict[str, str]]
+
+# `Assumed` fails where W can be passed in no time: that does not break the assumption.
+PROPERTIES = """
+property Comes : F P.Q;
+property Answered : G (P.W -> F P.Q);
+property Again : G F P.A;
+property Sentence : whenever P.W is true, eventually, P.Q must be true.;
+property Assumed : G !P.W -> G P.A;
+"""
+
+
+@pytest.mark.parametrize(
+    ("locations", "failing"),
+    [
+        pytest.param(
+            "init location A { invariant x <= 1; to W; } location W { invariant x <= 2; to Q; } location Q;",
+            {"Again", "Assumed"},
+            id="comes to rest",
+        ),
+        pytest.param(
+            """init location A { invariant x <= 1; to W; } location W { invariant x <= 2; to Q; }
+            location Q { invariant x <= 3; to A { guard x >= 3; assign x = 0; } }""",
+            set(),
+            id="goes round",
+        ),
+        pytest.param(
+            "init location A { invariant x <= 1; to W; } location W { to Q; } location Q;",
+            {"Comes", "Answered", "Again", "Sentence", "Assumed"},
+            id="may wait for ever",
+        ),
+        pytest.param(
+            "init location A { invariant x <= 1; to W; } location W { invariant x <= 2; } location Q;",
+            {"Comes", "Answered", "Again", "Sentence"},
+            id="time stops",
+        ),
+        pytest.param(
+            "init location A { invariant x <= 1; to W; } location W { invariant x <= 2; to W; to Q; } location Q;",
+            {"Comes", "Answered", "Again", "Sentence", "Assumed"},
+            id="takes steps for ever without time",
+        ),
+        pytest.param("init location A; location W; location Q;", {"Comes"}, id="never triggered"),
+        pytest.param(
+            "init location A { invariant x <= 1; to Q; } location Q; location W;", {"Again", "Assumed"}, id="leaves A"
+        ),
+    ],
+)
+def test_runs_without_end(locations: str, failing: set[str], answers: Answers) -> None:
+    found = answers(f"process P() {{ clock x; {locations} }} system P; {PROPERTIES}")
+    assert {name for name, answer in found.items() if answer == "fails"} == failing
+    assert {answer for name, answer in found.items() if name not in failing} <= {"holds"}
+
+
+def test_what_is_there_for_no_time_counts_as_for_the_query_and_is_noted() -> None:
+    model = load_model(
+        Source(
+            "m.ta",
+            """
+            process P() {
+                clock x;
+                init location A { invariant x <= 1; to Q { guard x >= 1; } }
+                committed location Q { to A { assign x = 0; } }
+            }
+            system P;
+            property Formula : F P.Q;
+            property Query : A<> P.Q;
+            """,
+        )
+    )
+    formula, query = verify(model.network, model.queries)
+    assert formula.answer.value == query.answer.value == "holds"
+    assert formula.notes == (FLEETING,)
+
+
+def test_what_lasts_for_ever_from_later_on_is_looked_for(answers: Answers) -> None:
+    text = """
+    process P() {
+        clock x;
+        init location A { invariant x <= 1; to B { guard x >= 1; } }
+        location B { invariant x <= 2; to C; }
+        location C;
+    }
+    system P;
+    property Later : G[0,1] !P.B || F[5,inf) P.B;
+    """
+    assert answers(text) == {"Later": "fails"}
