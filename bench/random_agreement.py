@@ -1,6 +1,8 @@
 """Random networks through all engines: `python bench/random_agreement.py COUNT SEED [FEATURE=VALUE ...]`.
 
 Prints how often each engine reached which conclusion, and every disagreement with the seed that reproduces it.
+On each network obligations are compared, too: whether a run avoids a goal for ever.
+
 Features are the fields of `tachk.testing.Shape`, for instance ``priorities=True clocks=2``. Without any, the shapes in
 `SHAPES` take turns. ``smt=N`` asks the second engine too, for runs of up to N steps. Ctrl-C ends it with what is
 known so far. Exit status 1 after a disagreement.
@@ -18,6 +20,8 @@ from random import Random
 from tachk.model.expressions import BOOL, Constant
 from tachk.testing import Shape, random_case
 from tachk.testing.agreement import VARIANTS, Effort, compare
+from tachk.testing.liveness_agreement import compare_obligation
+from tachk.testing.obligations import random_obligations
 
 SHAPES = (
     Shape(),
@@ -64,6 +68,14 @@ def main(arguments: list[str]) -> int:
             for problem in agreement.problems:
                 wrong += 1
                 print(f"seed {number}, {shape}: {problem}", flush=True)
+            lasting = [option for option in variants if not option.shortest]
+            for obligation in random_obligations(Random(number), case):
+                found = compare_obligation(case, obligation, lasting, _EFFORT)
+                for name, outcome in found.outcomes.items():
+                    conclusions[f"{name}, obligation", outcome.status.value] += 1
+                for problem in found.problems:
+                    wrong += 1
+                    print(f"seed {number}, {shape}, obligation: {problem}", flush=True)
             done += 1
     except KeyboardInterrupt:
         pass  # what is known so far is told

@@ -20,8 +20,6 @@ USED_OTHERWISE = {
     "tachk.engines.reference": "the oracle that the engine is tested against",
     "tachk.engines.liveness_reference": "the oracle that the engine is tested against",
     "tachk.engines.liveness_regions": "the oracle that the engine is tested against",
-    "tachk.engines.lasso.lasso": "the counterexamples of the search for runs that avoid a goal, which is on its way",
-    "tachk.certify.replay_lasso.replay_lasso": "the same",
     "tachk.model.builder": "docs/python.md: networks from Python",
     "tachk.formats.network_json.network.network_from_json": "docs/uppaal.md: networks from JSON",
     "tachk.formats.network_json.network.same_network": "docs/uppaal.md",

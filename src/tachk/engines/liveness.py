@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from enum import StrEnum
 
 from tachk import _core
 from tachk.compiler.program import Goal, Program
@@ -19,60 +18,8 @@ from tachk.engines.core_search import (
     user_seconds,
 )
 from tachk.engines.options import Extrapolation, Limits, Options
-from tachk.engines.outcome import Progress, RunTimeFault, Statistics
+from tachk.engines.outcome import AvoidingRun, LivenessOutcome, LivenessStatus, Progress, RunEnd, Statistics
 from tachk.engines.program_image import encode
-from tachk.records import dataclass
-from tachk.semantics.timed_trace import Transition
-
-
-class RunEnd(StrEnum):
-    """How a run goes on for ever, or cannot go on."""
-
-    LOOP = "loop"
-    """The same transitions are taken again and again."""
-    IDLE = "idle"
-    """Time passes for ever, and nothing else need happen."""
-    STUCK = "stuck"
-    """Nothing can happen any more, at whatever time, and time cannot pass for ever."""
-
-
-@dataclass(frozen=True, slots=True)
-class AvoidingRun:
-    """A run that avoids a predicate for ever. It may have to wait before the first transition, and behind each.
-
-    Attributes:
-        stem: the transitions from the initial state to the loop, or to the last state.
-        begins: how many transitions of the stem come before the state from which on the predicate is avoided.
-        loop: the transitions of the loop; none where the run ends.
-    """
-
-    end: RunEnd
-    stem: tuple[Transition, ...]
-    begins: int
-    loop: tuple[Transition, ...] = ()
-
-
-class LivenessStatus(StrEnum):
-    FOUND = "found"
-    NONE = "none"
-    """There is no such run."""
-    UNDECIDED = "undecided"
-
-
-@dataclass(frozen=True, slots=True)
-class LivenessOutcome:
-    """Attributes:
-    run: where one was FOUND.
-    reason: why it is UNDECIDED, in the words of `tachk.engines.outcome.Outcome`.
-    exact: False if the set of states was over-approximated (stopwatches): then FOUND needs a replayed run.
-    """
-
-    status: LivenessStatus
-    statistics: Statistics
-    run: AvoidingRun | None = None
-    reason: str = ""
-    fault: RunTimeFault | None = None
-    exact: bool = True
 
 
 def find_avoiding_run(

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from typing import assert_never
 
+from tachk.certify.replay import ReplayError
+from tachk.certify.replay_lasso import replay_lasso
 from tachk.compiler.lower import lower
-from tachk.engines.liveness import LivenessOutcome, LivenessStatus, find_avoiding_run
+from tachk.diagnostics.diagnostic import InternalError
+from tachk.engines.lasso import lasso
+from tachk.engines.liveness import find_avoiding_run
 from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import TIME_LIMIT, Progress
+from tachk.engines.outcome import TIME_LIMIT, LivenessOutcome, LivenessStatus, Obligation, Progress
 from tachk.model.expressions import BOOL, Expression, Unary
 from tachk.model.query import Query
 from tachk.operators import UnaryOperator
@@ -28,11 +33,11 @@ def answer(
 
     The whole network is searched: a process that cannot influence the predicates may still run for ever, or stop time.
     """
-    return {task.number: _verdict(model, task, options, limits, progress) for task in search.tasks}
+    return {task.number: _verdict(model, task, options, limits, progress, trace) for task in search.tasks}
 
 
 def _verdict(
-    model: PreparedNetwork, task: Task, options: Options, limits: Limits, progress: Progress | None
+    model: PreparedNetwork, task: Task, options: Options, limits: Limits, progress: Progress | None, trace: bool
 ) -> Verdict:
     started = time.monotonic()
     query = task.query
@@ -49,7 +54,10 @@ def _verdict(
     outcome = find_avoiding_run(program, goals[0], None if begins is None else goals[2], options, left, progress)
     if outcome.fault is not None:
         outcome = replace(outcome, fault=explain(model, outcome.fault, limits.seconds))
-    return _of_outcome(query, outcome)
+    verdict = _of_outcome(query, outcome)
+    if outcome.run is None or not (trace or not outcome.exact):
+        return verdict
+    return _shown(model, verdict, outcome, Obligation(avoided, begins), limits.after(time.monotonic() - started))
 
 
 def _negation(predicate: Expression) -> Expression:
@@ -58,8 +66,13 @@ def _negation(predicate: Expression) -> Expression:
 
 _INEXACT = "the stopwatches make the search inexact, and the run it found may not be possible"
 
+_NO_DELAYS = "a run that shows it was found, but there was no time to find its delays"
+
+_SECONDS_FOR_DELAYS = 30.0
+
 
 def _of_outcome(query: Query, outcome: LivenessOutcome) -> Verdict:
+    """The verdict without the run behind it."""
     verdict = Verdict(query, Answer.UNKNOWN, True, outcome.reason, outcome.statistics, fault=outcome.fault)
     on_found, otherwise = answers_of(query)
     match outcome.status:
@@ -72,6 +85,34 @@ def _of_outcome(query: Query, outcome: LivenessOutcome) -> Verdict:
             if not outcome.exact:
                 return replace(verdict, exact=False, reason=_INEXACT)
             return replace(verdict, answer=on_found)
+        case never:
+            assert_never(never)
+
+
+def _shown(
+    model: PreparedNetwork, verdict: Verdict, outcome: LivenessOutcome, obligation: Obligation, limits: Limits
+) -> Verdict:
+    """The verdict with the run that shows it. Where clocks stop, the run decides whether there is one.
+
+    Raises InternalError if there is none although the search is exact.
+    """
+    assert outcome.run is not None
+    seconds = _SECONDS_FOR_DELAYS if limits.seconds is None else min(limits.seconds, _SECONDS_FOR_DELAYS)
+    problem = "it has no delays"
+    try:
+        with time_limit(seconds):
+            run = lasso(model, outcome.run, obligation)
+            if run is not None:
+                replay_lasso(model, run, obligation.goal, obligation.trigger)
+    except OutOfTimeError:
+        return replace(verdict, notes=(*verdict.notes, _NO_DELAYS)) if outcome.exact else verdict
+    except ReplayError as error:
+        run, problem = None, str(error)
+    if run is not None:
+        return replace(verdict, answer=answers_of(verdict.query)[0], exact=True, reason="", trace=run)
+    if outcome.exact:
+        raise InternalError(f"the run found for {verdict.query.text!r} does not replay: {problem}")
+    return verdict
 
 
 def answers_of(query: Query) -> tuple[Answer, Answer]:

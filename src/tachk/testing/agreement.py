@@ -109,7 +109,7 @@ def _zone_outcomes(case: Case, variants: Sequence[Options]) -> dict[str, Outcome
         outcomes[f"zone limited in {name}"] = zone.explore(program, goals, Options(), limits)
     for options in variants:
         limits = UNWIDENED_LIMITS if options.extrapolation is Extrapolation.NONE else ZONE_LIMITS
-        outcomes[_name(options)] = zone.explore(program, goals, options, limits)
+        outcomes[option_name(options)] = zone.explore(program, goals, options, limits)
     return outcomes
 
 
@@ -144,7 +144,7 @@ def _answers(case: Case, outcomes: dict[str, Outcome]) -> Iterator[str]:
                 yield f"goal {number}: reachable, verify does not find it"
 
 
-def _name(options: Options) -> str:
+def option_name(options: Options) -> str:
     """``zone`` and what differs from the default options."""
     different = ((f.name, getattr(options, f.name)) for f in fields(Options) if getattr(options, f.name) != f.default)
     return " ".join(["zone", *(f"{name}={value}" for name, value in different)])

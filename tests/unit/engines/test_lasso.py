@@ -17,6 +17,7 @@ from tachk.engines.options import Limits
 from tachk.engines.outcome import AvoidingRun, Obligation, RunEnd
 from tachk.model.builder import NetworkBuilder, Term, deadlock
 from tachk.semantics.discrete import prepare
+from tachk.semantics.step import initial_state
 from tachk.semantics.timed_trace import Ending, Participant, TimedTrace, Transition
 from tachk.testing import Shape, random_case
 from tachk.testing.obligations import random_obligations
@@ -161,6 +162,21 @@ def test_deadlock_may_be_what_is_avoided() -> None:
     network, _ = circle(lambda x, y: x >= 1)
     trace = found(network, LOOP, deadlock())
     assert trace is not None and trace.ending is Ending.PERIODIC
+
+
+def test_the_judge_knows_what_ends_idling() -> None:
+    network = NetworkBuilder()
+    x, hurry = network.clock("x"), network.channel("hurry", urgent=True)
+    sender, receiver = network.process("S"), network.process("R")
+    a, c = sender.location("A"), receiver.location("C")
+    sender.edge(a, a, send=hurry)
+    receiver.edge(c, c, receive=hurry)
+    model = prepare(network.build())
+    start = initial_state(model)
+    with pytest.raises(ReplayError, match="time cannot pass for ever"):
+        replay_lasso(model, TimedTrace(start, (), Ending.IDLE), (x > 3).expression, None)
+    with pytest.raises(ReplayError, match="still possible"):
+        replay_lasso(model, TimedTrace(start, (), Ending.STUCK), (x > 3).expression, None)
 
 
 def _tampered(trace: TimedTrace) -> dict[str, TimedTrace]:

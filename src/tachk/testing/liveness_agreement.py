@@ -1,0 +1,105 @@
+"""Runs the search for runs that avoid a goal, and its oracles, on one network and reports where they differ."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from tachk.certify.replay import ReplayError
+from tachk.certify.replay_lasso import replay_lasso
+from tachk.compiler.lower import lower
+from tachk.diagnostics.diagnostic import UnsupportedError
+from tachk.engines.lasso import lasso
+from tachk.engines.liveness import find_avoiding_run
+from tachk.engines.liveness_reference import check_by_zones
+from tachk.engines.liveness_regions import check_by_regions
+from tachk.engines.options import Extrapolation, Limits, Options
+from tachk.engines.outcome import LivenessOutcome, LivenessStatus, Obligation
+from tachk.model.expressions import BOOL, Deadlock, Unary
+from tachk.model.traversal import walk
+from tachk.operators import UnaryOperator
+from tachk.semantics.discrete import prepare
+from tachk.testing.agreement import UNWIDENED_LIMITS, ZONE_LIMITS, Effort, option_name
+from tachk.testing.networks import Case
+
+_EFFORT = Effort()
+
+
+@dataclass(frozen=True, slots=True)
+class LivenessAgreement:
+    """Attributes:
+    outcomes: what each engine found, by name.
+    problems: what cannot be right; empty if all is well.
+    """
+
+    outcomes: dict[str, LivenessOutcome]
+    problems: tuple[str, ...]
+
+
+def compare_obligation(
+    case: Case, obligation: Obligation, variants: Sequence[Options], effort: Effort = _EFFORT
+) -> LivenessAgreement:
+    """Looks for a run that avoids the goal: with the search, all variants of its options, and both oracles; what is
+    found must become a run with delays that the judge accepts. Networks with stopwatches have no oracle."""
+    outcomes: dict[str, LivenessOutcome] = {}
+    if not any(location.rates for process in case.network.processes for location in process.locations):
+        outcomes["zones"] = check_by_zones(case.network, obligation, Limits(states=effort.reference))
+        outcomes["regions"] = check_by_regions(case.network, obligation, Limits(states=effort.sampled))
+    outcomes |= _searched(case, obligation, variants)
+    return LivenessAgreement(
+        outcomes, (*_contradictions(outcomes), *_missed_faults(outcomes), *_runs(case, obligation, outcomes))
+    )
+
+
+def _searched(case: Case, obligation: Obligation, variants: Sequence[Options]) -> dict[str, LivenessOutcome]:
+    asked = [e for e in (obligation.goal, obligation.trigger) if e is not None]
+    if any(isinstance(part, Deadlock) for predicate in asked for part in walk(predicate)):
+        return {}  # which the search does not know yet
+    predicates = [both for e in asked for both in (e, Unary(UnaryOperator.NOT, e, BOOL, e.span))]
+    try:
+        program, goals = lower(case.network, predicates)
+    except UnsupportedError:
+        return {}
+    begins = None if obligation.trigger is None else goals[2]
+    outcomes = {}
+    for options in (Options(), *variants):
+        limits = UNWIDENED_LIMITS if options.extrapolation is Extrapolation.NONE else ZONE_LIMITS
+        outcomes[option_name(options)] = find_avoiding_run(program, goals[0], begins, options, limits)
+    stored = outcomes["zone"].statistics.states_stored
+    for name, limits in (("states", Limits(states=stored // 2)), ("seconds", Limits(seconds=0.0))):
+        outcomes[f"zone limited in {name}"] = find_avoiding_run(program, goals[0], begins, Options(), limits)
+    return outcomes
+
+
+def _contradictions(outcomes: dict[str, LivenessOutcome]) -> Iterator[str]:
+    exact = {name: outcome for name, outcome in outcomes.items() if outcome.exact or outcome.run is None}
+    found = [name for name, outcome in exact.items() if outcome.status is LivenessStatus.FOUND]
+    none = [name for name, outcome in exact.items() if outcome.status is LivenessStatus.NONE]
+    if found and none:
+        yield f"a run is found by {found}, there is none for {none}"
+
+
+def _missed_faults(outcomes: dict[str, LivenessOutcome]) -> Iterator[str]:
+    """Whoever says that there is no run has met the run-time errors that others have met."""
+    met = [name for name, outcome in outcomes.items() if outcome.fault is not None]
+    none = [name for name, outcome in outcomes.items() if outcome.status is LivenessStatus.NONE]
+    if met and none:
+        yield f"a run-time error is met by {met}, not by {none}"
+
+
+def _runs(case: Case, obligation: Obligation, outcomes: dict[str, LivenessOutcome]) -> Iterator[str]:
+    model = prepare(case.network)
+    tried = set()
+    for name, outcome in outcomes.items():
+        if outcome.run is None or outcome.run in tried:
+            continue
+        tried.add(outcome.run)
+        trace = lasso(model, outcome.run, obligation)
+        if trace is None:
+            if outcome.exact:
+                yield f"what {name} found has no run: {outcome.run}"
+            continue
+        try:
+            replay_lasso(model, trace, obligation.goal, obligation.trigger)
+        except ReplayError as error:
+            yield f"the run for what {name} found does not replay: {error}"

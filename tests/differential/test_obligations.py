@@ -1,0 +1,39 @@
+"""The search for runs that avoid a goal, under all its options, against two oracles on random networks.
+
+Every run that it finds becomes one with delays that the judge accepts.
+"""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+
+from tachk.testing import Shape, random_case
+from tachk.testing.agreement import VARIANTS, Effort
+from tachk.testing.liveness_agreement import compare_obligation
+from tachk.testing.obligations import random_obligations
+
+EFFORT = Effort(reference=150, sampled=150)
+LASTING = [options for options in VARIANTS if not options.shortest]
+"""The search goes to the depth first: it knows no shortest paths."""
+
+SHAPES = {
+    "plain": Shape(deadlocks=False),
+    "small": Shape(processes=2, locations=3, clocks=2, constant=3, deadlocks=False),
+    "priorities": Shape(priorities=True, clocks=2, deadlocks=False),
+    "diagonals": Shape(diagonals=True, clocks=2, constant=3, deadlocks=False),
+    "stopwatches": Shape(stopwatches=True, clocks=2, deadlocks=False),
+    "language": Shape(language=True, faults=0.08, exact=0.3, processes=2, locations=3, clocks=2, deadlocks=False),
+    "faults": Shape(language=True, faults=1.0, processes=2, locations=3, clocks=1, deadlocks=False),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("block", range(2))
+def test_engines_agree_on_obligations(shape: str, block: int) -> None:
+    for seed in range(10 * block, 10 * block + 10):
+        case = random_case(Random(seed), SHAPES[shape])
+        variants = [LASTING[(seed + turn) % len(LASTING)] for turn in range(6)]
+        for obligation in random_obligations(Random(seed), case):
+            assert compare_obligation(case, obligation, variants, EFFORT).problems == (), f"seed {seed}"
