@@ -11,6 +11,7 @@
 #include <string>
 #include <tuple>
 
+#include "certificates.hpp"
 #include "csv.hpp"
 #include "group.hpp"
 #include "linear.hpp"
@@ -142,6 +143,7 @@ NB_MODULE(_core, m) {
           "kernel", [](const tachk::Explorer& self) { return std::string(self.operations().name); },
           "Which implementation of the zone operations is in use.");
 
+  bind_certificates(m);
   bind_liveness(m);
   bind_csv(m);
   bind_offline(m);

@@ -132,6 +132,12 @@ struct CheckedKernel : Kernel<T, Stride> {
     TACHK_EXPECT(like_a_zone(inner, dimension));
     return K::includes(outer, inner, dimension);
   }
+  static void hull(ZoneRef zone, ConstZoneRef other, int dimension) {
+    TACHK_EXPECT(canonical(zone, dimension));
+    TACHK_EXPECT(canonical(other, dimension));
+    K::hull(zone, other, dimension);
+    TACHK_EXPECT(canonical(zone, dimension));
+  }
   static void extrapolate_lu_plus(ZoneRef zone, int dimension, ConstBoundRow lower, ConstBoundRow upper) {
     TACHK_EXPECT(canonical(zone, dimension));
     TACHK_EXPECT(proper(lower, dimension));

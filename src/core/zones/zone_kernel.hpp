@@ -232,6 +232,15 @@ struct Kernel {
     return true;
   }
 
+  static void hull(ZoneRef zone, ConstZoneRef other, int dimension) {
+    const int number = vectors(dimension);
+    for (int i = 0; i < dimension; ++i) {
+      T* mine = row(zone, dimension, i);
+      const T* theirs = row(other, dimension, i);
+      for (int v = 0; v < number; ++v) vector(mine, v) = maximum(vector(mine, v), vector(theirs, v));
+    }
+  }
+
   // Floyd-Warshall; the zone must not be empty. `relevant(k)` is false for a clock that no shorter way leads through.
   template <class Relevant>
   static void close(ZoneRef zone, int dimension, Relevant relevant) {
@@ -462,6 +471,7 @@ struct Table {
     table.up_within = K::up_within;
     table.down = K::down;
     table.includes = K::includes;
+    table.hull = K::hull;
     table.extrapolate_lu_plus = K::extrapolate_lu_plus;
     table.extrapolate_max = K::extrapolate_max;
     table.maximise_bounds = K::maximise_bounds;

@@ -18,7 +18,7 @@ from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.records import dataclass
 from tachk.semantics import dbm
-from tachk.semantics.constraints import FALSE, TRUE, Disjunction, certain, conditional_constraints, conjunction
+from tachk.semantics.constraints import FALSE, TRUE, Conjunction, Disjunction, certain, conditional_constraints, conjunction
 from tachk.semantics.dbm import Federation, Zone
 from tachk.semantics.discrete import (
     PreparedNetwork,
@@ -96,7 +96,7 @@ def situation(model: PreparedNetwork, discrete: DiscreteState) -> Situation:
     stopped = stopped_clocks(model, discrete)
     if invariant is None:
         return Situation(discrete, None, delays, stopped, (), [], [], [])
-    guarded, faulty = _guarded(model, discrete)
+    guarded, faulty = guarded_transitions(model, discrete)
     faults = tuple(Fault(domain, f) for c, f in faulty if (domain := _part(invariant, c)))
     moves = [m for m in (_move(model, discrete, invariant, t, g) for t, g in guarded) if m.domain]
     if model.has_priorities:
@@ -144,7 +144,7 @@ def _part(zone: Zone, condition: Disjunction) -> Federation:
     return [z for z in (dbm.constrain_all(zone, c) for c in condition) if z is not None]
 
 
-def _guarded(
+def guarded_transitions(
     model: PreparedNetwork, discrete: DiscreteState
 ) -> tuple[list[tuple[Transition, Disjunction]], list[tuple[Disjunction, EvaluationFault]]]:
     """The transitions that the discrete state admits, each with the clock constraints of all its guards; and what
@@ -242,9 +242,16 @@ def _move(
 
 
 def invariant_zone(model: PreparedNetwork, discrete: DiscreteState) -> Zone | None:
-    """The clock valuations that satisfy all invariants. Raises EvaluationFault, and ValueError if they are not convex.
+    """The clock valuations that satisfy all invariants. Raises as `invariant_constraints` does."""
+    constraints = invariant_constraints(model, discrete)
+    return None if constraints is None else dbm.constrain_all(dbm.universe(model.dimension), constraints)
 
-    Once one is false whatever the clocks, those of later processes are not evaluated.
+
+def invariant_constraints(model: PreparedNetwork, discrete: DiscreteState) -> Conjunction | None:
+    """What all invariants together ask of the clocks; None if they cannot be met whatever the clocks.
+
+    Once one is false, those of later processes are not evaluated. Raises EvaluationFault, and ValueError if they are
+    not convex.
     """
     scratch = environment(model, discrete)
     whole = TRUE
@@ -254,7 +261,7 @@ def invariant_zone(model: PreparedNetwork, discrete: DiscreteState) -> Zone | No
             return None
     if len(whole) > 1:
         raise ValueError("an invariant cannot be a disjunction of clock constraints")
-    return dbm.constrain_all(dbm.universe(model.dimension), whole[0])
+    return whole[0]
 
 
 def intersections(left: Iterable[Zone], right: Iterable[Zone]) -> Federation:

@@ -1,0 +1,112 @@
+// tachk._core.CoverSearch and ClosedSet; used through tachk.engines.cover and tachk.engines.closed_set.
+#include "certificates.hpp"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "certificates/closed_set.hpp"
+#include "reachability/cover_search.hpp"
+
+namespace nb = nanobind;
+
+namespace {
+
+using Column = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+std::span<const std::int64_t> span_of(const Column& column) { return {column.data(), column.shape(0)}; }
+
+// The first so many entries of what is left of a column, which they are taken from.
+std::span<const std::int64_t> take(std::span<const std::int64_t>& column, std::int64_t count) {
+  if (count < 0 || static_cast<std::size_t>(count) > column.size())
+    throw std::invalid_argument("a column is too short");
+  const auto taken = column.first(static_cast<std::size_t>(count));
+  column = column.subspan(taken.size());
+  return taken;
+}
+
+void add(tachk::ClosedSet& set, std::size_t slots, const Column& discretes, const Column& zones,
+         const Column& constraints, const Column& places, const Column& bounds) {
+  auto states = span_of(discretes);
+  auto counts = span_of(constraints);
+  auto lefts_and_rights = span_of(places);
+  auto raws = span_of(bounds);
+  for (const std::int64_t number : span_of(zones)) {
+    const auto own = take(counts, number);
+    std::int64_t sum = 0;
+    for (const std::int64_t count : own) {
+      if (count < 0 || count > INT32_MAX) throw std::invalid_argument("a bad count");
+      sum += count;
+    }
+    set.add(take(states, static_cast<std::int64_t>(slots)), own, take(lefts_and_rights, sum), take(raws, sum));
+  }
+}
+
+std::vector<std::int64_t> widened(const std::vector<std::int32_t>& numbers) { return {numbers.begin(), numbers.end()}; }
+
+}  // namespace
+
+void bind_certificates(nb::module_& m) {
+  nb::class_<tachk::CoverSearch>(m, "CoverSearch", "The search for a small closed set of symbolic states.")
+      .def(nb::new_([](const std::vector<std::int64_t>& image, const tachk::Options& options,
+                       const tachk::Limits& limits, bool hulls) {
+             return std::make_unique<tachk::CoverSearch>(tachk::decode_program(image), options, limits, hulls);
+           }),
+           nb::arg("image"), nb::arg("options"), nb::arg("limits"), nb::kw_only(), nb::arg("hulls"))
+      .def("run", &tachk::CoverSearch::run, nb::arg("expansions"), nb::call_guard<nb::gil_scoped_release>(),
+           "Explores up to this many states.")
+      .def("reached", &tachk::CoverSearch::reached, "Whether a goal is reached, and there is no such set.")
+      .def(
+          "statistics",
+          [](const tachk::CoverSearch& self) {
+            const tachk::Statistics s = self.statistics();
+            return std::make_tuple(s.explored, s.stored, s.transitions, s.bytes);
+          },
+          "(explored, stored, transitions, bytes)")
+      .def("groups", &tachk::CoverSearch::groups, "How many discrete states the set has.")
+      .def(
+          "part",
+          [](tachk::CoverSearch& self, std::size_t first, std::size_t zones) {
+            tachk::CoverPart part = self.part(first, zones);
+            return nb::make_tuple(as_array(widened(part.discretes)), as_array(std::move(part.zones)),
+                                  as_array(std::move(part.constraints)), as_array(std::move(part.places)),
+                                  as_array(std::move(part.bounds)));
+          },
+          nb::arg("first"), nb::arg("zones"),
+          "The groups from `first` on with about so many zones: discrete states, numbers of zones, numbers of "
+          "constraints, left * (clocks + 1) + right, raw bounds.");
+  nb::class_<tachk::ClosedSet>(m, "ClosedSet", "The check that a set of symbolic states is closed.")
+      .def(nb::new_([](const std::vector<std::int64_t>& image) {
+             return std::make_unique<tachk::ClosedSet>(tachk::decode_program(image));
+           }),
+           nb::arg("image"))
+      .def("add", &add, nb::arg("slots"), nb::arg("discretes"), nb::arg("zones"), nb::arg("constraints"),
+           nb::arg("places"), nb::arg("bounds"), "Adds groups, as `CoverSearch.part` tells them.")
+      .def("check", &tachk::ClosedSet::check, nb::arg("states"), nb::call_guard<nb::gil_scoped_release>(),
+           "Checks so many more discrete states; whether there is nothing left to check.")
+      .def(
+          "objection",
+          [](const tachk::ClosedSet& self) {
+            const auto& found = self.objection();
+            using Told = std::tuple<std::string, std::vector<std::int32_t>, std::size_t, std::vector<std::uint32_t>>;
+            return found ? std::optional(Told{found->reason, found->discrete, found->zone, found->edges})
+                         : std::nullopt;
+          },
+          "(reason, discrete state, number of the zone, edges of the action), or None.");
+}

@@ -1,0 +1,6 @@
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+// The search for a proof and the check of one.
+void bind_certificates(nanobind::module_& m);

@@ -1,0 +1,50 @@
+// The check that a set of symbolic states is closed: it covers the initial state and every successor of its states, and
+// none of them satisfies a goal. Then no reachable state does (Wimmer and von Mutius 2020).
+//
+// Written apart from the engine, to judge it: of the core it uses the compiled program (program/) and the machine that
+// evaluates its expressions (machine/), nothing else. Zones, successors and the rules for synchronisation, committed
+// locations, urgency, priorities and deadlock are written here a second time, as plainly as possible. Nothing is
+// extrapolated, and no option changes anything. tachk.certify.closed_set is the same check in Python, which does
+// without the compiler as well.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "program/program.hpp"
+
+namespace tachk {
+
+// What is wrong with a set, and where: the discrete state, the zone among those of this discrete state, and the edges
+// of the action that leads out of the set.
+struct Objection {
+  std::string reason;
+  std::vector<std::int32_t> discrete;
+  std::size_t zone = 0;
+  std::vector<std::uint32_t> edges;
+};
+
+class ClosedSet final {
+ public:
+  explicit ClosedSet(Program program);
+  ~ClosedSet();
+
+  // Adds a discrete state with its zones. Of each zone `counts` has the number of its constraints; a constraint is
+  // left * (clocks + 1) + right and a raw bound. Throws std::invalid_argument for what is no state of the program.
+  void add(std::span<const std::int64_t> discrete, std::span<const std::int64_t> counts,
+           std::span<const std::int64_t> places, std::span<const std::int64_t> bounds);
+  // Checks at most so many more discrete states; true once there is nothing left to check, or an objection.
+  bool check(std::size_t states);
+  const std::optional<Objection>& objection() const;
+
+ private:
+  class Checker;
+  std::unique_ptr<Checker> checker_;
+};
+
+}  // namespace tachk

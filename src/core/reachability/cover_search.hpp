@@ -1,0 +1,106 @@
+// A proof that no goal can be reached: symbolic states that together cover whatever is reachable, as few as possible.
+//
+// The search keeps for each discrete state the hull of all zones that arrive there, a larger set than is reachable. If
+// it meets a goal, that may be due to hulls: the discrete states on the way whose zones were widened keep all their
+// zones from then on, and the search begins again. What is found is closed under successors by construction, but
+// whoever needs a proof checks that by other means (certificates/).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <unordered_set>
+#include <vector>
+
+#include "program/program.hpp"
+#include "reachability/deadlock_watch.hpp"
+#include "reachability/explorer.hpp"
+#include "reachability/goals.hpp"
+#include "reachability/options.hpp"
+#include "reachability/waiting.hpp"
+#include "states/store.hpp"
+#include "symbolic/zone_graph.hpp"
+
+namespace tachk {
+
+// Some of the symbolic states of a cover, grouped by discrete state. The times are those of the program as it was
+// given, and so are the numbers of clocks. Zones are told by constraints from which the others follow; that no clock is
+// negative goes without saying.
+struct CoverPart {
+  std::vector<std::int32_t> discretes;    // of each group its discrete state
+  std::vector<std::int64_t> zones;        // of each group how many zones it has
+  std::vector<std::int64_t> constraints;  // of each zone how many constraints it has
+  std::vector<std::int64_t> places;       // of each constraint left * (clocks + 1) + right
+  std::vector<std::int64_t> bounds;       // of each constraint its raw bound
+};
+
+class CoverSearch final {
+ public:
+  // `hulls`: off, every zone is kept, and the cover is what an Explorer stores.
+  CoverSearch(Program program, const Options& options, const Limits& limits, bool hulls);
+  CoverSearch(const CoverSearch&) = delete;
+  CoverSearch& operator=(const CoverSearch&) = delete;
+
+  // Explores at most so many states. `running` asks for another call; `finished`: there is a cover unless `reached`.
+  Status run(std::uint64_t expansions);
+  // A goal is reached, and no hull is to blame.
+  bool reached() const { return reached_; }
+  Statistics statistics() const;
+
+  // Of a finished search: how many groups there are, and those from `first` on with about so many zones together.
+  std::size_t groups();
+  CoverPart part(std::size_t first, std::size_t zones);
+
+ private:
+  using Key = std::vector<std::int32_t>;
+  struct KeyHash {
+    std::size_t operator()(const Key& key) const;
+  };
+  enum class Mode : std::uint8_t { unknown, hull, exact };
+
+  // All that is given up when the search begins again.
+  struct Attempt {
+    Attempt(ZoneGraph& graph, const Options& options);
+
+    PassedList passed;
+    Waiting waiting;
+    GoalWatch goals;
+    DeadlockWatch deadlocks;
+    std::vector<Mode> modes;             // of each discrete state
+    std::vector<std::uint32_t> latest;   // of each discrete state with hulls: the node that has it
+    std::vector<std::uint16_t> growths;  // of each discrete state: how often its hull has grown
+    std::vector<bool> widened;           // of each node: its zone is a hull
+    bool started = false;
+  };
+  struct Keeping;
+
+  Status search(std::uint64_t expansions);
+  void expand(std::uint32_t node);
+  void keep(const Successor& successor, std::uint32_t discrete);
+  Mode mode(std::uint32_t discrete, const std::int32_t* slots);
+  // Begins again with fewer hulls; false if there are none on the way to the node.
+  bool refine(std::uint32_t node);
+  void keep_all_zones_of(const std::int32_t* slots);
+  Key locations(const std::int32_t* slots) const;
+  Key state(const std::int32_t* slots) const;
+  void collect();
+  void tell(const Node& node, CoverPart& part) const;
+
+  Options options_;
+  Limits limits_;
+  ZoneGraph graph_;
+  bool hulls_;
+  std::unique_ptr<Attempt> attempt_;
+  std::unordered_set<Key, KeyHash> exact_;  // discrete states, or locations only, that keep all zones
+  int attempts_ = 1;
+  SymbolicState source_;
+  ZoneBuffer hull_;
+  std::uint32_t node_ = no_node;
+  std::uint64_t explored_ = 0;
+  std::uint64_t transitions_ = 0;
+  bool reached_ = false;
+  std::vector<std::uint32_t> ordered_;  // the nodes of the cover, by discrete state
+  std::vector<std::size_t> first_;      // of each group, in them
+};
+
+}  // namespace tachk

@@ -1,0 +1,281 @@
+"""Certificates as files: sets of symbolic states, written and read block by block. docs/certificates.md has the format.
+
+What a file holds proves nothing by itself, and whoever checks it need not trust this module: a set that is read wrongly
+is still only accepted if it is closed.
+"""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Iterable, Iterator, Mapping
+from enum import StrEnum
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tachk.records import dataclass
+
+Numbers = NDArray[np.int64]
+
+MAGIC = b"tachk certificate 1\n"
+_LARGEST_HEADER = 1 << 24
+_LARGEST_BLOCK = 1 << 28
+
+
+class MalformedCertificateError(Exception):
+    """The file is no certificate, or only a part of one; ``str()`` says what is wrong."""
+
+
+class Kind(StrEnum):
+    """What a certificate proves."""
+
+    UNREACHABLE = "unreachable"
+    """No reachable state satisfies the target of the query."""
+
+
+@dataclass(frozen=True, slots=True)
+class Header:
+    """What a certificate is about.
+
+    Attributes:
+        name, query: of the property; the query is its text.
+        model: the SHA-256 of the network as JSON.
+        constants: the constants of the model that may be set from outside.
+        width: how many numbers a discrete state has: the location of each process, then the content of each cell.
+        clocks: the names of the clocks; number 0 is the reference clock, which is always 0, and has no name here.
+    """
+
+    kind: Kind
+    name: str
+    query: str
+    model: str
+    constants: Mapping[str, int]
+    width: int
+    clocks: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Symbolic states, grouped by discrete state.
+
+    Attributes:
+        discretes: a row for each group.
+        zones: how many zones each group has.
+        constraints: how many constraints each zone has; with those that no clock is negative they define it.
+        places: of each constraint on ``x_i - x_j`` the number ``i * (clocks + 1) + j``.
+        bounds: of each constraint the raw bound, as in `tachk.semantics.dbm`.
+    """
+
+    discretes: Numbers
+    zones: Numbers
+    constraints: Numbers
+    places: Numbers
+    bounds: Numbers
+
+
+# ---- writing ---------------------------------------------------------------------------------------------------------
+
+
+class CertificateWriter:
+    """Writes certificates one behind the other."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._stream = stream
+        stream.write(MAGIC)
+
+    def write(self, header: Header, blocks: Iterable[Block]) -> None:
+        text = json.dumps(
+            {
+                "kind": header.kind.value,
+                "name": header.name,
+                "query": header.query,
+                "model": header.model,
+                "constants": dict(header.constants),
+                "width": header.width,
+                "clocks": list(header.clocks),
+            },
+            ensure_ascii=False,
+        ).encode()
+        self._stream.write(encoded(np.array([len(text)])) + text)
+        groups = zones = 0
+        for block in blocks:
+            data = zlib.compress(packed(block), 9)
+            self._stream.write(encoded(np.array([len(data)])) + data)
+            groups += len(block.zones)
+            zones += len(block.constraints)
+        self._stream.write(encoded(np.array([0, groups, zones])))
+
+
+def packed(block: Block) -> bytes:
+    """A block before it is compressed: its columns as numbers of variable length."""
+    changes = np.diff(block.discretes, axis=0, prepend=0)
+    counts = np.array([len(block.zones), len(block.constraints), len(block.places)])
+    columns = (
+        counts,
+        _folded(changes.T.ravel()),
+        block.zones,
+        block.constraints,
+        block.places,
+        _folded(block.bounds),
+    )
+    return encoded(np.concatenate(columns))
+
+
+def encoded(numbers: Numbers) -> bytes:
+    """Numbers from 0 on in base 128, the lowest digit first; all but the last digit of each have 128 added."""
+    values = numbers.astype(np.uint64)
+    digits = np.ones(len(values), np.int64)
+    for length in range(1, 10):
+        digits += values >= np.uint64(1 << 7 * length)
+    ends = np.cumsum(digits)
+    out = np.zeros(int(ends[-1]) if len(ends) else 0, np.uint8)
+    for digit in range(int(digits.max(initial=0))):
+        has = digits > digit
+        value = (values[has] >> np.uint64(7 * digit)) & np.uint64(127)
+        more = np.where(digits[has] > digit + 1, np.uint64(128), np.uint64(0))
+        out[(ends - digits)[has] + digit] = value | more
+    return out.tobytes()
+
+
+def _folded(numbers: Numbers) -> Numbers:
+    """0, -1, 1, -2, ... as 0, 1, 2, 3, ..."""
+    return (numbers << 1) ^ (numbers >> 63)
+
+
+# ---- reading ---------------------------------------------------------------------------------------------------------
+
+
+class CertificateReader:
+    """One certificate of a file. Its blocks are read when they are asked for and not kept."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        """Reads the header and looks where the blocks are; the stream is then behind the certificate.
+
+        Raises MalformedCertificateError.
+        """
+        self._stream = stream
+        self.header = _header(_take(stream, _number(stream), _LARGEST_HEADER))
+        self._places: list[tuple[int, int]] = []
+        while length := _number(stream):
+            self._places.append((stream.tell(), length))
+            stream.seek(length, 1)
+        self.groups, self.zones = _number(stream), _number(stream)
+
+    def __len__(self) -> int:
+        """The number of blocks."""
+        return len(self._places)
+
+    def block(self, number: int) -> Block:
+        """Raises MalformedCertificateError."""
+        start, length = self._places[number]
+        self._stream.seek(start)
+        decompressor = zlib.decompressobj()
+        try:
+            data = decompressor.decompress(_take(self._stream, length, _LARGEST_BLOCK), _LARGEST_BLOCK)
+        except zlib.error as error:
+            raise MalformedCertificateError(f"block {number} is damaged: {error}") from None
+        if not decompressor.eof or decompressor.unused_data:
+            raise MalformedCertificateError(f"block {number} is damaged")
+        return _unpacked(decoded(data), self.header)
+
+    def blocks(self) -> Iterator[Block]:
+        """Raises MalformedCertificateError, also where the numbers of states are not those that the end tells."""
+        groups = zones = 0
+        for number in range(len(self)):
+            block = self.block(number)
+            groups, zones = groups + len(block.zones), zones + len(block.constraints)
+            yield block
+        if (groups, zones) != (self.groups, self.zones):
+            raise MalformedCertificateError(f"it has {zones} zones, but its end tells of {self.zones}")
+
+
+def read_certificates(stream: BinaryIO) -> list[CertificateReader]:
+    """The certificates of a file. Raises MalformedCertificateError."""
+    if stream.read(len(MAGIC)) != MAGIC:
+        raise MalformedCertificateError("it does not begin like a certificate of this version of tachk")
+    size = stream.seek(0, 2)
+    stream.seek(len(MAGIC))
+    found: list[CertificateReader] = []
+    while stream.tell() < size:
+        found.append(CertificateReader(stream))
+    return found
+
+
+def decoded(data: bytes) -> Numbers:
+    """The inverse of `encoded`. Raises MalformedCertificateError."""
+    digits = np.frombuffer(data, np.uint8)
+    last = np.flatnonzero(digits < 128)
+    if len(digits) and (not len(last) or last[-1] != len(digits) - 1):
+        raise MalformedCertificateError("a number is cut off")
+    first = np.concatenate(([0], last[:-1] + 1)) if len(last) else last
+    lengths = last - first + 1
+    if (lengths > 9).any():
+        raise MalformedCertificateError("a number is too large")
+    exponents = np.arange(len(digits)) - np.repeat(first, lengths)
+    values = (digits & 127).astype(np.int64) << (7 * exponents)
+    return np.add.reduceat(values, first) if len(first) else values
+
+
+def _unpacked(numbers: Numbers, header: Header) -> Block:
+    if len(numbers) < 3:
+        raise MalformedCertificateError("a block is too short")
+    groups, zones, constraints = (int(n) for n in numbers[:3])
+    sizes = (header.width * groups, groups, zones, constraints, constraints)
+    if sum(sizes) != len(numbers) - 3:
+        raise MalformedCertificateError("a block has another length than its beginning tells")
+    columns = np.split(numbers[3:], np.cumsum(sizes)[:-1])
+    changes, of_groups, of_zones, places, bounds = columns
+    if of_groups.sum() != zones or of_zones.sum() != constraints:
+        raise MalformedCertificateError("the numbers of zones or constraints in a block do not add up")
+    clocks = len(header.clocks) + 1
+    if (places >= clocks * clocks).any():
+        raise MalformedCertificateError("a constraint is about a clock that does not exist")
+    discretes = np.cumsum(_unfolded(changes).reshape(header.width, groups).T, axis=0)
+    return Block(discretes, of_groups, of_zones, places, _unfolded(bounds))
+
+
+def _unfolded(numbers: Numbers) -> Numbers:
+    return (numbers >> 1) ^ -(numbers & 1)
+
+
+def _header(text: bytes) -> Header:
+    try:
+        given: dict[str, Any] = json.loads(text)
+        return Header(
+            Kind(given["kind"]),
+            str(given["name"]),
+            str(given["query"]),
+            str(given["model"]),
+            {str(name): int(value) for name, value in given["constants"].items()},
+            int(given["width"]),
+            tuple(map(str, given["clocks"])),
+        )
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise MalformedCertificateError(f"its header cannot be read: {error}") from None
+
+
+def _number(stream: BinaryIO) -> int:
+    value = shift = 0
+    while True:
+        digit = _take(stream, 1, 1)[0]
+        value += (digit & 127) << shift
+        shift += 7
+        if digit < 128:
+            return value
+        if shift > 56:
+            raise MalformedCertificateError("a number is too large")
+
+
+def _take(stream: BinaryIO, length: int, limit: int) -> bytes:
+    data = stream.read(length) if length <= limit else b""
+    if len(data) < length:
+        raise MalformedCertificateError("it ends too early")
+    return data
+
+
+def open_certificates(path: Path) -> list[CertificateReader]:
+    """The certificates of a file, which stays open. Raises MalformedCertificateError, OSError."""
+    return read_certificates(path.open("rb"))
