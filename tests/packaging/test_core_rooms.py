@@ -10,7 +10,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 CORE, TESTS = ROOT / "src" / "core", ROOT / "tests" / "core"
 
-FLOORS = ("zones", "program", "machine", "states", "symbolic", "reachability", "liveness")
+FLOORS = ("zones", "program", "machine", "certificates", "states", "symbolic", "reachability", "liveness")
 """From the lowest up."""
 
 if not CORE.is_dir():
@@ -21,6 +21,11 @@ SOURCES = sorted(path.relative_to(CORE).as_posix() for path in CORE.rglob("*.?pp
 
 def included(source: str) -> list[str]:
     return re.findall(r'^#include "(.+)"', (CORE / source).read_text(encoding="utf-8"), re.MULTILINE)
+
+
+def test_the_checker_of_certificates_shares_only_what_a_program_means_with_the_engine() -> None:
+    used = {header for source in SOURCES if source.startswith("certificates/") for header in included(source)}
+    assert used == {"certificates/closed_set.hpp", "machine/machine.hpp", "program/program.hpp"}
 
 
 def test_a_room_has_at_most_twenty_sources() -> None:

@@ -196,14 +196,18 @@ class ClosedSet::Checker {
     const auto first = program.channels.begin() + edge.channel;
     return std::any_of(first, first + edge.channels, [](const Channel& channel) { return channel.urgent; });
   }
-  Zone delayed(Zone zone, State& state, const Constraints& limits) {
-    if (zone.empty() || time_stands_still(state)) return zone;
+  // The clocks that stand still, the reference clock among them.
+  std::vector<bool> standing(State& state) {
     std::vector<bool> stands(n, false);
     stands[0] = true;
     for (std::size_t p = 0; p < program.processes.size(); ++p)
       for (const Location::Stop& stop : location(p, state).stopped)
         if (stop.code == no_code || machine.value(stop.code, state.data()) == 0) stands[stop.clock] = true;
-    zone.go_on(stands);
+    return stands;
+  }
+  Zone delayed(Zone zone, State& state, const Constraints& limits) {
+    if (zone.empty() || time_stands_still(state)) return zone;
+    zone.go_on(standing(state));
     return zone.within(limits);
   }
 
@@ -330,30 +334,46 @@ class ClosedSet::Checker {
         Constraints constraints;
         if (!holds(disjunct.condition, state, constraints)) continue;
         const Zone met = zone.within(constraints);
-        if (met.empty()) continue;
-        if (disjunct.deadlock == DeadlockLiteral::absent || program.has_stopwatches) return true;
-        std::vector<Zone> dead{met};
-        for (const Step& step : steps) {
-          Zone alive = possible(step);
-          if (!time_stands_still(state)) alive.go_back();
-          if (alive.empty()) continue;
-          if (disjunct.deadlock == DeadlockLiteral::forbidden && !met.within(alive.constraints()).empty()) return true;
-          std::vector<Zone> rest;
-          for (const Zone& piece : dead) piece.without(alive.constraints(), rest);
-          dead = std::move(rest);
-        }
-        if (disjunct.deadlock == DeadlockLiteral::required && !dead.empty()) return true;
+        if (!met.empty() && (disjunct.deadlock == DeadlockLiteral::absent || meets_deadlock(disjunct, state, met)))
+          return true;
       }
     return false;
   }
+  // Where clocks are stopped the past of a zone is none, and either answer may be given too often.
+  bool meets_deadlock(const Disjunct& disjunct, State& state, const Zone& met) {
+    const std::vector<bool> stands = standing(state);
+    const bool stopped = std::count(stands.begin(), stands.end(), true) > 1;
+    const bool waits = !time_stands_still(state);
+    std::vector<Zone> dead{met};
+    for (const Step& step : steps) {
+      Zone alive = possible(step);
+      if (alive.empty()) continue;
+      if (disjunct.deadlock == DeadlockLiteral::forbidden && waits && stopped) return true;
+      if (waits && !stopped) alive.go_back();
+      if (disjunct.deadlock == DeadlockLiteral::forbidden && !met.within(alive.constraints()).empty()) return true;
+      std::vector<Zone> rest;
+      for (const Zone& piece : dead) piece.without(alive.constraints(), rest);
+      dead = std::move(rest);
+    }
+    return disjunct.deadlock == DeadlockLiteral::required && !dead.empty();
+  }
+  // By one zone of the set, as a rule, else by several together.
   bool covered(const State& state, const Zone& zone) const {
+    if (zone.empty()) return true;
     const auto found = numbers.find({state.begin(), state.begin() + program.state_slots});
-    return zone.empty() ||
-           (found != numbers.end() &&
-            std::any_of(groups[found->second].zones.begin(), groups[found->second].zones.end(), [&](const auto& held) {
-              return std::all_of(held.begin(), held.end(),
-                                 [&](const Atom& atom) { return zone.at(atom.left, atom.right) <= atom.raw; });
-            }));
+    if (found == numbers.end()) return false;
+    const std::vector<Constraints>& zones = groups[found->second].zones;
+    for (const Constraints& held : zones)
+      if (std::all_of(held.begin(), held.end(),
+                      [&](const Atom& atom) { return zone.at(atom.left, atom.right) <= atom.raw; }))
+        return true;
+    std::vector<Zone> rest{zone};
+    for (const Constraints& held : zones) {
+      std::vector<Zone> outside;
+      for (const Zone& piece : rest) piece.without(held, outside);
+      rest = std::move(outside);
+    }
+    return rest.empty();
   }
   bool check_initial() {
     State state;

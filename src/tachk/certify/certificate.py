@@ -10,7 +10,6 @@ import json
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from enum import StrEnum
-from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -274,8 +273,3 @@ def _take(stream: BinaryIO, length: int, limit: int) -> bytes:
     if len(data) < length:
         raise MalformedCertificateError("it ends too early")
     return data
-
-
-def open_certificates(path: Path) -> list[CertificateReader]:
-    """The certificates of a file, which stays open. Raises MalformedCertificateError, OSError."""
-    return read_certificates(path.open("rb"))

@@ -3,7 +3,7 @@
 The set is a list of elements (discrete state, zone). It is a proof that no reachable state satisfies a predicate if
 
 1. some element contains the initial state and what it becomes by waiting,
-2. of each element, every transition followed by any delay leads into some element of the discrete state reached,
+2. of each element, every transition followed by any delay leads into elements of the discrete state reached,
 3. no element has a valuation that satisfies the predicate, and nothing in one is a run-time error.
 
 By induction over the transitions every reachable state is then in some element (Wimmer and von Mutius 2020). Elements
@@ -28,8 +28,17 @@ from tachk.model.fault import EvaluationFault
 from tachk.model.traversal import walk
 from tachk.records import dataclass
 from tachk.semantics import symbolic
-from tachk.semantics.constraints import TRUE, certain
-from tachk.semantics.dbm import INFINITY, LESS_EQUAL_ZERO, Constraint, Zone, constrain_all, raw_bound, subtract_all, universe
+from tachk.semantics.constraints import TRUE, certain, disjunctive
+from tachk.semantics.dbm import (
+    INFINITY,
+    LESS_EQUAL_ZERO,
+    Constraint,
+    Zone,
+    constrain_all,
+    raw_bound,
+    subtract_all,
+    universe,
+)
 from tachk.semantics.discrete import (
     PreparedNetwork,
     environment,
@@ -121,7 +130,7 @@ class _Check:
         if (block.discretes < low).any() or (block.discretes > high).any():
             raise MalformedCertificateError("a discrete state has a value out of its range")
 
-    # ---- the elements -------------------------------------------------------------------------------------------------
+    # ---- the elements ------------------------------------------------------------------------------------------------
 
     def _block(self, number: int) -> tuple[Numbers, Numbers]:
         """The zones of a block, and where those of each discrete state begin."""
@@ -139,13 +148,16 @@ class _Check:
         return zones[first[row] : first[row + 1]]
 
     def covers(self, discrete: DiscreteState, zones: Numbers) -> bool:
-        """Whether each of the zones lies in one element."""
+        """Whether each of the zones lies in one element, or else in several of them together."""
         key = discrete.locations + discrete.values
         if not len(zones):
             return True
         if key not in self.index:
             return False
-        return bool((zones[:, None] <= self.zones_at(key)[None]).all((2, 3)).any(1).all())
+        held = self.zones_at(key)
+        inside = np.all(zones[:, None] <= held[None], axis=(2, 3)).reshape(len(zones), len(held))
+        rest = zones[~inside.any(axis=1)]
+        return not len(rest) or (len(held) > 1 and not subtract_all(_zones(rest), _zones(held)))
 
     def contains_start(self) -> bool:
         try:
@@ -154,7 +166,7 @@ class _Check:
             return False
         return self.covers(start.discrete, _array(zones, self.model.dimension))
 
-    # ---- one discrete state -------------------------------------------------------------------------------------------
+    # ---- one discrete state ------------------------------------------------------------------------------------------
 
     def state(self, discrete: DiscreteState, zones: Numbers) -> None:
         """Checks the elements of a discrete state. Raises _Open."""
@@ -162,7 +174,7 @@ class _Check:
         try:
             invariant = symbolic.invariant_constraints(model, discrete)
             if invariant is None:
-                return
+                return None
             zones = constrain(zones, invariant)
             if model.has_priorities or self.asks_deadlock or stopped_clocks(model, discrete):
                 return self._one_by_one(discrete, zones)
@@ -182,12 +194,18 @@ class _Check:
 
     def _check_predicate(self, discrete: DiscreteState, zones: Numbers) -> None:
         scratch = environment(self.model, discrete)
-        if any(len(constrain(zones, part)) for part in certain(self.predicate, scratch)):
+        try:
+            bad = disjunctive(self.predicate, scratch)
+        except EvaluationFault:
+            # Then the parts that can be evaluated have to deny it everywhere.
+            bad = certain(self.predicate, scratch)
+            denied = certain(self.predicate, scratch, negated=True)
+            whole = universe(self.model.dimension)
+            safe = [zone for part in denied if (zone := constrain_all(whole, part)) is not None]
+            if subtract_all(_zones(zones), safe):
+                raise _Open("in some state it cannot be evaluated whether it must not be reached") from None
+        if any(len(constrain(zones, part)) for part in bad):
             raise _Open("some state of the zone is one that must not be reached")
-        denied = certain(self.predicate, scratch, negated=True)
-        safe = [constrain_all(universe(self.model.dimension), part) for part in denied]
-        if () not in denied and subtract_all(_zones(zones), [zone for zone in safe if zone is not None]):
-            raise _Open("it cannot be evaluated in some state whether that must not be reached")
 
     def _check_transition(self, discrete: DiscreteState, transition: Transition, zones: Numbers) -> None:
         """Raises _Open if what a transition leads to from the zones, where its guard holds, is not in the set."""
@@ -252,6 +270,15 @@ def zones_of(block: Block, dimension: int) -> Numbers:
     if (np.einsum("kii->ki", zones) < LESS_EQUAL_ZERO).any():
         raise MalformedCertificateError("a zone is empty")
     return zones
+
+
+def zone_at(certificate: CertificateReader, discrete: DiscreteState, number: int) -> Zone:
+    """The zone of that number of a discrete state. Raises LookupError."""
+    dimension = len(certificate.header.clocks) + 1
+    for block in certificate.blocks():
+        for row in np.flatnonzero((block.discretes == discrete.locations + discrete.values).all(axis=1)):
+            return _zones(zones_of(block, dimension))[int(block.zones[:row].sum()) + number]
+    raise LookupError("the certificate has no such state")
 
 
 def universes(count: int, dimension: int) -> Numbers:

@@ -29,11 +29,16 @@ _REASONS = {
 _SLICE_SECONDS = 0.1
 
 
-class CoreSearch(Protocol):
+class RunningSearch(Protocol):
     """A search of the core, whatever it looks for."""
 
     def run(self, expansions: int) -> _core.Status: ...
     def statistics(self) -> tuple[int, int, int, int]: ...
+
+
+class CoreSearch(RunningSearch, Protocol):
+    """One that remembers the run-time error that ended it."""
+
     def fault(self) -> tuple[_core.FaultKind, int, list[list[int]], list[int]] | None: ...
 
 
@@ -68,7 +73,7 @@ def user_seconds() -> float:
 
 
 def run_in_slices(
-    search: CoreSearch, start: float, limits: Limits, progress: Progress | None
+    search: RunningSearch, start: float, limits: Limits, progress: Progress | None
 ) -> tuple[_core.Status, str]:
     """Run a search that began at ``start`` to its end or a limit: its last status, and why it is not FINISHED."""
     slice_size = 256
@@ -96,7 +101,7 @@ def run_in_slices(
             slice_size = max(slice_size // 2, 1)
 
 
-def statistics_of(search: CoreSearch, start: float) -> Statistics:
+def statistics_of(search: RunningSearch, start: float) -> Statistics:
     """What a search that began at ``start`` has done so far."""
     explored, stored, transitions, peak = search.statistics()
     return Statistics(explored, stored, transitions, time.perf_counter() - start, peak)

@@ -18,7 +18,15 @@ from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.records import dataclass
 from tachk.semantics import dbm
-from tachk.semantics.constraints import FALSE, TRUE, Conjunction, Disjunction, certain, conditional_constraints, conjunction
+from tachk.semantics.constraints import (
+    FALSE,
+    TRUE,
+    Conjunction,
+    Disjunction,
+    certain,
+    conditional_constraints,
+    conjunction,
+)
 from tachk.semantics.dbm import Federation, Zone
 from tachk.semantics.discrete import (
     PreparedNetwork,

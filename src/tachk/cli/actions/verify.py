@@ -39,6 +39,7 @@ class Asked:
         arguments: models, and queries to check on each of them.
         properties: the names of those to check.
         max_memory: such as ``2G``.
+        certificate: where proofs of the answers are written.
     """
 
     arguments: tuple[str, ...]
@@ -46,6 +47,7 @@ class Asked:
     definitions: tuple[str, ...] = ()
     properties: tuple[str, ...] = ()
     max_memory: str | None = None
+    certificate: Path | None = None
 
 
 def run_verify(
@@ -80,6 +82,8 @@ def _check_all(
     asked: Asked, options: Options, limits: Limits, reporting: RunReporting, report: RunReport
 ) -> ExitStatus:
     models, queries = split_models_and_queries(asked.arguments)
+    if asked.certificate is not None and len(models) > 1:
+        raise UsageError("--certificate names one file, but there are several models")
     constants = parse_definitions(asked.definitions)
     if reporting.evidence is Evidence.SHORTEST:
         options = _shortest(options)
@@ -99,7 +103,13 @@ def _check_all(
                 complain(str(error), f"one of them is wrong; please report it with {write_disagreement(model, error)}")
                 return ExitStatus.INTERNAL_ERROR
         report.add(record)
-        return worst(_statuses(record))
+        statuses = [*_statuses(record)]
+        if asked.certificate is not None:
+            from tachk.cli.actions.certify import write_certificates
+
+            left = limits.after(time.monotonic() - started)
+            statuses.append(write_certificates(asked.certificate, model.network, record.verdicts, options, left))
+        return worst(statuses)
 
     statuses: list[ExitStatus] = []
     for path in models:

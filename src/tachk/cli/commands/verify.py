@@ -56,6 +56,14 @@ _DEFAULT = Options()
 )
 @options.report(ReportForm.TEXT, ReportForm.JSON, ReportForm.JUNIT, ReportForm.VERIFYTA)
 @click.option(
+    "certificate",
+    "--certificate",
+    metavar="FILE",
+    type=options.type_of_file,
+    help="Write proofs to this file, one for each answer that says that something is never reached. `tachk certify` "
+    "checks them without a search.",
+)
+@click.option(
     "states",
     "--max-states",
     metavar="N",

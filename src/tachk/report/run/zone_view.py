@@ -75,13 +75,13 @@ def as_networkx(network: Network, graph: ZoneGraph) -> Any:
     transitions: dict[tuple[int, int], list[str]] = {}
     for source, transition, target in graph.edges:
         event = names.event(graph.nodes[source][0], transition)
-        transitions.setdefault((source, target), []).append(_event_text(event))
+        transitions.setdefault((source, target), []).append(event_text(event))
     for (source, target), texts in transitions.items():
         found.add_edge(states[source], states[target], transitions=tuple(texts), label="\n".join(texts))
     return found
 
 
-def _event_text(event: Event) -> str:
+def event_text(event: Event) -> str:
     return ", ".join(
         f"{f'{event.channel}{move.direction.value} ' if move.direction else ''}{move.process}: "
         f"{move.source} → {move.target}" + "".join(f" [{name} = {value}]" for name, value in move.selects)

@@ -1,0 +1,141 @@
+"""`tachk certify`, and the certificates of `tachk verify`."""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from tachk import api
+from tachk.certify.certificate import (
+    CertificateReader,
+    CertificateWriter,
+    Header,
+    MalformedCertificateError,
+    read_certificates,
+)
+from tachk.cli.arguments import parse_definitions
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus, worst
+from tachk.cli.guard import complain
+from tachk.cli.reporting import ReportForm, Reporting
+from tachk.diagnostics.diagnostic import InputError, UsageError
+from tachk.diagnostics.span import Source
+from tachk.engines.options import Limits, Options
+from tachk.formats.network_json.network import network_to_json_text
+from tachk.frontend.loaded import LoadedModel
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.properties.certificates import Checker, check_proof, find_proof, is_provable
+from tachk.properties.questions import Questions, checked
+from tachk.properties.verdict import Verdict
+from tachk.properties.verify import check_initial_state
+from tachk.records import dataclass
+from tachk.report.certificate_report import Judgement, judgement_lines, judgements_to_json
+from tachk.report.json_text import json_text
+from tachk.report.quantity import bytes_
+from tachk.semantics.discrete import prepare
+
+
+def digest(network: Network) -> str:
+    """What identifies a network: the SHA-256 of its JSON."""
+    return hashlib.sha256(network_to_json_text(network).encode()).hexdigest()
+
+
+# ---- writing ---------------------------------------------------------------------------------------------------------
+
+
+def write_certificates(
+    path: Path, network: Network, verdicts: Sequence[Verdict], options: Options, limits: Limits
+) -> ExitStatus:
+    """Writes a certificate for each verdict that has one, and tells on standard error what has been written.
+
+    UNKNOWN if a limit keeps one from being made.
+    """
+    started = time.monotonic()
+    statuses = [ExitStatus.AS_EXPECTED]
+    provable = [verdict for verdict in verdicts if is_provable(verdict)]
+    model = digest(network)
+    names = []
+    with path.open("wb") as file:
+        writer = CertificateWriter(file)
+        for verdict in provable:
+            left = limits.after(time.monotonic() - started)
+            proof = find_proof(network, model, verdict.query, options, left)
+            if isinstance(proof, str):
+                complain(f"no certificate for {verdict.query.name}: {proof}")
+                statuses.append(ExitStatus.UNKNOWN)
+                continue
+            writer.write(proof.header, proof.blocks())
+            names.append(verdict.query.name)
+    told = f"proofs of {', '.join(names)}" if names else "no proof, for no property has been shown to be one of absence"
+    print(f"{path}: {told} ({bytes_(path.stat().st_size)})", file=sys.stderr)
+    return worst(statuses)
+
+
+# ---- checking --------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Submitted:
+    """What is to be checked, as it was typed."""
+
+    model: str
+    file: Path
+    definitions: tuple[str, ...] = ()
+    checker: str = Checker.PYTHON.value
+
+
+def run_certify(submitted: Submitted, reporting: Reporting = Reporting()) -> ExitStatus:
+    """Checks every certificate of a file. Raises UsageError for a file that is damaged."""
+    model = api.load(submitted.model, **parse_definitions(submitted.definitions))
+    checker = Checker(submitted.checker)
+    with submitted.file.open("rb") as stream, destination(reporting.output, reporting.quiet) as out:
+        try:
+            judgements = list(_judgements(model.loaded, read_certificates(stream), checker))
+            if not judgements:
+                raise UsageError(f"{submitted.file}: there is no certificate in it")
+            if out is not None and reporting.form is ReportForm.JSON:
+                found = judgements_to_json(submitted.model, str(submitted.file), checker.value, judgements)
+                out.write(json_text(found))
+            elif out is not None:
+                out.writelines(f"{line}\n" for line in judgement_lines(judgements))
+        except MalformedCertificateError as error:
+            raise UsageError(f"{submitted.file} is not a whole certificate for {submitted.model}: {error}") from error
+    return ExitStatus.AS_EXPECTED if all(j.accepted for j in judgements) else ExitStatus.NOT_AS_EXPECTED
+
+
+def _judgements(model: LoadedModel, certificates: Sequence[CertificateReader], checker: Checker) -> Iterator[Judgement]:
+    network = model.network
+    check_initial_state(prepare(network))
+    own = digest(network)
+    for certificate in certificates:
+        started = time.monotonic()
+        query = _query(model, certificate.header)
+        reason, objection = _made_for_another(certificate.header, network, own), None
+        if not reason:
+            objection = check_proof(network, query, certificate, checker)
+            reason = objection.reason if objection is not None else ""
+        yield Judgement(network, query, certificate, reason, objection, time.monotonic() - started)
+
+
+def _made_for_another(header: Header, network: Network, own: str) -> str:
+    """Why a certificate is not about this model, by what its header says; empty if it is."""
+    if header.model == own:
+        return ""
+    constants = dict(network.constants)
+    different = [f"{name} = {value}" for name, value in header.constants.items() if constants.get(name, value) != value]
+    return f"it was made for another model{', with ' + ', '.join(different) if different else ''}"
+
+
+def _query(model: LoadedModel, header: Header) -> Query:
+    """The query that a certificate is about: the property of the model if that has the same text, else what it says."""
+    for query in model.queries:
+        if (query.name, query.text) == (header.name, header.query):
+            return query
+    try:
+        return checked(Questions("", typed=(Source("<certificate>", header.query),)).about(model))[0]
+    except (InputError, IndexError):
+        raise MalformedCertificateError(f"the model has no query {header.query!r}") from None

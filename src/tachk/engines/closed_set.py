@@ -1,0 +1,53 @@
+"""The check of certificates in C++, for large ones: the twin of `tachk.certify.closed_set`.
+
+It shares with the engine the compiled program and the machine that evaluates expressions, and nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from tachk import _core
+from tachk.certify.certificate import Block, MalformedCertificateError
+from tachk.certify.closed_set import Objection
+from tachk.compiler.program import Goal, Program
+from tachk.engines.core_search import transition_of
+from tachk.engines.program_image import encode
+from tachk.semantics.timed_trace import DiscreteState
+from tachk.time_limit import check_time
+
+_STATES_AT_ONCE = 2000
+
+
+def check_closed_natively(program: Program, goal: Goal, blocks: Iterable[Block]) -> Objection | None:
+    """What is wrong with a set of symbolic states as a proof that the goal cannot be reached; None if it is one.
+
+    Raises MalformedCertificateError for states that are none of the program.
+    """
+    closed = _core.ClosedSet(encode(program, [goal]))
+    try:
+        for block in blocks:
+            check_time()
+            closed.add(
+                program.state_slots,
+                block.discretes.ravel(),
+                block.zones,
+                block.constraints,
+                block.places,
+                block.bounds,
+            )
+    except ValueError as error:
+        raise MalformedCertificateError(str(error)) from None
+    while not closed.check(_STATES_AT_ONCE):
+        check_time()
+    found = closed.objection()
+    if found is None:
+        return None
+    reason, discrete, zone, edges = found
+    processes = len(program.locations)
+    return Objection(
+        reason,
+        DiscreteState(tuple(discrete[:processes]), tuple(discrete[processes:])) if discrete else None,
+        zone,
+        transition_of(program, edges) if edges else None,
+    )

@@ -1,0 +1,115 @@
+"""What came of checking certificates, as text and as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from tachk.certify.certificate import CertificateReader
+from tachk.certify.closed_set import Objection, zone_at
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.properties.observed import observed
+from tachk.records import dataclass
+from tachk.report.run.trace_view import Names
+from tachk.report.run.zone_view import ZoneState, constraint_texts, event_text
+from tachk.semantics.dbm import Zone
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """What one certificate is worth.
+
+    Attributes:
+        network: without observer.
+        query: what it claims to decide.
+        reason: why it is rejected; empty if it is accepted.
+        objection: what of it is wrong, where it is for this model and this property.
+        seconds: how long the check took.
+    """
+
+    network: Network
+    query: Query
+    certificate: CertificateReader
+    reason: str
+    objection: Objection | None
+    seconds: float
+
+    @property
+    def accepted(self) -> bool:
+        return not self.reason
+
+    @property
+    def proved(self) -> str:
+        """The answer that the certificate proves."""
+        return "fails" if self.query.holds_when_reached else "holds"
+
+    def state(self) -> ZoneState | None:
+        """The element that is wrong."""
+        if self.objection is None or self.objection.discrete is None:
+            return None
+        names = self._names()
+        snapshot = names.snapshot(self.objection.discrete)
+        zone = self._zone()
+        clocks = [names.layout.names[cell] for cell in names.layout.clock_cells]
+        number = self.objection.zone
+        return ZoneState(number, snapshot.locations, snapshot.variables, constraint_texts(zone, clocks), zone)
+
+    def transition(self) -> str:
+        """What leads out of the set, or cannot be evaluated; else empty."""
+        found = self.objection
+        if found is None or found.discrete is None or found.transition is None:
+            return ""
+        return event_text(self._names().event(found.discrete, found.transition))
+
+    def _names(self) -> Names:
+        return Names(observed(self.network, self.query.observer))
+
+    def _zone(self) -> Zone:
+        assert self.objection is not None and self.objection.discrete is not None
+        return zone_at(self.certificate, self.objection.discrete, self.objection.zone)
+
+
+def judgement_lines(judgements: Iterable[Judgement]) -> Iterable[str]:
+    """What people read."""
+    for judged in judgements:
+        header, found = judged.certificate.header, judged.certificate
+        yield f"{'✓' if judged.accepted else '✗'} {header.name}: {judged.query.text}"
+        size = f"{found.zones} zones of {found.groups} discrete states"
+        if judged.accepted:
+            yield f"    accepted: it {judged.proved}, by {size}"
+            continue
+        yield f"    rejected: {judged.reason}"
+        if (state := judged.state()) is not None:
+            yield f"    at        {state}"
+        if text := judged.transition():
+            yield f"    by        {text}"
+
+
+def judgements_to_json(model: str, file: str, checker: str, judgements: Iterable[Judgement]) -> dict[str, Any]:
+    """As docs/schema/certify.schema.json describes it."""
+    return {"model": model, "file": file, "checker": checker, "certificates": [_json(j) for j in judgements]}
+
+
+def _json(judged: Judgement) -> dict[str, Any]:
+    state = judged.state()
+    return {
+        "property": judged.certificate.header.name,
+        "query": judged.query.text,
+        "kind": judged.certificate.header.kind.value,
+        "accepted": judged.accepted,
+        "proves": judged.proved if judged.accepted else None,
+        "discrete_states": judged.certificate.groups,
+        "zones": judged.certificate.zones,
+        "seconds": judged.seconds,
+        "reason": judged.reason or None,
+        "state": None
+        if state is None
+        else {
+            "zone": state.number,
+            "locations": dict(state.locations),
+            "variables": dict(state.variables),
+            "constraints": list(state.constraints),
+        },
+        "transition": judged.transition() or None,
+    }

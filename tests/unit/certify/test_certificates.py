@@ -1,0 +1,273 @@
+"""Certificates: what the search claims is confirmed by both checkers, and what is not closed is rejected by both."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from random import Random
+
+import jsonschema
+import numpy as np
+import pytest
+
+import tachk
+from tachk.certify.certificate import (
+    Block,
+    CertificateReader,
+    CertificateWriter,
+    MalformedCertificateError,
+    decoded,
+    encoded,
+    read_certificates,
+)
+from tachk.certify.closed_set import Objection
+from tachk.cli.actions.certify import Submitted, run_certify
+from tachk.cli.actions.run_report import RunReporting
+from tachk.cli.actions.verify import Asked, run_verify
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.reporting import Reporting
+from tachk.engines.options import Limits
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.properties.certificates import Checker, Proof, check_proof, find_proof, is_provable
+from tachk.properties.verdict import Answer
+from tachk.properties.verify import verify
+from tachk.report.certificate_report import Judgement, judgement_lines, judgements_to_json
+from tachk.resources import data_root
+from tachk.testing.networks import Shape, random_case
+from tachk.words import QueryKind
+
+MODELS = data_root() / "models"
+SCHEMA = Path(__file__).parents[3] / "docs" / "schema" / "certify.schema.json"
+
+SMALL: dict[str, dict[str, int | bool]] = {
+    "classics/bridge.ta": {},
+    "classics/brp.ta": {},
+    "classics/critical_region.ta": {"N": 2},
+    "classics/csma_cd.ta": {"N": 2},
+    "classics/dining_philosophers.ta": {"N": 3},
+    "classics/fddi.ta": {"N": 2},
+    "classics/fischer.ta": {"N": 3},
+    "classics/train_gate.ta": {"N": 3},
+}
+
+
+def proved(network: Network, query: Query) -> Proof:
+    proof = find_proof(network, "digest", query)
+    assert isinstance(proof, Proof), proof
+    return proof
+
+
+def written(proof: Proof, blocks: Iterator[Block] | None = None) -> CertificateReader:
+    stream = io.BytesIO()
+    CertificateWriter(stream).write(proof.header, proof.blocks() if blocks is None else blocks)
+    stream.seek(0)
+    (certificate,) = read_certificates(stream)
+    return certificate
+
+
+def judged(network: Network, query: Query, certificate: CertificateReader) -> Objection | None:
+    """What the two checkers say, which is the same but for the words about run-time errors."""
+    by_python, natively = (check_proof(network, query, certificate, checker) for checker in Checker)
+    assert (by_python is None) == (natively is None), (by_python, natively)
+    if by_python is not None and natively is not None:
+        assert by_python.discrete == natively.discrete
+    return by_python
+
+
+@pytest.mark.parametrize("model", SMALL)
+def test_both_checkers_accept_what_is_proved_about_a_classic(model: str) -> None:
+    loaded = tachk.load(MODELS / model, **SMALL[model])
+    provable = [v for v in loaded.verify(trace=False) if is_provable(v)]
+    assert provable or model.endswith(("critical_region.ta", "csma_cd.ta"))
+    for verdict in provable:
+        certificate = written(proved(loaded.network, verdict.query))
+        assert judged(loaded.network, verdict.query, certificate) is None
+
+
+@pytest.mark.parametrize("name", ["NOHOLE", "RMIO"])
+def test_both_checkers_accept_what_is_proved_about_the_five_automata(name: str) -> None:
+    loaded = tachk.load(MODELS / "micro_xrce_dds" / "spec.ta")
+    (query,) = (q for q in loaded.properties if q.name == name)
+    proof = proved(loaded.network, query)
+    assert check_proof(loaded.network, query, written(proof), Checker.NATIVE) is None
+
+
+SHAPES = [
+    Shape(),
+    Shape(priorities=True, clocks=2),
+    Shape(stopwatches=True, clocks=2),
+    Shape(diagonals=True, exact=0.3, clocks=2),
+    Shape(language=True, faults=0.3, clocks=2),
+]
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_random_networks(seed: int) -> None:
+    case = random_case(Random(seed), SHAPES[seed % len(SHAPES)])
+    for number, predicate in enumerate(case.predicates):
+        query = Query(f"q{number}", QueryKind.POSSIBLY, predicate)
+        (verdict,) = verify(case.network, [query], limits=Limits(states=5_000), trace=False)
+        proof = find_proof(case.network, "digest", query, limits=Limits(states=5_000))
+        assert isinstance(proof, Proof) is (verdict.answer is Answer.FAILS)
+        if isinstance(proof, Proof) and proof.zones <= 150:
+            assert judged(case.network, query, written(proof)) is None
+
+
+def fischer(**constants: int) -> tuple[Network, Query]:
+    loaded = tachk.load(MODELS / "classics" / "fischer.ta", **{"N": 2, **constants})
+    return loaded.network, loaded.properties[0]
+
+
+def blocks_without(proof: Proof, group: int) -> Iterator[Block]:
+    """The blocks without the group of that number; each group has one zone."""
+    (block,) = proof.blocks()
+    assert (block.zones == 1).all()
+    first = np.concatenate(([0], np.cumsum(block.constraints)))
+    kept = np.arange(len(block.zones)) != group
+    of_kept = np.r_[0 : first[group], first[group + 1] : first[-1]]
+    yield Block(
+        block.discretes[kept], block.zones[kept], block.constraints[kept], block.places[of_kept], block.bounds[of_kept]
+    )
+
+
+def test_every_element_is_needed() -> None:
+    network, query = fischer()
+    proof = proved(network, query)
+    for group in range(proof.states):
+        found = judged(network, query, written(proof, blocks_without(proof, group)))
+        assert found is not None
+    missing = judged(network, query, written(proof, blocks_without(proof, 0)))
+    assert missing is not None and missing.reason == "the initial state is not in the set"
+
+
+@pytest.mark.parametrize("change", [-1, -2])
+def test_a_bound_may_not_be_tighter_not_even_strict(change: int) -> None:
+    network, query = fischer()
+    proof = proved(network, query)
+    (block,) = proof.blocks()
+    assert len(block.bounds) == 4
+    for number in range(len(block.bounds)):
+        bounds = block.bounds.copy()
+        bounds[number] += change
+        assert judged(network, query, written(proof, iter([replace(block, bounds=bounds)]))) is not None
+
+
+def test_a_set_that_meets_the_predicate_is_rejected() -> None:
+    """Closed sets there are for any model; they prove nothing if the bad states are in them."""
+    network, query = fischer(WAIT=9)
+    never = replace(query, predicate=query.predicate, kind=QueryKind.POSSIBLY, name="never")
+    assert isinstance(find_proof(network, "digest", query), str)
+    assert isinstance(find_proof(network, "digest", never), str)
+
+
+def changed(random: Random, proof: Proof) -> Iterator[Block]:
+    """The blocks with one number changed, or one group left out."""
+    blocks = list(proof.blocks())
+    block = blocks[number := random.randrange(len(blocks))]
+    field = random.choice(["discretes", "bounds", "bounds", "bounds", "places", "constraints", "zones"])
+    column = getattr(block, field).copy()
+    if column.size:
+        column.flat[random.randrange(column.size)] += random.choice([-2, -1, 1, 2, random.randint(-20, 20)])
+    blocks[number] = replace(block, **{field: column})
+    return iter(blocks)
+
+
+def mutated(random: Random, proof: Proof) -> bytes:
+    """A damaged file: a changed number of the set, or a changed byte, or an end that is missing."""
+    stream = io.BytesIO()
+    CertificateWriter(stream).write(proof.header, changed(random, proof) if random.random() < 0.8 else proof.blocks())
+    data = bytearray(stream.getvalue())
+    if random.random() < 0.2:
+        data[random.randrange(len(data))] ^= 1 << random.randrange(8)
+    if random.random() < 0.05:
+        del data[random.randrange(len(data)) :]
+    return bytes(data)
+
+
+def test_no_mutation_proves_what_is_wrong() -> None:
+    """1,000 mutated certificates of Fischer's protocol, judged as if they were about the protocol that is wrong."""
+    network, query = fischer()
+    wrong, _ = fischer(WAIT=9)
+    proof = proved(network, query)
+    random = Random(1)
+    readable = 0
+    for _ in range(1_000):
+        try:
+            (certificate,) = read_certificates(io.BytesIO(mutated(random, proof)))
+            assert check_proof(wrong, query, certificate, Checker.NATIVE) is not None
+            readable += 1
+        except (MalformedCertificateError, ValueError, OverflowError):
+            continue
+    assert readable > 300
+
+
+def test_both_checkers_judge_mutations_alike() -> None:
+    network, query = fischer()
+    proof = proved(network, query)
+    random = Random(2)
+    accepted = rejected = 0
+    for _ in range(60):
+        try:
+            (certificate,) = read_certificates(io.BytesIO(mutated(random, proof)))
+            verdict = judged(network, query, certificate)
+        except (MalformedCertificateError, ValueError, OverflowError):
+            continue
+        accepted, rejected = accepted + (verdict is None), rejected + (verdict is not None)
+    assert accepted and rejected
+
+
+def test_numbers_of_any_length() -> None:
+    numbers = np.array([0, 1, 127, 128, 300, 2**14, 2**35 - 1, 2**62], np.int64)
+    assert (decoded(encoded(numbers)) == numbers).all()
+    assert len(decoded(b"")) == 0
+    for damaged in (b"\x80", b"\xff" * 10 + b"\x01"):
+        with pytest.raises(MalformedCertificateError):
+            decoded(damaged)
+
+
+def test_a_file_may_hold_several_certificates(tmp_path: Path) -> None:
+    network, query = fischer()
+    proof = proved(network, query)
+    path = tmp_path / "two.cert"
+    with path.open("wb") as file:
+        writer = CertificateWriter(file)
+        writer.write(proof.header, proof.blocks())
+        writer.write(replace(proof.header, name="again"), proof.blocks())
+    with path.open("rb") as file:
+        found = read_certificates(file)
+        assert [certificate.header.name for certificate in found] == ["mutual_exclusion", "again"]
+        assert all(check_proof(network, query, certificate, Checker.NATIVE) is None for certificate in found)
+
+
+def test_the_report_names_the_element_that_is_wrong() -> None:
+    """What JSON and text say of a certificate that lacks an element."""
+    network, query = fischer()
+    proof = proved(network, query)
+    certificate = written(proof, blocks_without(proof, proof.states - 1))
+    found = judged(network, query, certificate)
+    assert found is not None
+    judgement = Judgement(network, query, certificate, found.reason, found, 0.25)
+    told = judgements_to_json("fischer.ta", "fischer.cert", "python", [judgement])
+    (entry,) = told["certificates"]
+    assert entry["accepted"] is False and entry["reason"] == "a successor is not in the set"
+    assert set(entry["state"]["locations"]) == {"P(1)", "P(2)"} and "→" in entry["transition"]
+    lines = list(judgement_lines([judgement]))
+    assert lines[1].endswith("a successor is not in the set") and len(lines) == 4
+    if SCHEMA.is_file():
+        jsonschema.validate(told, json.loads(SCHEMA.read_text(encoding="utf-8")))
+
+
+def test_a_certificate_is_about_the_model_and_the_query_in_its_header(tmp_path: Path) -> None:
+    model, path = str(MODELS / "classics" / "fischer.ta"), str(tmp_path / "fischer.cert")
+    status = run_verify(
+        Asked((model,), definitions=("N=2",), properties=("mutual_exclusion",), certificate=Path(path)),
+        reporting=RunReporting(quiet=True),
+    )
+    assert status is ExitStatus.AS_EXPECTED
+    for definitions, expected in [(("N=2",), 0), (("N=2", "WAIT=11"), 10), (("N=3",), 10)]:
+        submitted = Submitted(model, Path(path), definitions, "native")
+        assert run_certify(submitted, Reporting(quiet=True)) == expected
