@@ -24,7 +24,7 @@ from tachk.certify.certificate import (
     read_certificates,
 )
 from tachk.certify.closed_set import Objection
-from tachk.cli.actions.certify import Submitted, run_certify
+from tachk.cli.actions.certificates.checking import Submitted, run_certify
 from tachk.cli.actions.run_report import RunReporting
 from tachk.cli.actions.verify import Asked, run_verify
 from tachk.cli.exit_status import ExitStatus

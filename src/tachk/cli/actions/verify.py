@@ -105,7 +105,7 @@ def _check_all(
         report.add(record)
         statuses = [*_statuses(record)]
         if asked.certificate is not None:
-            from tachk.cli.actions.certify import write_certificates
+            from tachk.cli.actions.certificates.writing import write_certificates
 
             left = limits.after(time.monotonic() - started)
             statuses.append(write_certificates(asked.certificate, model.network, record.verdicts, options, left))

@@ -33,7 +33,7 @@ def command(seconds: float | None, **given: Any) -> None:
     The exit status is 0 if every certificate of the file is accepted, 10 if one is rejected, and 2 if the file is
     damaged.
     """
-    from tachk.cli.actions.certify import Submitted, run_certify
+    from tachk.cli.actions.certificates.checking import Submitted, run_certify
     from tachk.cli.reporting import Reporting
 
     arguments = options.distributed(given, Submitted, Reporting)

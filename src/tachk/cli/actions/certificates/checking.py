@@ -1,81 +1,30 @@
-"""`tachk certify`, and the certificates of `tachk verify`."""
+"""`tachk certify`."""
 
 from __future__ import annotations
 
-import hashlib
-import sys
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from tachk import api
-from tachk.certify.certificate import (
-    CertificateReader,
-    CertificateWriter,
-    Header,
-    MalformedCertificateError,
-    read_certificates,
-)
+from tachk.certify.certificate import CertificateReader, Header, MalformedCertificateError, read_certificates
+from tachk.cli.actions.certificates.writing import digest
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
-from tachk.cli.exit_status import ExitStatus, worst
-from tachk.cli.guard import complain
+from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.diagnostics.span import Source
-from tachk.engines.options import Limits, Options
-from tachk.formats.network_json.network import network_to_json_text
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties.certificates import Checker, check_proof, find_proof, is_provable
+from tachk.properties.certificates import Checker, check_proof
 from tachk.properties.questions import Questions, checked
-from tachk.properties.verdict import Verdict
 from tachk.properties.verify import check_initial_state
 from tachk.records import dataclass
 from tachk.report.certificate_report import Judgement, judgement_lines, judgements_to_json
 from tachk.report.json_text import json_text
-from tachk.report.quantity import bytes_
 from tachk.semantics.discrete import prepare
-
-
-def digest(network: Network) -> str:
-    """What identifies a network: the SHA-256 of its JSON."""
-    return hashlib.sha256(network_to_json_text(network).encode()).hexdigest()
-
-
-# ---- writing ---------------------------------------------------------------------------------------------------------
-
-
-def write_certificates(
-    path: Path, network: Network, verdicts: Sequence[Verdict], options: Options, limits: Limits
-) -> ExitStatus:
-    """Writes a certificate for each verdict that has one, and tells on standard error what has been written.
-
-    UNKNOWN if a limit keeps one from being made.
-    """
-    started = time.monotonic()
-    statuses = [ExitStatus.AS_EXPECTED]
-    provable = [verdict for verdict in verdicts if is_provable(verdict)]
-    model = digest(network)
-    names = []
-    with path.open("wb") as file:
-        writer = CertificateWriter(file)
-        for verdict in provable:
-            left = limits.after(time.monotonic() - started)
-            proof = find_proof(network, model, verdict.query, options, left)
-            if isinstance(proof, str):
-                complain(f"no certificate for {verdict.query.name}: {proof}")
-                statuses.append(ExitStatus.UNKNOWN)
-                continue
-            writer.write(proof.header, proof.blocks())
-            names.append(verdict.query.name)
-    told = f"proofs of {', '.join(names)}" if names else "no proof, for no property has been shown to be one of absence"
-    print(f"{path}: {told} ({bytes_(path.stat().st_size)})", file=sys.stderr)
-    return worst(statuses)
-
-
-# ---- checking --------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,52 @@
+"""The certificates of `tachk verify`."""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from tachk.certify.certificate import CertificateWriter
+from tachk.cli.exit_status import ExitStatus, worst
+from tachk.cli.guard import complain
+from tachk.engines.options import Limits, Options
+from tachk.formats.network_json.network import network_to_json_text
+from tachk.model.network import Network
+from tachk.properties.certificates import find_proof, is_provable
+from tachk.properties.verdict import Verdict
+from tachk.report.quantity import bytes_
+
+
+def digest(network: Network) -> str:
+    """What identifies a network: the SHA-256 of its JSON."""
+    return hashlib.sha256(network_to_json_text(network).encode()).hexdigest()
+
+
+def write_certificates(
+    path: Path, network: Network, verdicts: Sequence[Verdict], options: Options, limits: Limits
+) -> ExitStatus:
+    """Writes a certificate for each verdict that has one, and tells on standard error what has been written.
+
+    UNKNOWN if a limit keeps one from being made.
+    """
+    started = time.monotonic()
+    statuses = [ExitStatus.AS_EXPECTED]
+    provable = [verdict for verdict in verdicts if is_provable(verdict)]
+    model = digest(network)
+    names = []
+    with path.open("wb") as file:
+        writer = CertificateWriter(file)
+        for verdict in provable:
+            left = limits.after(time.monotonic() - started)
+            proof = find_proof(network, model, verdict.query, options, left)
+            if isinstance(proof, str):
+                complain(f"no certificate for {verdict.query.name}: {proof}")
+                statuses.append(ExitStatus.UNKNOWN)
+                continue
+            writer.write(proof.header, proof.blocks())
+            names.append(verdict.query.name)
+    told = f"proofs of {', '.join(names)}" if names else "no proof, for no property has been shown to be one of absence"
+    print(f"{path}: {told} ({bytes_(path.stat().st_size)})", file=sys.stderr)
+    return worst(statuses)
