@@ -24,6 +24,8 @@ class Ends final {
 
   // `avoided` is looked at in the state. Throws ModelFault.
   void begin(SymbolicState& source, Predicate& avoided);
+  // Whether time can pass for ever, which is known from the beginning.
+  bool idle() const { return idle_; }
   void pass(ConstZoneRef guarded, const Effect& effect);
   // An end in the state, if there is one. With bounds that widen zones in one direction only (LU) a valuation may seem
   // stuck that stands for true ones that are not; an idle one stands for idle ones.

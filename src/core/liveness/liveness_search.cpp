@@ -23,12 +23,25 @@ LivenessSearch::LivenessSearch(Program program, const Options& options, const Li
       graph_(std::move(program), options_),
       restriction_(graph_, graph_.program().goals.at(0)),
       ends_(graph_),
+      overview_(overview()),
       passed_(graph_.program(), graph_.operations(), options_.chunk_words, options_.reclaim,
               graph_.smaller_operations()),
       stack_(graph_),
-      source_(graph_.blank()) {
-  if (graph_.program().goals.size() < 2) return;
-  beginnings_.emplace(Predicate(graph_.program().goals[1], graph_.semantics()), Reachable(graph_, options_, limits_));
+      source_(graph_.blank()) {}
+
+LivenessSearch::Overview LivenessSearch::overview() {
+  const std::vector<Goal>& goals = graph_.program().goals;
+  if (goals.size() < 2)
+    return {{},
+            Reachable(graph_, &restriction_, options_, limits_),
+            {},
+            Stage::descending,
+            options_.proof_after != UINT32_MAX};
+  return {Predicate(goals[1], graph_.semantics()),
+          Reachable(graph_, nullptr, options_, limits_),
+          {},
+          Stage::reaching,
+          options_.proof_after != UINT32_MAX};
 }
 
 // ---- the loop -------------------------------------------------------------------------------------------------------
@@ -65,6 +78,64 @@ Status LivenessSearch::search(std::uint64_t steps) {
 }
 
 bool LivenessSearch::advance() {
+  switch (overview_.stage) {
+    case Stage::reaching:
+      reach();
+      return true;
+    case Stage::proving:
+      return prove();
+    case Stage::descending:
+      break;
+  }
+  if (!overview_.begins && overview_.proves && done_.explored >= options_.proof_after)
+    overview_.stage = Stage::reaching;
+  else
+    return descend();
+  return true;
+}
+
+// Expands one state on the way to all states.
+void LivenessSearch::reach() {
+  Overview& all = overview_;
+  if (all.begins) {
+    if (all.reachable.advance(source_)) return;
+    complete_ = all.reachable.complete();
+  } else {
+    try {
+      if (all.reachable.advance(source_)) return;
+    } catch (const ModelFault&) {  // the search depth first meets it, too, or a run before it
+      all.proves = false;
+    } catch (const ConstantOverflow&) {
+      all.proves = false;
+    }
+  }
+  all.stage = Stage::descending;
+  if (!std::exchange(all.proves, false) || !all.reachable.complete()) return;
+  all.proof.emplace(graph_, restriction_, ends_, all.reachable, all.begins ? &*all.begins : nullptr);
+  all.stage = Stage::proving;
+}
+
+// Looks at one more state of the covered graph; false if there is no run.
+bool LivenessSearch::prove() {
+  CoveredGraph& proof = *overview_.proof;
+  try {
+    switch (proof.advance(source_)) {
+      case CoveredGraph::Answer::unknown_yet:
+        return true;
+      case CoveredGraph::Answer::proved:
+        complete_ = true;
+        return false;
+      case CoveredGraph::Answer::open:
+        break;
+    }
+  } catch (const ModelFault&) {  // as above, or an error in states that no run comes to
+  } catch (const ConstantOverflow&) {
+  }
+  overview_.stage = Stage::descending;
+  return true;
+}
+
+bool LivenessSearch::descend() {
   if (stack_.empty()) return start();
   const SearchStack::State top = stack_.top();
   if (top.open) {
@@ -116,25 +187,20 @@ void LivenessSearch::unpack(std::uint32_t number) {
 
 // Pushes what the next run may begin with, if that is not known yet; false if there is nothing left to begin with.
 bool LivenessSearch::start() {
-  if (!beginnings_) {
-    if (std::exchange(reached_, true)) return false;
+  if (!overview_.begins) {
+    if (overview_.next++ != 0) return false;
     graph_.start(Descending{*this});
     return true;
   }
-  if (!reached_) {
-    reached_ = !beginnings_->reachable.advance(source_);
-    if (reached_) complete_ = beginnings_->reachable.complete();
-    return true;
-  }
-  while (beginnings_->next < beginnings_->reachable.states().size())
-    if (start_from(beginnings_->next++)) return true;
+  while (overview_.next < overview_.reachable.states().size())
+    if (start_from(overview_.next++)) return true;
   return false;
 }
 
 bool LivenessSearch::start_from(std::uint32_t number) {
-  PassedList& states = beginnings_->reachable.states();
+  PassedList& states = overview_.reachable.states();
   if (states.covered(number)) return false;
-  beginnings_->begun = number;
+  overview_.begun = number;
   const Node node = states.node(number);
   states.unpack(node, source_.slots.data());
   graph_.unpack(source_.slots.data(), states.zone(node), source_.zone);
@@ -148,7 +214,7 @@ bool LivenessSearch::start_from(std::uint32_t number) {
 template <class Take>
 void LivenessSearch::parts(SymbolicState& state, Take&& take) {
   std::int32_t* slots = state.slots.data();
-  Predicate& predicate = beginnings_->predicate;
+  Predicate& predicate = *overview_.begins;
   const Truth begins = predicate.in(slots);
   if (begins == Truth::never) return;
   const Truth avoided = restriction_.avoided().in(slots);
@@ -205,9 +271,9 @@ Edges LivenessSearch::edges_between(std::uint32_t from, std::uint32_t to) {
 
 Path LivenessSearch::path_so_far() {
   Path path;
-  if (beginnings_) {
-    Reachable& reachable = beginnings_->reachable;
-    const std::uint32_t node = reached_ ? beginnings_->begun : reachable.node();
+  if (overview_.begins) {
+    Reachable& reachable = overview_.reachable;
+    const std::uint32_t node = overview_.stage == Stage::reaching ? reachable.node() : overview_.begun;
     if (node != no_node) path = path_to(graph_, reachable.states(), 0, node);
   }
   const std::vector<std::uint32_t> open = stack_.path();
@@ -269,9 +335,9 @@ struct Probing {
 bool LivenessSearch::gets_stuck(const Path& actions, std::size_t begins) {
   std::vector<SymbolicState> states;
   try {
-    graph_.start(Following{graph_, beginnings_ ? nullptr : &restriction_, nullptr, states});
+    graph_.start(Following{graph_, overview_.begins ? nullptr : &restriction_, nullptr, states});
     for (std::size_t number = 0;; ++number) {
-      if (beginnings_ && number == begins) {
+      if (overview_.begins && number == begins) {
         std::vector<SymbolicState> parts_of_all;
         for (SymbolicState& state : states)
           parts(state, [&](const Successor& part) { parts_of_all.push_back(graph_.copy(part)); });
@@ -314,17 +380,17 @@ Status LivenessSearch::run(std::uint64_t steps) {
 }
 
 std::uint64_t LivenessSearch::stored() const {
-  const std::uint64_t reached = beginnings_ ? beginnings_->reachable.states().stored() : 0;
-  return reached + passed_.stored() + stack_.depth();
+  return overview_.reachable.states().stored() + passed_.stored() + stack_.depth();
 }
 
 Statistics LivenessSearch::statistics() const {
-  Statistics sum{done_.explored, stored(), done_.transitions, passed_.bytes() + stack_.bytes()};
-  if (beginnings_) {
-    const Reachable& reachable = beginnings_->reachable;
-    sum.explored += reachable.explored();
-    sum.transitions += reachable.transitions();
-    sum.bytes += reachable.bytes();
+  const Reachable& reachable = overview_.reachable;
+  Statistics sum{done_.explored + reachable.explored(), stored(), done_.transitions + reachable.transitions(),
+                 passed_.bytes() + stack_.bytes() + reachable.bytes()};
+  if (overview_.proof) {
+    sum.explored += overview_.proof->explored();
+    sum.transitions += overview_.proof->transitions();
+    sum.bytes += overview_.proof->bytes();
   }
   return sum;
 }

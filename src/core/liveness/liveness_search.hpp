@@ -5,6 +5,9 @@
 // a run can end in it (Ends). Of `p --> q` the runs begin in each reachable state in which p holds and q does not, and
 // share the finished states.
 //
+// Before it, or once it has taken a while, a search breadth first looks for a proof that there is no run
+// (CoveredGraph): depth first, runs are found soon, but to see that there is none takes several times as many states.
+//
 // A loop w ->+ v with w inside v is an infinite run: every valuation of v is simulated by one that a valuation of w
 // leads to, hence for any number of rounds some valuation of w can go them all. Dropping is sound because a valuation
 // that was expanded in a finished state has its successors in states that finished earlier: an infinite run would
@@ -17,6 +20,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "liveness/covered_graph.hpp"
 #include "liveness/ends.hpp"
 #include "liveness/reachable.hpp"
 #include "liveness/restriction.hpp"
@@ -67,10 +71,14 @@ class LivenessSearch final {
   struct Finding;
   struct StateFault;
 
-  // Where the runs of p --> q begin.
-  struct Beginnings {
-    Predicate predicate;
+  enum class Stage { reaching, proving, descending };
+  // Where runs begin, and what is reachable: of p --> q all states, else those of the restricted graph.
+  struct Overview {
+    std::optional<Predicate> begins;  // none: the initial states
     Reachable reachable;
+    std::optional<CoveredGraph> proof;  // being looked for
+    Stage stage;
+    bool proves;                    // whether a proof is still to be looked for
     std::uint32_t begun = no_node;  // the reached state in which the path begins
     std::uint32_t next = 0;         // the next one that is looked at
   };
@@ -80,9 +88,13 @@ class LivenessSearch final {
     Edges edges;
   };
 
+  Overview overview();
   Status search(std::uint64_t steps);
   std::uint64_t stored() const;
   bool advance();
+  void reach();
+  bool prove();
+  bool descend();
   bool start();
   bool start_from(std::uint32_t node);
   void expand();
@@ -101,13 +113,12 @@ class LivenessSearch final {
   ZoneGraph graph_;
   Restriction restriction_;
   Ends ends_;
-  std::optional<Beginnings> beginnings_;  // none: runs begin in the initial states
-  PassedList passed_;                     // finished states; the later one has finished, the larger is its number
+  Overview overview_;
+  PassedList passed_;  // finished states; the later one has finished, the larger is its number
   SearchStack stack_;
   SymbolicState source_;
   std::optional<Closing> closing_;  // of the state being expanded
-  Statistics done_;                 // without what `beginnings_` counts
-  bool reached_ = false;            // whether all states in which runs may begin are known
+  Statistics done_;                 // without what `overview_` counts
   bool complete_ = true;
   std::optional<Violation> violation_;
   std::optional<LivenessFault> fault_;

@@ -4,8 +4,9 @@
 
 namespace tachk {
 
-Reachable::Reachable(ZoneGraph& graph, const Options& options, const Limits& limits)
+Reachable::Reachable(ZoneGraph& graph, Restriction* restriction, const Options& options, const Limits& limits)
     : graph_(graph),
+      restriction_(restriction),
       subsumption_(options.subsumption),
       passed_(graph.program(), graph.operations(), options.chunk_words, options.reclaim, graph.smaller_operations()),
       waiting_(SearchOrder::breadth_first, options.seed, limits.depth) {}
@@ -16,8 +17,15 @@ struct Reachable::Storing {
 
   void possible(ConstZoneRef, const Effect&) const {}
   void expect(const Effect& effect) const { search.passed_.announce(effect.slots.data(), effect.written); }
+  bool enters(const Successor& entry, const std::vector<Atom>& invariant) {
+    search.transitions_ += !entry.edges.empty();
+    return search.restriction_ == nullptr ||
+           search.restriction_->lets_through(entry, invariant, [this](const Successor& part) {
+             discrete = search.passed_.locate();
+             take(part);
+           });
+  }
   bool wants(const Successor& successor) {
-    search.transitions_ += !successor.edges.empty();
     discrete = search.passed_.locate();
     return !search.subsumption_ ||
            !search.passed_.covers(discrete, search.graph_.packed(successor.slots, successor.zone));

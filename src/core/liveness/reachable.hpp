@@ -1,8 +1,9 @@
-// All reachable states, breadth first: where the runs begin that a search for liveness is about.
+// All reachable states, breadth first, of the zone graph or of its restriction.
 #pragma once
 
 #include <cstdint>
 
+#include "liveness/restriction.hpp"
 #include "reachability/options.hpp"
 #include "reachability/waiting.hpp"
 #include "states/store.hpp"
@@ -12,11 +13,13 @@ namespace tachk {
 
 class Reachable final {
  public:
-  Reachable(ZoneGraph& graph, const Options& options, const Limits& limits);
+  // `restriction` may be null.
+  Reachable(ZoneGraph& graph, Restriction* restriction, const Options& options, const Limits& limits);
 
   // Expands one state; false if none is left. Throws ModelFault, ConstantOverflow.
   bool advance(SymbolicState& source);
 
+  bool is_restricted() const { return restriction_ != nullptr; }
   PassedList& states() { return passed_; }
   const PassedList& states() const { return passed_; }
   // The state being expanded; no_node before the first.
@@ -31,6 +34,7 @@ class Reachable final {
   struct Storing;
 
   ZoneGraph& graph_;
+  Restriction* restriction_;
   bool subsumption_;
   PassedList passed_;
   Waiting waiting_;

@@ -25,17 +25,20 @@ PassedList::PassedList(const Program& program, const ZoneOperations& zones, std:
       discretes_(program, chunk_words),
       nodes_(sizeof(Node)) {}
 
-bool PassedList::covers(std::uint32_t discrete, ZoneView zone) const {
+std::uint32_t PassedList::coverer(std::uint32_t discrete, ZoneView zone) const {
   const ZoneOperations& operations = zones_.operations(zone.dimension);
   const std::uint32_t first = head(discrete);
-  if (!is_long(first)) {
-    for (std::uint32_t number = first; number != no_node; number = node(number).next)
-      if (operations.includes(zones_[node(number).zone], zone.data, zone.dimension)) return true;
-    return false;
-  }
-  return chain(first).any_above(extent_of(zone), [&](std::uint32_t number) {
-    return operations.includes(zones_[node(number).zone], zone.data, zone.dimension);
-  });
+  std::uint32_t found = no_node;
+  const auto covers = [&](std::uint32_t number) {
+    if (!operations.includes(zones_[node(number).zone], zone.data, zone.dimension)) return false;
+    found = number;
+    return true;
+  };
+  if (is_long(first))
+    chain(first).any_above(extent_of(zone), covers);
+  else
+    for (std::uint32_t number = first; number != no_node && !covers(number);) number = node(number).next;
+  return found;
 }
 
 bool PassedList::contains(std::uint32_t discrete, ZoneView zone, bool subsumption) const {

@@ -41,7 +41,9 @@ class PassedList {
   std::uint32_t locate() { return discretes_.locate(no_node); }
 
   // Whether a stored zone of this discrete state contains the zone.
-  bool covers(std::uint32_t discrete, ZoneView zone) const;
+  bool covers(std::uint32_t discrete, ZoneView zone) const { return coverer(discrete, zone) != no_node; }
+  // A stored state with this discrete part whose zone does; no_node if there is none.
+  std::uint32_t coverer(std::uint32_t discrete, ZoneView zone) const;
 
   // As `covers`; without `subsumption`, whether an equal zone is stored.
   bool contains(std::uint32_t discrete, ZoneView zone, bool subsumption) const;

@@ -42,6 +42,8 @@ class BoundScope(StrEnum):
 
 
 LARGEST_SEED = 2**32 - 1
+NEVER = 2**32 - 1
+"""`Options.proof_after` for no proof at all."""
 PASSED_IN_A_ROW = 8
 """`Options.passing` where a user only says that states with a committed location need not be stored."""
 
@@ -66,6 +68,8 @@ class Options:
             so many in a row; 0: all are stored. It takes less memory; those that are reached in several ways are
             explored again. Not with `shortest`, with a limit on depth, or while `deadlock` is asked for.
         chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
+        proof_after: for `A<>` and `E[]`: how many states are explored depth first before a search breadth first looks
+            for a short proof that there is no run; for `-->` it does so at once. 2**32 - 1: never.
         hold_spectators: hold processes still that cannot influence the answer; off: explore them too.
         drop_bystanders: first search without the processes that can only block others; off: search the whole network
             at once.
@@ -87,6 +91,7 @@ class Options:
     pack_clocks: int = 16
     passing: int = 0
     chunk_words: int = 8
+    proof_after: int = 2000
     hold_spectators: bool = True
     drop_bystanders: bool = True
     shortest: bool = False
@@ -95,6 +100,7 @@ class Options:
     def __post_init__(self) -> None:
         _check_range("seed", self.seed, 0, LARGEST_SEED)
         _check_range("chunk_words", self.chunk_words, 0, 2**16)
+        _check_range("proof_after", self.proof_after, 0, NEVER)
         _check_range("pack_clocks", self.pack_clocks, 0, 2**32 - 1)
         _check_range("passing", self.passing, 0, 64)
         if self.width not in (16, 32, 64):

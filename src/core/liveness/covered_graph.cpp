@@ -1,0 +1,83 @@
+#include "liveness/covered_graph.hpp"
+
+#include <utility>
+
+namespace tachk {
+
+// Notes the stored states that cover the successors in which the predicate can be false.
+struct CoveredGraph::Stepping {
+  CoveredGraph& search;
+
+  PassedList& states() const { return search.reachable_.states(); }
+  void possible(ConstZoneRef guarded, const Effect& effect) const { search.ends_.pass(guarded, effect); }
+  void expect(const Effect& effect) const { states().announce(effect.slots.data(), effect.written); }
+  bool enters(const Successor& entry, const std::vector<Atom>& invariant) const {
+    ++search.transitions_;
+    if (!search.reachable_.is_restricted()) return search.restriction_.avoided().in(entry.slots) != Truth::always;
+    return search.restriction_.lets_through(entry, invariant, [this](const Successor& part) { take(part); });
+  }
+  // What a zone is widened to is covered where the zone is, unless it is widened in several parts.
+  bool wants(const Successor& successor) const { return !covered(successor); }
+  void take(const Successor& successor) const { search.open_ |= !covered(successor); }
+
+  bool covered(const Successor& successor) const {
+    const std::uint32_t discrete = states().locate();
+    const State state = states().coverer(discrete, search.graph_.packed(successor.slots, successor.zone));
+    if (state == no_node) return false;
+    search.colours_.resize(states().size(), Colour::white);
+    if (search.colours_[state] == Colour::grey) search.open_ = true;
+    if (search.colours_[state] == Colour::white) search.steps_.push_back(state);
+    return true;
+  }
+};
+
+CoveredGraph::Answer CoveredGraph::advance(SymbolicState& source) {
+  if (path_.empty() && steps_.empty()) {
+    if (!begin(source)) return Answer::proved;
+  } else if (!path_.empty() && steps_.size() == path_.back().first) {
+    colours_[path_.back().state] = Colour::black;
+    path_.pop_back();
+  } else {
+    const State state = steps_.back();
+    steps_.pop_back();
+    if (colours_[state] == Colour::white && !visit(state, source)) return Answer::open;
+  }
+  return open_ ? Answer::open : Answer::unknown_yet;
+}
+
+// Notes where runs begin, if that is not done yet; false if it is.
+bool CoveredGraph::begin(SymbolicState& source) {
+  PassedList& states = reachable_.states();
+  colours_.resize(states.size(), Colour::white);
+  if (begins_ == nullptr) {
+    if (std::exchange(next_, 1) != 0) return false;
+    graph_.start(Stepping{*this});
+    return true;
+  }
+  for (; next_ < states.size(); ++next_) {
+    if (states.covered(next_) || colours_[next_] != Colour::white) continue;
+    states.unpack(states.node(next_), source.slots.data());
+    if (begins_->in(source.slots.data()) == Truth::never) continue;
+    if (restriction_.avoided().in(source.slots.data()) == Truth::always) continue;
+    steps_.push_back(next_++);
+    return true;
+  }
+  return false;
+}
+
+// False if a run may end in the state.
+bool CoveredGraph::visit(State state, SymbolicState& source) {
+  PassedList& states = reachable_.states();
+  const Node node = states.node(state);
+  states.unpack(node, source.slots.data());
+  graph_.unpack(source.slots.data(), states.zone(node), source.zone);
+  colours_[state] = Colour::grey;
+  path_.push_back({state, steps_.size()});
+  ++explored_;
+  ends_.begin(source, restriction_.avoided());
+  if (ends_.idle()) return false;
+  graph_.expand(source, Stepping{*this});
+  return !ends_.end();
+}
+
+}  // namespace tachk

@@ -1,0 +1,67 @@
+// A short proof that no run avoids a predicate for ever, where it succeeds. Every reachable valuation is in a stored
+// state, and every successor of a stored state in a stored state that covers it. If the graph of the stored states with
+// these steps has no circle among those where the predicate can be false, and no run can end in them, then there is no
+// such run. The converse is wrong: covering a state by a larger one can close a circle that no run goes through (F.
+// Herbreteau, B. Srivathsan, T. Tran, I. Walukiewicz, "Why liveness for timed automata is hard, and what we can do
+// about it", FSTTCS 2016, who search like this first).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "liveness/ends.hpp"
+#include "liveness/predicate.hpp"
+#include "liveness/reachable.hpp"
+#include "liveness/restriction.hpp"
+#include "symbolic/zone_graph.hpp"
+
+namespace tachk {
+
+class CoveredGraph final {
+ public:
+  enum class Answer {
+    unknown_yet,
+    proved,
+    open,  // there may be a run or not
+  };
+
+  // `reachable` has gone through all states, of the restricted graph if its own restriction is this one. `begins`: the
+  // states where runs begin; without it those are the initial ones.
+  CoveredGraph(ZoneGraph& graph, Restriction& restriction, Ends& ends, Reachable& reachable, Predicate* begins)
+      : graph_(graph), restriction_(restriction), ends_(ends), reachable_(reachable), begins_(begins) {}
+
+  // Looks at one more state. Throws ModelFault, ConstantOverflow; then too the question is open.
+  Answer advance(SymbolicState& source);
+
+  std::uint64_t explored() const { return explored_; }
+  std::uint64_t transitions() const { return transitions_; }
+  std::size_t bytes() const { return colours_.capacity() + (steps_.capacity() + path_.capacity()) * sizeof(State); }
+
+ private:
+  enum class Colour : std::uint8_t { white, grey, black };
+  using State = std::uint32_t;
+  // A state on the path, with the steps from it that have not been taken: those from `first` to the next one's.
+  struct Visit {
+    State state;
+    std::size_t first;
+  };
+  struct Stepping;
+
+  bool begin(SymbolicState& source);
+  bool visit(State state, SymbolicState& source);
+
+  ZoneGraph& graph_;
+  Restriction& restriction_;
+  Ends& ends_;
+  Reachable& reachable_;
+  Predicate* begins_;
+  std::vector<Colour> colours_;  // of the states
+  std::vector<Visit> path_;
+  std::vector<State> steps_;  // where those on the path and the initial ones lead
+  State next_ = 0;
+  bool open_ = false;
+  std::uint64_t explored_ = 0;
+  std::uint64_t transitions_ = 0;
+};
+
+}  // namespace tachk
