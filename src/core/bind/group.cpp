@@ -291,8 +291,8 @@ void bind_group(nb::module_& m) {
       [](const Times& times, int decimals, std::int64_t first, std::int64_t factor, const WrittenTicks& ticks) {
         if (ticks.shape(0) != times.shape(0)) throw std::invalid_argument("every time has a tick");
         if (times.shape(0) == 0) return true;
-        return tachk::counted_as({times.data(), times.shape(0)}, times.data()[0], decimals, first, factor,
-                                 ticks.data());
+        return tachk::CountedAs::wrong != tachk::counted_as({times.data(), times.shape(0)}, times.data()[0], decimals,
+                                                            first, factor, ticks.data());
       },
       nb::arg("times"), nb::arg("decimals"), nb::arg("first"), nb::arg("factor"), nb::arg("ticks"),
       "Writes ticks of times that are whole in units of 10^-decimals; false if they are not, or decrease.");

@@ -54,12 +54,14 @@ bool push_counted(Monitor& monitor, const NumberArray& times, double before, int
     if (!all && monitor.settled()) return true;
     const std::size_t count = std::min(block, times.shape(0) - row);
     const double* const part = times.data() + row;
-    if (!tachk::counted_as({part, count}, row == 0 ? before : part[-1], decimals, first, factor, ticks.data()))
-      return false;
+    const tachk::CountedAs counted =
+        tachk::counted_as({part, count}, row == 0 ? before : part[-1], decimals, first, factor, ticks.data());
+    if (counted == tachk::CountedAs::wrong) return false;
     // The next times come while the monitor is busy.
     for (std::size_t next = row + block; next < std::min(row + 2 * block, times.shape(0)); next += 8)
       __builtin_prefetch(times.data() + next);
-    if (!monitor.settled()) monitor.push({ticks.data(), piece.data(), count});
+    const bool strictly = counted == tachk::CountedAs::rising_strictly;
+    if (!monitor.settled()) monitor.push({ticks.data(), piece.data(), count, strictly});
     // The monitor does more with values than this does, so it had better be the one to wait for them.
     for (const NumberArray& values : finite)
       if (!tachk::all_finite(values.data() + row, count)) return false;

@@ -20,6 +20,7 @@ struct Samples {
   const std::int64_t* ticks = nullptr;  // never decreasing
   const Column* columns = nullptr;      // as many as the program has
   std::size_t count = 0;
+  bool rising = false;  // it is known that each tick is later than the one before, also than the last one before these
 };
 
 // Evaluates the atoms of one program on up to `block` consecutive samples at a time. Comparisons with NaN are false,

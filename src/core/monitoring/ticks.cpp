@@ -34,6 +34,7 @@ std::int64_t power_of_ten(int exponent) { return whole_powers[static_cast<std::s
 struct Counting {
   bool exact;
   bool rising;
+  bool strictly;
 };
 
 // Counts a block in units of 1 / power from the tick `first` on, and looks whether that is exact for all of it and no
@@ -51,7 +52,7 @@ template <bool Fused>
   constexpr std::uint64_t exponent = 0x7ff0'0000'0000'0000;
   const double half_unit = power * 0x1p-53;  // for each unit of the highest binary digit
   std::uint64_t inexact = 0;
-  std::uint64_t falling = before <= times[0] ? 0 : all;
+  std::uint64_t staying = before < times[0] ? 0 : all;
   for (std::size_t n = 0; n < count; ++n) {
     const double time = times[n];
     const double shifted = Fused ? __builtin_fma(time, power, rounder) : time * power + rounder;
@@ -64,8 +65,11 @@ template <bool Fused>
     }
     ticks[n] = std::bit_cast<std::int64_t>(shifted) - offset;
   }
+  for (std::size_t n = 1; n < count; ++n) staying |= times[n - 1] < times[n] ? 0 : all;
+  if (staying == 0) return {inexact == 0, true, true};
+  std::uint64_t falling = before <= times[0] ? 0 : all;
   for (std::size_t n = 1; n < count; ++n) falling |= times[n - 1] <= times[n] ? 0 : all;  // not a number falls
-  return {inexact == 0, falling == 0};
+  return {inexact == 0, falling == 0, false};
 }
 
 // What is not finite has all bits of its exponent set. Integers can be joined in any order, so vectors are used.
@@ -198,19 +202,23 @@ bool scaled(const std::int64_t* times, std::size_t count, std::int64_t factor, s
   return loops().scale(times, count, factor, start, ticks);
 }
 
-bool counted_as(std::span<const double> times, double before, int decimals, std::int64_t first, std::int64_t factor,
-                std::int64_t* ticks) {
-  if (decimals < 0 || decimals > most_exact_decimals) return false;
+CountedAs counted_as(std::span<const double> times, double before, int decimals, std::int64_t first,
+                     std::int64_t factor, std::int64_t* ticks) {
+  if (decimals < 0 || decimals > most_exact_decimals) return CountedAs::wrong;
   const double power = powers[static_cast<std::size_t>(decimals)];
   // Of times that rise.
   const double largest = std::max(std::fabs(times.front()), std::fabs(times.back()));
-  if (!(largest * power < exact_below)) return false;
+  if (!(largest * power < exact_below)) return CountedAs::wrong;
   const Counting done = loops().count_block(times.data(), times.size(), before, power, first, ticks);
-  if (!done.exact || !done.rising) return false;
+  if (!done.exact || !done.rising) return CountedAs::wrong;
+  // Different times that are whole in these units are different ticks, as long as the last one fits.
+  std::int64_t product = 0;
+  const bool fits = factor == 1 || (factor > 0 && !__builtin_mul_overflow(ticks[0], factor, &product) &&
+                                    !__builtin_mul_overflow(ticks[times.size() - 1], factor, &product));
   if (factor != 1)
     for (std::int64_t& tick : std::span(ticks, times.size()))
       tick = static_cast<std::int64_t>(static_cast<std::uint64_t>(tick) * static_cast<std::uint64_t>(factor));
-  return true;
+  return done.strictly && fits ? CountedAs::rising_strictly : CountedAs::rising;
 }
 
 std::size_t first_backwards(const std::int64_t* times, std::size_t count) {

@@ -45,10 +45,11 @@ struct CountedTimes {
 CountedTimes counted(std::span<const double> times, int usual, std::int64_t* ticks);
 
 // Writes the ticks of times that are whole in units of 10^-decimals, counted from the unit `first` on, each unit
-// `factor` ticks. Returns false where one is not, or too large for that, or lies before the one above, of which the
-// first is `before`; the ticks are then wrong. There is a time.
-bool counted_as(std::span<const double> times, double before, int decimals, std::int64_t first, std::int64_t factor,
-                std::int64_t* ticks);
+// `factor` ticks. The ticks are `wrong` where one is not, or too large for that, or lies before the one above, of which
+// the first is `before`. There is a time.
+enum class CountedAs { wrong, rising, rising_strictly };
+CountedAs counted_as(std::span<const double> times, double before, int decimals, std::int64_t first,
+                     std::int64_t factor, std::int64_t* ticks);
 
 // The first row with an earlier time than the row before; `count` if there is none.
 std::size_t first_backwards(const std::int64_t* times, std::size_t count);

@@ -65,7 +65,7 @@ void OfflineMonitor<Value>::push(const Samples& samples) {
 template <class Value>
 void OfflineMonitor<Value>::feed(const Samples& samples, std::size_t first, std::size_t count) {
   const std::int64_t* ticks = samples.ticks + first;
-  const bool rising = rises(ticks, count, position_);
+  const bool rising = samples.rising || rises(ticks, count, position_);
   if (!position_.begun) position_ = {ticks[0], ticks[0], true};
   if (position_.origin < -largest_tick || position_.origin > largest_tick ||
       ticks[count - 1] > position_.origin + largest_tick)
