@@ -61,6 +61,10 @@ def test_nothing_is_said_where_nothing_fits_or_nothing_differs() -> None:
     assert said(points, a < 0) is None
 
 
+def test_points_on_the_border_are_inside() -> None:
+    assert said(np.array([[0, 0], [1, 1], [1, 0]], dtype=np.int64), np.array([True, True, False])) == "A <= B"
+
+
 def test_only_the_given_points_count() -> None:
     points = np.array([[10], [20], [30], [40]], dtype=np.int64)
     assert said(points, points[:, 0] <= 20) == "A <= 20"

@@ -161,6 +161,8 @@ def test_a_run_is_not_used_where_its_edges_do_not_exist() -> None:
     """
     region = loads(text).synthesize(property="ever", over="N=0..5").region
     assert [cell.answer is Answer.HOLDS for cell in region.cells] == [False, False, True, True, True, True]
+    region = loads(text.replace("int[0, N]", "int[0, 5 - N]")).synthesize(property="ever", over="N=0..5").region
+    assert [cell.answer is Answer.HOLDS for cell in region.cells] == [True, True, True, True, False, False]
 
 
 def test_corners_have_evidence_of_their_own() -> None:
