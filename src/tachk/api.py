@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from tachk.drawing.svg import Picture
     from tachk.engines.outcome import Statistics
     from tachk.properties.deep.findings import DeepCheck
+    from tachk.properties.times import Times
     from tachk.properties.verify import VerifyProgress
     from tachk.report.region.synthesis import Synthesis
     from tachk.synthesis.parameters import Parameter
@@ -261,6 +262,40 @@ class Model:
             trace,
         )
         return Report(record)
+
+    def time(
+        self,
+        start: str | None,
+        end: str,
+        last: bool = False,
+        best: bool = True,
+        worst: bool = True,
+        options: Options | None = None,
+        limits: Limits | None = None,
+        trace: bool = True,
+    ) -> Times:
+        """The least and the largest time from one event to the next occurrence of another one, over all runs.
+
+        Args:
+            start, end: conditions that become true (``"P.location"``, ``"n == 3"``), channels (``"c[1]!"``) or signals;
+                None for the start of the run.
+            last: from the last occurrence of the first event before the second one, not from the first.
+            best, worst: what is measured.
+            trace: make the runs that take these times.
+
+        Raises:
+            InputError: an event is wrong.
+            UsageError: an event is about a channel that an edge computes.
+            UnsupportedError: the model uses a feature that cannot be checked.
+        """
+        from tachk.frontend.queries.events import read_event
+        from tachk.properties.times import BEST, WORST, times_between
+
+        network = self.network
+        first = None if start is None else read_event(self.loaded, start, "--from")
+        second = read_event(self.loaded, end, "--to")
+        asked = [name for name, wanted in ((BEST, best), (WORST, worst)) if wanted]
+        return times_between(network, first, second, last, options or Options(), limits or Limits(), asked, trace)
 
     def check(
         self,

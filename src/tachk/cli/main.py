@@ -19,6 +19,7 @@ COMMANDS = (
     "verify",
     "synthesize",
     "certify",
+    "time",
     "check",
     "fmt",
     "convert",

@@ -20,6 +20,14 @@ class ReportForm(StrEnum):
     CSV = "csv"
 
 
+class TableForm(StrEnum):
+    """The forms of a table."""
+
+    TEXT = "text"
+    CSV = "csv"
+    JSON = "json"
+
+
 class Evidence(StrEnum):
     """Which run is given as the evidence for an answer."""
 

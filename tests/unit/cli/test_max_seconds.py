@@ -47,6 +47,7 @@ WITHOUT = {"sentences", "models", "completion", "verifyta"}
 COMMAND_LINES = (
     "verify m.ta",
     "synthesize m.ta --property p --over N=1..2",
+    "time m.ta --to n==2",
     "check m.ta",
     "fmt m.ta",
     "convert m.ta out.xml",

@@ -1,0 +1,95 @@
+"""`tachk time`."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable, Iterator
+from itertools import product
+from pathlib import Path
+from time import monotonic
+
+from tachk import api
+from tachk.cli.arguments import parse_definitions
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus, worst
+from tachk.cli.guard import print_diagnostics
+from tachk.cli.reporting import TableForm
+from tachk.cli.tables.ranges import parse_ranges
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.engines.options import Limits
+from tachk.engines.outcome import INTERRUPTED
+from tachk.records import dataclass
+from tachk.report.time_report import Between, TimedRow, times_to_csv, times_to_json, times_to_text
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """What is to be measured, as it was typed."""
+
+    model: str
+    start: str | None
+    end: str
+    last: bool = False
+    best: bool = False
+    worst: bool = False
+    over: tuple[str, ...] = ()
+    definitions: tuple[str, ...] = ()
+
+
+def run_time(
+    asked: Measured,
+    limits: Limits = Limits(),
+    form: TableForm = TableForm.TEXT,
+    output: Path | None = None,
+    traces: bool = False,
+) -> ExitStatus:
+    """Measures for each combination of the values of constants, and reports in one table."""
+    ranges = parse_ranges(asked.over)
+    constants = parse_definitions(asked.definitions)
+    twice = [name for name in ranges if name in constants]
+    if twice:
+        raise UsageError(f"{twice[0]} is set by -D and by --over")
+    began = monotonic()
+    rows = []
+    warned = False
+    with destination(output) as out:
+        assert out is not None
+        for values in product(*ranges.values()):
+            chosen = dict(zip(ranges, values, strict=True))
+            model = api.load(asked.model, **constants, **chosen)
+            if not warned:
+                print_diagnostics((*model.refusals, *model.warnings))
+                warned = True
+            times = model.time(
+                asked.start,
+                asked.end,
+                last=asked.last,
+                best=asked.best or not asked.worst,
+                worst=asked.worst or not asked.best,
+                limits=limits.after(monotonic() - began),
+                trace=traces,
+            )
+            rows.append(TimedRow(chosen, model.network, times))
+            if times.reason == INTERRUPTED:
+                break
+        between = Between(asked.model, asked.start, asked.end, asked.last)
+        match form:
+            case TableForm.TEXT:
+                out.write(times_to_text(between, rows, traces))
+            case TableForm.CSV:
+                out.write(times_to_csv(rows))
+            case TableForm.JSON:
+                print(json.dumps(times_to_json(between, rows), indent=2), file=out)
+    if form is not TableForm.TEXT:
+        for reason in dict.fromkeys(row.times.reason for row in rows if row.times.reason):
+            print(f"some times are unknown: {reason}", file=sys.stderr)
+    return worst(_statuses(rows))
+
+
+def _statuses(rows: Iterable[TimedRow]) -> Iterator[ExitStatus]:
+    for row in rows:
+        if row.times.reason == INTERRUPTED:
+            yield ExitStatus.INTERRUPTED
+        elif row.times.reason:
+            yield ExitStatus.UNKNOWN

@@ -1,0 +1,30 @@
+"""What can happen on a run, at a moment."""
+
+from __future__ import annotations
+
+from tachk.model.expressions import Expression
+from tachk.records import dataclass
+from tachk.words import Direction
+
+
+@dataclass(frozen=True, slots=True)
+class BecomesTrue:
+    """A condition, without clocks and ``deadlock``, becomes true; at the start of a run if it is true there."""
+
+    condition: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Fires:
+    """A synchronisation over a channel, or over any of an array of channels.
+
+    Attributes:
+        channel: a channel variable, perhaps with indices that do not depend on the state.
+        direction: SEND for each sender's edge, RECEIVE for each receiver's.
+    """
+
+    channel: Expression
+    direction: Direction
+
+
+Event = BecomesTrue | Fires

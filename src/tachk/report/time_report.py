@@ -1,0 +1,134 @@
+"""What `tachk time` has measured, as text, CSV and JSON."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from io import StringIO
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.table import Table
+
+from tachk.model.network import Network
+from tachk.properties.times import Times
+from tachk.properties.verdict import Extreme
+from tachk.records import dataclass
+from tachk.report.json_report import trace_to_json
+from tachk.report.quantity import duration
+from tachk.report.run.trace_text import print_trace
+from tachk.report.run.trace_view import view_trace
+
+if TYPE_CHECKING:
+    from tachk.report.json_report import Json
+
+FOR_EVER = "for ever"
+_COLUMNS = ("best", "worst", "waits")
+
+
+@dataclass(frozen=True, slots=True)
+class Between:
+    """What was asked, as it was typed; ``start`` is None for the start of a run."""
+
+    model: str
+    start: str | None
+    end: str
+    last: bool
+
+
+@dataclass(frozen=True, slots=True)
+class TimedRow:
+    """``constants``: those over which a table goes, with their values."""
+
+    constants: Mapping[str, int]
+    network: Network
+    times: Times
+
+
+def times_to_text(between: Between, rows: Sequence[TimedRow], traces: bool = False) -> str:
+    """A table with a row for each combination of constants, or the times alone where there is one."""
+    out = StringIO()
+    console = Console(file=out, width=120, highlight=False, color_system=None)
+    which = "last " if between.last else ""
+    start = "the start" if between.start is None else f"the {which}{between.start}" if which else between.start
+    console.print(f"{between.model}: from {start} to {between.end}\n", markup=False, soft_wrap=True)
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    names = list(rows[0].constants) if rows else []
+    for name in (*names, *_COLUMNS):
+        table.add_column(f"  {name}" if name == (names or _COLUMNS)[0] else name, justify="right", no_wrap=True)
+    for row in rows:
+        table.add_row(*map(str, row.constants.values()), *_cells(row, row.network.time_unit))
+    console.print(table)
+    for reason in dict.fromkeys(row.times.reason for row in rows if row.times.reason):
+        console.print(f"\nsome times are unknown: {reason}", markup=False, soft_wrap=True)
+    for row in rows if traces else ():
+        _print_runs(row, console)
+    return out.getvalue()
+
+
+def _print_runs(row: TimedRow, console: Console) -> None:
+    for name, extreme in _extremes(row.times).items():
+        if extreme is None or extreme.run is None or extreme.value is None or name == "waits":
+            continue
+        values = "".join(f", {constant} = {value}" for constant, value in row.constants.items())
+        value = duration(Fraction(extreme.value), row.network.time_unit)
+        console.print(f"\nthe {name} time, {value}{values}:", markup=False)
+        print_trace(view_trace(row.network, extreme.run), console, row.network.time_unit)
+
+
+def times_to_csv(rows: Sequence[TimedRow]) -> str:
+    """A row for each combination of constants; times in units of the model, ``<9`` for one that is approached."""
+    out = StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow([*(rows[0].constants if rows else ()), *_COLUMNS, "states"])
+    for row in rows:
+        cells = (cell.replace(" ", "") if cell != FOR_EVER else cell for cell in _cells(row, ""))
+        writer.writerow([*row.constants.values(), *cells, row.times.states])
+    return out.getvalue()
+
+
+def times_to_json(between: Between, rows: Sequence[TimedRow]) -> dict[str, Json]:
+    """As docs/schema/time.schema.json says."""
+    return {
+        "model": between.model,
+        "from": between.start,
+        "to": between.end,
+        "occurrence": "last" if between.last else "first",
+        "time_unit": rows[0].network.time_unit if rows else "",
+        "rows": [
+            {
+                "constants": dict(row.constants),
+                **{name: _extreme(row, extreme) for name, extreme in _extremes(row.times).items()},
+                "reason": row.times.reason,
+                "states": row.times.states,
+                "seconds": row.times.seconds,
+            }
+            for row in rows
+        ],
+    }
+
+
+def _extreme(row: TimedRow, extreme: Extreme | None) -> Json:
+    if extreme is None:
+        return None
+    run = None if extreme.run is None else trace_to_json(view_trace(row.network, extreme.run))
+    return {"value": extreme.value, "strict": extreme.strict, "trace": run}
+
+
+def _extremes(times: Times) -> dict[str, Extreme | None]:
+    return dict(zip(_COLUMNS, (times.best, times.worst, times.waiting), strict=True))
+
+
+def _cells(row: TimedRow, unit: str) -> list[str]:
+    times = row.times
+    cells = []
+    for name, extreme in _extremes(times).items():
+        if extreme is None:
+            cells.append("?" if times.reason else "-")
+        elif extreme.value is None:
+            cells.append(FOR_EVER if name == "waits" else "no limit")
+        else:
+            sign = "" if not extreme.strict else "> " if name == "best" else "< "
+            cells.append(f"{sign}{duration(Fraction(extreme.value), unit)}")
+    return cells
