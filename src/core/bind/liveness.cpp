@@ -55,6 +55,7 @@ void bind_liveness(nb::module_& m) {
           },
           "(explored, stored, transitions, bytes)")
       .def("violation", &violation_of, "(kind, stem, begins, loop) of a run that was found, as edge numbers, or None.")
+      .def("begins", &tachk::LivenessSearch::begins, "Whether the left side of p --> q holds in some state so far.")
       .def("gets_stuck", &tachk::LivenessSearch::gets_stuck, nb::arg("actions"), nb::arg("begins"),
            "Whether these actions, as edge numbers, can end where nothing is possible; for a fresh search without "
            "extrapolation.")

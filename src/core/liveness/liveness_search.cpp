@@ -98,7 +98,7 @@ bool LivenessSearch::advance() {
 void LivenessSearch::reach() {
   Overview& all = overview_;
   if (all.begins) {
-    if (all.reachable.advance(source_)) return;
+    if (all.reachable.advance(source_)) return note_beginning();
     complete_ = all.reachable.complete();
   } else {
     try {
@@ -113,6 +113,23 @@ void LivenessSearch::reach() {
   if (!std::exchange(all.proves, false) || !all.reachable.complete()) return;
   all.proof.emplace(graph_, restriction_, ends_, all.reachable, all.begins ? &*all.begins : nullptr);
   all.stage = Stage::proving;
+}
+
+// Looks whether p holds in the state that has been expanded last.
+void LivenessSearch::note_beginning() {
+  if (overview_.met) return;
+  try {
+    Predicate& predicate = *overview_.begins;
+    overview_.met = predicate.in(source_.slots.data()) == Truth::always;
+    for (std::size_t number = 0; number < predicate.size() && !overview_.met; ++number) {
+      ZoneBuffer part(source_.zone);
+      const std::vector<Atom>& atoms = predicate[number];
+      const int dimension = graph_.program().dimension();
+      overview_.met = graph_.operations().intersect(part.get(), dimension, atoms.data(), atoms.size());
+    }
+  } catch (const ModelFault&) {  // whoever asks for runs from here meets it
+    overview_.met = true;
+  }
 }
 
 // Looks at one more state of the covered graph; false if there is no run.

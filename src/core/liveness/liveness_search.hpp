@@ -62,6 +62,8 @@ class LivenessSearch final {
   Statistics statistics() const;
   const std::optional<Violation>& violation() const { return violation_; }
   const std::optional<LivenessFault>& fault() const { return fault_; }
+  // Of p --> q: whether p holds in some state that has been reached. True where there is no p.
+  bool begins() const { return !overview_.begins || overview_.met; }
   // Whether these actions can end in a state that is stuck and avoid q from action number `begins` on. Asked of a
   // search without extrapolation that has not run; false also if clock values become too large on the way.
   bool gets_stuck(const Path& actions, std::size_t begins);
@@ -81,6 +83,7 @@ class LivenessSearch final {
     bool proves;                    // whether a proof is still to be looked for
     std::uint32_t begun = no_node;  // the reached state in which the path begins
     std::uint32_t next = 0;         // the next one that is looked at
+    bool met = false;               // whether p holds in one of the reached states
   };
   // An action that leads back to an open state.
   struct Closing {
@@ -93,6 +96,7 @@ class LivenessSearch final {
   std::uint64_t stored() const;
   bool advance();
   void reach();
+  void note_beginning();
   bool prove();
   bool descend();
   bool start();

@@ -64,7 +64,7 @@ def _search(
     if violation is None:
         finished = status is _core.Status.FINISHED
         answer = LivenessStatus.NONE if finished else LivenessStatus.UNDECIDED
-        return LivenessOutcome(answer, statistics, None, reason, fault), True
+        return LivenessOutcome(answer, statistics, None, reason, fault, begins=not finished or search.begins()), True
     kind, stem, begins, loop = violation
     run = AvoidingRun(RunEnd[kind.name], transitions_of(program, stem), begins, transitions_of(program, loop))
     exact = not program.has_stopwatches

@@ -132,6 +132,7 @@ class LivenessOutcome:
     run: where one was FOUND.
     reason: why it is UNDECIDED, in the words of `Outcome`.
     exact: False if the set of states was over-approximated (stopwatches): then FOUND needs a replayed run.
+    begins: False if the search has gone through everything and no state is one from which runs begin.
     """
 
     status: LivenessStatus
@@ -140,6 +141,7 @@ class LivenessOutcome:
     reason: str = ""
     fault: RunTimeFault | None = None
     exact: bool = True
+    begins: bool = True
 
 
 INTERRUPTED = "interrupted"

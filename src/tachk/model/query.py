@@ -27,12 +27,15 @@ class Observer:
         bad: the location that is reachable if and only if a finite run violates the formula.
         endings: the locations that a run without end violates the formula by never leaving.
         formula: the formula with its bounds as numbers, as text.
+        triggers: for each implication that the formula demands always, its left side as text, and what must be true
+            in some state so that the left side ever is.
     """
 
     process: Process
     bad: int
     formula: str
     endings: tuple[int, ...] = ()
+    triggers: tuple[tuple[str, Expression], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,6 +20,7 @@ from tachk.operators import UnaryOperator
 from tachk.properties.fault_explanation import explain
 from tachk.properties.plan import Search, Task
 from tachk.properties.unanswered import not_begun
+from tachk.properties.vacuity import never_begins
 from tachk.properties.verdict import Answer, Verdict
 from tachk.semantics.discrete import PreparedNetwork
 from tachk.time_limit import OutOfTimeError, time_limit
@@ -80,7 +81,7 @@ def _of_outcome(query: Query, outcome: LivenessOutcome) -> Verdict:
             return verdict
         case LivenessStatus.NONE:
             # An over-approximation without such a run proves that there is none.
-            return replace(verdict, answer=otherwise)
+            return replace(verdict, answer=otherwise, notes=() if outcome.begins else never_begins(query))
         case LivenessStatus.FOUND:
             if not outcome.exact:
                 return replace(verdict, exact=False, reason=_INEXACT)

@@ -68,10 +68,10 @@ def _settle_without_bystanders(
     )
     try:
         with time_limit(first_try.seconds):
-            relaxed = without_bystanders(network, targets)
+            triggers = triggers_of(search.tasks, network)
+            relaxed = without_bystanders(network, [*targets, *(trigger.condition for trigger in triggers)])
             if relaxed == network:
                 return {}
-            triggers = triggers_of(search.tasks, relaxed)
             program, goals = lower(relaxed, [*targets, *(trigger.condition for trigger in triggers)])
             goals = (*goals[: len(targets)], *noted(goals[len(targets) :]))
     except OutOfTimeError:
@@ -96,9 +96,10 @@ def _explore(
     targets = [task.target for task in search.tasks]
     try:
         with time_limit(limits.seconds):
-            reduced = without_spectators(network, targets) if options.hold_spectators else network
-            triggers = triggers_of(search.tasks, reduced)
-            program, goals = lower(reduced, [*targets, *(trigger.condition for trigger in triggers)])
+            triggers = triggers_of(search.tasks, network)
+            mentioned = [*targets, *(trigger.condition for trigger in triggers)]
+            reduced = without_spectators(network, mentioned) if options.hold_spectators else network
+            program, goals = lower(reduced, mentioned)
             goals = (*goals[: len(targets)], *noted(goals[len(targets) :]))
     except OutOfTimeError:
         return none_begun(search.tasks, TIME_LIMIT)

@@ -48,19 +48,19 @@ def triggers_of(tasks: Iterable[Task], network: Network) -> tuple[Trigger, ...]:
     An implication under ``forall`` is one however it is held: as a quantifier, or as one copy for each value.
     """
     tasks = list(tasks)
-    copies: dict[tuple[int, Span], list[Expression]] = {}
+    copies: dict[tuple[int, Span, str], list[Expression]] = {}
     for task in tasks:
-        for left, condition in _of_query(task.query):
-            copies.setdefault((task.number, left.span), []).append(condition)
+        for span, text, condition in _of_query(task.query):
+            copies.setdefault((task.number, span, text), []).append(condition)
     if not copies:
         return ()
     known = known_values(network, [task.query.predicate for task in tasks if task.query.predicate is not None])
     triggers = []
-    for (number, span), conditions in copies.items():
+    for (number, _, text), conditions in copies.items():
         folded = [fold(condition, known) for condition in conditions]
         open_ = [condition for condition in folded if not (isinstance(condition, Constant) and condition.value == 0)]
         if open_ and all(cannot_fail(c) and not mentions_time(c) and not isinstance(c, Constant) for c in open_):
-            triggers.append(Trigger(number, span.text, reduce(_or, open_)))
+            triggers.append(Trigger(number, text, reduce(_or, open_)))
     return tuple(triggers)
 
 
@@ -68,9 +68,14 @@ def _or(left: Expression, right: Expression) -> Expression:
     return Binary(BinaryOperator.OR, left, right, BOOL, right.span)
 
 
-def _of_query(query: Query) -> Iterator[tuple[Expression, Expression]]:
-    if query.kind is QueryKind.INVARIANTLY and query.observer is None and query.predicate is not None:
-        yield from _implications(query.predicate, None, ())
+def _of_query(query: Query) -> Iterator[tuple[Span, str, Expression]]:
+    """The left sides of implications, with their places and texts."""
+    if query.observer is not None:
+        yield from ((query.span, text, condition) for text, condition in query.observer.triggers)
+        return
+    if query.kind is QueryKind.INVARIANTLY and query.predicate is not None:
+        for left, condition in _implications(query.predicate, None, ()):
+            yield left.span, left.span.text, condition
 
 
 def _implications(
@@ -121,6 +126,13 @@ def with_notes(
         else verdict
         for number, verdict in verdicts.items()
     }
+
+
+def never_begins(query: Query) -> tuple[str, ...]:
+    """The note about a query ``p --> q`` of which no state satisfies p."""
+    if query.observer is not None or query.predicate is None or not query.predicate.span.text:
+        return ()
+    return (_note(query.predicate.span.text),)
 
 
 def _note(text: str) -> str:

@@ -60,6 +60,26 @@ NEVER = "holds only because `{}` is never true"
         ("A[] a[n] > 7 imply b", ["a[n] > 7"]),
         ("E<> P.a imply b", []),
         ("A[] n < 2 imply n > 5", []),  # fails
+        ("P.never --> b", ["P.never"]),
+        ("P.c && P.x > 1 --> b", ["P.c && P.x > 1"]),
+        ("n == 2 && P.x >= 1 --> n == 0", ["n == 2 && P.x >= 1"]),
+        ("P.c --> P.a", []),
+        ("P.c && P.x <= 1 --> P.a", []),
+        ("P.c --> P.c", []),  # answered at once, but P.c happens
+        ("P.c && P.x == 1 --> P.c", []),
+        ("G (P.never -> F[0, 3] P.a)", ["P.never"]),
+        ("G (rise(n == 2) -> F[0, 3] P.a)", ["rise(n == 2)"]),
+        ("G (P.c && n < 2 -> F[0, 3] P.a)", []),
+        ("G (P.c and not (n < 2) -> F[0, 3] P.a)", ["P.c && !(n < 2)"]),
+        ("G (P.c -> F[0, 3] P.a) and G (P.never -> F[0, 3] P.c)", ["P.never"]),
+        ("G[0, 9] (P.never or n == 2 -> F[0, 3] P.a)", ["P.never || n == 2"]),
+        ("G (P.never or P.c -> F[0, 3] P.a)", []),
+        ("G (rise(P.never or P.c) -> F[0, 3] P.a)", []),
+        ("G (rise(P.never) or rise(P.c) -> F[0, 3] P.a)", []),
+        ("G (F[0, 2] P.never -> P.a)", []),  # looks ahead: not asked
+        ("G (not P.never)", []),
+        ("Whenever P.never, within 3, P.a must be true.", ["P.never"]),
+        ("Whenever P.c, within 3, P.a must be true.", []),
     ],
 )
 @pytest.mark.parametrize("passing", [0, 4])

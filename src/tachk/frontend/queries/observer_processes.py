@@ -14,6 +14,7 @@ from tachk.frontend.scope import FamilySymbol, ProcessSymbol, Scope
 from tachk.frontend.templates.templates import elaborate_process
 from tachk.logic.observer.construction import BAD, NoObserver, build_observer
 from tachk.logic.sentences import meaning
+from tachk.logic.triggers import demanded_implications, needed_state
 from tachk.model.expressions import BOOL, Binary, Deadlock, Expression, LocationTest, Unary
 from tachk.model.query import Expectation, Observer, Query
 from tachk.model.traversal import clock_in, walk
@@ -70,8 +71,22 @@ def elaborate_temporal(
         title,
         expectation,
         node.span,
-        Observer(process, places[BAD], print_formula(formula), tuple(places[e.location] for e in built.endings)),
+        Observer(
+            process,
+            places[BAD],
+            print_formula(formula),
+            tuple(places[e.location] for e in built.endings),
+            tuple(_triggers(formula, scope, context)),
+        ),
     )
+
+
+def _triggers(formula: Formula, scope: Scope, context: Context) -> Iterator[tuple[str, Expression]]:
+    for implication in demanded_implications(formula):
+        needed = needed_state(implication.left)
+        value = None if needed is None else condition(needed, scope, context)
+        if value is not None:
+            yield print_formula(implication.left), value
 
 
 def temporal_formula(node: ast.TemporalFormula, scope: Scope, context: Context) -> Formula | None:

@@ -1,0 +1,54 @@
+"""What has to happen so that a formula says something: the left sides of the implications that it always demands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import reduce
+
+from tachk.operators import BinaryOperator, PrefixOperator
+from tachk.syntax import ast
+from tachk.syntax.formula import Always, And, Atom, Fall, Formula, Implies, Not, Once, Or, Rise
+
+
+def demanded_implications(formula: Formula) -> Iterator[Implies]:
+    """The implications that the formula consists of, each demanded at some instants."""
+    if isinstance(formula, Always):
+        yield from demanded_implications(formula.operand)
+    elif isinstance(formula, And):
+        for part in formula.operands:
+            yield from demanded_implications(part)
+    elif isinstance(formula, Implies):
+        yield formula
+
+
+def needed_state(formula: Formula) -> ast.Expression | None:
+    """A condition that is true in some state of every run on which the formula ever is; None where none is known."""
+    if isinstance(formula, Rise | Fall | Once):
+        return needed_state(formula.operand)
+    if isinstance(formula, And):
+        known = [part for part in map(needed_now, formula.operands) if part is not None]
+        if known:
+            return _joined(BinaryOperator.AND, known)
+        return next((part for part in map(needed_state, formula.operands) if part is not None), None)
+    if isinstance(formula, Or):
+        parts = [needed_state(part) for part in formula.operands]
+        return None if None in parts else _joined(BinaryOperator.OR, [part for part in parts if part is not None])
+    return needed_now(formula)
+
+
+def needed_now(formula: Formula) -> ast.Expression | None:
+    """The formula as a condition on one state; None where it looks at other instants."""
+    if isinstance(formula, Atom):
+        return formula.expression
+    if isinstance(formula, Not):
+        inner = needed_now(formula.operand)
+        return None if inner is None else ast.UnaryExpression(formula.span, PrefixOperator.NOT, inner)
+    if isinstance(formula, And | Or):
+        parts = [needed_now(part) for part in formula.operands]
+        operator = BinaryOperator.AND if isinstance(formula, And) else BinaryOperator.OR
+        return None if None in parts else _joined(operator, [part for part in parts if part is not None])
+    return None
+
+
+def _joined(operator: BinaryOperator, parts: list[ast.Expression]) -> ast.Expression:
+    return reduce(lambda left, right: ast.BinaryExpression(right.span, operator, left, right), parts)
