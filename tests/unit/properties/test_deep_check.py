@@ -75,12 +75,12 @@ def ends(result: DeepCheck) -> tuple[str, str]:
 @pytest.mark.parametrize(
     ("location", "expected"),
     [
-        ("location b { invariant x <= 3; }", ("reached", "none")),
-        ("location b { invariant n == 0 imply x <= 3; }", ("reached", "none")),
+        ("location b { invariant x <= 3; }", ("reached by every run", "none")),
+        ("location b { invariant n == 0 imply x <= 3; }", ("reached by every run", "none")),
         ("location b { invariant n == 1 imply x <= 3; }", ("none", "reached")),
         ("location b { invariant x >= 0; }", ("none", "reached")),
-        ("urgent location b;", ("reached", "none")),
-        ("committed location b;", ("reached", "none")),
+        ("urgent location b;", ("reached by every run", "none")),
+        ("committed location b;", ("reached by every run", "none")),
         ("location b;", ("none", "reached")),
         ("location b { invariant x <= 3; to a { assign x = 0; } }", ("none", "none")),
         ("location b { invariant x <= 3; to a { guard x >= 2; assign x = 0; } }", ("none", "none")),
@@ -90,6 +90,23 @@ def test_a_time_lock_is_told_from_a_deadlock(location: str, expected: tuple[str,
     start = "clock x; init location a { invariant x <= 1; to b; }"
     result = check(f"int n;\nprocess P() {{ {start} {location} }}\nsystem P;")
     assert ends(result) == expected
+
+
+@pytest.mark.parametrize(
+    ("location", "every"),
+    [
+        ("location b { invariant x <= 5; }", True),
+        ("location b { invariant x <= 5; to c; } location c { invariant x <= 5; }", True),
+        ("location b { invariant x <= 5; to a { guard n < 3; assign n++; } }", True),
+        ("location b { invariant x <= 5; to a; }", False),
+        ("location b { invariant x <= 5; to c; } location c;", False),
+    ],
+)
+def test_where_every_run_ends_in_a_time_lock(location: str, every: bool) -> None:
+    start = "clock x; init location a { invariant x <= 1; to b; to d; } location d { invariant x <= 1; }"
+    result = check(f"int[0,3] n;\nprocess P() {{ {start} {location} }}\nsystem P;")
+    assert answer(result, "time-locks") == ("reached by every run" if every else "reached")
+    assert ("W0610" in [finding.code for finding in result.findings]) is every
 
 
 def test_the_run_behind_a_time_lock_ends_in_it() -> None:

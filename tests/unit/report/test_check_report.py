@@ -98,16 +98,20 @@ def test_a_deep_check_in_every_form(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     jsonschema.validate(data, json.loads(SCHEMA.read_text(encoding="utf-8")))
     deep = data["models"][0]["deep"]
     assert deep["complete"]
-    (finding,) = [finding for question in deep["questions"] for finding in question["findings"]]
+    finding, always = [finding for question in deep["questions"] for finding in question["findings"]]
+    assert (always["code"], always["trace"]) == ("W0610", None)
     assert (finding["code"], finding["place"]["line"], finding["place"]["column"]) == ("W0605", 1, 52)
     assert [state["time"] for state in finding["trace"]] == ["0"]
     run_check(("stuck.ta",), (), form=ReportForm.SARIF, deep=True)
-    assert [found["ruleId"] for found in json.loads(capsys.readouterr().out)["runs"][0]["results"]] == ["W0605"]
+    assert [found["ruleId"] for found in json.loads(capsys.readouterr().out)["runs"][0]["results"]] == [
+        "W0605",
+        "W0610",
+    ]
     run_check(("stuck.ta",), (), form=ReportForm.GITHUB, deep=True)
     assert capsys.readouterr().out.startswith("::warning file=stuck.ta,line=1,endLine=1,col=52")
     run_check(("stuck.ta",), (), deep=True)
     captured = capsys.readouterr()
-    assert "time-locks                      reached" in captured.out
+    assert "time-locks                      reached by every run" in captured.out
     assert "W0605 at stuck.ta:1:52 is reached by this run" in captured.out
     assert "warning[W0605]" in captured.err
 

@@ -63,6 +63,14 @@ DEEP_CODES: dict[str, Explanation] = {
         "process P() { clock x; init location a { to b { assign x = 0; } } location b { to a { guard x >= 1; } } }\n"
         "system P;",
     ),
+    "W0610": Explanation(
+        "every run ends in a time-lock",
+        "No run of the model lets time pass without end: each comes to a state in which time stops and nothing is "
+        "possible. Then `A[]` speaks of the short time before only.",
+        "process P() { clock x; init location a { invariant x <= 3; to b; } location b { invariant x <= 5; } }\n"
+        "system P;",
+        "process P() { clock x; init location a { invariant x <= 3; to b; } location b { to b; } }\nsystem P;",
+    ),
     "W0608": Explanation(
         "name that is never used",
         "Nothing in the model or its properties uses what is declared here. A typing mistake may be the reason.",

@@ -32,11 +32,13 @@ from tachk.properties.deep.stuck import (
     Bound,
     bounds_on_time,
     deadlock_finding,
+    every_run_ends,
     plain_deadlocks,
     time_lock_finding,
     time_locks,
+    unlimited,
 )
-from tachk.properties.deep.zeno import zeno_findings
+from tachk.properties.deep.zeno import all_runs_end, zeno_findings
 from tachk.properties.fault_explanation import diagnostic_of, explain
 from tachk.properties.verify import check_initial_state
 from tachk.records import dataclass
@@ -56,6 +58,7 @@ class Explored:
         bounds: the locations that limit time; None where clocks stop.
         guards: what was asked of guards; ``unmet``: what of it was not reached.
         ends: whether a time-lock and whether a plain deadlock is reached, in this order.
+        flows: whether a state is reached in which time may pass for ever.
     """
 
     model: PreparedNetwork
@@ -66,11 +69,21 @@ class Explored:
     guards: list[GuardGoal]
     ends: tuple[GoalOutcome, ...]
     targets: tuple[Expression, ...]
+    flows: GoalOutcome
+    started: float
 
     @property
     def unmet(self) -> list[GuardGoal]:
-        outcomes = self.outcome.goals[len(self.ends) :]
+        outcomes = self.outcome.goals[len(self.ends) + 1 :]
         return [goal for goal, found in zip(self.guards, outcomes, strict=True) if found.status is not Status.REACHED]
+
+    @property
+    def never(self) -> frozenset[tuple[int, int]]:
+        """The edges that are certainly never taken."""
+        if self.outcome.reason:
+            return frozenset()
+        processes = enumerate(self.model.network.processes)
+        return frozenset((n, e) for n, process in processes for e in range(len(process.edges))) - self.taken
 
 
 def deep_check(
@@ -97,7 +110,7 @@ def deep_check(
         return _nothing(TIME_LIMIT)
     except UnsupportedError as error:
         return _nothing(error.diagnostic.message)
-    found = [*_reached_parts(explored, warnings), *_stuck_parts(explored), _zeno_part(explored)]
+    found = [*_reached_parts(explored, warnings), *_stuck_parts(explored), _zeno_part(explored, limits)]
     found += _fault_parts(explored.outcome)
     if unused is not None:
         found.append(Part("names never used or read", counted(tuple(unused)), tuple(unused)))
@@ -115,13 +128,14 @@ def _explore(network: Network, options: Options, limits: Limits, progress: Progr
     bounds = None if stops else list(bounds_on_time(network, known))
     ends = (Constant(0, BOOL), plain_deadlocks([])) if bounds is None else (time_locks(bounds), plain_deadlocks(bounds))
     guards = list(guard_goals(network, known))
-    program, goals = lower(network, [*ends, *(goal.target for goal in guards)])
+    program, goals = lower(network, [*ends, unlimited(bounds or []), *(goal.target for goal in guards)])
     goals = (*goals[: len(ends)], *(replace(goal, decides=False) for goal in goals[len(ends) :]))
     left = limits.after(time.monotonic() - started)
     outcome, taken = explore_everything(program, goals, options, left, progress)
     if outcome.fault is not None:
         outcome = replace(outcome, fault=explain(model, outcome.fault, limits.seconds))
-    return Explored(model, known, outcome, taken, bounds, guards, outcome.goals[: len(ends)], ends)
+    found = outcome.goals[: len(ends)], ends, outcome.goals[len(ends)]
+    return Explored(model, known, outcome, taken, bounds, guards, *found, started)
 
 
 def _nothing(reason: str) -> DeepCheck:
@@ -195,11 +209,16 @@ def _stuck_part(explored: Explored, question: str, goal: GoalOutcome, target: Ex
     if explored.bounds is None:
         return Part(question, "not decided", undecided=_STOPPED)
     run = _run(explored.model, goal, target)
-    if question == _ENDS[0]:
-        finding = time_lock_finding(explored.model, explored.bounds, run)
-    else:
+    if question == _ENDS[1]:
         finding = deadlock_finding(explored.model.network, run)
-    return Part(question, "reached", (finding,), (Evidence(finding, run),))
+        return Part(question, "reached", (finding,), (Evidence(finding, run),))
+    finding = time_lock_finding(explored.model, explored.bounds, run)
+    shown = (Evidence(finding, run),)
+    if explored.flows.status is Status.UNREACHABLE and all_runs_end(
+        explored.model.network, explored.known, explored.never
+    ):
+        return Part(question, "reached by every run", (finding, every_run_ends(finding)), shown)
+    return Part(question, "reached", (finding,), shown)
 
 
 def _run(model: PreparedNetwork, goal: GoalOutcome, target: Expression) -> TimedTrace:
@@ -213,13 +232,18 @@ def _run(model: PreparedNetwork, goal: GoalOutcome, target: Expression) -> Timed
     return run
 
 
-def _zeno_part(explored: Explored) -> Part:
-    network, never = explored.model.network, frozenset[tuple[int, int]]()
-    if not explored.outcome.reason:
-        every = {(n, e) for n, process in enumerate(network.processes) for e in range(len(process.edges))}
-        never = frozenset(every - explored.taken)
-    findings = zeno_findings(network, explored.known, never)
+def _zeno_part(explored: Explored, limits: Limits) -> Part:
+    left = limits.after(time.monotonic() - explored.started).seconds
+    try:
+        with time_limit(None if left is None else max(left, _LEAST_SECONDS)):
+            findings = zeno_findings(explored.model.network, explored.known, explored.never)
+    except OutOfTimeError:
+        return Part(_ZENO, "not decided", undecided=TIME_LIMIT)
     return Part(_ZENO, f"{len(findings)} may be" if findings else "none possible", findings)
+
+
+_LEAST_SECONDS = 1.0
+"""For what needs no search, and is asked when the search has used all the time."""
 
 
 def _fault_parts(outcome: Outcome) -> tuple[Part, ...]:

@@ -52,7 +52,12 @@ def time_locks(bounds: list[Bound]) -> Expression:
 
 def plain_deadlocks(bounds: list[Bound]) -> Expression:
     """The states from which no action is possible while time passes."""
-    return both(Deadlock(), Unary(UnaryOperator.NOT, _limited(bounds), BOOL))
+    return both(Deadlock(), unlimited(bounds))
+
+
+def unlimited(bounds: list[Bound]) -> Expression:
+    """The states in which no invariant and no urgent or committed location limits time."""
+    return Unary(UnaryOperator.NOT, _limited(bounds), BOOL)
 
 
 def _limited(bounds: list[Bound]) -> Expression:
@@ -87,6 +92,16 @@ def time_lock_finding(model: PreparedNetwork, bounds: list[Bound], run: TimedTra
         spans[0],
         "give the location an edge that can be taken in time, or a weaker invariant",
         tuple(Label(span, f"{name}, too") for name, span in dict(zip(names[1:], spans[1:], strict=True)).items()),
+    )
+
+
+def every_run_ends(time_lock: Diagnostic) -> Diagnostic:
+    """What is told beside a time-lock where no run lets time pass without end."""
+    return Diagnostic(
+        "W0610",
+        "every run of the model ends in a time-lock: in none does time pass without end",
+        time_lock.span,
+        "an `A[]` that holds here says only that nothing bad happens before time stops",
     )
 
 

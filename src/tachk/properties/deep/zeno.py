@@ -36,8 +36,7 @@ def zeno_findings(network: Network, known: Known, never: Collection[tuple[int, i
     Args:
         never: edges that are known never to be taken.
     """
-    steps = [step for step in steps_of(network, known) if (step.process, step.number) not in never]
-    left = suspicious(frozenset(steps))
+    left = suspicious(_steps_but(network, known, never))
     findings = []
     told: set[str] = set()
     for number, process in enumerate(network.processes):
@@ -58,6 +57,15 @@ def zeno_findings(network: Network, known: Known, never: Collection[tuple[int, i
             )
         )
     return tuple(findings)
+
+
+def all_runs_end(network: Network, known: Known, never: Collection[tuple[int, int]]) -> bool:
+    """Whether certainly no run takes infinitely many transitions. Arguments as of `zeno_findings`."""
+    return not _recurrent(_steps_but(network, known, never))
+
+
+def _steps_but(network: Network, known: Known, never: Collection[tuple[int, int]]) -> Steps:
+    return frozenset(step for step in steps_of(network, known) if (step.process, step.number) not in never)
 
 
 def suspicious(steps: Steps) -> Steps:
