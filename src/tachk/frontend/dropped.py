@@ -15,6 +15,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_FUNCTIONS, FLOATING_FUNCTIONS
+from tachk.frontend.expressions.floating_constants import IntegerOf, floating_value
 from tachk.frontend.scope import DroppedSymbol, Scope, ValueSymbol
 from tachk.operators import BinaryOperator
 from tachk.syntax import ast
@@ -27,14 +28,25 @@ def dropped_kind(node: ast.TypeExpression) -> str | None:
         return None
     if "hybrid" in node.prefixes and node.base.name == "clock":
         return "hybrid clock"
+    constant = "const" in node.prefixes
     if node.base.name == "double":
-        return "floating point constant" if "const" in node.prefixes else "floating point variable"
+        return "floating point constant" if constant else "floating point variable"
+    if node.base.name == "string":
+        return "text constant" if constant else "text variable"
     return None
 
 
-def declare_dropped(node: ast.VariableDeclaration, kind: str, scope: Scope, context: Context) -> None:
+def declare_dropped(
+    node: ast.VariableDeclaration, kind: str, scope: Scope, context: Context, integer: IntegerOf
+) -> None:
+    """Declares what is left out. Of a constant whose value is known before the model runs no more need be told."""
     for declarator in node.declarators:
         name = declarator.name
+        given = None if declarator.dimensions or not kind.endswith("constant") else declarator.initialiser
+        value = None if given is None else floating_value(given, scope, integer)
+        if value is not None:
+            scope.declare(name, DroppedSymbol(name.span, kind, value=value), context.findings)
+            continue
         context.error(
             "W0406",
             name.span,
@@ -130,7 +142,7 @@ def is_harmless(node: ast.Expression, scope: Scope) -> bool:
     """Whether computing an expression changes nothing and cannot be a run-time error: no calls of the model's
     functions, no indices, no division by something that may be zero."""
     match node:
-        case ast.IntegerLiteral() | ast.FloatLiteral() | ast.BooleanLiteral():
+        case ast.IntegerLiteral() | ast.FloatLiteral() | ast.BooleanLiteral() | ast.StringLiteral():
             return True
         case ast.NameExpression(name=name):
             return isinstance(scope.lookup(name), ValueSymbol | DroppedSymbol)

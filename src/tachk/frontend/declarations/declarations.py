@@ -10,7 +10,7 @@ from tachk.frontend.declarations.functions import declare_function, declare_type
 from tachk.frontend.dropped import declare_dropped, declare_foreign_functions, dropped_kind
 from tachk.frontend.expressions.initialisers import initialiser
 from tachk.frontend.expressions.places import converted
-from tachk.frontend.expressions.typed_expressions import expression, type_reader
+from tachk.frontend.expressions.typed_expressions import expression, integer_constant, type_reader
 from tachk.frontend.expressions.typing import WIDE, describe, is_data, is_integral
 from tachk.frontend.open_constants import OpenConstants
 from tachk.frontend.priority_readings import FIRST, says_default
@@ -91,7 +91,7 @@ def declare(
 def _declare_variables(node: ast.VariableDeclaration, scope: Scope, declared: Declared, context: Context) -> None:
     left_out = None if node.type is None else dropped_kind(node.type)
     if left_out is not None:
-        declare_dropped(node, left_out, scope, context)
+        declare_dropped(node, left_out, scope, context, lambda part: integer_constant(part, scope, context))
         return
     reader = type_reader(scope, context)
     constant = node.type is None or "const" in node.type.prefixes

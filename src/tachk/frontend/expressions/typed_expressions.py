@@ -6,6 +6,7 @@ so one mistake gives one message.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import assert_never
 
 from tachk.diagnostics.span import Span
@@ -19,6 +20,7 @@ from tachk.frontend.expressions.builtin_names import (
     DYNAMIC_HELP,
     FLOATING_FUNCTIONS,
 )
+from tachk.frontend.expressions.floating_constants import compared, floating_value
 from tachk.frontend.expressions.name_expressions import misuse_help, named
 from tachk.frontend.expressions.operator_types import choose, combine
 from tachk.frontend.expressions.places import assignable, converted, element, field, is_place
@@ -31,7 +33,7 @@ from tachk.frontend.expressions.typing import (
     is_integral,
     same_shape,
 )
-from tachk.frontend.findings import count, wrong_arguments
+from tachk.frontend.findings import Findings, count, wrong_arguments
 from tachk.frontend.scope import (
     BrokenSymbol,
     DroppedSymbol,
@@ -60,7 +62,7 @@ from tachk.model.expressions import (
     VariableKind,
 )
 from tachk.model.types import BoolType, ClockType, IntType, Type, bounds
-from tachk.operators import CONNECTIVES, CONSTANT_HIGH, PrefixOperator, UnaryOperator
+from tachk.operators import CONNECTIVES, CONSTANT_HIGH, CONSTANT_LOW, PrefixOperator, UnaryOperator
 from tachk.syntax import ast
 from tachk.time_limit import check_time
 
@@ -207,6 +209,9 @@ def _binary(node: ast.BinaryExpression, scope: Scope, context: Context) -> Expre
         if first is None or second is None:
             return None
         return fold.binary(operator, first, second, BOOL, node.span)
+    truth = compared(operator, node.left, node.right, scope, lambda part: integer_constant(part, scope, context))
+    if truth is not None:
+        return Constant(int(truth), BOOL, node.span)
     left, right = expression(node.left, scope, context), expression(node.right, scope, context)
     if left is None or right is None:
         return None
@@ -320,7 +325,27 @@ def comma(nodes: tuple[ast.Expression, ...], span: Span, scope: Scope, context: 
 # ---- calls ----------------------------------------------------------------------------------------------------------
 
 
+def integer_constant(node: ast.Expression, scope: Scope, context: Context) -> int | None:
+    """The value of an integer expression that is known before the model runs; nothing is reported."""
+    value = expression(node, scope, replace(context, findings=Findings()))
+    return value.value if isinstance(value, Constant) and is_integral(value.type) else None
+
+
+def _whole_number(node: ast.CallExpression, scope: Scope, context: Context) -> Constant | None:
+    """The value of ``fint(e)``, which cuts off what is behind the point, where e is known before the model runs."""
+    named_fint = isinstance(node.function, ast.NameExpression) and node.function.name == "fint"
+    if not named_fint or scope.lookup("fint") is not None or len(node.arguments) != 1:
+        return None
+    number = floating_value(node.arguments[0], scope, lambda part: integer_constant(part, scope, context))
+    if not isinstance(number, float) or not CONSTANT_LOW <= int(number) <= CONSTANT_HIGH:
+        return None
+    return Constant(int(number), INT if INT.low <= int(number) <= INT.high else WIDE, node.span)
+
+
 def _call(node: ast.CallExpression, scope: Scope, context: Context) -> Expression | None:
+    whole = _whole_number(node, scope, context)
+    if whole is not None:
+        return whole
     symbol = _called(node.function, scope, context)
     if symbol is None:
         return None
