@@ -7,7 +7,6 @@ checks that the run goes on for ever, or ends, as it says.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from fractions import Fraction
 
 from tachk.certify.replay import ReplayError, replay
 from tachk.model.expressions import Expression
@@ -100,13 +99,10 @@ def _later(model: PreparedNetwork, state: TimedState, goal: Expression) -> Itera
 
 
 def _check_idle(model: PreparedNetwork, state: TimedState, goal: Expression, number: int) -> None:
-    """Behind the last moment that can tell nothing changes any more: what can pass until then passes for ever."""
-    moments = telling_moments(model, state, None, [goal])
-    for moment in moments:
+    """The last of the moments that can tell lies behind all changes: what can pass until then passes for ever."""
+    for moment in telling_moments(model, state, None, [goal]):
         try:
             later = delay(model, state, moment)
-            # An urgent action would forbid to go on.
-            delay(model, later, Fraction(1, 2))
         except StepError as error:
             raise ReplayError(number, f"time cannot pass for ever in the last state: {error}") from error
         if satisfies(model, later, goal):

@@ -11,6 +11,7 @@ import pytest
 
 from tachk.certify.replay import ReplayError
 from tachk.certify.replay_lasso import replay_lasso
+from tachk.engines.concretise import concretise
 from tachk.engines.lasso import lasso
 from tachk.engines.liveness_reference import check_by_zones
 from tachk.engines.options import Limits
@@ -177,6 +178,32 @@ def test_the_judge_knows_what_ends_idling() -> None:
         replay_lasso(model, TimedTrace(start, (), Ending.IDLE), (x > 3).expression, None)
     with pytest.raises(ReplayError, match="still possible"):
         replay_lasso(model, TimedTrace(start, (), Ending.STUCK), (x > 3).expression, None)
+
+
+def test_the_judge_looks_at_the_goal_during_delays() -> None:
+    network = NetworkBuilder()
+    x = network.clock("x")
+    process = network.process("P")
+    a = process.location("A")
+    process.edge(a, a, guard=x >= 2, updates=[x.assign(0)])
+    trace = found(network, LOOP, x > 9)
+    assert trace is not None
+    for moment in (x == 1, (x > 1) & (x < 2)):
+        with pytest.raises(ReplayError, match="meets the goal"):
+            replay_lasso(prepare(network.build()), trace, moment.expression, None)
+
+
+def test_a_loop_that_recurs_from_elsewhere_does_not_recur_from_here() -> None:
+    network = NetworkBuilder()
+    x, z = network.clock("x"), network.clock("z")
+    process = network.process("P")
+    a, b = process.location("A", invariant=x <= 1), process.location("B")
+    process.edge(a, a, guard=(x >= 1) & ((z <= 1) | (z >= 5)), updates=[x.assign(0)])
+    model = prepare(network.build())
+    once = concretise(model, LOOP.loop)
+    assert once is not None and once.states[-1].time == 1
+    with pytest.raises(ReplayError, match="again and again"):
+        replay_lasso(model, replace(once, ending=Ending.RECURRENT, loop_start=0), b.reached.expression, None)
 
 
 def _tampered(trace: TimedTrace) -> dict[str, TimedTrace]:
