@@ -21,7 +21,7 @@ import pytest
 import tachk.cli.actions.verifyta
 from tachk.cli.commands.verifyta import run as console_script
 from tachk.cli.main import app
-from tachk.engines.options import Extrapolation, Options, SearchOrder
+from tachk.engines.options import Extrapolation, Options, Pace, SearchOrder
 
 MODEL = """\
 <?xml version="1.0" encoding="utf-8"?>
@@ -288,8 +288,7 @@ def test_no_trace_unless_asked_for(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "summary"),
     [
-        (["-t2"], "Generating shortest trace"),
-        (["-t2"], "tachk: there is no search for fastest traces here"),
+        (["-t2"], "Generating fastest trace"),
         (["-o2", "-r5"], "Search order is random depth first"),
         (["-t1", "-o1"], "Search order is breadth first"),
         (["-o6"], "tachk: there is no search order 6 here"),
@@ -425,7 +424,7 @@ def test_no_command_line_is_a_defect(folder: Path, seed: int, monkeypatch: pytes
     ("arguments", "expected"),
     [
         (["-t1"], Options(shortest=True)),
-        (["-t2", "-o1"], Options(shortest=True)),
+        (["-t2", "-o1"], Options(SearchOrder.DFS, pace=Pace.FASTEST)),
         (["-t0", "-o1"], Options(SearchOrder.DFS)),
         (["-o2", "-r", "-1"], Options(SearchOrder.RANDOM_DFS, 2**32 - 1)),
         (["-n1"], Options(extrapolation=Extrapolation.NONE)),

@@ -33,6 +33,8 @@ class Evidence(StrEnum):
 
     SOME = "some"
     SHORTEST = "shortest"
+    FASTEST = "fastest"
+    SLOWEST = "slowest"
     NONE = "none"
 
 

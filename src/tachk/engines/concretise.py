@@ -6,10 +6,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from tachk.engines.schedule import Moment, Phase, Requirement, any_solution, earliest
+from tachk.engines.schedule import Moment, Phase, Requirement, any_solution, earliest, extreme_solution
 from tachk.model.expressions import Deadlock, Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.traversal import walk
+from tachk.records import dataclass
 from tachk.semantics import dbm, symbolic
 from tachk.semantics.constraints import certain, conditional_constraints
 from tachk.semantics.dbm import LESS_EQUAL_ZERO, Constraint, Zone, complement, raw_bound
@@ -34,16 +35,59 @@ def concretise(
     for its edges and values alone.
     """
     try:
-        states, phases = discrete_run(model, path)
-        requirements = [r for k, t in enumerate(path) for r in of_phase(model, states[k], k, t)]
-        requirements += of_phase(model, states[-1], len(path), None)
-        if predicate is not None:
-            requirements.append(at_end(len(path), _final(model, states, phases, path, predicate)))
+        states, phases, requirements = requirements_of(model, path, predicate)
     except EvaluationFault:
         return None
     solve = any_solution if any(phase.stopped for phase in phases) else earliest
     durations = solve(phases, requirements)
     return None if durations is None else timed_trace(model, states, phases, path, durations)
+
+
+@dataclass(frozen=True, slots=True)
+class Paced:
+    """A run along a path that is as fast or as slow as possible.
+
+    Attributes:
+        total: how long the fastest run takes, or when the last transition of the slowest one fires; None where there is
+            no limit.
+        attained: the run is at the limit; otherwise runs come as close to it as one likes, and none is at it.
+    """
+
+    run: TimedTrace
+    total: Fraction | None
+    attained: bool
+
+
+def paced(
+    model: PreparedNetwork, path: Sequence[Transition], predicate: Expression, latest: bool, seconds: float | None
+) -> Paced | None:
+    """A run that takes the transitions of a path and ends in a state of the predicate; None if there is none.
+
+    Args:
+        latest: the one whose last transition is latest; otherwise the one that ends earliest.
+
+    Raises TimeoutError if that is not found in so many seconds.
+    """
+    try:
+        states, phases, requirements = requirements_of(model, path, predicate)
+    except EvaluationFault:
+        return None
+    found = extreme_solution(phases, requirements, latest, None if seconds is None else int(seconds * 1000))
+    if found is None:
+        return None
+    return Paced(timed_trace(model, states, phases, path, found.durations), found.total, found.attained)
+
+
+def requirements_of(
+    model: PreparedNetwork, path: Sequence[Transition], predicate: Expression | None
+) -> tuple[list[DiscreteState], list[Phase], list[Requirement]]:
+    """The discrete states and the phases of a path, and what its durations must satisfy. Raises EvaluationFault."""
+    states, phases = discrete_run(model, path)
+    requirements = [r for k, t in enumerate(path) for r in of_phase(model, states[k], k, t)]
+    requirements += of_phase(model, states[-1], len(path), None)
+    if predicate is not None:
+        requirements.append(at_end(len(path), _final(model, states, phases, path, predicate)))
+    return states, phases, requirements
 
 
 def discrete_run(model: PreparedNetwork, path: Sequence[Transition | None]) -> tuple[list[DiscreteState], list[Phase]]:

@@ -19,6 +19,17 @@ class Engine(StrEnum):
     """One after the other: that they contradict each other is an internal error."""
 
 
+class Pace(StrEnum):
+    """Which of the runs to a state is shown."""
+
+    EARLY = "early"
+    """One along the path that was found, early."""
+    FASTEST = "fastest"
+    """One that takes the least time of all runs."""
+    SLOWEST = "slowest"
+    """The one along the path that was found whose last transition is latest."""
+
+
 class SearchOrder(StrEnum):
     BFS = "bfs"
     DFS = "dfs"
@@ -75,6 +86,7 @@ class Options:
             at once.
         shortest: find paths of as few transitions as possible; with BFS only. It may take more states: a state is
             dropped for a larger one only if that is not further from the initial state.
+        pace: which run to a state that was found is shown; FASTEST takes further searches.
 
     Raises UsageError for a number out of its range and for `shortest` with another order than BFS.
     """
@@ -96,6 +108,7 @@ class Options:
     drop_bystanders: bool = True
     shortest: bool = False
     engine: Engine = Engine.ZONE
+    pace: Pace = Pace.EARLY
 
     def __post_init__(self) -> None:
         _check_range("seed", self.seed, 0, LARGEST_SEED)

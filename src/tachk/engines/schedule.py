@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from dataclasses import field
 from fractions import Fraction
 from itertools import pairwise
+from typing import Any
 
 from tachk.records import dataclass
 from tachk.semantics.dbm import INFINITY, LESS_EQUAL_ZERO, Constraint, bound_value, is_strict
@@ -158,9 +159,90 @@ def any_solution(phases: Sequence[Phase], requirements: Sequence[Requirement]) -
     """The durations of the phases of some run, where clocks may stop; None if there is no run."""
     import z3
 
-    durations = [z3.Real(f"d{k}") for k in range(len(phases))]
+    durations, formulas = _linear_problem(phases, requirements)
     solver = z3.Solver()
-    solver.add(*(d >= 0 for d in durations))
+    solver.add(*formulas)
+    if solver.check() != z3.sat:
+        return None
+    return _values(solver.model(), durations)
+
+
+@dataclass(frozen=True, slots=True)
+class Extreme:
+    """The least or the largest time that some phases take together, and a run that is at it or close to it.
+
+    Attributes:
+        total: the limit; None where there is none.
+        attained: the run takes exactly so long; otherwise runs come as close to it as one likes.
+    """
+
+    durations: list[Fraction]
+    total: Fraction | None
+    attained: bool
+
+
+def extreme_solution(
+    phases: Sequence[Phase], requirements: Sequence[Requirement], latest: bool, milliseconds: int | None = None
+) -> Extreme | None:
+    """A run whose last transition is as late as possible, or a run that ends as early as possible.
+
+    The late one ends as early as it can behind its last transition. None if there is no run.
+
+    Raises TimeoutError if z3 has not found it in so many milliseconds.
+    """
+    import z3
+
+    durations, formulas = _linear_problem(phases, requirements)
+    time = z3.Sum(durations[:-1] if latest else durations) if durations[latest:] else z3.RealVal(0)
+    total, attained = _limit(formulas, time, latest, milliseconds)
+    if total is None or attained:
+        close = z3.BoolVal(True) if total is None else time == z3.Q(total.numerator, total.denominator)
+    else:
+        near = total - _NEAR if latest else total + _NEAR
+        bound = z3.Q(near.numerator, near.denominator)
+        close = time >= bound if latest else time <= bound
+    # Without a limit on the time, or close to it, the run that ends first is as good as any.
+    end, at_end = _limit([*formulas, close], z3.Sum(durations), False, milliseconds)
+    if end is None:
+        return None
+    last = z3.Q(end.numerator, end.denominator)
+    half = z3.Q(_NEAR.numerator, _NEAR.denominator)
+    solver = z3.Solver()
+    solver.add(*formulas, close, z3.Sum(durations) == last if at_end else z3.Sum(durations) <= last + half)
+    if solver.check() != z3.sat:
+        return None
+    return Extreme(_values(solver.model(), durations), total, attained)
+
+
+_NEAR = Fraction(1, 2)
+"""So close a run comes to a limit that no run is at."""
+
+
+def _limit(formulas: Sequence[Any], time: Any, largest: bool, milliseconds: int | None) -> tuple[Fraction | None, bool]:
+    """The least or the largest value of a sum, and whether it is taken; None where there is no limit or no value."""
+    import z3
+
+    optimiser = z3.Optimize()
+    if milliseconds is not None:
+        optimiser.set("timeout", max(milliseconds, 1))
+    optimiser.add(*formulas)
+    objective = optimiser.maximize(time) if largest else optimiser.minimize(time)
+    found = optimiser.check()
+    if found == z3.unknown:
+        raise TimeoutError
+    if found == z3.unsat:
+        return None, False
+    infinite, value, infinitesimal = objective.upper_values() if largest else objective.lower_values()
+    if not z3.is_true(z3.simplify(infinite == 0)):
+        return None, False
+    return _fraction(value), z3.is_true(z3.simplify(infinitesimal == 0))
+
+
+def _linear_problem(phases: Sequence[Phase], requirements: Sequence[Requirement]) -> tuple[list[Any], list[Any]]:
+    """The durations of the phases as unknowns of z3, and what they must satisfy."""
+    import z3
+
+    durations = [z3.Real(f"d{k}") for k in range(len(phases))]
 
     def clock(number: int, moment: Moment) -> z3.ArithRef:
         if number == 0:
@@ -176,10 +258,13 @@ def any_solution(phases: Sequence[Phase], requirements: Sequence[Requirement]) -
         difference = clock(i, moment) - clock(j, moment)
         return difference < bound_value(raw) if is_strict(raw) else difference <= bound_value(raw)
 
-    for requirement in requirements:
-        solver.add(z3.Or([z3.And([formula(m) for m in conjunction]) for conjunction in requirement]))
-    if solver.check() != z3.sat:
-        return None
-    model = solver.model()
-    values = [model.eval(d, model_completion=True) for d in durations]
-    return [Fraction(v.numerator_as_long(), v.denominator_as_long()) for v in values]
+    choices = [z3.Or([z3.And([formula(m) for m in conjunction]) for conjunction in r]) for r in requirements]
+    return durations, [*(d >= 0 for d in durations), *choices]
+
+
+def _values(model: Any, durations: Sequence[Any]) -> list[Fraction]:
+    return [_fraction(model.eval(d, model_completion=True)) for d in durations]
+
+
+def _fraction(value: Any) -> Fraction:
+    return Fraction(value.as_string())

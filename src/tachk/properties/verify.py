@@ -17,10 +17,11 @@ from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Progress, Statistics
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties import extremes, liveness, observed_liveness, reachability, second_engine
+from tachk.properties import extremes, liveness, observed_liveness, reachability
 from tachk.properties.observed import check_observable
 from tachk.properties.plan import Analysis, Search, Task, plan
 from tachk.properties.unanswered import none_begun, not_begun, unsupported
+from tachk.properties.variants import pace, second_engine
 from tachk.properties.verdict import Verdict
 from tachk.reduction.spectators import every_action_counts
 from tachk.semantics.discrete import PreparedNetwork, initial_discrete, prepare
@@ -98,15 +99,16 @@ def _answer(
     """The verdicts about the tasks of a search, by number."""
     match search.analysis:
         case Analysis.REACHABILITY:
-            answer = second_engine.answering(options.engine)
-            return answer(model, search, options, limits, progress, trace)
+            started = time.monotonic()
+            found = second_engine.answering(options.engine)(model, search, options, limits, progress, trace)
+            return pace.at_pace(model, search, found, options, limits.after(time.monotonic() - started), progress)
         case Analysis.LIVENESS:
             decide = liveness.answer if search.observer is None else observed_liveness.answer
             found = decide(model, search, options, limits, progress, trace)
-            return second_engine.uncompared(found, options.engine)
+            return pace.unpaced(second_engine.uncompared(found, options.engine), options)
         case Analysis.EXTREMES:
             found = extremes.answer(model, search, options, limits, progress, trace)
-            return second_engine.uncompared(found, options.engine)
+            return pace.unpaced(second_engine.uncompared(found, options.engine), options)
         case never:
             assert_never(never)
 

@@ -55,7 +55,7 @@ def numbered(record: RunRecord) -> Iterator[tuple[int, Verdict | NotChecked]]:
 
 
 def option_lines(trace: str, order: SearchOrder, seed: int, notes: Sequence[str] = ()) -> Iterator[str]:
-    """The summary of the options. ``trace``: ``no``, ``some`` or ``shortest``."""
+    """The summary of the options. ``trace``: ``no``, ``some``, ``shortest`` or ``fastest``."""
     yield "Options for the verification:"
     yield f"  Generating {trace} trace"
     yield f"  Search order is {_ORDERS[order]}"

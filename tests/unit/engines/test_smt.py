@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from random import Random
 
 import pytest
@@ -12,6 +13,8 @@ from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.engines.concretise import concretise
 from tachk.engines.options import Limits
 from tachk.engines.outcome import Outcome, Status
+from tachk.engines.smt import proofs
+from tachk.engines.smt.facts import known_zones
 from tachk.engines.smt.search import explore
 from tachk.engines.smt.terms import (
     compare,
@@ -21,9 +24,13 @@ from tachk.engines.smt.terms import (
     undefined,
     unknown,
 )
+from tachk.model.expressions import Expression
 from tachk.model.fault import RuntimeErrorKind
+from tachk.model.network import Network
 from tachk.operators import COMPARISONS, BinaryOperator, Group, OperandError
+from tachk.semantics.dbm import Zone
 from tachk.semantics.discrete import prepare
+from tachk.semantics.timed_trace import DiscreteState
 
 z3 = pytest.importorskip("z3")
 
@@ -84,6 +91,9 @@ def test_an_invariant_holds_at_both_ends_of_a_delay() -> None:
     """
     early, at_once = outcome_of(entered).goals
     assert (early.status, at_once.status) == (Status.UNREACHABLE, Status.REACHED)
+    assert status_of(entered.replace("{ to B; }", "{ to B { guard x == 1; } }").replace("P.x < 2", "P.x > 2")) is (
+        Status.UNREACHABLE
+    )
     left = """
     process P() {
         clock x;
@@ -114,6 +124,19 @@ def test_a_committed_location_is_left_first() -> None:
     property first : E<> P.A && Q.B;
     """
     assert status_of(text) is Status.UNREACHABLE
+
+
+def test_a_handshake_waits_for_a_committed_process() -> None:
+    text = """
+    chan c;
+    process P() { init committed location A { to B; } location B; }
+    process Q() { init location A { to B { sync c!; } } location B; }
+    process R() { init location A { to B { sync c?; } } location B; }
+    system P, Q, R;
+    property first : E<> P.A && Q.B;
+    property then_ : E<> P.B && Q.B && R.B;
+    """
+    assert [goal.status for goal in outcome_of(text).goals] == [Status.UNREACHABLE, Status.REACHED]
 
 
 def test_an_urgent_channel_stops_time_only_with_a_partner() -> None:
@@ -177,6 +200,35 @@ def test_a_run_time_error_ends_the_search_with_the_path_to_it() -> None:
     assert outcome.fault is not None
     assert outcome.fault.kind is RuntimeErrorKind.RANGE
     assert len(outcome.fault.path) == 2
+
+
+def test_a_proof_shows_that_no_guard_goes_wrong() -> None:
+    text = """
+    int[0, 1] a[5];
+    int[0, 9] n;
+    process P() { init location A { to A { guard a[n] == 0; assign n++; } } location B; }
+    system P;
+    property never : E<> P.B;
+    """
+    outcome = outcome_of(text)
+    assert (outcome.goals[0].status, outcome.reason) == (Status.UNDECIDED, "run-time error")
+    assert outcome.fault is not None
+    assert (outcome.fault.kind, len(outcome.fault.path)) == (RuntimeErrorKind.INDEX, 5)
+
+
+def test_zones_that_a_step_leads_out_of_prove_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = """
+    int[0, 9] n;
+    process P() { init location A { to A { guard n < 9; assign n++; } } }
+    system P;
+    property far : E<> n == 8;
+    """
+
+    def only_the_first(network: Network, goals: Sequence[Expression]) -> dict[DiscreteState, list[Zone]]:
+        return dict(list(known_zones(network, goals).items())[:3])
+
+    monkeypatch.setattr(proofs, "known_zones", only_the_first)
+    assert status_of(text) is Status.REACHED
 
 
 def test_loops_and_early_returns_are_executed_for_all_states_at_once() -> None:

@@ -14,7 +14,7 @@ from tachk.cli.main import app
 from tachk.engines.options import Engine, Limits, Options
 from tachk.engines.outcome import GoalOutcome, Outcome, Statistics, Status
 from tachk.engines.smt import search
-from tachk.properties.second_engine import DisagreementError
+from tachk.properties.variants.second_engine import DisagreementError
 from tachk.properties.verdict import Answer, Verdict
 
 Verdicts = Callable[..., dict[str, Verdict]]

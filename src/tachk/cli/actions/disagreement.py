@@ -8,7 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from tachk import api
-from tachk.properties.second_engine import DisagreementError
+from tachk.properties.variants.second_engine import DisagreementError
 from tachk.properties.verdict import Verdict
 from tachk.report.answers import Report
 from tachk.report.record import RunRecord

@@ -21,9 +21,9 @@ from tachk.cli.progress import ProgressLine
 from tachk.cli.reporting import Evidence
 from tachk.cli.terminal import can_rewrite_lines
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.options import Limits, Options, SearchOrder
+from tachk.engines.options import Limits, Options, Pace, SearchOrder
 from tachk.engines.outcome import INTERRUPTED
-from tachk.properties.second_engine import DisagreementError
+from tachk.properties.variants.second_engine import DisagreementError
 from tachk.properties.verdict import Answer
 from tachk.records import dataclass
 from tachk.report.record import RunRecord
@@ -85,8 +85,15 @@ def _check_all(
     if asked.certificate is not None and len(models) > 1:
         raise UsageError("--certificate names one file, but there are several models")
     constants = parse_definitions(asked.definitions)
-    if reporting.evidence is Evidence.SHORTEST:
-        options = _shortest(options)
+    match reporting.evidence:
+        case Evidence.SHORTEST:
+            options = _shortest(options)
+        case Evidence.FASTEST:
+            options = replace(options, pace=Pace.FASTEST)
+        case Evidence.SLOWEST:
+            options = replace(options, pace=Pace.SLOWEST)
+        case Evidence.SOME | Evidence.NONE:
+            pass
     if asked.max_memory is not None:
         limits = replace(limits, memory_bytes=parse_size(asked.max_memory))
 

@@ -18,7 +18,7 @@ from tachk.cli.actions.verifyta_options import TraceChoice, VerifytaOptions
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
-from tachk.engines.options import Options
+from tachk.engines.options import Options, Pace
 from tachk.engines.outcome import INTERRUPTED
 from tachk.formats.uppaal.intermediate import network_to_intermediate
 from tachk.formats.uppaal.trace_xml import run_to_trace_xml
@@ -129,9 +129,13 @@ def _formulas(loaded: LoadedModel, source: Source | None) -> tuple[Formula, ...]
 
 
 def _verdicts(network: Network, queries: Sequence[Query], options: VerifytaOptions) -> tuple[Verdict, ...]:
-    shortest = options.trace is TraceChoice.SHORTEST
     how = Options(
-        options.order, options.seed % 2**32, options.extrapolation, passing=options.passing, shortest=shortest
+        options.order,
+        options.seed % 2**32,
+        options.extrapolation,
+        passing=options.passing,
+        shortest=options.trace is TraceChoice.SHORTEST,
+        pace=Pace.FASTEST if options.trace is TraceChoice.FASTEST else Pace.EARLY,
     )
     found = verify(network, queries, how, trace=options.trace is not TraceChoice.NONE)
     if any(verdict.reason == INTERRUPTED for verdict in found):

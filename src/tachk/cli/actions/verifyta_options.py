@@ -64,7 +64,7 @@ class _Option:
 _OPTIONS = (
     _Option("h", "help", False, "Print this help."),
     _Option("v", "version", False, "Print the version."),
-    _Option("t", "diagnostic", True, "Trace: 0 some, 1 shortest, 2 fastest (here: shortest)."),
+    _Option("t", "diagnostic", True, "Trace: 0 some, 1 shortest, 2 fastest."),
     _Option("f", "trace-file", True, "Write symbolic traces to files VALUE-N.xtr."),
     _Option("X", "xml-trace", True, "Write symbolic traces to files VALUEN.xml."),
     _Option("y", "symbolic-trace", False, "Show traces as sets of clock values."),
@@ -276,11 +276,6 @@ def _apply(parsed: VerifytaOptions, option: _Option, value: str) -> None:
 def _settle_trace(parsed: VerifytaOptions) -> None:
     if parsed.trace is TraceChoice.NONE and (parsed.xtr or parsed.xml):
         parsed.trace = TraceChoice.SOME
-    if parsed.trace is TraceChoice.FASTEST:
-        parsed.notes.append(
-            "there is no search for fastest traces here: they are shortest, and as early as they can be"
-        )
-        parsed.trace = TraceChoice.SHORTEST
     if parsed.trace is TraceChoice.SHORTEST and parsed.order is not SearchOrder.BFS:
         parsed.notes.append("shortest traces are searched for breadth first")
         parsed.order = SearchOrder.BFS

@@ -52,7 +52,8 @@ _DEFAULT = Options()
     "--trace",
     type=options.Choice(Evidence),
     help="The run to show as evidence; without this option only unexpected answers get one. shortest: one with the "
-    "fewest transitions, which may take longer to find.",
+    "fewest transitions, which may take longer to find. fastest: one that takes the least time of all, which takes "
+    "several searches. slowest: the run that was found, as late as it can be.",
 )
 @options.report(ReportForm.TEXT, ReportForm.JSON, ReportForm.JUNIT, ReportForm.VERIFYTA)
 @click.option(
