@@ -63,6 +63,20 @@ std::vector<std::int64_t> widened(const std::vector<std::int32_t>& numbers) { re
 }  // namespace
 
 void bind_certificates(nb::module_& m) {
+  nb::class_<tachk::CoverParts>(m, "CoverParts", "Symbolic states, grouped by discrete state.")
+      .def("groups", &tachk::CoverParts::groups, "How many groups there are.")
+      .def("zones", &tachk::CoverParts::zones, "How many zones.")
+      .def(
+          "part",
+          [](tachk::CoverParts& self, std::size_t first, std::size_t zones) {
+            tachk::CoverPart part = self.part(first, zones);
+            return nb::make_tuple(as_array(widened(part.discretes)), as_array(std::move(part.zones)),
+                                  as_array(std::move(part.ranks)), as_array(std::move(part.constraints)),
+                                  as_array(std::move(part.places)), as_array(std::move(part.bounds)));
+          },
+          nb::arg("first"), nb::arg("zones"),
+          "The groups from `first` on with about so many zones: discrete states, numbers of zones, ranks, numbers of "
+          "constraints, left * (clocks + 1) + right, raw bounds.");
   nb::class_<tachk::CoverSearch>(m, "CoverSearch", "The search for a small closed set of symbolic states.")
       .def(nb::new_([](const std::vector<std::int64_t>& image, const tachk::Options& options,
                        const tachk::Limits& limits, bool hulls) {
@@ -79,25 +93,15 @@ void bind_certificates(nb::module_& m) {
             return std::make_tuple(s.explored, s.stored, s.transitions, s.bytes);
           },
           "(explored, stored, transitions, bytes)")
-      .def("groups", &tachk::CoverSearch::groups, "How many discrete states the set has.")
-      .def(
-          "part",
-          [](tachk::CoverSearch& self, std::size_t first, std::size_t zones) {
-            tachk::CoverPart part = self.part(first, zones);
-            return nb::make_tuple(as_array(widened(part.discretes)), as_array(std::move(part.zones)),
-                                  as_array(std::move(part.constraints)), as_array(std::move(part.places)),
-                                  as_array(std::move(part.bounds)));
-          },
-          nb::arg("first"), nb::arg("zones"),
-          "The groups from `first` on with about so many zones: discrete states, numbers of zones, numbers of "
-          "constraints, left * (clocks + 1) + right, raw bounds.");
+      .def("cover", &tachk::CoverSearch::cover, nb::rv_policy::reference_internal,
+           "What covers all that can be reached, of a finished search.");
   nb::class_<tachk::ClosedSet>(m, "ClosedSet", "The check that a set of symbolic states is closed.")
       .def(nb::new_([](const std::vector<std::int64_t>& image) {
              return std::make_unique<tachk::ClosedSet>(tachk::decode_program(image));
            }),
            nb::arg("image"))
       .def("add", &add, nb::arg("slots"), nb::arg("discretes"), nb::arg("zones"), nb::arg("constraints"),
-           nb::arg("places"), nb::arg("bounds"), "Adds groups, as `CoverSearch.part` tells them.")
+           nb::arg("places"), nb::arg("bounds"), "Adds groups, as `CoverParts.part` tells them.")
       .def("check", &tachk::ClosedSet::check, nb::arg("states"), nb::call_guard<nb::gil_scoped_release>(),
            "Checks so many more discrete states; whether there is nothing left to check.")
       .def(

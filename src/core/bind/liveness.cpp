@@ -54,6 +54,8 @@ void bind_liveness(nb::module_& m) {
             return std::make_tuple(s.explored, s.stored, s.transitions, s.bytes);
           },
           "(explored, stored, transitions, bytes)")
+      .def("cover", &tachk::LivenessSearch::cover, nb::rv_policy::reference_internal,
+           "Of a finished search without a violation: the states that have been gone through, in their order.")
       .def("violation", &violation_of, "(kind, stem, begins, loop) of a run that was found, as edge numbers, or None.")
       .def("begins", &tachk::LivenessSearch::begins, "Whether the left side of p --> q holds in some state so far.")
       .def("gets_stuck", &tachk::LivenessSearch::gets_stuck, nb::arg("actions"), nb::arg("begins"),

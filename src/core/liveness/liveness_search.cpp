@@ -27,7 +27,8 @@ LivenessSearch::LivenessSearch(Program program, const Options& options, const Li
       passed_(graph_.program(), graph_.operations(), options_.chunk_words, options_.reclaim,
               graph_.smaller_operations()),
       stack_(graph_),
-      source_(graph_.blank()) {}
+      source_(graph_.blank()),
+      parts_(graph_) {}
 
 LivenessSearch::Overview LivenessSearch::overview() {
   const std::vector<Goal>& goals = graph_.program().goals;
@@ -312,6 +313,17 @@ void LivenessSearch::found(ViolationKind kind) {
     stem.erase(entrance, stem.end());
   }
   violation_->stem = std::move(stem);
+}
+
+CoverParts& LivenessSearch::cover() {
+  if (!parts_.empty()) return parts_;
+  if (overview_.begins) {
+    PassedList& states = overview_.reachable.states();
+    for (std::uint32_t node = 0; node < states.size(); ++node)
+      if (!states.covered(node)) parts_.add(states, node, 0);
+  }
+  for (std::uint32_t node = 0; node < passed_.size(); ++node) parts_.add(passed_, node, std::int64_t{node} + 1);
+  return parts_;
 }
 
 // ---- a path without extrapolation -----------------------------------------------------------------------------------

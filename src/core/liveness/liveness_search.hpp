@@ -25,6 +25,7 @@
 #include "liveness/reachable.hpp"
 #include "liveness/restriction.hpp"
 #include "liveness/search_stack.hpp"
+#include "reachability/cover_parts.hpp"
 #include "reachability/explorer.hpp"
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
@@ -64,6 +65,10 @@ class LivenessSearch final {
   const std::optional<LivenessFault>& fault() const { return fault_; }
   // Of p --> q: whether p holds in some state that has been reached. True where there is no p.
   bool begins() const { return !overview_.begins || overview_.met; }
+  // Of a finished search without a violation: the finished states, whose ranks tell the order in which they finished,
+  // and of p --> q all that are reachable, with the rank 0. It needs zones that are stored whole and not reclaimed,
+  // and no search for another proof.
+  CoverParts& cover();
   // Whether these actions can end in a state that is stuck and avoid q from action number `begins` on. Asked of a
   // search without extrapolation that has not run; false also if clock values become too large on the way.
   bool gets_stuck(const Path& actions, std::size_t begins);
@@ -126,6 +131,7 @@ class LivenessSearch final {
   bool complete_ = true;
   std::optional<Violation> violation_;
   std::optional<LivenessFault> fault_;
+  CoverParts parts_;
 };
 
 }  // namespace tachk

@@ -1,7 +1,6 @@
 #include "reachability/cover_search.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace tachk {
@@ -21,8 +20,6 @@ Options plain(Options options) {
   return options;
 }
 
-Raw sum(Raw a, Raw b) { return a == unbounded_entry || b == unbounded_entry ? unbounded_entry : a + b - ((a | b) & 1); }
-
 }  // namespace
 
 CoverSearch::Attempt::Attempt(ZoneGraph& graph, const Options& options)
@@ -38,7 +35,8 @@ CoverSearch::CoverSearch(Program program, const Options& options, const Limits& 
       hulls_(hulls),
       attempt_(std::make_unique<Attempt>(graph_, options_)),
       source_(graph_.blank()),
-      hull_(graph_.operations()) {}
+      hull_(graph_.operations()),
+      parts_(graph_) {}
 
 std::size_t CoverSearch::KeyHash::operator()(const Key& key) const {
   std::uint64_t hash = key.size();
@@ -181,82 +179,12 @@ Statistics CoverSearch::statistics() const {
 
 // ---- what it has found ----------------------------------------------------------------------------------------------
 
-void CoverSearch::collect() {
+CoverParts& CoverSearch::cover() {
+  if (!parts_.empty()) return parts_;
   const PassedList& passed = attempt_->passed;
   for (std::uint32_t node = 0; node < passed.size(); ++node)
-    if (!passed.covered(node)) ordered_.push_back(node);
-  std::stable_sort(ordered_.begin(), ordered_.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return passed.node(a).discrete < passed.node(b).discrete; });
-  for (std::size_t at = 0; at < ordered_.size(); ++at)
-    if (at == 0 || passed.node(ordered_[at]).discrete != passed.node(ordered_[at - 1]).discrete) first_.push_back(at);
-}
-
-std::size_t CoverSearch::groups() {
-  if (ordered_.empty()) collect();
-  return first_.size();
-}
-
-CoverPart CoverSearch::part(std::size_t first, std::size_t zones) {
-  const std::size_t all = groups();
-  CoverPart part;
-  for (std::size_t group = first; group < all && (group == first || part.constraints.size() < zones); ++group) {
-    const std::size_t end = group + 1 < all ? first_[group + 1] : ordered_.size();
-    attempt_->passed.unpack(attempt_->passed.node(ordered_[first_[group]]), source_.slots.data());
-    const Key discrete = state(source_.slots.data());
-    part.discretes.insert(part.discretes.end(), discrete.begin(), discrete.end());
-    part.zones.push_back(static_cast<std::int64_t>(end - first_[group]));
-    for (std::size_t at = first_[group]; at < end; ++at) tell(attempt_->passed.node(ordered_[at]), part);
-  }
-  return part;
-}
-
-// The minimal constraints of Larsen, Larsson, Pettersson and Yi 1997: clocks at fixed distances form classes; a cycle
-// through each class, and between the first members of classes what does not follow through a third one.
-void CoverSearch::tell(const Node& node, CoverPart& part) const {
-  const Program& program = graph_.program();
-  const auto n = static_cast<std::size_t>(program.dimension());
-  std::vector<Raw> entries(n * n);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j)
-      entries[i * n + j] = graph_.operations().entry(attempt_->passed.zone(node), program.dimension(),
-                                                     static_cast<int>(i), static_cast<int>(j));
-  const auto at = [&](std::size_t i, std::size_t j) { return entries[i * n + j]; };
-  std::vector<std::size_t> original(n);  // of each clock its number in the program as it was given
-  std::iota(original.begin(), original.end(), 0);
-  for (std::size_t clock = 1; clock < program.clock_numbers.size(); ++clock)
-    if (program.clock_numbers[clock] != 0) original[program.clock_numbers[clock]] = clock;
-  const auto width = static_cast<std::size_t>(program.numbered_clocks()) + 1;
-  std::int64_t told = 0;
-  const auto add = [&](std::size_t i, std::size_t j) {
-    if (i == 0 && at(i, j) == raw_zero) return;
-    part.places.push_back(static_cast<std::int64_t>(original[i] * width + original[j]));
-    part.bounds.push_back(2 * raw_value(at(i, j)) * program.time_unit + (at(i, j) & 1));
-    ++told;
-  };
-  std::vector<std::size_t> first(n);  // of each clock the first member of its class
-  for (std::size_t i = 0; i < n; ++i) {
-    first[i] = i;
-    std::size_t last = i;
-    for (std::size_t j = 0; j < i; ++j)
-      if (sum(at(i, j), at(j, i)) == raw_zero) {
-        if (first[i] == i) first[i] = j;
-        last = j;
-      }
-    if (last == i) continue;
-    add(last, i);  // one way round from each member to the next, the way back from the last one to the first
-    bool is_last = true;
-    for (std::size_t j = i + 1; j < n; ++j) is_last &= sum(at(i, j), at(j, i)) != raw_zero;
-    if (is_last) add(i, first[i]);
-  }
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j) {
-      if (i == j || first[i] != i || first[j] != j || at(i, j) == unbounded_entry) continue;
-      bool follows = false;
-      for (std::size_t k = 0; k < n && !follows; ++k)
-        follows = k != i && k != j && first[k] == k && sum(at(i, k), at(k, j)) <= at(i, j);
-      if (!follows) add(i, j);
-    }
-  part.constraints.push_back(told);
+    if (!passed.covered(node)) parts_.add(attempt_->passed, node, 0);
+  return parts_;
 }
 
 }  // namespace tachk

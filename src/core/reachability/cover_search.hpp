@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "program/program.hpp"
+#include "reachability/cover_parts.hpp"
 #include "reachability/deadlock_watch.hpp"
 #include "reachability/explorer.hpp"
 #include "reachability/goals.hpp"
@@ -22,17 +23,6 @@
 #include "symbolic/zone_graph.hpp"
 
 namespace tachk {
-
-// Some of the symbolic states of a cover, grouped by discrete state. The times are those of the program as it was
-// given, and so are the numbers of clocks. Zones are told by constraints from which the others follow; that no clock is
-// negative goes without saying.
-struct CoverPart {
-  std::vector<std::int32_t> discretes;    // of each group its discrete state
-  std::vector<std::int64_t> zones;        // of each group how many zones it has
-  std::vector<std::int64_t> constraints;  // of each zone how many constraints it has
-  std::vector<std::int64_t> places;       // of each constraint left * (clocks + 1) + right
-  std::vector<std::int64_t> bounds;       // of each constraint its raw bound
-};
 
 class CoverSearch final {
  public:
@@ -47,9 +37,8 @@ class CoverSearch final {
   bool reached() const { return reached_; }
   Statistics statistics() const;
 
-  // Of a finished search: how many groups there are, and those from `first` on with about so many zones together.
-  std::size_t groups();
-  CoverPart part(std::size_t first, std::size_t zones);
+  // Of a finished search: what covers all that can be reached.
+  CoverParts& cover();
 
  private:
   using Key = std::vector<std::int32_t>;
@@ -83,8 +72,6 @@ class CoverSearch final {
   void keep_all_zones_of(const std::int32_t* slots);
   Key locations(const std::int32_t* slots) const;
   Key state(const std::int32_t* slots) const;
-  void collect();
-  void tell(const Node& node, CoverPart& part) const;
 
   Options options_;
   Limits limits_;
@@ -99,8 +86,7 @@ class CoverSearch final {
   std::uint64_t explored_ = 0;
   std::uint64_t transitions_ = 0;
   bool reached_ = false;
-  std::vector<std::uint32_t> ordered_;  // the nodes of the cover, by discrete state
-  std::vector<std::size_t> first_;      // of each group, in them
+  CoverParts parts_;
 };
 
 }  // namespace tachk

@@ -33,6 +33,8 @@ class Kind(StrEnum):
 
     UNREACHABLE = "unreachable"
     """No reachable state satisfies the target of the query."""
+    INEVITABLE = "inevitable"
+    """No run avoids what the query wants to be met, from where it asks for it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +65,8 @@ class Block:
     Attributes:
         discretes: a row for each group.
         zones: how many zones each group has.
+        ranks: the rank of each zone. It is 0 for what covers all reachable states; else each action leads to zones of
+            smaller ranks.
         constraints: how many constraints each zone has; with those that no clock is negative they define it.
         places: of each constraint on ``x_i - x_j`` the number ``i * (clocks + 1) + j``.
         bounds: of each constraint the raw bound, as in `tachk.semantics.dbm`.
@@ -70,6 +74,7 @@ class Block:
 
     discretes: Numbers
     zones: Numbers
+    ranks: Numbers
     constraints: Numbers
     places: Numbers
     bounds: Numbers
@@ -101,21 +106,22 @@ class CertificateWriter:
         self._stream.write(encoded(np.array([len(text)])) + text)
         groups = zones = 0
         for block in blocks:
-            data = zlib.compress(packed(block), 9)
+            data = zlib.compress(packed(block, header.kind is not Kind.UNREACHABLE), 9)
             self._stream.write(encoded(np.array([len(data)])) + data)
             groups += len(block.zones)
             zones += len(block.constraints)
         self._stream.write(encoded(np.array([0, groups, zones])))
 
 
-def packed(block: Block) -> bytes:
-    """A block before it is compressed: its columns as numbers of variable length."""
+def packed(block: Block, ranked: bool) -> bytes:
+    """A block before it is compressed: its columns as numbers of variable length. Ranks are left out if all are 0."""
     changes = np.diff(block.discretes, axis=0, prepend=0)
     counts = np.array([len(block.zones), len(block.constraints), len(block.places)])
     columns = (
         counts,
         _folded(changes.T.ravel()),
         block.zones,
+        *((block.ranks,) if ranked else ()),
         block.constraints,
         block.places,
         _folded(block.bounds),
@@ -222,18 +228,21 @@ def _unpacked(numbers: Numbers, header: Header) -> Block:
     if len(numbers) < 3:
         raise MalformedCertificateError("a block is too short")
     groups, zones, constraints = (int(n) for n in numbers[:3])
-    sizes = (header.width * groups, groups, zones, constraints, constraints)
+    ranked = 0 if header.kind is Kind.UNREACHABLE else zones
+    sizes = (header.width * groups, groups, ranked, zones, constraints, constraints)
     if sum(sizes) != len(numbers) - 3:
         raise MalformedCertificateError("a block has another length than its beginning tells")
     columns = np.split(numbers[3:], np.cumsum(sizes)[:-1])
-    changes, of_groups, of_zones, places, bounds = columns
+    changes, of_groups, ranks, of_zones, places, bounds = columns
     if of_groups.sum() != zones or of_zones.sum() != constraints:
         raise MalformedCertificateError("the numbers of zones or constraints in a block do not add up")
     clocks = len(header.clocks) + 1
     if (places >= clocks * clocks).any():
         raise MalformedCertificateError("a constraint is about a clock that does not exist")
     discretes = np.cumsum(_unfolded(changes).reshape(header.width, groups).T, axis=0)
-    return Block(discretes, of_groups, of_zones, places, _unfolded(bounds))
+    if not ranked:
+        ranks = np.zeros(zones, np.int64)
+    return Block(discretes, of_groups, ranks, of_zones, places, _unfolded(bounds))
 
 
 def _unfolded(numbers: Numbers) -> Numbers:

@@ -6,6 +6,11 @@ The set is a list of elements (discrete state, zone). It is a proof that no reac
 2. of each element, every transition followed by any delay leads into elements of the discrete state reached,
 3. no element has a valuation that satisfies the predicate, and nothing in one is a run-time error.
 
+For ``A<>`` and ``-->`` elements have ranks (Wimmer, Herbreteau and van de Pol 2020). Each transition from a ranked
+element leads to the goal or into elements of smaller ranks; time cannot pass for ever in it, and something stays
+possible. So a run that begins in a ranked element meets the goal: it cannot descend for ever, and cannot end before.
+For ``-->`` the elements of the rank 0 cover all reachable states, and ranked ones those where the goal is asked for.
+
 By induction over the transitions every reachable state is then in some element (Wimmer and von Mutius 2020). Elements
 may be larger than what is reachable, and how they were found does not matter. Zones are not extrapolated: successors
 are those of `tachk.semantics.symbolic`, the meaning of the model, and nothing of an engine or a compiler is used.
@@ -67,6 +72,9 @@ class Objection:
     transition: Transition | None = None
 
 
+_ANY_RANK = 1 << 62
+
+
 class _Open(Exception):
     """The set is not closed: a reason and perhaps a transition."""
 
@@ -76,47 +84,77 @@ def check_closed(model: PreparedNetwork, predicate: Expression, certificate: Cer
 
     Raises MalformedCertificateError.
     """
-    check = _Check(model, predicate, certificate)
+    return _objection(_Check(model, certificate, bad=predicate))
+
+
+def check_descent(
+    model: PreparedNetwork, goal: Expression, begins: Expression | None, certificate: CertificateReader
+) -> Objection | None:
+    """What is wrong with a certificate that each run meets the goal: from the initial state, or from each reachable
+    state that satisfies ``begins``; None if it is a proof.
+
+    The goal is one of locations and variables. Raises MalformedCertificateError.
+    """
+    return _objection(_Check(model, certificate, goal=goal, begins=begins))
+
+
+def _objection(check: _Check) -> Objection | None:
     if not check.contains_start():
         return Objection("the initial state is not in the set")
-    for discrete, zones in check.elements():
+    for discrete, zones, ranks in check.elements():
         check_time()
+        # Those of the rank 0 at once; if they are wrong, one by one, since each is checked by itself.
         try:
-            check.state(discrete, zones)
+            if not ranks.any():
+                check.state(discrete, zones, 0)
+                continue
         except _Open:
-            return _objection(check, discrete, zones)
+            pass
+        for number, rank in enumerate(ranks.tolist()):
+            try:
+                check.state(discrete, zones[number : number + 1], rank)
+            except _Open as found:
+                reason, *transition = found.args
+                return Objection(reason, discrete, number, *transition)
     return None
 
 
-def _objection(check: _Check, discrete: DiscreteState, zones: Numbers) -> Objection:
-    """The first zone of a discrete state that is wrong by itself, since each is checked by itself."""
-    for number in range(len(zones)):
-        try:
-            check.state(discrete, zones[number : number + 1])
-        except _Open as found:
-            reason, *transition = found.args
-            return Objection(reason, discrete, number, *transition)
-    raise AssertionError("zones are wrong together that are right one by one")
-
-
 class _Check:
-    """A set with what it is about."""
+    """A set with what it is about.
 
-    def __init__(self, model: PreparedNetwork, predicate: Expression, certificate: CertificateReader) -> None:
+    Attributes:
+        bad: what no element may satisfy.
+        goal: what each run must meet; where it holds nothing is asked of ranked elements.
+        begins: from where it must; None: from the initial state.
+    """
+
+    def __init__(
+        self,
+        model: PreparedNetwork,
+        certificate: CertificateReader,
+        bad: Expression | None = None,
+        goal: Expression | None = None,
+        begins: Expression | None = None,
+    ) -> None:
         self.model = model
-        self.predicate = predicate
+        self.bad = bad
+        self.goal = goal
+        self.begins = begins
         self.certificate = certificate
-        self.asks_deadlock = any(isinstance(part, Deadlock) for part in walk(predicate))
+        self.asks_deadlock = bad is not None and any(isinstance(part, Deadlock) for part in walk(bad))
         self.processes = len(model.network.processes)
-        self.index: dict[tuple[int, ...], tuple[int, int]] = {}
+        self.index: dict[tuple[bool, tuple[int, ...]], tuple[int, int]] = {}
         self.block = lru_cache(maxsize=64)(self._block)
         self._check_width()
         for number, block in enumerate(certificate.blocks()):
             self._check_discretes(block)
+            first = np.concatenate(([0], np.cumsum(block.zones)))
             for row, discrete in enumerate(map(tuple, block.discretes.tolist())):
-                if discrete in self.index:
+                ranks = block.ranks[first[row] : first[row + 1]]
+                key = bool(ranks.any()), discrete
+                if key in self.index or (key[0] and not ranks.all()):
                     raise MalformedCertificateError("a discrete state occurs twice")
-                self.index[discrete] = (number, row)
+                self.index[key] = (number, row)
 
     def _check_width(self) -> None:
         header, layout = self.certificate.header, self.model.layout
@@ -132,29 +170,36 @@ class _Check:
 
     # ---- the elements ------------------------------------------------------------------------------------------------
 
-    def _block(self, number: int) -> tuple[Numbers, Numbers]:
-        """The zones of a block, and where those of each discrete state begin."""
+    def _block(self, number: int) -> tuple[Numbers, Numbers, Numbers]:
+        """The zones of a block, their ranks, and where those of each discrete state begin."""
         block = self.certificate.block(number)
-        return zones_of(block, self.model.dimension), np.concatenate(([0], np.cumsum(block.zones)))
+        first = np.concatenate(([0], np.cumsum(block.zones)))
+        return zones_of(block, self.model.dimension), block.ranks, first
 
-    def elements(self) -> Iterator[tuple[DiscreteState, Numbers]]:
-        """Each discrete state with its zones."""
+    def elements(self) -> Iterator[tuple[DiscreteState, Numbers, Numbers]]:
+        """Each discrete state with its zones and their ranks."""
         for key in self.index:
-            yield DiscreteState(key[: self.processes], key[self.processes :]), self.zones_at(key)
+            _, numbers = key
+            yield DiscreteState(numbers[: self.processes], numbers[self.processes :]), *self._at(key)
 
-    def zones_at(self, key: tuple[int, ...]) -> Numbers:
+    def _at(self, key: tuple[bool, tuple[int, ...]]) -> tuple[Numbers, Numbers]:
         block, row = self.index[key]
-        zones, first = self.block(block)
-        return zones[first[row] : first[row + 1]]
+        zones, ranks, first = self.block(block)
+        return zones[first[row] : first[row + 1]], ranks[first[row] : first[row + 1]]
 
-    def covers(self, discrete: DiscreteState, zones: Numbers) -> bool:
-        """Whether each of the zones lies in one element, or else in several of them together."""
-        key = discrete.locations + discrete.values
+    def covers(self, discrete: DiscreteState, zones: Numbers, below: int) -> bool:
+        """Whether each of the zones lies in one element, or else in several of them together.
+
+        Args:
+            below: 0: elements of the rank 0; else ranked ones with a smaller rank.
+        """
+        key = below > 0, discrete.locations + discrete.values
         if not len(zones):
             return True
         if key not in self.index:
             return False
-        held = self.zones_at(key)
+        held, ranks = self._at(key)
+        held = held[ranks < below] if below else held
         inside = np.all(zones[:, None] <= held[None], axis=(2, 3)).reshape(len(zones), len(held))
         rest = zones[~inside.any(axis=1)]
         return not len(rest) or (len(held) > 1 and not subtract_all(_zones(rest), _zones(held)))
@@ -162,44 +207,62 @@ class _Check:
     def contains_start(self) -> bool:
         try:
             start, zones = symbolic.initial_situation(self.model)
-        except EvaluationFault:
+            any_rank = _ANY_RANK if self.goal is not None and self.begins is None else 0
+            return self._is_met(start.discrete, any_rank) or self.covers(
+                start.discrete, _array(zones, self.model.dimension), any_rank
+            )
+        except (EvaluationFault, _Open):
             return False
-        return self.covers(start.discrete, _array(zones, self.model.dimension))
+
+    def _is_met(self, discrete: DiscreteState, rank: int) -> bool:
+        """Whether nothing is asked of a ranked element, because it satisfies the goal. Raises EvaluationFault."""
+        if rank == 0 or self.goal is None:
+            return False
+        found = disjunctive(self.goal, environment(self.model, discrete))
+        if found and () not in found:
+            raise _Open("the goal depends on clocks")
+        return bool(found)
 
     # ---- one discrete state ------------------------------------------------------------------------------------------
 
-    def state(self, discrete: DiscreteState, zones: Numbers) -> None:
-        """Checks the elements of a discrete state. Raises _Open."""
+    def state(self, discrete: DiscreteState, zones: Numbers, rank: int) -> None:
+        """Checks elements of one discrete state and one rank. Raises _Open."""
         model = self.model
         try:
             invariant = symbolic.invariant_constraints(model, discrete)
-            if invariant is None:
+            if invariant is None or self._is_met(discrete, rank):
                 return None
             zones = constrain(zones, invariant)
+            if rank:
+                self._check_ends(discrete, zones)
+            elif self.begins is not None:
+                self._check_beginnings(discrete, zones, invariant)
             if model.has_priorities or self.asks_deadlock or stopped_clocks(model, discrete):
-                return self._one_by_one(discrete, zones)
+                return self._one_by_one(discrete, zones, rank)
             moves, faults = symbolic.guarded_transitions(model, discrete)
             urgent = [guard for transition, guard in moves if is_urgent(model, discrete, transition)]
             if any(guard != TRUE for guard in urgent):
-                return self._one_by_one(discrete, zones)
+                return self._one_by_one(discrete, zones, rank)
             self._check_predicate(discrete, zones)
             for asked, fault in faults:
                 if any(len(constrain(zones, part)) for part in asked):
                     raise _Open(str(fault))
             for transition, guard in moves:
                 for part in guard:
-                    self._check_transition(discrete, transition, constrain(zones, part))
+                    self._check_transition(discrete, transition, constrain(zones, part), rank)
         except EvaluationFault as fault:
             raise _Open(str(fault)) from None
 
     def _check_predicate(self, discrete: DiscreteState, zones: Numbers) -> None:
+        if self.bad is None:
+            return
         scratch = environment(self.model, discrete)
         try:
-            bad = disjunctive(self.predicate, scratch)
+            bad = disjunctive(self.bad, scratch)
         except EvaluationFault:
             # Then the parts that can be evaluated have to deny it everywhere.
-            bad = certain(self.predicate, scratch)
-            denied = certain(self.predicate, scratch, negated=True)
+            bad = certain(self.bad, scratch)
+            denied = certain(self.bad, scratch, negated=True)
             whole = universe(self.model.dimension)
             safe = [zone for part in denied if (zone := constrain_all(whole, part)) is not None]
             if subtract_all(_zones(zones), safe):
@@ -207,7 +270,28 @@ class _Check:
         if any(len(constrain(zones, part)) for part in bad):
             raise _Open("some state of the zone is one that must not be reached")
 
-    def _check_transition(self, discrete: DiscreteState, transition: Transition, zones: Numbers) -> None:
+    def _check_beginnings(self, discrete: DiscreteState, zones: Numbers, invariant: Iterable[Constraint]) -> None:
+        """From where the goal must be met, and what that becomes by waiting, there are ranked elements."""
+        assert self.begins is not None
+        if self._is_met(discrete, _ANY_RANK):
+            return
+        for part in disjunctive(self.begins, environment(self.model, discrete)):
+            begun = self._delayed(discrete, constrain(zones, part), invariant)
+            if not self.covers(discrete, begun, _ANY_RANK):
+                raise _Open("it is not shown that the goal is met from here")
+
+    def _check_ends(self, discrete: DiscreteState, zones: Numbers) -> None:
+        """Time cannot pass for ever in ranked elements, and some transition stays possible."""
+        here = symbolic.situation(self.model, discrete)
+        running = [clock for clock in range(1, self.model.dimension) if clock not in here.stopped]
+        waiting = subtract_all(_zones(zones), here.urgent) if here.delays else []
+        for zone in symbolic.elapse(here, waiting):
+            if all(zone[clock, 0] >= INFINITY for clock in running):
+                raise _Open("time can pass for ever, and the goal is not met")
+        if subtract_all(_zones(zones), here.alive):
+            raise _Open("nothing can happen any more in some state, and the goal is not met")
+
+    def _check_transition(self, discrete: DiscreteState, transition: Transition, zones: Numbers, rank: int) -> None:
         """Raises _Open if what a transition leads to from the zones, where its guard holds, is not in the set."""
         if not len(zones):
             return
@@ -216,12 +300,12 @@ class _Check:
             invariant = symbolic.invariant_constraints(self.model, target)
         except EvaluationFault as fault:
             raise _Open(str(fault), transition) from None
-        if invariant is None:
+        if invariant is None or self._is_met(target, rank):
             return
         for clock, value in resets.items():
             zones = reset(zones, clock, value)
         zones = constrain(zones, invariant)
-        if not self.covers(target, self._delayed(target, zones, invariant)):
+        if not self.covers(target, self._delayed(target, zones, invariant), rank):
             raise _Open("a successor is not in the set", transition)
 
     def _delayed(self, discrete: DiscreteState, zones: Numbers, invariant: Iterable[Constraint]) -> Numbers:
@@ -236,9 +320,9 @@ class _Check:
         waited[:, 1:, 0] = INFINITY
         return constrain(waited, invariant)
 
-    def _one_by_one(self, discrete: DiscreteState, zones: Numbers) -> None:
+    def _one_by_one(self, discrete: DiscreteState, zones: Numbers, rank: int) -> None:
         here = symbolic.situation(self.model, discrete)
-        bad = symbolic.where(self.model, here, self.predicate)
+        bad = [] if self.bad is None else symbolic.where(self.model, here, self.bad)
         for zone in _zones(zones):
             if symbolic.intersections([zone], bad):
                 raise _Open("some state of the zone is one that must not be reached")
@@ -252,7 +336,10 @@ class _Check:
                         raise _Open(str(move.fault), move.transition)
                     continue
                 there = symbolic.situation(self.model, move.target)
-                if not self.covers(move.target, _array(symbolic.elapse(there, reached), self.model.dimension)):
+                if self._is_met(move.target, rank):
+                    continue
+                delayed = _array(symbolic.elapse(there, reached), self.model.dimension)
+                if not self.covers(move.target, delayed, rank):
                     raise _Open("a successor is not in the set", move.transition)
 
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from tachk import _core
 from tachk.certify.certificate import Block
 from tachk.compiler.program import Goal, Program
 from tachk.engines.core_search import core_limits, core_options, run_in_slices
-from tachk.engines.options import Extrapolation, Limits, Options
+from tachk.engines.options import LARGEST_SEED, NEVER, Extrapolation, Limits, Options
 from tachk.engines.outcome import Progress
 from tachk.engines.program_image import encode
 from tachk.records import dataclass
@@ -70,13 +70,48 @@ def _search(
         return reason
     if search.reached():
         return ""
-    groups, zones = search.groups(), search.statistics()[1]
+    return _told(search.cover())
+
+
+def find_descent(
+    program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None = None
+) -> Cover | str:
+    """What shows that no run avoids the first goal, from the initial state or from each reachable state of the second
+    one; or the reason why there is none.
+
+    It consists of the states that a search has gone through, each with a rank that is larger than those of the states
+    that an action leads to; where there is a second goal, all reachable states come with the rank 0. The clock bounds
+    of the program must be as for `tachk.engines.liveness.find_avoiding_run`.
+    """
+    started = time.perf_counter()
+    for bounds in dict.fromkeys((options.extrapolation, Extrapolation.MAX)):
+        plain = replace(
+            options,
+            extrapolation=bounds,
+            reclaim=False,
+            pack_clocks=LARGEST_SEED,
+            passing=0,
+            subsumption=True,
+            proof_after=NEVER,
+        )
+        search = _core.LivenessSearch(encode(program, goals), core_options(plain), core_limits(limits))
+        left = limits.after(time.perf_counter() - started)
+        status, reason = run_in_slices(search, time.perf_counter(), left, progress)
+        if status is not _core.Status.FINISHED:
+            return reason
+        if search.violation() is None:
+            return _told(search.cover())
+    return "there is a run that avoids it, or seems to be"
+
+
+def _told(parts: _core.CoverParts) -> Cover:
+    groups = parts.groups()
 
     def blocks() -> Iterator[Block]:
         first = 0
         while first < groups:
-            discretes, of_groups, of_zones, places, raws = search.part(first, ZONES_IN_A_BLOCK)
-            yield Block(discretes.reshape(len(of_groups), -1), of_groups, of_zones, places, raws)
+            discretes, of_groups, *columns = parts.part(first, ZONES_IN_A_BLOCK)
+            yield Block(discretes.reshape(len(of_groups), -1), of_groups, *columns)
             first += len(of_groups)
 
-    return Cover(groups, zones, blocks)
+    return Cover(groups, parts.zones(), blocks)

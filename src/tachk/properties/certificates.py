@@ -7,18 +7,22 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from tachk.certify.certificate import Block, CertificateReader, Header, Kind, MalformedCertificateError
-from tachk.certify.closed_set import Objection, check_closed
+from tachk.certify.closed_set import Objection, check_closed, check_descent
 from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.engines.closed_set import check_closed_natively
-from tachk.engines.cover import Cover, find_cover
+from tachk.engines.cover import Cover, find_cover, find_descent
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import Progress
+from tachk.model.expressions import BOOL, Deadlock, Expression, Unary
 from tachk.model.network import Network
 from tachk.model.query import Query
+from tachk.model.traversal import walk
+from tachk.operators import UnaryOperator
+from tachk.properties import liveness, reachability
 from tachk.properties.observed import observed
-from tachk.properties.reachability import answers_of
 from tachk.properties.verdict import Verdict
+from tachk.semantics.constraints import compares_clocks
 from tachk.semantics.discrete import prepare
 
 
@@ -56,9 +60,11 @@ class Proof:
 
 
 def is_provable(verdict: Verdict) -> bool:
-    """Whether a certificate shows the answer: it says that something is never reached."""
+    """Whether a certificate shows the answer: it says that something is never reached, or always."""
     query = verdict.query
-    return query.target is not None and verdict.answer is answers_of(query)[1]
+    if query.target is not None:
+        return verdict.answer is reachability.answers_of(query)[1]
+    return query.avoided is not None and verdict.answer is liveness.answers_of(query)[1]
 
 
 def find_proof(
@@ -69,7 +75,7 @@ def find_proof(
     limits: Limits = Limits(),
     progress: Progress | None = None,
 ) -> Proof | str:
-    """A certificate that the target of a query is never reached, or the reason why there is none.
+    """A certificate of a provable answer, or the reason why there is none.
 
     The search is made anew, in the whole network: what a verdict leaves out, such as processes that cannot influence
     the answer, a checker would have to believe. The proof has been checked by the native checker.
@@ -78,20 +84,42 @@ def find_proof(
         network: without observer.
         model: the digest of the network.
     """
-    assert query.target is not None
     whole = observed(network, query.observer)
-    program, (goal,) = lower(whole, [query.target])
-    cover = find_cover(program, goal, options, limits, progress)
+    if query.target is None:
+        cover = _descent(whole, query, options, limits, progress)
+    else:
+        program, (goal,) = lower(whole, [query.target])
+        cover = find_cover(program, goal, options, limits, progress)
+        if isinstance(cover, Cover):
+            objection = check_closed_natively(program, goal, cover.blocks())
+            if objection is not None:
+                raise InternalError(f"the certificate made for {query.text!r} is not accepted: {objection.reason}")
     if isinstance(cover, str):
         return cover
-    objection = check_closed_natively(program, goal, cover.blocks())
-    if objection is not None:
-        raise InternalError(f"the certificate made for {query.text!r} is not accepted: {objection.reason}")
     layout = prepare(whole).layout
     clocks = tuple(layout.names[cell] for cell in layout.clock_cells)
     width = len(whole.processes) + len(layout.initial)
-    header = Header(Kind.UNREACHABLE, query.name, query.text, model, dict(network.constants), width, clocks)
+    kind = Kind.INEVITABLE if query.target is None else Kind.UNREACHABLE
+    header = Header(kind, query.name, query.text, model, dict(network.constants), width, clocks)
     return Proof(header, cover)
+
+
+def _descent(
+    network: Network, query: Query, options: Options, limits: Limits, progress: Progress | None
+) -> Cover | str:
+    avoided, begins = query.avoided, query.begins
+    assert avoided is not None
+    if compares_clocks(avoided) or any(isinstance(part, Deadlock) for part in walk(avoided)):
+        return "what each run must meet is one of clocks or deadlock, for which there are no certificates yet"
+    if begins is not None and any(isinstance(part, Deadlock) for part in walk(begins)):
+        return "there are no certificates yet where deadlock says from where something must be met"
+    predicates = [both for one in (avoided, begins) if one is not None for both in (one, _negation(one))]
+    program, goals = lower(network, predicates)
+    return find_descent(program, [goals[0], *([] if begins is None else [goals[2]])], options, limits, progress)
+
+
+def _negation(predicate: Expression) -> Expression:
+    return Unary(UnaryOperator.NOT, predicate, BOOL, predicate.span)
 
 
 def check_proof(network: Network, query: Query, certificate: CertificateReader, checker: Checker) -> Objection | None:
@@ -99,9 +127,13 @@ def check_proof(network: Network, query: Query, certificate: CertificateReader, 
 
     Raises MalformedCertificateError for a file that is damaged or that is about other processes, variables or clocks.
     """
-    if query.target is None:
-        raise MalformedCertificateError("it claims that something is never reached, but the query asks for more")
     whole = observed(network, query.observer)
+    if (query.target is None) is not (certificate.header.kind is Kind.INEVITABLE):
+        raise MalformedCertificateError("it is a proof of another kind than the query needs")
+    if query.target is None:
+        if query.avoided is None:
+            raise MalformedCertificateError("the query is of a kind that has no proofs")
+        return check_descent(prepare(whole), query.avoided, query.begins, certificate)
     match checker:
         case Checker.PYTHON:
             return check_closed(prepare(whole), query.target, certificate)

@@ -14,6 +14,7 @@ from tachk.records import dataclass
 from tachk.report.run.trace_view import Names
 from tachk.report.run.zone_view import ZoneState, constraint_texts, event_text
 from tachk.semantics.dbm import Zone
+from tachk.words import QueryKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +43,8 @@ class Judgement:
     @property
     def proved(self) -> str:
         """The answer that the certificate proves."""
-        return "fails" if self.query.holds_when_reached else "holds"
+        refuted = self.query.holds_when_reached or self.query.kind is QueryKind.POTENTIALLY_ALWAYS
+        return "fails" if refuted else "holds"
 
     def state(self) -> ZoneState | None:
         """The element that is wrong."""
@@ -75,7 +77,7 @@ def judgement_lines(judgements: Iterable[Judgement]) -> Iterable[str]:
     for judged in judgements:
         header, found = judged.certificate.header, judged.certificate
         yield f"{'✓' if judged.accepted else '✗'} {header.name}: {judged.query.text}"
-        size = f"{found.zones} zones of {found.groups} discrete states"
+        size = f"{_count(found.zones, 'zone')} of {_count(found.groups, 'discrete state')}"
         if judged.accepted:
             yield f"    accepted: it {judged.proved}, by {size}"
             continue
@@ -84,6 +86,10 @@ def judgement_lines(judgements: Iterable[Judgement]) -> Iterable[str]:
             yield f"    at        {state}"
         if text := judged.transition():
             yield f"    by        {text}"
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def judgements_to_json(model: str, file: str, checker: str, judgements: Iterable[Judgement]) -> dict[str, Any]:

@@ -117,6 +117,101 @@ def test_random_networks(seed: int) -> None:
             assert judged(case.network, query, written(proof)) is None
 
 
+LIVE_SHAPES = [
+    Shape(deadlocks=False),
+    Shape(priorities=True, deadlocks=False, clocks=2),
+    Shape(stopwatches=True, deadlocks=False, clocks=2),
+    Shape(language=True, faults=0.3, deadlocks=False, clocks=2),
+    Shape(processes=2, locations=3, deadlocks=False),
+]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_each_run_meets_in_random_networks(seed: int) -> None:
+    case = random_case(Random(seed), LIVE_SHAPES[seed % len(LIVE_SHAPES)])
+    first, second, _ = case.predicates
+    for query in (
+        Query("met", QueryKind.EVENTUALLY, first),
+        Query("kept", QueryKind.POTENTIALLY_ALWAYS, second),
+        Query("answered", QueryKind.LEADS_TO, first, (second,)),
+    ):
+        (verdict,) = verify(case.network, [query], limits=Limits(states=1_000), trace=False)
+        proof = find_proof(case.network, "digest", query, limits=Limits(states=1_000))
+        if isinstance(proof, Proof):
+            assert is_provable(verdict)
+            if proof.zones <= 100:
+                assert check_proof(case.network, query, written(proof), Checker.PYTHON) is None
+        else:
+            assert not is_provable(verdict) or "there are no certificates yet" in proof or "limit" in proof
+
+
+COUNTER = """
+clock x; int[0, 3] n;
+process Counter() {
+    init location count {
+        invariant x <= 2;
+        to count { guard x >= 1 && n < 3; assign n = n + 1, x = 0; }
+        to done { guard n == 3; }
+    }
+    location done { invariant x <= 9; to done { guard x >= 9; assign x = 0; } }
+}
+system Counter;
+property met : A<> Counter.done;
+property answered : n == 1 --> Counter.done;
+property kept : E[] Counter.count expect fails;
+"""
+
+
+def counter(name: str, model: str = COUNTER) -> tuple[Network, Query]:
+    loaded = tachk.loads(model)
+    (query,) = (query for query in loaded.properties if query.name == name)
+    return loaded.network, query
+
+
+@pytest.mark.parametrize(("name", "proves"), [("met", "holds"), ("answered", "holds"), ("kept", "fails")])
+def test_what_each_run_meets(name: str, proves: str) -> None:
+    network, query = counter(name)
+    certificate = written(proved(network, query))
+    assert check_proof(network, query, certificate, Checker.PYTHON) is None
+    assert Judgement(network, query, certificate, "", None, 0.0).proved == proves
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ("n = n + 1, x = 0", "n = n == 1 ? 1 : n + 1, x = 0", "a successor is not in the set"),  # counts for ever
+        ("invariant x <= 2;", "", "time can pass for ever, and the goal is not met"),
+        ("guard n == 3", "guard n == 3 && x < 0", "nothing can happen any more in some state, and the goal is not met"),
+    ],
+)
+@pytest.mark.parametrize("name", ["met", "answered", "kept"])
+def test_ranks_prove_nothing_where_a_run_goes_on_without_the_goal(name: str, old: str, new: str, reason: str) -> None:
+    """The certificate of a model that meets the goal, without any constraint, offered for one that need not."""
+    network, query = counter(name)
+    proof = proved(network, query)
+    (block,) = proof.blocks()
+    none = np.zeros(0, np.int64)
+    wide = replace(block, constraints=np.zeros_like(block.constraints), places=none, bounds=none)
+    certificate = written(proof, iter([wide]))
+    assert check_proof(network, query, certificate, Checker.PYTHON) is None
+    wrong, same = counter(name, COUNTER.replace(old, new))
+    assert isinstance(find_proof(wrong, "digest", same), str)
+    found = check_proof(wrong, same, certificate, Checker.PYTHON)
+    assert found is not None and found.reason == reason
+
+
+@pytest.mark.parametrize("name", ["met", "answered"])
+def test_a_rank_must_not_grow(name: str) -> None:
+    network, query = counter(name)
+    proof = proved(network, query)
+    (block,) = proof.blocks()
+    same = replace(block, ranks=np.minimum(block.ranks, 1))
+    found = check_proof(network, query, written(proof, iter([same])), Checker.PYTHON)
+    assert found is not None and found.reason == "a successor is not in the set"
+    turned = replace(block, ranks=np.where(block.ranks > 0, block.ranks.max() + 1 - block.ranks, 0))
+    assert check_proof(network, query, written(proof, iter([turned])), Checker.PYTHON) is not None
+
+
 def fischer(**constants: int) -> tuple[Network, Query]:
     loaded = tachk.load(MODELS / "classics" / "fischer.ta", **{"N": 2, **constants})
     return loaded.network, loaded.properties[0]
@@ -130,7 +225,12 @@ def blocks_without(proof: Proof, group: int) -> Iterator[Block]:
     kept = np.arange(len(block.zones)) != group
     of_kept = np.r_[0 : first[group], first[group + 1] : first[-1]]
     yield Block(
-        block.discretes[kept], block.zones[kept], block.constraints[kept], block.places[of_kept], block.bounds[of_kept]
+        block.discretes[kept],
+        block.zones[kept],
+        block.ranks[kept],
+        block.constraints[kept],
+        block.places[of_kept],
+        block.bounds[of_kept],
     )
 
 

@@ -61,8 +61,8 @@ _DEFAULT = Options()
     "--certificate",
     metavar="FILE",
     type=options.type_of_file,
-    help="Write proofs to this file, one for each answer that says that something is never reached. `tachk certify` "
-    "checks them without a search.",
+    help="Write proofs to this file, one for each answer that no run can show. `tachk certify` checks them without a "
+    "search.",
 )
 @click.option(
     "states",

@@ -47,6 +47,6 @@ def write_certificates(
                 continue
             writer.write(proof.header, proof.blocks())
             names.append(verdict.query.name)
-    told = f"proofs of {', '.join(names)}" if names else "no proof, for no property has been shown to be one of absence"
+    told = f"proofs of {', '.join(names)}" if names else "no proof, for no answer is of a kind that has one"
     print(f"{path}: {told} ({bytes_(path.stat().st_size)})", file=sys.stderr)
     return worst(statuses)
