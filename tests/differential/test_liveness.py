@@ -44,6 +44,7 @@ SHAPES = {
     "diagonals": Shape(**SMALL, diagonals=True),
     "one process": Shape(**{**SMALL, "processes": 1, "locations": 4}),
     "three processes": Shape(**{**SMALL, "processes": 3, "constant": 2}),
+    "deadlocks": Shape(**{**SMALL, "deadlocks": True}),
     "stopwatches": Shape(**SMALL, stopwatches=True),
     "faults": Shape(**SMALL, language=True, faults=0.3),
 }

@@ -93,6 +93,44 @@ ROUND = (
         pytest.param(ROUND.format(least=1, more="to c;"), "P.b --> P.a", False, id="a request before leaving"),
         pytest.param("init location a;", "P.a && P.x > 3 --> P.x >= 8", True, id="a request of a moment"),
         pytest.param("init location a;", "P.x > 9 --> P.x < 3", False, id="an answer that came before"),
+        pytest.param(
+            "init location a { invariant x < 5; to b { guard x >= 4; assign y = 0; } }"
+            "location b { invariant y <= 3; to c { guard y >= 2; assign x = 0; } }"
+            "location c { invariant x <= 1; to c { assign x = 0; } }",
+            "A<> P.x >= 5",
+            True,
+            id="constants of a goal count as lower and as upper bounds",
+        ),
+        pytest.param(
+            "init location a { invariant x <= 2; to b { guard x >= 2; } }"
+            "urgent location b { to c { guard x >= 1; } } location c;",
+            "A<> P.c",
+            True,
+            id="stuck in a widened zone only",
+        ),
+        pytest.param("init location a { invariant x <= 3; } ", "A<> deadlock", True, id="stuck from the beginning"),
+        pytest.param(
+            "init location a { invariant x <= 9; to b { guard x >= 3 && x <= 5; } } location b;",
+            "A<> deadlock && P.a",
+            False,
+            id="time to leave before the deadlock",
+        ),
+        pytest.param(
+            "init location a { invariant x <= 9; to b { guard x >= 3 && x <= 5; } } location b;",
+            "A<> deadlock",
+            True,
+            id="a deadlock by waiting or behind the transition",
+        ),
+        pytest.param(
+            "init location a { to a; to b; } location b;", "deadlock --> P.b", True, id="a deadlock as a request"
+        ),
+        pytest.param(
+            "init location a { to a; to b; } location b;", "E[] !deadlock", True, id="no deadlock on some run"
+        ),
+        pytest.param("init location a { to b; } location b;", "E[] !deadlock", True, id="no deadlock while waiting"),
+        pytest.param(
+            "init location a { invariant x <= 1; to b; } location b;", "E[] !deadlock", False, id="forced into one"
+        ),
         pytest.param("init location a;", "n == 1 --> n == 2", True, id="no request"),
         pytest.param("init location a;", "P.a --> P.a", True, id="answered at once"),
     ],

@@ -23,7 +23,7 @@ void Ends::begin(SymbolicState& source, Predicate& avoided) {
   invariant_.clear();
   semantics_.invariant(slots, invariant_);
   const Delay delay = delay_in(semantics_, slots);
-  avoided.in(slots);
+  avoided.in(slots, source.zone.get());
   never_ = &avoidance_.never_met(source.zone.get(), invariant_, delay, avoided);
   idle_ = !never_->empty() && may_idle(delay, semantics_.stopped_clocks(slots));
   finder_.begin(source.zone.get(), invariant_, delay, false);

@@ -9,6 +9,17 @@
 
 namespace tachk {
 
+namespace {
+
+bool asks_for_deadlock(const std::vector<Goal>& goals) {
+  for (const Goal& goal : goals)
+    for (const Disjunct& disjunct : goal.disjuncts)
+      if (disjunct.deadlock != DeadlockLiteral::absent) return true;
+  return false;
+}
+
+}  // namespace
+
 // A run-time error of a predicate in the state that an action leads to.
 struct LivenessSearch::StateFault : ModelFault {
   StateFault(const ModelFault& fault, std::span<const std::uint32_t> action)
@@ -32,17 +43,14 @@ LivenessSearch::LivenessSearch(Program program, const Options& options, const Li
 
 LivenessSearch::Overview LivenessSearch::overview() {
   const std::vector<Goal>& goals = graph_.program().goals;
-  if (goals.size() < 2)
-    return {{},
-            Reachable(graph_, &restriction_, options_, limits_),
-            {},
-            Stage::descending,
-            options_.proof_after != UINT32_MAX};
-  return {Predicate(goals[1], graph_.semantics()),
+  // The short proof looks at predicates without the zones that `deadlock` needs.
+  const bool proves = options_.proof_after != UINT32_MAX && !asks_for_deadlock(goals);
+  if (goals.size() < 2) return {{}, Reachable(graph_, &restriction_, options_, limits_), {}, Stage::descending, proves};
+  return {Predicate(goals[1], graph_.semantics(), graph_.operations()),
           Reachable(graph_, nullptr, options_, limits_),
           {},
           Stage::reaching,
-          options_.proof_after != UINT32_MAX};
+          proves};
 }
 
 // ---- the loop -------------------------------------------------------------------------------------------------------
@@ -121,7 +129,7 @@ void LivenessSearch::note_beginning() {
   if (overview_.met) return;
   try {
     Predicate& predicate = *overview_.begins;
-    overview_.met = predicate.in(source_.slots.data()) == Truth::always;
+    overview_.met = predicate.in(source_.slots.data(), source_.zone.get()) == Truth::always;
     for (std::size_t number = 0; number < predicate.size() && !overview_.met; ++number) {
       ZoneBuffer part(source_.zone);
       const std::vector<Atom>& atoms = predicate[number];
@@ -233,9 +241,9 @@ template <class Take>
 void LivenessSearch::parts(SymbolicState& state, Take&& take) {
   std::int32_t* slots = state.slots.data();
   Predicate& predicate = *overview_.begins;
-  const Truth begins = predicate.in(slots);
+  const Truth begins = predicate.in(slots, state.zone.get());
   if (begins == Truth::never) return;
-  const Truth avoided = restriction_.avoided().in(slots);
+  const Truth avoided = restriction_.avoided().in(slots, state.zone.get());
   if (avoided == Truth::always) return;
   if (begins == Truth::always && avoided == Truth::never) return take(Successor{{}, slots, state.zone.get()});
   const int dimension = graph_.program().dimension();

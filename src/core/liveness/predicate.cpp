@@ -1,22 +1,57 @@
 #include "liveness/predicate.hpp"
 
+#include <algorithm>
+
 namespace tachk {
 
-Truth Predicate::in(std::int32_t* slots) {
+Predicate::Predicate(const Goal& goal, Semantics& semantics, const ZoneOperations& operations)
+    : goal_(goal), semantics_(semantics), operations_(operations) {
+  const bool asks = std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(),
+                                [](const Disjunct& disjunct) { return disjunct.deadlock != DeadlockLiteral::absent; });
+  if (asks) dead_.emplace(semantics.program(), operations);
+}
+
+std::vector<Atom>& Predicate::add_zone() {
+  if (count_ == zones_.size()) zones_.emplace_back();
+  zones_[count_].clear();
+  return zones_[count_++];
+}
+
+Truth Predicate::in(std::int32_t* slots, ConstZoneRef zone) {
   count_ = 0;
   for (const Disjunct& disjunct : goal_.disjuncts) {
     if (!semantics_.holds(disjunct.condition, slots)) continue;
-    if (count_ == zones_.size()) zones_.emplace_back();
-    std::vector<Atom>& atoms = zones_[count_];
-    atoms.clear();
+    if (disjunct.deadlock != DeadlockLiteral::absent) {
+      add_deadlock(disjunct, slots, zone);
+      continue;
+    }
+    std::vector<Atom>& atoms = add_zone();
     semantics_.resolve(disjunct.condition, slots, atoms);
     if (atoms.empty()) {
       count_ = 0;
       return Truth::always;
     }
-    ++count_;
   }
   return count_ == 0 ? Truth::never : Truth::by_clocks;
+}
+
+// Each part of what is dead or live, with all its constraints.
+void Predicate::add_deadlock(const Disjunct& disjunct, std::int32_t* slots, ConstZoneRef zone) {
+  dead_->look(slots, zone);
+  const Federation& parts = disjunct.deadlock == DeadlockLiteral::required ? dead_->dead() : dead_->live();
+  const int dimension = semantics_.program().dimension();
+  for (std::size_t part = 0; part < parts.size(); ++part) {
+    std::vector<Atom>& atoms = add_zone();
+    semantics_.resolve(disjunct.condition, slots, atoms);
+    for (int i = 0; i < dimension; ++i)
+      for (int j = 0; j < dimension; ++j) {
+        const Raw raw = operations_.entry(parts[part], dimension, i, j);
+        if (i != j && raw != unbounded_entry)
+          atoms.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), raw});
+      }
+    // A zone without a constraint would be no zone by clocks: clocks are never negative.
+    if (atoms.empty()) atoms.push_back({0, 0, raw_zero});
+  }
 }
 
 }  // namespace tachk

@@ -4,10 +4,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "liveness/dead_states.hpp"
 #include "program/program.hpp"
 #include "symbolic/successor.hpp"
+#include "zones/zone.hpp"
 
 namespace tachk {
 
@@ -15,19 +18,24 @@ enum class Truth { never, always, by_clocks };
 
 class Predicate final {
  public:
-  // The disjuncts of a goal, none of which asks for deadlock.
-  Predicate(const Goal& goal, Semantics& semantics) : goal_(goal), semantics_(semantics) {}
+  Predicate(const Goal& goal, Semantics& semantics, const ZoneOperations& operations);
 
-  // Whether the predicate holds in a discrete state. Throws ModelFault.
-  Truth in(std::int32_t* slots);
+  // Whether the predicate holds in a discrete state. Where it asks for deadlock it is a matter of clocks, and only what
+  // it says of a zone and of all that delays lead to from there is right. Throws ModelFault.
+  Truth in(std::int32_t* slots, ConstZoneRef zone);
 
   // By clocks: the zones of the state looked at last in whose union it holds.
   std::size_t size() const { return count_; }
   const std::vector<Atom>& operator[](std::size_t number) const { return zones_[number]; }
 
  private:
+  std::vector<Atom>& add_zone();
+  void add_deadlock(const Disjunct& disjunct, std::int32_t* slots, ConstZoneRef zone);
+
   const Goal& goal_;
   Semantics& semantics_;
+  ZoneOperations operations_;
+  std::optional<DeadStates> dead_;
   std::vector<std::vector<Atom>> zones_;  // the first count_ are in use
   std::size_t count_ = 0;
 };

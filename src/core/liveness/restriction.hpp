@@ -13,7 +13,9 @@ namespace tachk {
 class Restriction final {
  public:
   Restriction(ZoneGraph& graph, const Goal& avoided)
-      : graph_(graph), avoided_(avoided, graph.semantics()), avoidance_(graph.semantics(), graph.operations()) {}
+      : graph_(graph),
+        avoided_(avoided, graph.semantics(), graph.operations()),
+        avoidance_(graph.semantics(), graph.operations()) {}
 
   Predicate& avoided() { return avoided_; }
 
@@ -22,7 +24,7 @@ class Restriction final {
   // ConstantOverflow.
   template <class Take>
   bool lets_through(const Successor& entry, const std::vector<Atom>& invariant, Take&& take) {
-    switch (avoided_.in(entry.slots)) {
+    switch (avoided_.in(entry.slots, entry.zone)) {
       case Truth::never:
         return true;
       case Truth::always:

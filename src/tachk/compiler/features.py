@@ -87,7 +87,7 @@ def check_supported(network: Network, query: Query) -> None:
     for predicate in (query.target or query.predicate, query.avoided):
         if predicate is None:
             continue
-        if query.avoided is not None:
+        if query.avoided is not None and next(stopwatches(network), None) is not None:
             _check_no_deadlock(predicate)
         if mentions_time(predicate):
             check_predicate(predicate, known_values(network, [predicate]))
@@ -99,9 +99,9 @@ def _check_no_deadlock(predicate: Expression) -> None:
             raise UnsupportedError(
                 Diagnostic(
                     "E0720",
-                    "`deadlock` is not checked yet in queries about runs",
+                    "`deadlock` is not checked in queries about runs of a model with stopwatches",
                     part.span,
-                    "E<> deadlock and A[] not deadlock ask whether a run can get stuck",
+                    "let all clocks run, or ask E<> deadlock, whose answer is right or unknown",
                 )
             )
 

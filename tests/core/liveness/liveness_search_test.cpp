@@ -130,9 +130,9 @@ void test_delays_that_avoid_two_zones() {
     exactly.atoms.push_back({1, 0, raw_bound(value, false)});
     goal.disjuncts.push_back({exactly, DeadlockLiteral::absent});
   }
-  Predicate predicate(goal, semantics);
+  Predicate predicate(goal, semantics, operations);
   std::int32_t slots[] = {0};
-  CHECK(predicate.in(slots) == Truth::by_clocks && predicate.size() == 2);
+  CHECK(predicate.in(slots, ConstZoneRef{}) == Truth::by_clocks && predicate.size() == 2);
   Avoidance avoidance(semantics, operations);
   ZoneBuffer entry(operations);
   operations.make_zero(entry.get(), 2);

@@ -22,7 +22,7 @@ MODEL = "int n = 0; process P() { init location A { to B { assign n = 1; } } loc
         ("E<> n == 1\nE<> n < 1.5", ExitStatus.UNSUPPORTED),
         ("E<> n == 1\nE<> nobody == 1", ExitStatus.BAD_INPUT),
         ("E<> n < 1.5\nE<> nobody == 1", ExitStatus.BAD_INPUT),
-        ("E<> n == 1\nA<> deadlock == 1", ExitStatus.UNSUPPORTED),
+        ("E<> n == 1\nE<> deadlock + 1 == 1", ExitStatus.UNSUPPORTED),
         ("Pr[<=10](<> n == 1)", ExitStatus.UNSUPPORTED),
         ("A[] n == 0\nE<> n < 1.5", ExitStatus.NOT_AS_EXPECTED),
     ],

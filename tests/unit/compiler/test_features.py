@@ -52,9 +52,11 @@ def refusal(network: NetworkBuilder, question: Query) -> str:
 
 
 @pytest.mark.parametrize("kind", [QueryKind.EVENTUALLY, QueryKind.POTENTIALLY_ALWAYS])
-def test_deadlock_is_refused_in_queries_about_runs(kind: QueryKind) -> None:
+def test_deadlock_is_refused_in_queries_about_runs_with_stopwatches(kind: QueryKind) -> None:
     network = NetworkBuilder()
-    a = network.process("P").location("a")
+    process = network.process("P")
+    x = process.clock("x")
+    a = process.location("a", rates=[(x, 0)])
     check_supported(network.build(), query(a.reached, kind))
     assert refusal(network, query(a.reached & ~deadlock(), kind)) == "E0720"
 

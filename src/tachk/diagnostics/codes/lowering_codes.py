@@ -68,11 +68,12 @@ LOWERING_CODES: dict[str, Explanation] = {
         "invariant x' == 0;",
     ),
     "E0720": Explanation(
-        "query that is not checked yet",
-        "Checked are E<> and A[], with deadlock anywhere in them, sup, inf and bounds, and A<>, E[] and --> without "
-        "deadlock.",
+        "deadlock in a query about runs, with stopwatches",
+        "Where a clock may stand still, zones say of too many states that they may be stuck. For E<> and A[] the "
+        "answer is right or unknown nevertheless; in A<>, E[] and --> both answers could be wrong. Let all clocks "
+        "run, or ask E<> deadlock.",
         "A<> deadlock",
-        "A[] not deadlock",
+        "E<> deadlock",
     ),
     "E0745": Explanation(
         "not encoded for the engine smt",
