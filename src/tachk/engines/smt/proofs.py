@@ -22,6 +22,10 @@ _PLAIN_INDUCTION = 3
 _TRY_SECONDS = 10.0
 """A proof that takes longer is given up."""
 
+_ZONES_SECONDS = 120.0
+"""As `_TRY_SECONDS`, for zones, where exploring them has shown that a proof will succeed; with a limit on time it
+is half of what is left."""
+
 
 class Proofs:
     """Proofs by induction that open goals are unreachable.
@@ -91,7 +95,9 @@ class Proofs:
             return []
         if not zones:
             return []
-        deadline = time.monotonic() + _TRY_SECONDS
+        now = time.monotonic()
+        half = _ZONES_SECONDS if self.asking.deadline is None else (self.asking.deadline - now) / 2
+        deadline = now + max(half, _TRY_SECONDS)
         self._solver = self.asking.solver()
         one, other = self._add_frame("z0"), self._add_frame("z1")
         before = ZonesAt(self.relation, one)
