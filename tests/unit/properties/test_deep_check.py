@@ -139,6 +139,18 @@ def test_a_run_time_error_is_a_finding() -> None:
     assert result.reason == "run-time error"
 
 
+def test_a_guard_is_not_asked_where_the_model_does_not_ask_it() -> None:
+    """Only a sender makes the guard of a receiver be asked: with n = 5 its index is wrong, and nobody sends then."""
+    result = check("""chan c; int a[2]; int[0,5] n = 5;
+    process P() { clock x; init location i {
+        to i { guard a[n] == 1; sync c?; }
+        to i { guard n > 0 && x >= 1; assign n--, x = 0; }
+        to i { guard n == 0 && x >= 1; assign x = 0; } } }
+    process Q() { clock y; init location t { to t { guard n == 0 && y >= 1; sync c!; assign y = 0; } } }
+    system P, Q;""")
+    assert result.reason == ""
+
+
 def test_with_stopped_clocks_a_deadlock_is_not_decided() -> None:
     text = "process P() { clock x; init location a { invariant x <= 3 && x' == 0; } }\nsystem P;"
     assert ends(check(text)) == ("not decided", "not decided")
@@ -163,6 +175,7 @@ RESET, WAIT = "assign x = 0;", "guard x >= 1;"
         (RESET, "guard x > 1;", False),
         (RESET, "guard n > 0 imply x >= 1;", True),
         ("assign x = 1;", WAIT, True),
+        ("assign x = 0, x = 1;", WAIT, True),
         ("", WAIT, True),  # never reset: time need not pass
         (RESET, "", True),
         ("guard k < 3; assign k++;", "", False),
