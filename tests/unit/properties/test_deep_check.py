@@ -79,6 +79,7 @@ def ends(result: DeepCheck) -> tuple[str, str]:
         ("location b { invariant n == 0 imply x <= 3; }", ("reached by every run", "none")),
         ("location b { invariant n == 1 imply x <= 3; }", ("none", "reached")),
         ("location b { invariant x >= 0; }", ("none", "reached")),
+        ("location b { invariant x - y <= 3; }", ("none", "reached")),  # says nothing about time
         ("urgent location b;", ("reached by every run", "none")),
         ("committed location b;", ("reached by every run", "none")),
         ("location b;", ("none", "reached")),
@@ -87,7 +88,7 @@ def ends(result: DeepCheck) -> tuple[str, str]:
     ],
 )
 def test_a_time_lock_is_told_from_a_deadlock(location: str, expected: tuple[str, str]) -> None:
-    start = "clock x; init location a { invariant x <= 1; to b; }"
+    start = "clock x, y; init location a { invariant x <= 1; to b; }"
     result = check(f"int n;\nprocess P() {{ {start} {location} }}\nsystem P;")
     assert ends(result) == expected
 
@@ -211,6 +212,20 @@ def test_a_circle_that_needs_a_partner_is_excluded_with_it() -> None:
     assert zeno(text.format(kind="chan", one="?", other="!")) == "none possible"
     assert zeno(text.format(kind="broadcast chan", one="?", other="!")) == "none possible"
     assert zeno(text.format(kind="broadcast chan", one="!", other="?")) == "1 may be"
+
+
+def test_a_clock_that_is_reset_elsewhere_need_not_be_reset_in_the_circle() -> None:
+    loop, way = "to a { guard x >= 1; }", "to c { assign x = 0; } } location c { to a { guard x >= 1; }"
+    assert zeno(f"process P() {{ clock x; init location a {{ {loop} {way} }} }}") == "1 may be"
+    assert zeno(f"process P() {{ clock x; init location a {{ {way} }} }}") == "none possible"
+
+
+def test_a_receiver_writes_after_the_sender() -> None:
+    """Its guard is asked before: n is 0 there, and 2 when the receiver takes 2 away."""
+    text = """chan c; int[0,3] n;
+    process P() { init location a { to a { sync c!; assign n = 2; } } }
+    process Q() { init location a { to a { guard n == 0; sync c?; assign n = n - 2; } } }"""
+    assert zeno(text) == "1 may be"
 
 
 def test_an_edge_that_is_never_taken_is_in_no_zeno_loop() -> None:

@@ -96,6 +96,12 @@ def test_an_implication_for_all_processes_is_one() -> None:
     assert verdict.notes == (NEVER.format("P(i).critical && id == 0"),)
 
 
+def test_a_property_that_fails_has_no_note_although_the_search_goes_through_everything() -> None:
+    fails, holds = tachk.loads(MODEL).verify("A[] (n == 2 imply b) && P.a", "A[] P.a || P.c")
+    assert (fails.answer.value, fails.notes) == ("fails", ())
+    assert holds.answer.value == "holds"
+
+
 def test_notes_are_told_in_every_form() -> None:
     report = tachk.loads(MODEL).verify("A[] P.never imply b")
     note = NEVER.format("P.never")
