@@ -53,6 +53,7 @@ NEVER = "holds only because `{}` is never true"
         ("A[] (n == 2 imply b) and (P.c imply not P.a)", ["n == 2"]),
         ("A[] forall (i : int[0,2]) n == 2 && i < 2 imply P.x <= i", ["n == 2 && i < 2"]),
         ("A[] forall (i : int[0,2]) n == i imply i < 2", []),
+        ("A[] P.a imply (n <= 2 imply (P.c imply b))", ["P.c"]),  # not beside P.a
         ("A[] not P.never", []),  # that is what the property says, not what it presumes
         ("A[] P.x > 9 imply b", []),  # would make the search larger
         ("A[] deadlock imply b", []),
@@ -92,6 +93,8 @@ def test_what_is_never_true(query: str, texts: list[str], passing: int) -> None:
 def test_an_implication_for_all_processes_is_one() -> None:
     fischer = tachk.load("models/classics/fischer.ta")
     assert fischer.verify(property="mutual_exclusion")[0].notes == ()
+    # Of the last process alone it is never true.
+    assert fischer.verify("A[] forall (i : pid_t) P(i).critical && id + i <= 5 imply id == i")[0].notes == ()
     (verdict,) = fischer.verify("A[] forall (i : pid_t) P(i).critical && id == 0 imply i == 3")
     assert verdict.notes == (NEVER.format("P(i).critical && id == 0"),)
 
