@@ -104,7 +104,7 @@ class _Walk:
 
     def loops(self, start: _Reached, path: Sequence[Transition]) -> bool:
         """Whether the path can be taken again and again from there, each time in at least one time unit."""
-        begun = self._widened(dbm.reset(zone, self.spare, 0) for zone in start.zones)
+        begun = self._widened(self._timed(start.here, start.zones))
         for zone in begun:
             state: _Reached | None = replace(start, zones=[zone])
             for transition in path:
@@ -114,10 +114,14 @@ class _Walk:
             if state is None:
                 continue
             later = (dbm.constrain(z, (0, self.spare, dbm.raw_bound(-1, False))) for z in state.zones)
-            again = self._widened(dbm.reset(z, self.spare, 0) for z in later if z is not None)
+            again = self._widened(self._timed(state.here, (z for z in later if z is not None)))
             if any(dbm.includes(other, zone) for other in again):
                 return True
         return False
+
+    def _timed(self, here: Situation, zones: Iterable[Zone]) -> Federation:
+        """The valuations with the spare clock set to 0, and what follows by letting time pass."""
+        return symbolic.elapse(here, [dbm.reset(zone, self.spare, 0) for zone in zones])
 
     def _widened(self, zones: Iterable[Zone]) -> Federation:
         return [wide for zone in zones for wide in widen(self.constants, zone)]

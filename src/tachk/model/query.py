@@ -39,6 +39,14 @@ class Observer:
 
 
 @dataclass(frozen=True, slots=True)
+class Deadline:
+    """How soon, in time units; ``strict``: sooner than that."""
+
+    bound: int
+    strict: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Query:
     """Attributes:
     name: as given by a property line, else ``q1``, ``q2``, ... in order.
@@ -47,6 +55,7 @@ class Query:
     operands: LEADS_TO: the right side; SUPREMUM and the like: the expressions. Empty otherwise.
     text: the formula as the user wrote it.
     conditional: the expectation depends on constants, so that it speaks of other values of them, too.
+    deadline: of EVENTUALLY and LEADS_TO: since the start, since the left side.
     observer: what has to be added to the network for this query alone; the predicate names its location.
     """
 
@@ -60,6 +69,7 @@ class Query:
     span: Span = NOWHERE
     observer: Observer | None = None
     conditional: bool = False
+    deadline: Deadline | None = None
 
     @property
     def holds_when_reached(self) -> bool | None:

@@ -17,7 +17,7 @@ from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Progress, Statistics
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties import extremes, liveness, observed_liveness, reachability
+from tachk.properties import deadlines, extremes, liveness, observed_liveness, reachability
 from tachk.properties.observed import check_observable
 from tachk.properties.plan import Analysis, Search, Task, plan
 from tachk.properties.unanswered import none_begun, not_begun, unsupported
@@ -28,6 +28,11 @@ from tachk.semantics.discrete import PreparedNetwork, initial_discrete, prepare
 from tachk.semantics.step import satisfies_invariant
 from tachk.semantics.timed_trace import TimedState
 from tachk.time_limit import OutOfTimeError, time_limit
+
+Deciding = Callable[
+    [PreparedNetwork, Search, Options, Limits, Progress | None, bool],
+    dict[int, Verdict],
+]
 
 VerifyProgress = Callable[[Statistics, tuple[str, ...]], None]
 """What is told during a long search: the statistics so far, and the names of the queries that it is about to answer."""
@@ -65,6 +70,7 @@ def verify(
                 try:
                     check_observable(network, query)
                     check_supported(network, query)
+                    deadlines.check_deadline(network, query)
                     second_engine.check_answerable(query, options.engine)
                 except UnsupportedError as error:
                     verdicts[number] = unsupported(query, error.diagnostic)
@@ -103,7 +109,7 @@ def _answer(
             found = second_engine.answering(options.engine)(model, search, options, limits, progress, trace)
             return pace.at_pace(model, search, found, options, limits.after(time.monotonic() - started), progress)
         case Analysis.LIVENESS:
-            decide = liveness.answer if search.observer is None else observed_liveness.answer
+            decide = _deciding(search)
             found = decide(model, search, options, limits, progress, trace)
             return pace.unpaced(second_engine.uncompared(found, options.engine), options)
         case Analysis.EXTREMES:
@@ -111,6 +117,13 @@ def _answer(
             return pace.unpaced(second_engine.uncompared(found, options.engine), options)
         case never:
             assert_never(never)
+
+
+def _deciding(search: Search) -> Deciding:
+    """What decides whether some run avoids something for ever."""
+    if search.observer is not None:
+        return observed_liveness.answer
+    return liveness.answer if search.tasks[0].query.deadline is None else deadlines.answer
 
 
 def _examined(network: Network, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:

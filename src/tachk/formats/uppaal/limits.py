@@ -31,6 +31,8 @@ def refused(formula: ast.PropertyFormula, always: bool) -> bool:
     """
     if not isinstance(formula, ast.QueryFormula):
         return isinstance(formula, ast.TemporalFormula)
+    if formula.deadline is not None:
+        return True
     if not any(nodes_of_kind(formula, ast.DeadlockExpression)):
         return False
     return always or formula.kind not in (QueryKind.POSSIBLY, QueryKind.INVARIANTLY)

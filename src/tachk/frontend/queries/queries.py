@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.frontend.context import Context
-from tachk.frontend.expressions.typed_expressions import condition, expression
+from tachk.frontend.expressions.typed_expressions import condition, expression, integral
 from tachk.frontend.expressions.typing import describe, is_integral
 from tachk.frontend.findings import Findings
 from tachk.frontend.queries.expectations import claim
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
-from tachk.model.expressions import Binary, Deadlock, Expression, Unary
+from tachk.model.expressions import Binary, Constant, Deadlock, Expression, Unary
 from tachk.model.network import Signal
-from tachk.model.query import Expectation, Query
+from tachk.model.query import Deadline, Expectation, Query
 from tachk.model.traversal import compares_clocks, walk
 from tachk.model.types import ClockType, ScalarType
 from tachk.operators import BinaryOperator
@@ -77,7 +77,8 @@ def elaborate_query(
             broken = True
         else:
             operands.append(value)
-    if broken:
+    deadline = None if formula.deadline is None else _deadline(formula.deadline, scope, context)
+    if broken or (deadline is None and formula.deadline is not None):
         return None
     return Query(
         name,
@@ -89,7 +90,21 @@ def elaborate_query(
         expected.expectation,
         formula.span,
         conditional=expected.conditional,
+        deadline=deadline,
     )
+
+
+def _deadline(node: ast.Deadline, scope: Scope, context: Context) -> Deadline | None:
+    bound = integral(node.bound, scope, context)
+    if bound is None:
+        return None
+    if not isinstance(bound, Constant):
+        context.error("E0501", node.bound.span, "a deadline must be a constant", "name a `const int`")
+        return None
+    if not 0 <= bound.value < 2**30:
+        context.error("E0605", node.bound.span, f"a deadline of {bound.value} is outside [0, 2^30)")
+        return None
+    return Deadline(bound.value, node.strict)
 
 
 def _predicate(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:

@@ -62,6 +62,7 @@ from tachk.syntax.ast.expressions import (
 from tachk.syntax.ast.nodes import Identifier, Node
 from tachk.syntax.ast.properties import (
     ConditionalExpectation,
+    Deadline,
     ExpectationDeclaration,
     Expected,
     HideDeclaration,
@@ -107,6 +108,7 @@ __all__ = [
     "Comment",
     "ConditionalExpectation",
     "ConditionalExpression",
+    "Deadline",
     "DeadlockExpression",
     "Declaration",
     "Declarator",

@@ -14,17 +14,27 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
+class Deadline(Node):
+    """``[<= bound]`` or, strict, ``[< bound]`` behind ``A<>`` and ``-->``."""
+
+    bound: Expression
+    strict: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class QueryFormula(Node):
     """A symbolic query.
 
     Attributes:
         predicate: the state predicate, the left side of ``-->``, or the restriction of ``sup`` and the like (or None).
         operands: the right side of ``-->``; the list of ``sup`` and the like.
+        deadline: of ``A<>`` and ``-->``.
     """
 
     kind: QueryKind
     predicate: Expression | None
     operands: tuple[Expression, ...] = ()
+    deadline: Deadline | None = None
 
 
 @dataclass(frozen=True, slots=True)

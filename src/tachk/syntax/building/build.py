@@ -148,10 +148,20 @@ class Builder(ExpressionBuilder, FormulaBuilder):
     # ---- queries and properties ----
 
     def path_formula(self, children: Children) -> ast.QueryFormula:
-        return ast.QueryFormula(span_of(children), QueryKind(children[0].text), children[1])
+        quantifier, deadline, predicate = children
+        kind = QueryKind(quantifier.text)
+        if deadline is not None and kind is not QueryKind.EVENTUALLY:
+            help_ = f"ask {kind.value} without it; A<>[<= t] p and p -->[<= t] q have a deadline"
+            raise Misplaced(Diagnostic("E0105", f"{kind.value} has no deadline", deadline.span, help_))
+        return ast.QueryFormula(span_of(children), kind, predicate, deadline=deadline)
 
     def leads_to(self, children: Children) -> ast.QueryFormula:
-        return ast.QueryFormula(span_of(children), QueryKind.LEADS_TO, children[0], (children[2],))
+        trigger, _, deadline, answer = children
+        return ast.QueryFormula(span_of(children), QueryKind.LEADS_TO, trigger, (answer,), deadline)
+
+    def deadline(self, children: Children) -> ast.Deadline:
+        _, comparison, bound, _ = children
+        return ast.Deadline(span_of(children), bound, comparison.text == "<")
 
     def extreme_values(self, children: Children) -> ast.QueryFormula:
         kind, _, predicate, _, _, operands = children

@@ -29,8 +29,11 @@ def print_query(query: ast.PropertyFormula) -> str:
         ):
             restriction = "" if predicate is None else f"{{ {print_expression(predicate)} }}"
             return f"{kind}{restriction}: {print_expressions(operands)}"
-        case ast.QueryFormula(kind=kind, predicate=predicate, operands=operands):
+        case ast.QueryFormula(kind=kind, predicate=predicate, operands=operands, deadline=deadline):
             assert predicate is not None, "only sup, inf and bounds go without a predicate"
+            soon = (
+                "" if deadline is None else f"[{'<' if deadline.strict else '<='} {print_expression(deadline.bound)}]"
+            )
             if kind is QueryKind.LEADS_TO:
-                return f"{print_expression(predicate)} --> {print_expressions(operands)}"
-            return f"{kind} {print_expression(predicate)}"
+                return f"{print_expression(predicate)} -->{soon} {print_expressions(operands)}"
+            return f"{kind}{soon} {print_expression(predicate)}"
