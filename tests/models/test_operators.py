@@ -110,3 +110,18 @@ def test_without_traces_the_answers_are_the_same() -> None:
     loaded = load_model(Source("m.ta", f"{PATCH}property asked : Machine.Broken --> Machine.Mended;"))
     (found,) = api.Model(loaded, "m.ta").verify(trace=False).record.verdicts
     assert found.answer.value == "fails" and found.trace is None
+
+
+@pytest.mark.parametrize(
+    ("location", "ending"),
+    [
+        ("init location A { invariant x' == 0; }", Ending.IDLE),
+        ("init location A { invariant x' == 0 && y <= 3; }", Ending.STUCK),
+        ("init location A { invariant x' == 0 && y <= 3; to A { guard y >= 1; assign y = 0; } }", Ending.PERIODIC),
+    ],
+)
+def test_where_clocks_stop_a_run_that_the_judge_accepts_is_beyond_doubt(location: str, ending: Ending) -> None:
+    model = f"clock x, y; process P() {{ {location} location B; }} system P; "
+    found = verdict(model, "A<> P.B || x > 0")
+    assert found.answer.value == "fails" and found.exact
+    assert found.trace is not None and found.trace.ending is ending

@@ -13,7 +13,7 @@ from dataclasses import replace
 from tachk.engines.concretise import at_end, conditions, discrete_run, of_phase, reached, timed_trace
 from tachk.engines.outcome import AvoidingRun, Obligation, RunEnd
 from tachk.engines.periodic import repeating
-from tachk.engines.schedule import Moment, Requirement, earliest
+from tachk.engines.schedule import Moment, Requirement, any_solution, earliest
 from tachk.model.expressions import Deadlock, Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.traversal import walk
@@ -34,7 +34,8 @@ MOST_TRANSITIONS = 1500
 def lasso(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation) -> TimedTrace | None:
     """The run with its delays, and with its ending; None if there is none.
 
-    There is none either where evaluating something goes wrong, or where clocks stop and the run is stuck or idle.
+    There is none either where evaluating something goes wrong. Where clocks stop, the run is a candidate that the judge
+    may refuse, and may be missed.
     """
     try:
         if run.end is not RunEnd.LOOP:
@@ -115,16 +116,18 @@ def _never_in(phase: int, zone: Zone) -> Requirement:
 
 def _ending(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation) -> TimedTrace | None:
     course = _Course(model, run, obligation, 0)
-    if any(phase.stopped for phase in course.phases):
-        return None
     last = len(course.path)
     here, goal = course.situation(last), course.where(obligation.goal, last)
-    if run.end is RunEnd.IDLE:
+    if run.end is RunEnd.STUCK:
+        target, ending = avoidance.ends_in_deadlock(here, goal), Ending.STUCK
+    else:
         whole = symbolic.situation(model, course.states[last])
         target, ending = avoidance.idles_for_ever(whole, goal), Ending.IDLE
-    else:
-        target, ending = avoidance.ends_in_deadlock(here, goal), Ending.STUCK
-    durations = earliest(course.phases, [*course.requirements, at_end(last, conditions(target))])
+        if whole.stopped and whole.invariant is not None:
+            # What time leads to is no zone then; the judge tells whether the goal stays unmet.
+            target = dbm.subtract_all([whole.invariant], goal)
+    solve = any_solution if any(phase.stopped for phase in course.phases) else earliest
+    durations = solve(course.phases, [*course.requirements, at_end(last, conditions(target))])
     if durations is None:
         return None
     return replace(timed_trace(model, course.states, course.phases, course.path, durations), ending=ending)
@@ -134,8 +137,6 @@ def _periodic(
     model: PreparedNetwork, run: AvoidingRun, obligation: Obligation, rounds: int, takes_time: bool
 ) -> TimedTrace | None:
     course = _Course(model, run, obligation, rounds + 1)
-    if any(phase.stopped for phase in course.phases):
-        return None
     start = len(course.path) - len(run.loop)
     watched = [obligation.goal]
     seen = sight(model, course.states[start:], watched)

@@ -54,17 +54,23 @@ def _solve(
     solver.set("timeout", MILLISECONDS)
     solver.add(moments[0] == 0, *(a <= b for a, b in pairwise(moments)))
 
+    def value(clock: int, phase: int, at_end: bool) -> z3.ArithRef:
+        if clock == 0:
+            return z3.IntVal(0) if whole else z3.RealVal(0)
+        since, start_value = phases[phase].resets[clock]
+        stands = [k for k in range(since, phase + at_end) if clock in phases[k].stopped]
+        passed = moments[phase + at_end] - moments[since]
+        for k in stands:
+            passed -= moments[k + 1] - moments[k]
+        return passed + start_value * unit
+
     def formula(moment: Moment) -> z3.BoolRef:
         i, j, raw = moment.constraint
         if raw >= INFINITY:
             return z3.BoolVal(True)
-        resets = phases[moment.phase].resets
-        now = moments[moment.phase + moment.at_end]
-        (from_i, value_i), (from_j, value_j) = resets[i] if i else (0, 0), resets[j] if j else (0, 0)
-        of_i = now - moments[from_i] + value_i * unit if i else 0
-        of_j = now - moments[from_j] + value_j * unit if j else 0
+        difference = value(i, moment.phase, moment.at_end) - value(j, moment.phase, moment.at_end)
         bound = bound_value(raw) * unit
-        return of_i - of_j < bound if is_strict(raw) else of_i - of_j <= bound
+        return difference < bound if is_strict(raw) else difference <= bound
 
     for requirement in requirements:
         solver.add(z3.Or([z3.And([formula(m) for m in conjunction]) for conjunction in requirement]))
@@ -74,10 +80,7 @@ def _solve(
     for clock in range(1, len(phases[0].resets) - 1):
         if clock not in sight.related and clock not in sight.largest:
             continue
-        before, after = (
-            moments[phase] - moments[phases[phase].resets[clock][0]] + phases[phase].resets[clock][1] * unit
-            for phase in (start, last)
-        )
+        before, after = (value(clock, phase, False) for phase in (start, last))
         beyond = sight.largest.get(clock, 0) * unit
         free = [] if clock in sight.related else [z3.And(before > beyond, after > beyond)]
         solver.add(z3.Or([before == after, *free]))

@@ -178,8 +178,8 @@ def _write_trace(number: int, verdict: Verdict, network: Network, options: Verif
             _write(f"{options.xtr}-{number}.xtr", run_to_xtr(network, run), f"Writing {shows} to ", sys.stderr)
         if options.xml:
             _write(f"{options.xml}{number}.xml", run_to_trace_xml(network, run), "XMLTrace outputted to: ", sys.stdout)
+        _print([*([] if options.xtr or options.xml else [f"Showing {shows}."]), *ending_lines(run)])
         if not options.xtr and not options.xml:
-            _print([f"Showing {shows}.", *ending_lines(run)])
             print((symbolic_trace if options.symbolic else concrete_trace)(network, run), file=sys.stderr, flush=True)
     except EvaluationFault as fault:
         _error(place_of(verdict.query.span), f"no symbolic trace: {fault}")
