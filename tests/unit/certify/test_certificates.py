@@ -88,12 +88,23 @@ def test_both_checkers_accept_what_is_proved_about_a_classic(model: str) -> None
         assert judged(loaded.network, verdict.query, certificate) is None
 
 
-@pytest.mark.parametrize("name", ["NOHOLE", "RMIO"])
-def test_both_checkers_accept_what_is_proved_about_the_five_automata(name: str) -> None:
-    loaded = tachk.load(MODELS / "micro_xrce_dds" / "spec.ta")
-    (query,) = (q for q in loaded.properties if q.name == name)
-    proof = proved(loaded.network, query)
-    assert check_proof(loaded.network, query, written(proof), Checker.NATIVE) is None
+@pytest.mark.parametrize(
+    ("constants", "checkers"),
+    [
+        ({"MESSAGES": 1, "LOSSES": 0, "QUOTA": 1}, tuple(Checker)),
+        ({"MESSAGES": 1, "LOSSES": 1, "QUOTA": 1, "SLEEPS": 0}, (Checker.NATIVE,)),
+    ],
+)
+def test_all_proofs_about_the_five_automata_are_accepted(
+    constants: dict[str, int], checkers: tuple[Checker, ...]
+) -> None:
+    loaded = tachk.load(MODELS / "micro_xrce_dds" / "spec.ta", **constants)
+    provable = [v.query for v in loaded.verify(trace=False) if is_provable(v)]
+    assert len(provable) >= 14
+    for query in provable:
+        certificate = written(proved(loaded.network, query))
+        for checker in checkers:
+            assert check_proof(loaded.network, query, certificate, checker) is None
 
 
 SHAPES = [
@@ -262,6 +273,34 @@ def test_a_set_that_meets_the_predicate_is_rejected() -> None:
     never = replace(query, predicate=query.predicate, kind=QueryKind.POSSIBLY, name="never")
     assert isinstance(find_proof(network, "digest", query), str)
     assert isinstance(find_proof(network, "digest", never), str)
+
+
+def test_a_closed_set_proves_nothing_about_a_state_that_is_in_it() -> None:
+    loaded = tachk.load(MODELS / "classics" / "fischer.ta", N=2)
+    mutual_exclusion, enter, *_ = loaded.properties
+    certificate = written(proved(loaded.network, mutual_exclusion))
+    found = judged(loaded.network, enter, certificate)
+    assert found is not None and found.reason == "some state of the zone is one that must not be reached"
+
+
+def test_where_the_goal_is_asked_for_there_must_be_ranks() -> None:
+    """The part of the certificate that covers all reachable states is closed, and does not prove that they lead on."""
+    network, query = counter("answered")
+    proof = proved(network, query)
+    (block,) = proof.blocks()
+    groups = int((block.ranks == 0).sum())
+    assert (block.zones == 1).all() and not block.ranks[:groups].any()
+    kept = int(block.constraints[:groups].sum())
+    reachable = Block(
+        block.discretes[:groups],
+        block.zones[:groups],
+        block.ranks[:groups],
+        block.constraints[:groups],
+        block.places[:kept],
+        block.bounds[:kept],
+    )
+    found = check_proof(network, query, written(proof, iter([reachable])), Checker.PYTHON)
+    assert found is not None and found.reason == "it is not shown that the goal is met from here"
 
 
 def changed(random: Random, proof: Proof) -> Iterator[Block]:
