@@ -328,6 +328,7 @@ class Model:
         progress: VerifyProgress | None = None,
         infer: bool = True,
         reuse: bool = True,
+        certify: bool = False,
     ) -> Synthesis:
         """For which values of constants a property or a query has an answer.
 
@@ -337,9 +338,10 @@ class Model:
             property: the name of a property of the model.
             limits: the one on seconds holds for all searches together, the others for each.
             infer: let one answer stand for others where a constant is proved to be an upper or a lower bound only.
-            reuse: try the run that was found with other values before a search.
+            reuse: try the run, or the certificate, that was found with other values before a search.
+            certify: make a certificate of each answer that something is never reached; see `Synthesis.certificates`.
 
-        Neither of the last two changes an answer that is known. The answer for some values may be unknown.
+        None of the last three changes an answer that is known. The answer for some values may be unknown.
 
         Raises:
             InputError: the query is wrong, or the model is with all values.
@@ -362,6 +364,7 @@ class Model:
             progress,
             infer,
             reuse,
+            certify,
         )
         return Synthesis(region, self.loaded.heading.time_unit)
 

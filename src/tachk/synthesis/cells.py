@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from time import monotonic
 
@@ -10,21 +10,21 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, Unsup
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT
 from tachk.frontend.loaded import LoadedModel, with_constants
+from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.answering import answers
+from tachk.properties.certificates import Proof
 from tachk.properties.questions import Questions
 from tachk.properties.verdict import Answer, Verdict
 from tachk.properties.verify import VerifyProgress, check_initial_state
 from tachk.semantics.discrete import prepare
 from tachk.semantics.timed_trace import Transition
 from tachk.synthesis.parameters import Parameter
+from tachk.synthesis.proofs import proof_again, proof_of
 from tachk.synthesis.region import Evidence, RegionCell, shown_by_a_run
 from tachk.synthesis.retiming import retimed
 from tachk.synthesis.walk import Asked, Cell, Status
 from tachk.time_limit import OutOfTimeError, time_limit
-
-_RUNS_TRIED = 1
-"""Of how many other cells the run is tried before a search."""
 
 
 @dataclass(slots=True)
@@ -35,7 +35,8 @@ class Cells:
         questions: one of them.
         limits: those on states, memory and depth hold for each search, the one on seconds for all together: each cell
             has the same share of what is left of them.
-        reuse: try the runs of cells nearby before a search.
+        reuse: try the runs, and the certificates if there are some, of cells nearby before a search.
+        certify: make a certificate where something is never reached.
         found: by the numbers of the values.
         wrong: why the model is wrong with the values of a cell, for the first such cell.
     """
@@ -47,17 +48,19 @@ class Cells:
     limits: Limits
     progress: VerifyProgress | None = None
     reuse: bool = True
+    certify: bool = False
     found: dict[Cell, RegionCell] = field(default_factory=dict)
     interrupted: bool = False
     wrong: InputError | None = None
     _started: float = field(default_factory=monotonic)
     _paths: dict[Cell, tuple[Transition, ...]] = field(default_factory=dict)
+    _proofs: dict[Cell, Proof] = field(default_factory=dict)
 
     def decide(self, asked: Asked) -> Status:
         """The status of one cell."""
         values = self._values(asked.cell)
         try:
-            verdict, evidence = self._verdict(asked)
+            verdict, evidence, proof = self._verdict(asked)
         except OutOfTimeError:
             known = RegionCell(values, Answer.UNKNOWN, Evidence.NONE, TIME_LIMIT)
         except InputError as error:
@@ -68,9 +71,11 @@ class Cells:
             known = RegionCell(values, Answer.UNKNOWN, Evidence.NONE, INTERRUPTED)
         else:
             self.interrupted |= verdict.reason == INTERRUPTED
-            known = _told(values, verdict, evidence)
+            known = _told(values, verdict, evidence, proof)
             if verdict.path:
                 self._paths[asked.cell] = verdict.path
+            if proof is not None:
+                self._proofs[asked.cell] = proof
         self.found[asked.cell] = known
         return self._status(known)
 
@@ -109,7 +114,7 @@ class Cells:
         assert isinstance(query, Query)
         return model, query
 
-    def _verdict(self, asked: Asked) -> tuple[Verdict, Evidence]:
+    def _verdict(self, asked: Asked) -> tuple[Verdict, Evidence, Proof | None]:
         """Raises what decides nothing: OutOfTimeError, InputError, KeyboardInterrupt; and UnsupportedError."""
         if self.interrupted:
             raise KeyboardInterrupt
@@ -119,26 +124,41 @@ class Cells:
         with time_limit(limits.seconds):
             model, query = self._model(asked.cell)
             if self.reuse and query.target is not None and not model.network.has_priorities:
-                for path in self._nearest(asked.cell):
-                    verdict = retimed(model.network, query, path)
-                    if verdict is not None:
-                        return verdict, Evidence.RUN
+                again = self._again(asked.cell, model.network, query)
+                if again is not None:
+                    return again
         limits = limits.after(monotonic() - began)
         verdict = answers(model, self.questions, [query], self.options, limits, self.progress, trace=True)[0]
         if verdict.unsupported is not None:
             raise UnsupportedError(verdict.unsupported)
-        return verdict, Evidence.SEARCH
+        proof = None
+        if self.certify:
+            proof = proof_of(model.network, verdict, self.options, limits.after(monotonic() - began))
+        return verdict, Evidence.SEARCH, proof
 
-    def _nearest(self, cell: Cell) -> Sequence[tuple[Transition, ...]]:
-        """The paths of the nearest cells that have one, each once."""
-        near = sorted(self._paths, key=lambda other: sum(abs(a - b) for a, b in zip(cell, other, strict=True)))
-        return list(dict.fromkeys(self._paths[other] for other in near[: 4 * _RUNS_TRIED]))[:_RUNS_TRIED]
+    def _again(self, cell: Cell, network: Network, query: Query) -> tuple[Verdict, Evidence, Proof | None] | None:
+        """What the evidence of the nearest cells shows here too; None if it shows nothing."""
+        near = _nearest(cell, self._paths)
+        if near is not None:
+            verdict = retimed(network, query, self._paths[near])
+            if verdict is not None:
+                return verdict, Evidence.RUN, None
+        near = _nearest(cell, self._proofs)
+        if near is not None:
+            shown = proof_again(network, query, self._proofs[near])
+            if shown is not None:
+                return shown[0], Evidence.CERTIFICATE, shown[1]
+        return None
 
 
-def _told(values: tuple[int, ...], verdict: Verdict, evidence: Evidence) -> RegionCell:
+def _nearest(cell: Cell, others: Iterable[Cell]) -> Cell | None:
+    return min(others, key=lambda other: sum(abs(a - b) for a, b in zip(cell, other, strict=True)), default=None)
+
+
+def _told(values: tuple[int, ...], verdict: Verdict, evidence: Evidence, proof: Proof | None) -> RegionCell:
     if verdict.answer is Answer.UNKNOWN:
         return RegionCell(values, Answer.UNKNOWN, Evidence.NONE, verdict.reason, verdict)
-    return RegionCell(values, verdict.answer, evidence, "", verdict)
+    return RegionCell(values, verdict.answer, evidence, "", verdict, proof)
 
 
 def _first(error: InputError) -> Diagnostic:

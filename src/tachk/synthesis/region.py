@@ -9,6 +9,7 @@ from itertools import product
 from math import prod
 
 from tachk.model.query import Query
+from tachk.properties.certificates import Proof
 from tachk.properties.verdict import Answer, Verdict
 from tachk.synthesis.bounds_of_parameters import Bound, NoBound
 from tachk.synthesis.inequalities import Description
@@ -23,6 +24,8 @@ class Evidence(StrEnum):
     """A search of its own: a replayed run, or all states explored."""
     RUN = "run of another cell"
     """The transitions of a run of another cell are possible here too, at other times: a replayed run."""
+    CERTIFICATE = "certificate of another cell"
+    """The set of states that was closed there is closed here too, as a checker that knows no engine has seen."""
     IMPLIED = "implied"
     """By another cell with more or with less behaviour."""
     NONE = "none"
@@ -43,6 +46,7 @@ class RegionCell:
         values: in the order of the parameters.
         reason: why the answer is unknown, else empty.
         verdict: of the search, or with the run; None where the answer is implied or not known.
+        certificate: a proof that was checked, if proofs were asked for and there is one.
     """
 
     values: tuple[int, ...]
@@ -50,6 +54,7 @@ class RegionCell:
     evidence: Evidence
     reason: str = ""
     verdict: Verdict | None = field(default=None, repr=False)
+    certificate: Proof | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,6 +35,7 @@ def synthesize(
     progress: VerifyProgress | None = None,
     infer: bool = True,
     reuse: bool = True,
+    certify: bool = False,
 ) -> Region:
     """The values of constants for which a property has the wanted answer.
 
@@ -42,9 +43,10 @@ def synthesize(
         questions: exactly one.
         limits: those on states, memory and depth hold for each search, the one on seconds for all together.
         infer: let one answer stand for others where `bounds_of_parameters` allows it.
-        reuse: try the runs of cells nearby before a search.
+        reuse: try the runs, and the certificates if there are some, of cells nearby before a search.
+        certify: make a certificate of each searched cell in which something is never reached.
 
-    Neither of the last two changes an answer that is known.
+    None of the last three changes an answer that is known.
 
     Raises:
         InputError: the model or the query is wrong, with all values.
@@ -54,7 +56,7 @@ def synthesize(
     began = monotonic()
     parameters = checked_parameters(parameters)
     query = _only_query(model, questions)
-    cells = Cells(model, questions, parameters, options, limits, progress, reuse)
+    cells = Cells(model, questions, parameters, options, limits, progress, reuse, certify)
     bounds: Mapping[str, Bound | NoBound] = {}
     if infer:
         try:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
-from tachk import Answer, InputError, Limits, UnsupportedError, UsageError, loads
+from tachk import Answer, InputError, Limits, Options, UnsupportedError, UsageError, loads
+from tachk.certify.certificate import read_certificates
 from tachk.certify.replay import replay
+from tachk.formats.network_json.digest import digest
+from tachk.properties.certificates import Checker, check_proof
 from tachk.semantics.discrete import prepare
 from tachk.synthesis import cells
 from tachk.synthesis.bounds_of_parameters import Bound, NoBound
 from tachk.synthesis.parameters import Parameter, parameters_of
+from tachk.synthesis.proofs import proof_again, proof_of
 from tachk.synthesis.region import Evidence
 
 MODEL = """
@@ -163,6 +169,33 @@ def test_a_run_is_not_used_where_its_edges_do_not_exist() -> None:
     assert [cell.answer is Answer.HOLDS for cell in region.cells] == [False, False, True, True, True, True]
     region = loads(text.replace("int[0, N]", "int[0, 5 - N]")).synthesize(property="ever", over="N=0..5").region
     assert [cell.answer is Answer.HOLDS for cell in region.cells] == [True, True, True, True, False, False]
+
+
+def test_a_certificate_is_used_again_and_both_checkers_accept_it(tmp_path: Path) -> None:
+    found = loads(MODEL).synthesize(property="never", over="A=1..4,B=1..6", infer=False, certify=True)
+    again = [cell for cell in found.region.cells if cell.evidence is Evidence.CERTIFICATE]
+    assert len(again) >= 3
+    plain = loads(MODEL).synthesize(property="never", over="A=1..4,B=1..6", infer=False)
+    assert [cell.answer for cell in found.region.cells] == [cell.answer for cell in plain.region.cells]
+    paths = found.certificates(tmp_path / "proofs")
+    assert [path.name for path in paths] == [f"A={a},B={a + 1}.cert" for a in range(1, 5)]
+    for path, corner in zip(paths, (c for c in found.corners if c.answer is Answer.HOLDS), strict=True):
+        model = loads(MODEL, A=corner.values[0], B=corner.values[1])
+        with path.open("rb") as stream:
+            (certificate,) = read_certificates(stream)
+            assert certificate.header.model == digest(model.network)
+            for checker in Checker:
+                assert check_proof(model.network, model.properties[0], certificate, checker) is None
+
+
+def test_a_certificate_that_does_not_hold_here_is_not_used() -> None:
+    model, other = loads(MODEL, A=1, B=4), loads(MODEL, A=5, B=4)
+    proof = proof_of(model.network, model.verify(property="never")[0], Options(), Limits())
+    assert proof is not None
+    assert proof_again(model.network, model.properties[0], proof) is not None
+    assert proof_again(other.network, other.properties[0], proof) is None
+    larger = loads(MODEL.replace("clock x;", "clock x, y;"), A=1, B=4)
+    assert proof_again(larger.network, larger.properties[0], proof) is None
 
 
 def test_corners_have_evidence_of_their_own() -> None:

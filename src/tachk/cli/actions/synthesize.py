@@ -33,6 +33,7 @@ class Varied:
     Attributes:
         over: the constants with their ranges.
         max_memory: such as ``2G``.
+        certificates: the folder for the proofs of corners.
     """
 
     model: str
@@ -45,6 +46,7 @@ class Varied:
     max_memory: str | None = None
     infer: bool = True
     reuse: bool = True
+    certificates: Path | None = None
 
 
 def run_synthesize(varied: Varied, limits: Limits = Limits(), reporting: Reporting = Reporting()) -> ExitStatus:
@@ -60,6 +62,9 @@ def run_synthesize(varied: Varied, limits: Limits = Limits(), reporting: Reporti
     found = _found(model, varied, limits.after(time.monotonic() - started), reporting)
     if picture is not None:
         found.plot(picture)
+    if varied.certificates is not None:
+        written = found.certificates(varied.certificates)
+        print(f"{varied.certificates}: {len(written)} proof{'s' * (len(written) != 1)}", file=sys.stderr)
     with destination(None if picture else reporting.output, reporting.quiet) as out:
         if out is not None:
             out.write(_report(found, varied, reporting.form, picture))
@@ -78,6 +83,7 @@ def _found(model: api.Model, varied: Varied, limits: Limits, reporting: Reportin
             progress=progress,
             infer=varied.infer,
             reuse=varied.reuse,
+            certify=varied.certificates is not None,
         )
     finally:
         if progress is not None:

@@ -32,6 +32,14 @@ from tachk.cli.reporting import ReportForm, WantedAnswer
     help="Which answer the region is to have.",
 )
 @options.report(ReportForm.TEXT, ReportForm.JSON, ReportForm.CSV)
+@click.option(
+    "certificates",
+    "--certificates",
+    metavar="FOLDER",
+    type=options.type_of_file,
+    help="Write a proof for each corner at which something is never reached into this folder. `tachk certify` checks "
+    "them without a search.",
+)
 @click.option("every_corner", "--all-corners", is_flag=True, help="List every corner of the border.")
 @click.option(
     "states",

@@ -65,6 +65,7 @@ def row_of(region: Region, cell: RegionCell) -> Row:
         "states_stored": None if verdict is None else verdict.statistics.states_stored,
         "run_steps": None if trace is None else sum(step.transition is not None for step in trace.steps),
         "run_end": None if trace is None else float(trace.states[-1].time),
+        "certificate_zones": None if cell.certificate is None else cell.certificate.zones,
     }
 
 

@@ -115,7 +115,7 @@ def _draw_map(axes: Axes, region: Region, fixed: Sequence[int], corners: set[tup
             )
         )
     places = {cell.values: _place(region, cell) for cell in cells}
-    decided = [c.values for c in cells if c.evidence in (Evidence.SEARCH, Evidence.RUN)]
+    decided = [c.values for c in cells if c.evidence in (Evidence.SEARCH, Evidence.RUN, Evidence.CERTIFICATE)]
     dot = max(1.0, min(4.5, 170 / max(region.shape[:2])))
     axes.plot(*_points(places[v] for v in decided), ".", color=_BORDER, markersize=dot, linestyle="")
     marked = [values for values in decided if values in corners]

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from tachk.certify.certificate import CertificateWriter
 from tachk.properties.verdict import Answer
 from tachk.report.json_report import Json
 from tachk.report.region.json import Row, region_to_json, row_of
 from tachk.report.region.text import region_text
-from tachk.report.region.words import inequalities, summary
+from tachk.report.region.words import assignment, inequalities, summary
 from tachk.synthesis.region import Region, RegionCell
 
 
@@ -54,6 +55,23 @@ class Synthesis:
     def to_text(self, every_corner: bool = False) -> str:
         """What `tachk synthesize` prints."""
         return region_text(self.region, self.time_unit, every_corner)
+
+    def certificates(self, folder: str | Path) -> list[Path]:
+        """Writes the certificate of each corner that has one into a file of its own and returns their paths.
+
+        The names are those of the values, such as ``WRITE=2,WAIT=2.cert``; `tachk certify` checks each with the same
+        values of the constants.
+        """
+        target = Path(folder)
+        target.mkdir(parents=True, exist_ok=True)
+        written = []
+        for cell in self.corners:
+            if cell.certificate is not None:
+                path = target / f"{assignment(self.region, cell).replace(' ', ',')}.cert"
+                with path.open("wb") as stream:
+                    CertificateWriter(stream).write(cell.certificate.header, cell.certificate.blocks())
+                written.append(path)
+        return written
 
     def plot(self, path: str | Path) -> None:
         """Draws the region. Raises UsageError if the path does not end in .svg, .png or .pdf."""

@@ -65,15 +65,20 @@ def evidence(region: Region, cell: RegionCell, time_unit: str) -> str:
         return f"a run of {steps} step{'s' * (steps != 1)}, to time {end}{loop}{again}"
     if cell.answer is shown_by_a_run(region.query):
         return f"found by a search that stored {grouped(verdict.statistics.states_stored)} states"
-    return f"all {grouped(verdict.statistics.states_stored)} states explored"
+    proof = "" if cell.certificate is None else f"certificate of {grouped(cell.certificate.zones)} zones"
+    if cell.evidence is Evidence.CERTIFICATE:
+        return f"a {proof}, that of another cell, checked again"
+    explored = f"all {grouped(verdict.statistics.states_stored)} states explored"
+    return f"{explored}, and a {proof}" if proof else explored
 
 
 def effort(region: Region) -> str:
     """How the answers came about."""
     counts = {kind: sum(cell.evidence is kind for cell in region.cells) for kind in Evidence}
     parts = [
-        f"{grouped(counts[Evidence.SEARCH])} cells searched",
+        f"{grouped(counts[Evidence.SEARCH])} cell{'s' * (counts[Evidence.SEARCH] != 1)} searched",
         f"{grouped(counts[Evidence.RUN])} by the run of another cell",
+        *([f"{grouped(counts[Evidence.CERTIFICATE])} by its certificate"] if counts[Evidence.CERTIFICATE] else []),
         f"{grouped(counts[Evidence.IMPLIED])} implied",
     ]
     return ", ".join(parts)

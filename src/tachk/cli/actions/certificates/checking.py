@@ -8,13 +8,13 @@ from pathlib import Path
 
 from tachk import api
 from tachk.certify.certificate import CertificateReader, Header, MalformedCertificateError, read_certificates
-from tachk.cli.actions.certificates.writing import digest
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.diagnostics.span import Source
+from tachk.formats.network_json.digest import digest
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.network import Network
 from tachk.model.query import Query

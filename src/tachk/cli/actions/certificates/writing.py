@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import sys
 import time
 from collections.abc import Sequence
@@ -12,16 +11,11 @@ from tachk.certify.certificate import CertificateWriter
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import complain
 from tachk.engines.options import Limits, Options
-from tachk.formats.network_json.network import network_to_json_text
+from tachk.formats.network_json.digest import digest
 from tachk.model.network import Network
 from tachk.properties.certificates import find_proof, is_provable
 from tachk.properties.verdict import Verdict
 from tachk.report.quantity import bytes_
-
-
-def digest(network: Network) -> str:
-    """What identifies a network: the SHA-256 of its JSON."""
-    return hashlib.sha256(network_to_json_text(network).encode()).hexdigest()
 
 
 def write_certificates(
