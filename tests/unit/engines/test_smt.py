@@ -139,6 +139,18 @@ def test_a_handshake_waits_for_a_committed_process() -> None:
     assert [goal.status for goal in outcome_of(text).goals] == [Status.UNREACHABLE, Status.REACHED]
 
 
+def test_a_broadcast_waits_for_a_committed_process_unless_it_takes_part() -> None:
+    text = """
+    broadcast chan all;
+    process P() { init committed location A { to B; } location B; }
+    process Q() { init location A { to B { sync all!; } } location B; }
+    system P, Q;
+    property first : E<> P.A && Q.B;
+    """
+    assert status_of(text) is Status.UNREACHABLE
+    assert status_of(text.replace("{ to B; }", "{ to A { sync all?; } }")) is Status.REACHED
+
+
 def test_an_urgent_channel_stops_time_only_with_a_partner() -> None:
     text = """
     urgent chan now;
@@ -206,7 +218,7 @@ def test_a_proof_shows_that_no_guard_goes_wrong() -> None:
     text = """
     int[0, 1] a[5];
     int[0, 9] n;
-    process P() { init location A { to A { guard a[n] == 0; assign n++; } } location B; }
+    process P() { init location A { to A { guard a[n] == 0 && n < 9; assign n++; } } location B; }
     system P;
     property never : E<> P.B;
     """

@@ -56,6 +56,16 @@ def test_a_least_time_that_no_run_takes_is_told(verdicts: Verdicts) -> None:
     assert found.notes == ("runs take as little more than 20 as one likes, and none takes 20",)
 
 
+def test_bisection_finds_a_time_that_is_only_approached(verdicts: Verdicts) -> None:
+    edges = " ".join(f"to B {{ guard x >= {least}; }}" for least in range(20, 5, -1))
+    text = f"""
+    process P() {{ clock x; init location A {{ {edges} to B {{ guard x > 5; }} }} location B; }}
+    system P;
+    property end : E<> P.B;
+    """
+    assert "as little more than 5" in verdicts(text, options=FASTEST)["end"].notes[0]
+
+
 def test_the_slowest_run_keeps_to_its_path(verdicts: Verdicts) -> None:
     text = """
     process P() {
