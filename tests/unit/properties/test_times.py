@@ -138,6 +138,7 @@ def test_a_committed_receiver_may_still_be_served() -> None:
     system R, S;
     """
     assert measured(tachk.loads(text).time(None, "R.Done"))[0] == (0, False)
+    assert measured(tachk.loads(text).time(None, "R.Done || R.B"))[0] == (0, False)
 
 
 def test_times_in_a_model_with_priorities() -> None:
