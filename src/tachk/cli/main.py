@@ -30,6 +30,7 @@ COMMANDS = (
     "plot",
     "explain",
     "sentences",
+    "requirements",
     "models",
     "completion",
     "verifyta",

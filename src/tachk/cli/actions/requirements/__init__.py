@@ -1,0 +1,1 @@
+"""`tachk requirements`."""

@@ -1,0 +1,59 @@
+"""What `tachk requirements` does."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from math import lcm
+from pathlib import Path
+
+from rich.console import Console
+
+from tachk.cli.actions.requirements.report import tell, to_json
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.reporting import ReportForm
+from tachk.engines.options import Limits
+from tachk.logic.durations import resolve, scaled
+from tachk.monitoring.formulas import NamedFormula, read_formulas
+from tachk.monitoring.given_constants import constants_by_name
+from tachk.requirements.analysis import analyse
+from tachk.syntax.formula import Duration, Formula
+from tachk.syntax.walk import nodes_of_kind
+
+
+def run_requirements(
+    file: str, form: ReportForm = ReportForm.TEXT, output: Path | None = None, seconds: float | None = None
+) -> ExitStatus:
+    """Tells what is wrong with a set of requirements.
+
+    Args:
+        seconds: for each search.
+    """
+    named = read_formulas(file)
+    unit = _unit(named)
+    formulas = [resolve(each.formula, constants_by_name(each.constants or {}), unit) for each in named]
+    scale = _scale(formulas)
+    whole = [(each.name, scaled(formula, Fraction(scale))) for each, formula in zip(named, formulas, strict=True)]
+    analysis = analyse(whole, Limits(seconds=seconds))
+    with destination(output) as out:
+        if form is ReportForm.JSON:
+            print(json.dumps(to_json(analysis, named, unit, scale), indent=2, ensure_ascii=False), file=out)
+        else:
+            console = Console(file=out, highlight=False, soft_wrap=True)
+            tell(analysis, unit, scale, console)
+    if analysis.findings:
+        return ExitStatus.NOT_AS_EXPECTED
+    return ExitStatus.UNKNOWN if analysis.undecided else ExitStatus.AS_EXPECTED
+
+
+def _unit(named: tuple[NamedFormula, ...]) -> str:
+    """The unit in which times are told: that of the first bound which has one; empty if none has."""
+    bounds = (bound.unit for each in named for bound in nodes_of_kind(each.formula, Duration) if bound.value != 0)
+    return next((unit for unit in bounds if unit), "")
+
+
+def _scale(formulas: list[Formula]) -> int:
+    """By what durations have to be multiplied to be whole numbers."""
+    values = (duration.value for formula in formulas for duration in nodes_of_kind(formula, Duration))
+    return lcm(*(value.denominator for value in values if isinstance(value, Fraction)))

@@ -1,0 +1,33 @@
+"""The options of `tachk requirements`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from tachk.cli import options
+from tachk.cli.reporting import ReportForm
+
+
+@click.command(name="requirements", short_help="Find requirements that contradict each other.")
+@click.argument("file", metavar="FILE", type=click.Path(), help="A file of formulas and sentences, or a single one.")
+@click.option(
+    "form",
+    "--format",
+    type=options.Choice((ReportForm.TEXT, ReportForm.JSON)),
+    default=ReportForm.TEXT.value,
+    show_default=True,
+    help="Form of the report.",
+)
+@click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
+@options.max_seconds("Stop each search after this time; what it was to find out is then not known.")
+def command(file: str, form: ReportForm, output: Path | None, seconds: float | None) -> None:
+    """Examine requirements before there is a model: can all be satisfied, can two deadlines collide, does one follow
+    from others, does what one speaks of never happen?
+
+    Exit status: 0 nothing was found, 10 something was, 20 a question has no answer.
+    """
+    from tachk.cli.actions.requirements.run import run_requirements
+
+    options.finish(lambda: run_requirements(file, form, output, seconds))
