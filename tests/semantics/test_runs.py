@@ -45,6 +45,12 @@ ROUND = (
         pytest.param(ROUND.format(least=0, more="to c;"), "A<> P.c", False, id="a loop that need take no time"),
         pytest.param(ROUND.format(least=1, more="to c;"), "E[] !P.c", True, id="a loop that keeps a predicate"),
         pytest.param("init location a { to b; } location b;", "A<> P.b", False, id="waiting for ever"),
+        pytest.param(
+            "init location a { invariant x - y <= 3; to b; } location b;",
+            "A<> P.b",
+            False,
+            id="a difference of clocks does not bound time",
+        ),
         pytest.param("init urgent location a { to b; } location b;", "A<> P.b", True, id="no time to wait"),
         pytest.param("init committed location a { } location b;", "A<> P.b", False, id="a committed dead end"),
         pytest.param(
@@ -95,8 +101,8 @@ ROUND = (
         pytest.param("init location a;", "P.x > 9 --> P.x < 3", False, id="an answer that came before"),
         pytest.param(
             "init location a { invariant x < 5; to b { guard x >= 4; assign y = 0; } }"
-            "location b { invariant y <= 3; to c { guard y >= 2; assign x = 0; } }"
-            "location c { invariant x <= 1; to c { assign x = 0; } }",
+            "urgent location b { to c; } location c { invariant y <= 3; to d { guard y >= 2; assign x = 0; } }"
+            "location d { invariant x <= 1; to d { assign x = 0; } }",
             "A<> P.x >= 5",
             True,
             id="constants of a goal count as lower and as upper bounds",

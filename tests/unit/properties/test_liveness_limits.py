@@ -1,0 +1,64 @@
+"""Searches for runs that end early, or at a run-time error: what is proved is said, what is not is unknown."""
+
+from __future__ import annotations
+
+import pytest
+
+from tachk.engines.options import NEVER, Limits, Options
+from tachk.model.fault import RuntimeErrorKind
+from tachk.properties.verdict import Answer
+
+ROUNDS = """\
+int n = 0;
+process P() {
+    clock x;
+    init location a { invariant x <= 2; to b { guard x >= 1 && n < 50; assign x = 0, n++; } to c { guard n == 50; } }
+    location b { invariant x <= 2; to a { guard x >= 1; assign x = 0; } }
+    location c;
+}
+system P;
+"""
+QUERIES = "property met : A<> P.c; property answered : P.a && n == 3 --> P.c;"
+
+
+@pytest.mark.parametrize("proof_after", [0, NEVER])
+@pytest.mark.parametrize(
+    ("limits", "reason"),
+    [
+        (Limits(states=10), "state limit"),
+        (Limits(memory_bytes=1000), "memory limit"),
+        (Limits(depth=20), "depth limit"),
+        (Limits(seconds=0.0), "time limit"),
+    ],
+)
+def test_a_limit_gives_no_verdict(verdicts, limits: Limits, reason: str, proof_after: int) -> None:
+    options = Options(proof_after=proof_after)
+    for verdict in verdicts(ROUNDS + QUERIES, options=options).values():
+        assert verdict.answer is Answer.HOLDS
+    for verdict in verdicts(ROUNDS + QUERIES, options=options, limits=limits).values():
+        assert (verdict.answer, verdict.reason) == (Answer.UNKNOWN, reason)
+
+
+def test_a_run_that_is_found_within_the_limits_is_a_verdict(verdicts) -> None:
+    found = verdicts(ROUNDS + "property met : A<> n == 60;", limits=Limits(depth=102))
+    assert found["met"].answer is Answer.FAILS
+
+
+@pytest.mark.parametrize("proof_after", [0, NEVER])
+def test_a_run_time_error_on_the_way_gives_no_verdict(verdicts, proof_after: int) -> None:
+    text = ROUNDS.replace("int n = 0", "int[0, 20] n = 0")
+    for verdict in verdicts(text + QUERIES, options=Options(proof_after=proof_after)).values():
+        assert verdict.answer is Answer.UNKNOWN
+        assert verdict.fault is not None and verdict.fault.kind is RuntimeErrorKind.RANGE
+        assert verdict.fault.run is not None and len(verdict.fault.run.steps) >= 40
+
+
+def test_an_error_behind_the_goal_does_not_count(verdicts) -> None:
+    text = ROUNDS.replace("int n = 0", "int[0, 20] n = 0")
+    assert verdicts(text + "property met : A<> n == 5;")["met"].answer is Answer.HOLDS
+
+
+def test_a_goal_that_fails_to_have_a_value_is_an_error(verdicts) -> None:
+    found = verdicts("int t[3]; " + ROUNDS + "property met : A<> t[n] == 1;")
+    assert found["met"].fault is not None
+    assert found["met"].fault.kind is RuntimeErrorKind.INDEX
