@@ -19,10 +19,10 @@ LASTING = [options for options in VARIANTS if not options.shortest]
 """The search goes to the depth first: it knows no shortest paths."""
 
 SHAPES = {
-    "plain": Shape(deadlocks=False),
-    "small": Shape(processes=2, locations=3, clocks=2, constant=3, deadlocks=False),
-    "priorities": Shape(priorities=True, clocks=2, deadlocks=False),
-    "diagonals": Shape(diagonals=True, clocks=2, constant=3, deadlocks=False),
+    "plain": Shape(),
+    "small": Shape(processes=2, locations=3, clocks=2, constant=3),
+    "priorities": Shape(priorities=True, clocks=2),
+    "diagonals": Shape(diagonals=True, clocks=2, constant=3),
     "stopwatches": Shape(stopwatches=True, clocks=2, deadlocks=False),
     "language": Shape(language=True, faults=0.08, exact=0.3, processes=2, locations=3, clocks=2, deadlocks=False),
     "faults": Shape(language=True, faults=1.0, processes=2, locations=3, clocks=1, deadlocks=False),
