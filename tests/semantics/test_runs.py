@@ -51,6 +51,13 @@ ROUND = (
             False,
             id="a difference of clocks does not bound time",
         ),
+        pytest.param(
+            "init location a { invariant y <= 3; to a { guard x >= 1; assign x = 0; } to b { guard y >= 3; } }"
+            "location b;",
+            "A<> P.b",
+            True,
+            id="a loop that time ends",
+        ),
         pytest.param("init urgent location a { to b; } location b;", "A<> P.b", True, id="no time to wait"),
         pytest.param("init committed location a { } location b;", "A<> P.b", False, id="a committed dead end"),
         pytest.param(
