@@ -59,7 +59,11 @@ COMMAND_LINES = (
     "monitor p m.csv --online",
     "plot p m.csv -o out.svg",
     "explain m.ta",
+    "certify m.ta m.cert",
 )
+
+ASKING_MUCH = "requirements r.stl"
+"""Has a time for each question, and tells of each what is not known."""
 
 
 @pytest.fixture
@@ -67,6 +71,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "m.ta").write_text(MODEL)
     (tmp_path / "m.csv").write_text("time,p\n0,1\n1,0\n")
+    (tmp_path / "r.stl").write_text("G (p -> F[0,3] q)\n")
+    (tmp_path / "m.cert").write_bytes(b"")
     return tmp_path
 
 
@@ -89,7 +95,7 @@ def test_a_command_that_reads_files_has_the_option(name: str) -> None:
     command = import_module(f"tachk.cli.commands.{name}").command
     assert isinstance(command, click.Command)
     assert "--max-seconds" in [option for parameter in command.params for option in parameter.opts]
-    assert any(line.split()[0] == name for line in COMMAND_LINES)
+    assert any(line.split()[0] == name for line in (*COMMAND_LINES, ASKING_MUCH))
 
 
 @pytest.mark.parametrize("line", COMMAND_LINES)
@@ -101,6 +107,11 @@ def test_without_time_there_is_one_message_and_one_status(
     assert capsys.readouterr().err == "error: the time limit was over before there was a result\n"
     assert sorted(folder.iterdir()) == before
     assert (folder / "m.ta").read_text() == MODEL
+
+
+def test_questions_without_time_have_no_answer(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(f"{ASKING_MUCH} --max-seconds 0") == 20
+    assert "can be satisfied is not known: time limit" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("line", ["check m.ta", "convert m.ta out.json", "explain G(p)", "diff m.ta m.ta"])
@@ -146,6 +157,8 @@ def test_writing_ends(looks: Iterator[int], work: Callable[[LoadedModel], object
 def test_reading_a_trace_ends(tmp_path: Path, looks: Iterator[int]) -> None:
     (tmp_path / "m.vcd").write_text(VCD)
     (tmp_path / "m.csv").write_text("time,p\n0,1\n1,0\n")
+    (tmp_path / "r.stl").write_text("G (p -> F[0,3] q)\n")
+    (tmp_path / "m.cert").write_bytes(b"")
     with pytest.raises(OutOfTimeError), time_limit(50):
         open_trace(str(tmp_path / "m.vcd")).read()
     for text in ("p", "F[0,1] p"):
