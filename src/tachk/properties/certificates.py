@@ -5,8 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from io import BytesIO
 
-from tachk.certify.certificate import Block, CertificateReader, Header, Kind, MalformedCertificateError
+from tachk.certify.certificate import (
+    Block,
+    CertificateReader,
+    CertificateWriter,
+    Header,
+    Kind,
+    MalformedCertificateError,
+    read_certificates,
+)
 from tachk.certify.closed_set import Objection, check_closed, check_descent
 from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import InternalError
@@ -32,7 +41,11 @@ class Checker(StrEnum):
     PYTHON = "python"
     """Plain Python over the semantics of the model, which shares no code with the engine."""
     NATIVE = "native"
-    """C++, much faster; it shares the compiled expressions with the engine."""
+    """C++, much faster; it shares the compiled expressions with the engine. It knows no ranks."""
+
+
+RANKED_ZONES_CHECKED = 1000
+"""Up to so many zones a proof with ranks, which only Python checks, is checked as soon as it is made."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,10 +55,12 @@ class Proof:
     Attributes:
         states: how many discrete states it has.
         zones: how many zones.
+        checked: whether a checker has accepted it.
     """
 
     header: Header
     cover: Cover
+    checked: bool
 
     @property
     def states(self) -> int:
@@ -78,7 +93,8 @@ def find_proof(
     """A certificate of a provable answer, or the reason why there is none.
 
     The search is made anew, in the whole network: what a verdict leaves out, such as processes that cannot influence
-    the answer, a checker would have to believe. The proof has been checked by the native checker.
+    the answer, a checker would have to believe. The proof has been checked: by the native checker, or by the
+    one in Python if it has ranks and at most RANKED_ZONES_CHECKED zones.
 
     Args:
         network: without observer.
@@ -90,10 +106,6 @@ def find_proof(
     else:
         program, (goal,) = lower(whole, [query.target])
         cover = find_cover(program, goal, options, limits, progress)
-        if isinstance(cover, Cover):
-            objection = check_closed_natively(program, goal, cover.blocks())
-            if objection is not None:
-                raise InternalError(f"the certificate made for {query.text!r} is not accepted: {objection.reason}")
     if isinstance(cover, str):
         return cover
     layout = prepare(whole).layout
@@ -101,7 +113,25 @@ def find_proof(
     width = len(whole.processes) + len(layout.initial)
     kind = Kind.INEVITABLE if query.target is None else Kind.UNREACHABLE
     header = Header(kind, query.name, query.text, model, dict(network.constants), width, clocks)
-    return Proof(header, cover)
+    checked = query.target is not None or cover.zones <= RANKED_ZONES_CHECKED
+    if checked:
+        objection = _check_again(whole, query, header, cover)
+        if objection is not None:
+            raise InternalError(f"the certificate made for {query.text!r} is not accepted: {objection.reason}")
+    return Proof(header, cover, checked)
+
+
+def _check_again(network: Network, query: Query, header: Header, cover: Cover) -> Objection | None:
+    """What a checker says of what has just been found in the network with the observer."""
+    if query.target is not None:
+        program, (goal,) = lower(network, [query.target])
+        return check_closed_natively(program, goal, cover.blocks())
+    assert query.avoided is not None
+    stream = BytesIO()
+    CertificateWriter(stream).write(header, cover.blocks())
+    stream.seek(0)
+    (certificate,) = read_certificates(stream)
+    return check_descent(prepare(network), query.avoided, query.begins, certificate)
 
 
 def _descent(
@@ -122,8 +152,15 @@ def _negation(predicate: Expression) -> Expression:
     return Unary(UnaryOperator.NOT, predicate, BOOL, predicate.span)
 
 
+def checker_of(query: Query, asked: Checker) -> Checker:
+    """Who judges a certificate about a query if one asks for a checker: the one in Python, if it has ranks."""
+    return asked if query.target is not None else Checker.PYTHON
+
+
 def check_proof(network: Network, query: Query, certificate: CertificateReader, checker: Checker) -> Objection | None:
     """What is wrong with a certificate about a query; None if it is a proof.
+
+    It is judged by `checker_of` the query.
 
     Raises MalformedCertificateError for a file that is damaged or that is about other processes, variables or clocks.
     """

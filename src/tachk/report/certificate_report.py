@@ -9,6 +9,7 @@ from tachk.certify.certificate import CertificateReader
 from tachk.certify.closed_set import Objection, zone_at
 from tachk.model.network import Network
 from tachk.model.query import Query
+from tachk.properties.certificates import Checker
 from tachk.properties.observed import observed
 from tachk.records import dataclass
 from tachk.report.run.trace_view import Names
@@ -24,6 +25,7 @@ class Judgement:
     Attributes:
         network: without observer.
         query: what it claims to decide.
+        checker: who has judged it; None where its header shows that it is about another model.
         reason: why it is rejected; empty if it is accepted.
         objection: what of it is wrong, where it is for this model and this property.
         seconds: how long the check took.
@@ -32,6 +34,7 @@ class Judgement:
     network: Network
     query: Query
     certificate: CertificateReader
+    checker: Checker | None
     reason: str
     objection: Objection | None
     seconds: float
@@ -78,10 +81,11 @@ def judgement_lines(judgements: Iterable[Judgement]) -> Iterable[str]:
         header, found = judged.certificate.header, judged.certificate
         yield f"{'✓' if judged.accepted else '✗'} {header.name}: {judged.query.text}"
         size = f"{_count(found.zones, 'zone')} of {_count(found.groups, 'discrete state')}"
+        by = f" by the {judged.checker.value} checker" if judged.checker is not None else ""
         if judged.accepted:
-            yield f"    accepted: it {judged.proved}, by {size}"
+            yield f"    accepted{by}: it {judged.proved}, by {size}"
             continue
-        yield f"    rejected: {judged.reason}"
+        yield f"    rejected{by}: {judged.reason}"
         if (state := judged.state()) is not None:
             yield f"    at        {state}"
         if text := judged.transition():
@@ -103,6 +107,7 @@ def _json(judged: Judgement) -> dict[str, Any]:
         "property": judged.certificate.header.name,
         "query": judged.query.text,
         "kind": judged.certificate.header.kind.value,
+        "checker": judged.checker.value if judged.checker is not None else None,
         "accepted": judged.accepted,
         "proves": judged.proved if judged.accepted else None,
         "discrete_states": judged.certificate.groups,

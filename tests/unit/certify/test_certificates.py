@@ -28,10 +28,12 @@ from tachk.cli.actions.certificates.checking import Submitted, run_certify
 from tachk.cli.actions.run_report import RunReporting
 from tachk.cli.actions.verify import Asked, run_verify
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.reporting import Reporting
+from tachk.cli.reporting import ReportForm, Reporting
+from tachk.diagnostics.diagnostic import InternalError
 from tachk.engines.options import Limits
 from tachk.model.network import Network
 from tachk.model.query import Query
+from tachk.properties import certificates
 from tachk.properties.certificates import Checker, Proof, check_proof, find_proof, is_provable
 from tachk.properties.verdict import Answer
 from tachk.properties.verify import verify
@@ -184,7 +186,7 @@ def test_what_each_run_meets(name: str, proves: str) -> None:
     network, query = counter(name)
     certificate = written(proved(network, query))
     assert check_proof(network, query, certificate, Checker.PYTHON) is None
-    assert Judgement(network, query, certificate, "", None, 0.0).proved == proves
+    assert Judgement(network, query, certificate, Checker.PYTHON, "", None, 0.0).proved == proves
 
 
 @pytest.mark.parametrize(
@@ -389,15 +391,50 @@ def test_the_report_names_the_element_that_is_wrong() -> None:
     certificate = written(proof, blocks_without(proof, proof.states - 1))
     found = judged(network, query, certificate)
     assert found is not None
-    judgement = Judgement(network, query, certificate, found.reason, found, 0.25)
+    judgement = Judgement(network, query, certificate, Checker.NATIVE, found.reason, found, 0.25)
     told = judgements_to_json("fischer.ta", "fischer.cert", "python", [judgement])
     (entry,) = told["certificates"]
     assert entry["accepted"] is False and entry["reason"] == "a successor is not in the set"
     assert set(entry["state"]["locations"]) == {"P(1)", "P(2)"} and "→" in entry["transition"]
     lines = list(judgement_lines([judgement]))
-    assert lines[1].endswith("a successor is not in the set") and len(lines) == 4
+    assert lines[1] == "    rejected by the native checker: a successor is not in the set" and len(lines) == 4
     if SCHEMA.is_file():
         jsonschema.validate(told, json.loads(SCHEMA.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize("asked", list(Checker))
+def test_json_says_who_has_judged_each_certificate(asked: Checker, tmp_path: Path) -> None:
+    model, proofs, report = tmp_path / "counter.ta", tmp_path / "counter.cert", tmp_path / "report.json"
+    model.write_text(COUNTER + "property few : A[] n <= 3;", encoding="utf-8")
+    run_verify(Asked((str(model),), certificate=proofs), reporting=RunReporting(quiet=True))
+    run_certify(Submitted(str(model), proofs, (), asked.value), Reporting(ReportForm.JSON, report))
+    told = json.loads(report.read_text(encoding="utf-8"))
+    judges = {entry["property"]: entry["checker"] for entry in told["certificates"]}
+    assert judges == {"met": "python", "answered": "python", "kept": "python", "few": asked.value}
+    if SCHEMA.is_file():
+        jsonschema.validate(told, json.loads(SCHEMA.read_text(encoding="utf-8")))
+
+
+def test_a_proof_with_ranks_is_checked_when_it_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With ranks that a search has mixed up."""
+    network, query = counter("answered")
+    right = proved(network, query)
+    assert right.checked
+    (block,) = right.blocks()
+    wrong = replace(right.cover, blocks=lambda: iter([replace(block, ranks=np.minimum(block.ranks, 1))]))
+    monkeypatch.setattr(certificates, "find_descent", lambda *_: wrong)
+    with pytest.raises(InternalError, match="a successor is not in the set"):
+        find_proof(network, "digest", query)
+
+
+def test_a_large_proof_with_ranks_is_not_checked_and_verify_says_so(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.setattr(certificates, "RANKED_ZONES_CHECKED", 0)
+    model, proofs = tmp_path / "counter.ta", tmp_path / "counter.cert"
+    model.write_text(COUNTER, encoding="utf-8")
+    run_verify(Asked((str(model),), certificate=proofs), reporting=RunReporting(quiet=True))
+    assert "not checked yet, for `tachk certify` to do: met, answered, kept" in capsys.readouterr().err
 
 
 def test_a_certificate_is_about_the_model_and_the_query_in_its_header(tmp_path: Path) -> None:
