@@ -244,12 +244,13 @@ class CoverSearch:
     def cover(self) -> CoverParts: ...
 
 class ClosedSet:
-    def __init__(self, image: Sequence[int]) -> None: ...
+    def __init__(self, image: Sequence[int], *, inevitable: bool) -> None: ...
     def add(
         self,
         slots: int,
         discretes: NDArray[np.int64],
         zones: NDArray[np.int64],
+        ranks: NDArray[np.int64],
         constraints: NDArray[np.int64],
         places: NDArray[np.int64],
         bounds: NDArray[np.int64],

@@ -41,9 +41,10 @@ std::span<const std::int64_t> take(std::span<const std::int64_t>& column, std::i
   return taken;
 }
 
-void add(tachk::ClosedSet& set, std::size_t slots, const Column& discretes, const Column& zones,
+void add(tachk::ClosedSet& set, std::size_t slots, const Column& discretes, const Column& zones, const Column& ranks,
          const Column& constraints, const Column& places, const Column& bounds) {
   auto states = span_of(discretes);
+  auto of_zones = span_of(ranks);
   auto counts = span_of(constraints);
   auto lefts_and_rights = span_of(places);
   auto raws = span_of(bounds);
@@ -54,7 +55,8 @@ void add(tachk::ClosedSet& set, std::size_t slots, const Column& discretes, cons
       if (count < 0 || count > INT32_MAX) throw std::invalid_argument("a bad count");
       sum += count;
     }
-    set.add(take(states, static_cast<std::int64_t>(slots)), own, take(lefts_and_rights, sum), take(raws, sum));
+    set.add(take(states, static_cast<std::int64_t>(slots)), take(of_zones, number), own, take(lefts_and_rights, sum),
+            take(raws, sum));
   }
 }
 
@@ -96,12 +98,16 @@ void bind_certificates(nb::module_& m) {
       .def("cover", &tachk::CoverSearch::cover, nb::rv_policy::reference_internal,
            "What covers all that can be reached, of a finished search.");
   nb::class_<tachk::ClosedSet>(m, "ClosedSet", "The check that a set of symbolic states is closed.")
-      .def(nb::new_([](const std::vector<std::int64_t>& image) {
-             return std::make_unique<tachk::ClosedSet>(tachk::decode_program(image));
+      .def(nb::new_([](const std::vector<std::int64_t>& image, bool inevitable) {
+             const auto claim = inevitable ? tachk::Claim::inevitable : tachk::Claim::unreachable;
+             tachk::Program program = tachk::decode_program(image);
+             if (inevitable && program.goals.empty()) throw std::invalid_argument("nothing to meet");
+             return std::make_unique<tachk::ClosedSet>(std::move(program), claim);
            }),
-           nb::arg("image"))
-      .def("add", &add, nb::arg("slots"), nb::arg("discretes"), nb::arg("zones"), nb::arg("constraints"),
-           nb::arg("places"), nb::arg("bounds"), "Adds groups, as `CoverParts.part` tells them.")
+           nb::arg("image"), nb::kw_only(), nb::arg("inevitable"))
+      .def("add", &add, nb::arg("slots"), nb::arg("discretes"), nb::arg("zones"), nb::arg("ranks"),
+           nb::arg("constraints"), nb::arg("places"), nb::arg("bounds"),
+           "Adds groups, as `CoverParts.part` tells them.")
       .def("check", &tachk::ClosedSet::check, nb::arg("states"), nb::call_guard<nb::gil_scoped_release>(),
            "Checks so many more discrete states; whether there is nothing left to check.")
       .def(

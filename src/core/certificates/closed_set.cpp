@@ -1,7 +1,9 @@
 #include "certificates/closed_set.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <limits>
 #include <stdexcept>
 #include <tuple>
 #include <unordered_map>
@@ -14,6 +16,7 @@ namespace {
 
 constexpr Raw unbounded = Raw{1} << 60;
 constexpr Raw largest_constant = Raw{1} << 40;
+constexpr std::int64_t any_rank = std::numeric_limits<std::int64_t>::max();
 
 Raw sum(Raw a, Raw b) { return a >= unbounded || b >= unbounded ? unbounded : a + b - ((a | b) & 1); }
 
@@ -101,6 +104,7 @@ class ClosedSet::Checker {
   struct Group {
     State discrete;
     std::vector<Constraints> zones;
+    std::vector<std::int64_t> ranks;
   };
   struct Step {
     std::vector<std::uint32_t> edges;
@@ -117,10 +121,13 @@ class ClosedSet::Checker {
     }
   };
 
-  explicit Checker(Program given)
+  Checker(Program given, Claim claimed)
       : program(std::move(given)),
+        claim(claimed),
         machine(program, largest_constant),
         n(static_cast<std::size_t>(program.dimension())) {
+    for (const Goal& goal : program.goals)
+      for (const Disjunct& disjunct : goal.disjuncts) asks_deadlock |= disjunct.deadlock != DeadlockLiteral::absent;
     for (const Process& process : program.processes) {
       first_location.push_back(leaving_location.size());
       leaving_location.resize(leaving_location.size() + process.locations.size());
@@ -339,61 +346,118 @@ class ClosedSet::Checker {
       }
     return false;
   }
-  // Where clocks are stopped the past of a zone is none, and either answer may be given too often.
+  // Where clocks are stopped the past of a zone is none, and either answer may be given too often. `steps` are those of
+  // the zone and of what it becomes by waiting.
   bool meets_deadlock(const Disjunct& disjunct, State& state, const Zone& met) {
     const std::vector<bool> stands = standing(state);
     const bool stopped = std::count(stands.begin(), stands.end(), true) > 1;
     const bool waits = !time_stands_still(state);
-    std::vector<Zone> dead{met};
+    if (disjunct.deadlock == DeadlockLiteral::required) return gets_stuck(state, met);
+    return std::any_of(steps.begin(), steps.end(), [&](const Step& step) {
+      Zone alive = possible(step);
+      if (alive.empty() || (waits && stopped)) return !alive.empty();
+      if (waits) alive.go_back();
+      return !met.within(alive.constraints()).empty();
+    });
+  }
+  // Whether from some valuation no step is possible, now or later.
+  bool gets_stuck(State& state, const Zone& zone) {
+    const std::vector<bool> stands = standing(state);
+    const bool goes_back = !time_stands_still(state) && std::count(stands.begin(), stands.end(), true) == 1;
+    std::vector<Zone> dead{zone};
     for (const Step& step : steps) {
       Zone alive = possible(step);
       if (alive.empty()) continue;
-      if (disjunct.deadlock == DeadlockLiteral::forbidden && waits && stopped) return true;
-      if (waits && !stopped) alive.go_back();
-      if (disjunct.deadlock == DeadlockLiteral::forbidden && !met.within(alive.constraints()).empty()) return true;
+      if (goes_back) alive.go_back();
       std::vector<Zone> rest;
       for (const Zone& piece : dead) piece.without(alive.constraints(), rest);
       dead = std::move(rest);
     }
-    return disjunct.deadlock == DeadlockLiteral::required && !dead.empty();
+    return !dead.empty();
   }
-  // By one zone of the set, as a rule, else by several together.
-  bool covered(const State& state, const Zone& zone) const {
+  // By one zone of the set, as a rule, else by several together: of the rank 0, or ranked ones below a rank.
+  bool covered(const State& state, const Zone& zone, std::int64_t below) const {
     if (zone.empty()) return true;
-    const auto found = numbers.find({state.begin(), state.begin() + program.state_slots});
-    if (found == numbers.end()) return false;
-    const std::vector<Constraints>& zones = groups[found->second].zones;
-    for (const Constraints& held : zones)
-      if (std::all_of(held.begin(), held.end(),
-                      [&](const Atom& atom) { return zone.at(atom.left, atom.right) <= atom.raw; }))
+    const auto& index = numbers[below > 0];
+    const auto found = index.find({state.begin(), state.begin() + program.state_slots});
+    if (found == index.end()) return false;
+    const Group& group = groups[found->second];
+    const auto counts = [&](std::size_t number) { return below == 0 || group.ranks[number] < below; };
+    for (std::size_t number = 0; number < group.zones.size(); ++number)
+      if (const Constraints& held = group.zones[number];
+          counts(number) && std::all_of(held.begin(), held.end(),
+                                        [&](const Atom& atom) { return zone.at(atom.left, atom.right) <= atom.raw; }))
         return true;
     std::vector<Zone> rest{zone};
-    for (const Constraints& held : zones) {
+    for (std::size_t number = 0; number < group.zones.size(); ++number) {
+      if (!counts(number)) continue;
       std::vector<Zone> outside;
-      for (const Zone& piece : rest) piece.without(held, outside);
+      for (const Zone& piece : rest) piece.without(group.zones[number], outside);
       rest = std::move(outside);
     }
     return rest.empty();
+  }
+  // Whether nothing is asked of ranked elements of a discrete state, because it satisfies what each run must meet.
+  bool is_met(State& state) {
+    bool depends = false;
+    for (const Disjunct& disjunct : program.goals[0].disjuncts) {
+      Constraints constraints;
+      if (!holds(disjunct.condition, state, constraints)) continue;
+      if (constraints.empty() && disjunct.deadlock == DeadlockLiteral::absent) return true;
+      depends = true;
+    }
+    if (depends) throw Objection{"the goal depends on clocks", {}, 0, {}};
+    return false;
+  }
+  // From where the goal must be met, and what that becomes by waiting, there are ranked elements.
+  void check_beginnings(State& state, const Zone& zone, const Constraints& limits) {
+    if (is_met(state)) return;
+    for (const Disjunct& disjunct : program.goals[1].disjuncts) {
+      Constraints constraints;
+      if (!holds(disjunct.condition, state, constraints)) continue;
+      if (disjunct.deadlock != DeadlockLiteral::absent ||
+          !covered(state, delayed(zone.within(constraints), state, limits), any_rank))
+        throw Objection{"it is not shown that the goal is met from here", {}, 0, {}};
+    }
+  }
+  // Time cannot pass for ever in ranked elements, and some step stays possible. `later` is what the zone becomes.
+  void check_ends(State& state, const Zone& zone, const Zone& later) {
+    const std::vector<bool> stands = standing(state);
+    bool for_ever = !time_stands_still(state);
+    for (std::size_t i = 0; i < n; ++i) for_ever &= stands[i] || later.at(i, 0) >= unbounded;
+    if (for_ever) throw Objection{"time can pass for ever, and the goal is not met", {}, 0, {}};
+    if (gets_stuck(state, zone))
+      throw Objection{"nothing can happen any more in some state, and the goal is not met", {}, 0, {}};
   }
   bool check_initial() {
     State state;
     for (const Slot& slot : program.slots) state.push_back(slot.initial);
     Constraints limits;
-    if (invariant(state, limits) && !covered(state, delayed(Zone::filled(n, raw_zero).within(limits), state, limits)))
+    const bool ranked = claim == Claim::inevitable && program.goals.size() == 1;
+    if (invariant(state, limits) && !(ranked && is_met(state)) &&
+        !covered(state, delayed(Zone::filled(n, raw_zero).within(limits), state, limits), ranked ? any_rank : 0))
       objection = Objection{"the initial state is not in the set", {}, 0, {}};
     return !objection;
   }
-  void check_zone(State& state, const Zone& zone) {
-    find_steps(state, zone);
-    if (satisfies_goal(state, zone))
+  void check_zone(State& state, const Zone& zone, const Constraints& limits, std::int64_t rank) {
+    if (rank > 0 && is_met(state)) return;
+    // What is possible later counts for deadlock and for ends, in the zone or not.
+    const Zone later = rank > 0 || asks_deadlock ? delayed(zone, state, limits) : zone;
+    find_steps(state, later);
+    if (rank > 0) check_ends(state, zone, later);
+    if (claim == Claim::unreachable && satisfies_goal(state, zone))
       throw Objection{"some state of the zone is one that must not be reached", {}, 0, {}};
-    for (Step& step : steps)
+    if (claim == Claim::inevitable && rank == 0 && program.goals.size() > 1) check_beginnings(state, zone, limits);
+    if (later.entries != zone.entries) find_steps(state, zone);
+    for (Step& step : steps) {
+      if (rank > 0 && is_met(step.target)) continue;
       for (Zone& piece : unblocked(step, state)) {
         for (const ClockReset& reset : step.resets) piece.reset(reset);
         piece = piece.within(step.invariant);
-        if (!covered(step.target, delayed(std::move(piece), step.target, step.invariant)))
+        if (!covered(step.target, delayed(std::move(piece), step.target, step.invariant), rank))
           throw Objection{"a successor is not in the set", {}, 0, step.edges};
       }
+    }
   }
   void check_group(const Group& group) {
     State state = group.discrete;
@@ -405,7 +469,7 @@ class ClosedSet::Checker {
       try {
         if (!invariant(state, limits)) return;
         const Zone zone = Zone::universe(n).within(group.zones[number]).within(limits);
-        if (!zone.empty()) check_zone(state, zone);
+        if (!zone.empty()) check_zone(state, zone, limits, group.ranks[number]);
       } catch (const Objection& found) {
         objection = found;
       } catch (const ModelFault&) {
@@ -416,13 +480,16 @@ class ClosedSet::Checker {
   }
 
   Program program;
+  Claim claim;
+  bool asks_deadlock = false;
   Machine machine;
   std::size_t n;  // clocks, the reference clock included
   std::vector<std::size_t> first_location;
   std::vector<std::vector<std::uint32_t>> leaving_location;  // the edges
   bool has_urgent_channels = false;
   std::vector<Group> groups;
-  std::unordered_map<State, std::size_t, Hash> numbers;  // of the groups, by discrete state
+  // Of the groups, by discrete state: of those of the rank 0, and of the ranked ones.
+  std::array<std::unordered_map<State, std::size_t, Hash>, 2> numbers;
   std::size_t next = 0;
   std::vector<Step> steps;  // of the zone at hand
   bool committed = false;
@@ -430,18 +497,23 @@ class ClosedSet::Checker {
   std::optional<Objection> objection;
 };
 
-ClosedSet::ClosedSet(Program program) : checker_(std::make_unique<Checker>(std::move(program))) {}
+ClosedSet::ClosedSet(Program program, Claim claim) : checker_(std::make_unique<Checker>(std::move(program), claim)) {}
 ClosedSet::~ClosedSet() = default;
 
-void ClosedSet::add(std::span<const std::int64_t> discrete, std::span<const std::int64_t> counts,
-                    std::span<const std::int64_t> places, std::span<const std::int64_t> bounds) {
+void ClosedSet::add(std::span<const std::int64_t> discrete, std::span<const std::int64_t> ranks,
+                    std::span<const std::int64_t> counts, std::span<const std::int64_t> places,
+                    std::span<const std::int64_t> bounds) {
   const Program& program = checker_->program;
   const std::size_t n = checker_->n;
   if (discrete.size() != program.state_slots) throw std::invalid_argument("a discrete state has the wrong length");
   for (std::size_t slot = 0; slot < discrete.size(); ++slot)
     if (discrete[slot] < program.slots[slot].low || discrete[slot] > program.slots[slot].high)
       throw std::invalid_argument("a discrete state has a value out of its range");
-  Checker::Group group{{discrete.begin(), discrete.end()}, {}};
+  Checker::Group group{{discrete.begin(), discrete.end()}, {}, {ranks.begin(), ranks.end()}};
+  const auto unranked = static_cast<std::size_t>(std::count(ranks.begin(), ranks.end(), 0));
+  if (ranks.size() != counts.size() || (unranked != 0 && unranked != ranks.size()) ||
+      std::any_of(ranks.begin(), ranks.end(), [](std::int64_t rank) { return rank < 0; }))
+    throw std::invalid_argument("ranks that cannot be");
   std::size_t at = 0;
   for (const std::int64_t count : counts) {
     if (count < 0 || static_cast<std::size_t>(count) > places.size() - at) throw std::invalid_argument("a bad count");
@@ -454,7 +526,7 @@ void ClosedSet::add(std::span<const std::int64_t> discrete, std::span<const std:
       zone.push_back({static_cast<std::uint16_t>(place / n), static_cast<std::uint16_t>(place % n), bounds[at]});
     }
   }
-  if (!checker_->numbers.emplace(group.discrete, checker_->groups.size()).second)
+  if (!checker_->numbers[unranked < ranks.size()].emplace(group.discrete, checker_->groups.size()).second)
     throw std::invalid_argument("a discrete state occurs twice");
   checker_->groups.push_back(std::move(group));
 }

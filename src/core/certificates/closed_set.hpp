@@ -1,5 +1,7 @@
 // The check that a set of symbolic states is closed: it covers the initial state and every successor of its states, and
-// none of them satisfies a goal. Then no reachable state does (Wimmer and von Mutius 2020).
+// none of them satisfies a goal. Then no reachable state does (Wimmer and von Mutius 2020). Or that each run meets the
+// goal, from the initial state or from the states of a second goal on: successors of ranked elements have smaller ranks
+// or satisfy it, and nothing can stay in one for ever (Wimmer, Herbreteau and van de Pol 2020).
 //
 // Written apart from the engine, to judge it: of the core it uses the compiled program (program/) and the machine that
 // evaluates its expressions (machine/), nothing else. Zones, successors and the rules for synchronisation, committed
@@ -29,15 +31,19 @@ struct Objection {
   std::vector<std::uint32_t> edges;
 };
 
+enum class Claim { unreachable, inevitable };
+
 class ClosedSet final {
  public:
-  explicit ClosedSet(Program program);
+  ClosedSet(Program program, Claim claim);
   ~ClosedSet();
 
-  // Adds a discrete state with its zones. Of each zone `counts` has the number of its constraints; a constraint is
-  // left * (clocks + 1) + right and a raw bound. Throws std::invalid_argument for what is no state of the program.
-  void add(std::span<const std::int64_t> discrete, std::span<const std::int64_t> counts,
-           std::span<const std::int64_t> places, std::span<const std::int64_t> bounds);
+  // Adds a discrete state with its zones, all of the rank 0 or none. Of each zone `counts` has the number of its
+  // constraints; a constraint is left * (clocks + 1) + right and a raw bound. Throws std::invalid_argument for what is
+  // no state of the program.
+  void add(std::span<const std::int64_t> discrete, std::span<const std::int64_t> ranks,
+           std::span<const std::int64_t> counts, std::span<const std::int64_t> places,
+           std::span<const std::int64_t> bounds);
   // Checks at most so many more discrete states; true once there is nothing left to check, or an objection.
   bool check(std::size_t states);
   const std::optional<Objection>& objection() const;

@@ -5,7 +5,7 @@ It shares with the engine the compiled program and the machine that evaluates ex
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from tachk import _core
 from tachk.certify.certificate import Block, MalformedCertificateError
@@ -24,7 +24,19 @@ def check_closed_natively(program: Program, goal: Goal, blocks: Iterable[Block])
 
     Raises MalformedCertificateError for states that are none of the program.
     """
-    closed = _core.ClosedSet(encode(program, [goal]))
+    return _objection(program, _core.ClosedSet(encode(program, [goal]), inevitable=False), blocks)
+
+
+def check_descent_natively(program: Program, goals: Sequence[Goal], blocks: Iterable[Block]) -> Objection | None:
+    """What is wrong with ranked symbolic states as a proof that each run meets the first goal, from the initial state
+    or from each reachable state of the second goal on; None if they are one.
+
+    Raises MalformedCertificateError for states that are none of the program.
+    """
+    return _objection(program, _core.ClosedSet(encode(program, goals), inevitable=True), blocks)
+
+
+def _objection(program: Program, closed: _core.ClosedSet, blocks: Iterable[Block]) -> Objection | None:
     try:
         for block in blocks:
             check_time()
@@ -32,6 +44,7 @@ def check_closed_natively(program: Program, goal: Goal, blocks: Iterable[Block])
                 program.state_slots,
                 block.discretes.ravel(),
                 block.zones,
+                block.ranks,
                 block.constraints,
                 block.places,
                 block.bounds,

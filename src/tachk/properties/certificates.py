@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
-from io import BytesIO
 
 from tachk.certify.certificate import (
     Block,
     CertificateReader,
-    CertificateWriter,
     Header,
     Kind,
     MalformedCertificateError,
-    read_certificates,
 )
 from tachk.certify.closed_set import Objection, check_closed, check_descent
 from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import InternalError
-from tachk.engines.closed_set import check_closed_natively
+from tachk.engines.closed_set import check_closed_natively, check_descent_natively
 from tachk.engines.cover import Cover, find_cover, find_descent
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import Progress
@@ -41,11 +38,7 @@ class Checker(StrEnum):
     PYTHON = "python"
     """Plain Python over the semantics of the model, which shares no code with the engine."""
     NATIVE = "native"
-    """C++, much faster; it shares the compiled expressions with the engine. It knows no ranks."""
-
-
-RANKED_ZONES_CHECKED = 1000
-"""Up to so many zones a proof with ranks, which only Python checks, is checked as soon as it is made."""
+    """C++, much faster; it shares the compiled expressions with the engine."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,12 +48,10 @@ class Proof:
     Attributes:
         states: how many discrete states it has.
         zones: how many zones.
-        checked: whether a checker has accepted it.
     """
 
     header: Header
     cover: Cover
-    checked: bool
 
     @property
     def states(self) -> int:
@@ -93,8 +84,7 @@ def find_proof(
     """A certificate of a provable answer, or the reason why there is none.
 
     The search is made anew, in the whole network: what a verdict leaves out, such as processes that cannot influence
-    the answer, a checker would have to believe. The proof has been checked: by the native checker, or by the
-    one in Python if it has ranks and at most RANKED_ZONES_CHECKED zones.
+    the answer, a checker would have to believe. The proof has been checked by the native checker.
 
     Args:
         network: without observer.
@@ -113,25 +103,26 @@ def find_proof(
     width = len(whole.processes) + len(layout.initial)
     kind = Kind.INEVITABLE if query.target is None else Kind.UNREACHABLE
     header = Header(kind, query.name, query.text, model, dict(network.constants), width, clocks)
-    checked = query.target is not None or cover.zones <= RANKED_ZONES_CHECKED
-    if checked:
-        objection = _check_again(whole, query, header, cover)
-        if objection is not None:
-            raise InternalError(f"the certificate made for {query.text!r} is not accepted: {objection.reason}")
-    return Proof(header, cover, checked)
+    objection = _check_natively(whole, query, width, len(clocks), cover.blocks())
+    if objection is not None:
+        raise InternalError(f"the certificate made for {query.text!r} is not accepted: {objection.reason}")
+    return Proof(header, cover)
 
 
-def _check_again(network: Network, query: Query, header: Header, cover: Cover) -> Objection | None:
-    """What a checker says of what has just been found in the network with the observer."""
-    if query.target is not None:
-        program, (goal,) = lower(network, [query.target])
-        return check_closed_natively(program, goal, cover.blocks())
-    assert query.avoided is not None
-    stream = BytesIO()
-    CertificateWriter(stream).write(header, cover.blocks())
-    stream.seek(0)
-    (certificate,) = read_certificates(stream)
-    return check_descent(prepare(network), query.avoided, query.begins, certificate)
+def _check_natively(
+    network: Network, query: Query, width: int, clocks: int, blocks: Iterable[Block]
+) -> Objection | None:
+    """What the native checker says of symbolic states of so many locations and cells, and clocks.
+
+    Raises MalformedCertificateError.
+    """
+    predicates = [one for one in (query.target, query.avoided, query.begins) if one is not None]
+    program, goals = lower(network, predicates)
+    if width != program.state_slots or clocks != program.clocks:
+        raise MalformedCertificateError("it has other processes, variables or clocks than the model")
+    if query.target is None:
+        return check_descent_natively(program, goals, blocks)
+    return check_closed_natively(program, goals[0], blocks)
 
 
 def _descent(
@@ -152,30 +143,22 @@ def _negation(predicate: Expression) -> Expression:
     return Unary(UnaryOperator.NOT, predicate, BOOL, predicate.span)
 
 
-def checker_of(query: Query, asked: Checker) -> Checker:
-    """Who judges a certificate about a query if one asks for a checker: the one in Python, if it has ranks."""
-    return asked if query.target is not None else Checker.PYTHON
-
-
 def check_proof(network: Network, query: Query, certificate: CertificateReader, checker: Checker) -> Objection | None:
     """What is wrong with a certificate about a query; None if it is a proof.
-
-    It is judged by `checker_of` the query.
 
     Raises MalformedCertificateError for a file that is damaged or that is about other processes, variables or clocks.
     """
     whole = observed(network, query.observer)
     if (query.target is None) is not (certificate.header.kind is Kind.INEVITABLE):
         raise MalformedCertificateError("it is a proof of another kind than the query needs")
-    if query.target is None:
-        if query.avoided is None:
-            raise MalformedCertificateError("the query is of a kind that has no proofs")
-        return check_descent(prepare(whole), query.avoided, query.begins, certificate)
+    if query.target is None and query.avoided is None:
+        raise MalformedCertificateError("the query is of a kind that has no proofs")
     match checker:
         case Checker.PYTHON:
-            return check_closed(prepare(whole), query.target, certificate)
+            if query.target is not None:
+                return check_closed(prepare(whole), query.target, certificate)
+            assert query.avoided is not None
+            return check_descent(prepare(whole), query.avoided, query.begins, certificate)
         case Checker.NATIVE:
-            program, (goal,) = lower(whole, [query.target])
-            if certificate.header.width != program.state_slots or len(certificate.header.clocks) != program.clocks:
-                raise MalformedCertificateError("it has other processes, variables or clocks than the model")
-            return check_closed_natively(program, goal, certificate.blocks())
+            header = certificate.header
+            return _check_natively(whole, query, header.width, len(header.clocks), certificate.blocks())

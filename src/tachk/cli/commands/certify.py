@@ -23,8 +23,7 @@ from tachk.cli.reporting import ReportForm
     default="python",
     show_default=True,
     help="python: shares no code with the engine. native: C++, for large certificates; it shares the compiled "
-    "expressions of the model, and leaves certificates with ranks (A<>, -->, E[]) to python. The report says for each "
-    "certificate who has judged it.",
+    "expressions of the model.",
 )
 @options.report(ReportForm.TEXT, ReportForm.JSON)
 @options.max_seconds()

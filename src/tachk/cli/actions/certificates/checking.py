@@ -18,7 +18,7 @@ from tachk.formats.network_json.digest import digest
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties.certificates import Checker, check_proof, checker_of
+from tachk.properties.certificates import Checker, check_proof
 from tachk.properties.questions import Questions, checked
 from tachk.properties.verify import check_initial_state
 from tachk.records import dataclass
@@ -65,7 +65,7 @@ def _judgements(model: LoadedModel, certificates: Sequence[CertificateReader], c
         query = _query(model, certificate.header)
         reason, objection, judge = _made_for_another(certificate.header, network, own), None, None
         if not reason:
-            judge = checker_of(query, checker)
+            judge = checker
             objection = check_proof(network, query, certificate, checker)
             reason = objection.reason if objection is not None else ""
         yield Judgement(network, query, certificate, judge, reason, objection, time.monotonic() - started)

@@ -13,7 +13,7 @@ from tachk.cli.guard import complain
 from tachk.engines.options import Limits, Options
 from tachk.formats.network_json.digest import digest
 from tachk.model.network import Network
-from tachk.properties.certificates import RANKED_ZONES_CHECKED, find_proof, is_provable
+from tachk.properties.certificates import find_proof, is_provable
 from tachk.properties.verdict import Verdict
 from tachk.report.quantity import bytes_
 
@@ -29,7 +29,7 @@ def write_certificates(
     statuses = [ExitStatus.AS_EXPECTED]
     provable = [verdict for verdict in verdicts if is_provable(verdict)]
     model = digest(network)
-    names, unchecked = [], []
+    names = []
     with path.open("wb") as file:
         writer = CertificateWriter(file)
         for verdict in provable:
@@ -41,11 +41,6 @@ def write_certificates(
                 continue
             writer.write(proof.header, proof.blocks())
             names.append(verdict.query.name)
-            if not proof.checked:
-                unchecked.append(verdict.query.name)
     told = f"proofs of {', '.join(names)}" if names else "no proof, for no answer is of a kind that has one"
     print(f"{path}: {told} ({bytes_(path.stat().st_size)})", file=sys.stderr)
-    if unchecked:
-        many = f"more than {RANKED_ZONES_CHECKED:,} zones with ranks"
-        print(f"{path}: not checked yet, for `tachk certify` to do: {', '.join(unchecked)} ({many})", file=sys.stderr)
     return worst(statuses)
