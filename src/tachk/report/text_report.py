@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from fractions import Fraction
 from io import StringIO
 from typing import assert_never
 
@@ -286,4 +287,7 @@ def _observer_line(verdict: Verdict, observer: Observer, time_unit: str) -> Text
         f"{'violated' if move.location == bad else move.location} at {duration(move.time, time_unit)}"
         for move in followed
     ]
+    if not words:
+        # It was there from the start: what is missing never came.
+        words = [f"{observer.process.locations[observer.process.initial].name} at {duration(Fraction(0), time_unit)}"]
     return Text(f"  {observer.formula}: {', '.join(words)}", style="italic")

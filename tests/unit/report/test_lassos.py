@@ -13,6 +13,7 @@ from tachk.engines.liveness_reference import check_by_zones
 from tachk.engines.outcome import Obligation, Statistics
 from tachk.loading.load import load_model
 from tachk.properties.verdict import Answer, Verdict
+from tachk.properties.verify import verify
 from tachk.report.html_report import run_to_html
 from tachk.report.json_report import verdict_to_json
 from tachk.report.record import RunRecord
@@ -128,3 +129,20 @@ def test_the_page_tells_the_loop() -> None:
 )
 def test_verifyta_says_what_comes_after_its_trace(busy: str, words: str) -> None:
     assert f"{words}\n" in run_to_verifyta(checked(busy), "some")
+
+
+@pytest.mark.parametrize(
+    ("formula", "line"),
+    [
+        ("F Machine.Repaired", "F Machine.Repaired: Waiting at 0"),  # the observer made no move
+        (
+            "G (Machine.Idle -> F Machine.Repaired)",
+            "G (Machine.Idle -> F Machine.Repaired): Triggered at 4, Waiting at 9",
+        ),
+    ],
+)
+def test_a_formula_without_deadline_says_since_when_it_waits(formula: str, line: str) -> None:
+    source = MODEL.format(busy=WORKS).replace("A<> Machine.Repaired", formula)
+    loaded = load_model(Source("machine.ta", source))
+    (verdict,) = verify(loaded.network, loaded.queries)
+    assert evidence_text(loaded.network, verdict).splitlines()[1] == f"  {line}"
