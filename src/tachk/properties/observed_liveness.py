@@ -13,16 +13,18 @@ from dataclasses import replace
 from functools import reduce
 
 from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import Progress
+from tachk.engines.outcome import INTERRUPTED, Progress
 from tachk.model.expressions import BOOL, Binary, Expression, LocationTest, Unary
 from tachk.model.network import Network
 from tachk.model.query import Observer, Query
 from tachk.operators import BinaryOperator, UnaryOperator
-from tachk.properties import liveness
+from tachk.properties import liveness, reachability
 from tachk.properties.observed import fault_without_observer, observed, without_observer
-from tachk.properties.plan import Search, Task
+from tachk.properties.plan import Analysis, Search, Task
+from tachk.properties.vacuity import never_true, triggers_of
 from tachk.properties.verdict import Answer, Verdict
 from tachk.semantics.discrete import PreparedNetwork, prepare
+from tachk.words import QueryKind
 
 FLEETING = "holds as `A<>` does: what is awaited may be there for no time, between two steps at one instant"
 
@@ -44,8 +46,43 @@ def answer(
             left = limits.after(time.monotonic() - started)
             (second,) = liveness.answer(watched, _alone(search, task), options, left, progress, trace).values()
             verdict = replace(second, notes=(FLEETING,)) if second.answer is Answer.HOLDS else second
+        if verdict.answer is Answer.HOLDS:
+            left = limits.after(time.monotonic() - started)
+            verdict = _with_notes(model, network, task, verdict, options, left, progress)
         verdicts[task.number] = _told(network, replace(verdict, query=task.query))
     return verdicts
+
+
+def _with_notes(
+    model: PreparedNetwork,
+    network: Network,
+    task: Task,
+    verdict: Verdict,
+    options: Options,
+    limits: Limits,
+    progress: Progress | None,
+) -> Verdict:
+    """The verdict with a note for each trigger that never happens, which a search without the observer finds out.
+
+    The observer does not show it: it moves only where it guesses a violation. A limit leaves the note out.
+
+    Args:
+        network: with the observer.
+    """
+    triggers = triggers_of([task], network)
+    asked = [
+        Task(number, Query(trigger.text, QueryKind.POSSIBLY, trigger.condition))
+        for number, trigger in enumerate(triggers)
+    ]
+    if not asked:
+        return verdict
+    found = reachability.answer(
+        model, Search(Analysis.REACHABILITY, tuple(asked)), options, limits, progress, False
+    ).values()
+    if any(one.reason == INTERRUPTED for one in found):
+        raise KeyboardInterrupt
+    never = [one.query.name for one in found if one.answer is Answer.FAILS]
+    return replace(verdict, notes=(*verdict.notes, *map(never_true, never)))
 
 
 def _told(network: Network, verdict: Verdict) -> Verdict:

@@ -1,9 +1,10 @@
 """Answers that hold for no reason of interest: what a property is about never happens.
 
 ``A[] (a imply b)`` holds where ``a`` is never true, whatever ``b`` says. Whether ``a`` is ever true, the search that
-decides the property sees on its way: it is one more goal that it does not go on for. What would make the search larger,
-or could go wrong where the property itself does not, is not asked: a trigger that compares clocks or asks for deadlock,
-one that may be a run-time error, and one that the constants of the model decide.
+decides the property sees on its way: it is one more goal that it does not go on for. Only where a formula without
+deadline holds, a search of its own asks for it (`observed_liveness`). What would make the search larger, or could go
+wrong where the property itself does not, is not asked: a trigger that compares clocks or asks for deadlock, one that
+may be a run-time error, and one that the constants of the model decide.
 """
 
 from __future__ import annotations
@@ -121,7 +122,7 @@ def with_notes(
         if outcome.status is Status.UNREACHABLE:
             never.setdefault(trigger.task, []).append(trigger.text)
     return {
-        number: replace(verdict, notes=tuple(dict.fromkeys((*verdict.notes, *map(_note, never[number])))))
+        number: replace(verdict, notes=tuple(dict.fromkeys((*verdict.notes, *map(never_true, never[number])))))
         if number in never and verdict.answer is Answer.HOLDS
         else verdict
         for number, verdict in verdicts.items()
@@ -129,11 +130,12 @@ def with_notes(
 
 
 def never_begins(query: Query) -> tuple[str, ...]:
-    """The note about a query ``p --> q`` of which no state satisfies p."""
+    """The note about a query ``p --> q`` of which no state satisfies p; none about a formula."""
     if query.observer is not None or query.predicate is None or not query.predicate.span.text:
         return ()
-    return (_note(query.predicate.span.text),)
+    return (never_true(query.predicate.span.text),)
 
 
-def _note(text: str) -> str:
+def never_true(text: str) -> str:
+    """The note about a trigger that never happens."""
     return f"holds only because `{' '.join(text.split())}` is never true"

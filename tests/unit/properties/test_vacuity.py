@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from random import Random
 
 import pytest
@@ -9,7 +10,7 @@ import tachk
 from tachk.compiler.lower import lower
 from tachk.engines import zone
 from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import Status
+from tachk.engines.outcome import INTERRUPTED, Status
 from tachk.model.builder import NetworkBuilder
 from tachk.model.expressions import BOOL, Binary, Constant
 from tachk.model.query import Query
@@ -81,6 +82,18 @@ NEVER = "holds only because `{}` is never true"
         ("G (not P.never)", []),
         ("Whenever P.never, within 3, P.a must be true.", ["P.never"]),
         ("Whenever P.c, within 3, P.a must be true.", []),
+        ("G (P.never -> F P.a)", ["P.never"]),
+        ("G (rise(n == 2) -> F P.a)", ["rise(n == 2)"]),
+        ("G (P.c -> F P.a)", []),
+        ("G (P.c -> F P.c)", []),  # the observer never moves, but P.c happens
+        ("G (P.c -> F P.a) and G (P.never -> F P.c)", ["P.never"]),
+        ("G (P.never -> F P.a) and G (n == 2 -> F P.c)", ["P.never", "n == 2"]),
+        ("G (P.never or P.c -> F P.a)", []),
+        ("G (P.a -> F P.never)", []),  # fails
+        ("G (F P.never -> F P.a)", []),  # looks ahead: not asked
+        ("G F P.a", []),
+        ("Whenever P.never is true, eventually, P.a must be true.", ["P.never"]),
+        ("Whenever P.c is true, eventually, P.a must be true.", []),
     ],
 )
 @pytest.mark.parametrize("passing", [0, 4])
@@ -88,6 +101,33 @@ def test_what_is_never_true(query: str, texts: list[str], passing: int) -> None:
     if query.startswith("A[] a[n]"):
         texts = []  # may be a run-time error as far as is known: not asked
     assert notes(query, passing=passing) == tuple(NEVER.format(text) for text in texts)
+
+
+def test_a_limit_leaves_a_note_out_but_not_the_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    queries = tachk.loads(MODEL + "property p : G (P.never -> F P.a);")
+    found = zone.explore
+
+    def stopped(*arguments: object) -> object:
+        program, goals, options, _, progress = arguments
+        return found(program, goals, options, Limits(states=1), progress)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("tachk.properties.reachability.explore", stopped)
+    (verdict,) = queries.verify()
+    assert (verdict.answer.value, verdict.notes) == ("holds", ())
+
+
+def test_an_interruption_in_the_search_for_a_note_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    queries = tachk.loads(MODEL + "property p : G (P.never -> F P.a);")
+    found = zone.explore
+
+    def interrupted(*arguments: object) -> object:
+        outcome = found(*arguments)  # type: ignore[arg-type]
+        goals = tuple(replace(goal, status=Status.UNDECIDED) for goal in outcome.goals)
+        return replace(outcome, goals=goals, reason=INTERRUPTED)
+
+    monkeypatch.setattr("tachk.properties.reachability.explore", interrupted)
+    (verdict,) = queries.verify()
+    assert (verdict.answer.value, verdict.reason) == ("unknown", INTERRUPTED)
 
 
 def test_an_implication_for_all_processes_is_one() -> None:
