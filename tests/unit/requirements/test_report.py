@@ -59,3 +59,14 @@ def test_the_schema_knows_every_finding_and_no_other() -> None:
     ]
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate({"unit": "", "requirements": [], "findings": [], "undecided": [], "more": 1}, SCHEMA)
+
+
+def test_what_no_other_requirement_is_to_blame_for_names_none(tmp_path: Path) -> None:
+    file, output = tmp_path / "set.stl", tmp_path / "found.txt"
+    file.write_text("a: G (x > 5 && x < 3 -> p)\nb: G (p -> p || q)\n", encoding="utf-8")
+    assert run_requirements(str(file), output=output) is ExitStatus.NOT_AS_EXPECTED
+    lines = output.read_text(encoding="utf-8").splitlines()
+    assert "vacuous: what a speaks of never happens" in lines
+    assert "redundant: b always holds" in lines
+    _, told = found(tmp_path, str(file))
+    assert [finding["by"] for finding in told["findings"]] == [[], []]

@@ -37,9 +37,10 @@ def _sentence(finding: Finding) -> str:
         case FindingKind.COLLIDING:
             return f"colliding: {names}. This run has broken nothing yet, and nothing can save it:"
         case FindingKind.REDUNDANT:
-            return f"redundant: {names} follows from {by}"
+            return f"redundant: {names} follows from {by}" if by else f"redundant: {names} always holds"
         case FindingKind.VACUOUS:
-            return f"vacuous: what {names} speaks of never happens if {by} {'hold' if len(finding.by) > 1 else 'holds'}"
+            reason = f" if {by} {'hold' if len(finding.by) > 1 else 'holds'}" if by else ""
+            return f"vacuous: what {names} speaks of never happens{reason}"
 
 
 def _listed(names: tuple[str, ...]) -> str:
