@@ -164,6 +164,7 @@ def test_what_no_observer_follows_is_named_with_its_place(text: str, blamed: str
         ("F p -> F (p && F q)", True),
         ("G (p -> F[0,5] q)", False),
         ("G (p && F q -> F[0,5] q)", False),
+        ("G (q && !r && F r -> !p U r)", False),  # r, which is awaited, ends it
     ],
 )
 def test_what_sets_no_deadline_is_violated_by_never_leaving_a_location(text: str, endless: bool) -> None:

@@ -145,3 +145,44 @@ def test_gaps_between_rises(answers: Answers) -> None:
         "Falls": "holds",
         "Itself": "holds",
     }
+
+
+TWICE = """
+bool q, r;
+process P() {
+    clock x;
+    init location A { invariant x <= 1; to B { guard x == 1; assign q = 1, x = 0; } }
+    location B { invariant x <= 1; to C { guard x == 1; assign q = 0, x = 0; } }
+    location C { invariant x <= 2; to D { guard x == 2; assign q = 1, x = 0; } }
+    location D { invariant x <= 4; to E { guard x == 4; assign r = 1; } }
+    location E;
+}
+system P;
+"""
+"""q from 1 to 2 and from 4 on, r from 8 on."""
+
+
+def test_the_second_beginning_of_a_chain_counts_from_its_own_time(answers: Answers) -> None:
+    properties = """
+    property Later : F[0,10] (rise(q) && F[0,5] rise(r));
+    property Exactly : F[0,10] (rise(q) && F[0,4] rise(r));
+    property Open : F[0,10] (rise(q) && F[0,4) rise(r));
+    property First : F[0,3] (rise(q) && F[0,7] rise(r));
+    property Too_late : F[0,3] (rise(q) && F[0,6] rise(r));
+    """
+    assert answers(TWICE + properties) == {
+        "Later": "holds",
+        "Exactly": "holds",
+        "Open": "fails",
+        "First": "holds",
+        "Too_late": "fails",
+    }
+
+
+def test_the_end_of_what_begins_a_chain_is_no_part_of_it(answers: Answers) -> None:
+    properties = """
+    property Just_out : F[0,3] (q && F[0,6] rise(r));
+    property Inside : F[0,3] (q && F[0,7] rise(r));
+    property Open : F[0,3] (q && F[0,7) rise(r));
+    """
+    assert answers(TWICE + properties) == {"Just_out": "fails", "Inside": "holds", "Open": "holds"}
