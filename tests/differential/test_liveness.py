@@ -20,6 +20,8 @@ VARIANTS = (
     Options(),
     Options(proof_after=0),
     Options(proof_after=NEVER),
+    Options(attempts=False),
+    Options(attempts=False, proof_after=NEVER),
     Options(extrapolation=Extrapolation.MAX),
     Options(extrapolation=Extrapolation.MAX, proof_after=0),
     Options(extrapolation=Extrapolation.NONE),

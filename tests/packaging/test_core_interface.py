@@ -104,6 +104,7 @@ def test_the_core_takes_every_option_but_those_for_the_network_by_its_name() -> 
         passing=64,
         chunk_words=2**16,
         proof_after=2**32 - 1,
+        attempts=False,
     )
     usual, taken = core_options(Options()), core_options(changed)
     assert {name for name in names if getattr(usual, name) == getattr(taken, name)} == {"shortest"}

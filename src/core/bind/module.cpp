@@ -83,6 +83,7 @@ void bind_options(nb::module_& m) {
       .def_rw("passing", &Options::passing)
       .def_rw("shortest", &Options::shortest)
       .def_rw("proof_after", &Options::proof_after)
+      .def_rw("attempts", &Options::attempts)
       .def_rw("chunk_words", &Options::chunk_words);
   nb::class_<tachk::Limits>(m, "Limits")
       .def(nb::init<>())

@@ -89,7 +89,11 @@ Status LivenessSearch::search(std::uint64_t steps) {
 bool LivenessSearch::advance() {
   switch (overview_.stage) {
     case Stage::reaching:
-      reach();
+      overview_.attempts = is_time_for_attempt();
+      if (overview_.attempts)
+        descend();
+      else
+        reach();
       return true;
     case Stage::proving:
       return prove();
@@ -103,12 +107,20 @@ bool LivenessSearch::advance() {
   return true;
 }
 
+// Whether a step depth first comes before the next one on the way to all states: of p --> q, from the states reached so
+// far. A run is then found before all are reached, and what the attempts cost stays a small part.
+bool LivenessSearch::is_time_for_attempt() const {
+  const Reachable& reachable = overview_.reachable;
+  return overview_.begins && options_.attempts && done_.explored * 8 < reachable.explored() &&
+         (!stack_.empty() || overview_.next < reachable.states().size());
+}
+
 // Expands one state on the way to all states.
 void LivenessSearch::reach() {
   Overview& all = overview_;
   if (all.begins) {
     if (all.reachable.advance(source_)) return note_beginning();
-    complete_ = all.reachable.complete();
+    complete_ &= all.reachable.complete();
   } else {
     try {
       if (all.reachable.advance(source_)) return;
@@ -299,8 +311,10 @@ Path LivenessSearch::path_so_far() {
   Path path;
   if (overview_.begins) {
     Reachable& reachable = overview_.reachable;
-    const std::uint32_t node = overview_.stage == Stage::reaching ? reachable.node() : overview_.begun;
+    const bool reaching = overview_.stage == Stage::reaching && !overview_.attempts;
+    const std::uint32_t node = reaching ? reachable.node() : overview_.begun;
     if (node != no_node) path = path_to(graph_, reachable.states(), 0, node);
+    if (reaching) return path;
   }
   const std::vector<std::uint32_t> open = stack_.path();
   for (std::size_t number = 1; number < open.size(); ++number)

@@ -5,6 +5,8 @@
 // a run can end in it (Ends). Of `p --> q` the runs begin in each reachable state in which p holds and q does not, and
 // share the finished states.
 //
+// Of `p --> q` a small part of the steps is taken depth first while the states are being reached: a run is found early.
+//
 // Before it, or once it has taken a while, a search breadth first looks for a proof that there is no run
 // (CoveredGraph): depth first, runs are found soon, but to see that there is none takes several times as many states.
 //
@@ -88,6 +90,7 @@ class LivenessSearch final {
     bool proves;                    // whether a proof is still to be looked for
     std::uint32_t begun = no_node;  // the reached state in which the path begins
     std::uint32_t next = 0;         // the next one that is looked at
+    bool attempts = false;          // reaching: whether the step at hand is one depth first
     bool met = false;               // whether p holds in one of the reached states
   };
   // An action that leads back to an open state.
@@ -100,6 +103,7 @@ class LivenessSearch final {
   Status search(std::uint64_t steps);
   std::uint64_t stored() const;
   bool advance();
+  bool is_time_for_attempt() const;
   void reach();
   void note_beginning();
   bool prove();

@@ -21,6 +21,7 @@ struct Options : ZoneGraphOptions {
   bool shortest = false;  // breadth first only: no path to a goal is shorter than the one that is found
   // For liveness: after so many states depth first a short proof is looked for; of p --> q at once; UINT32_MAX: never.
   std::uint32_t proof_after = 2000;
+  bool attempts = true;         // for p --> q: depth first from the states reached so far, on the way to all states
   std::size_t chunk_words = 8;  // of the parts in which large discrete states are held; 0: in one
 };
 

@@ -81,6 +81,8 @@ class Options:
         chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
         proof_after: for `A<>` and `E[]`: how many states are explored depth first before a search breadth first looks
             for a short proof that there is no run; for `-->` it does so at once. 2**32 - 1: never.
+        attempts: for `-->`: on the way to all states, up to one state for every eight is explored depth first, so that
+            a run is found early; off: runs are looked for once all states are reached.
         hold_spectators: hold processes still that cannot influence the answer; off: explore them too.
         drop_bystanders: first search without the processes that can only block others; off: search the whole network
             at once.
@@ -104,6 +106,7 @@ class Options:
     passing: int = 0
     chunk_words: int = 8
     proof_after: int = 2000
+    attempts: bool = True
     hold_spectators: bool = True
     drop_bystanders: bool = True
     shortest: bool = False

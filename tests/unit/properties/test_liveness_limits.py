@@ -44,6 +44,19 @@ def test_a_run_that_is_found_within_the_limits_is_a_verdict(verdicts) -> None:
     assert found["met"].answer is Answer.FAILS
 
 
+def test_a_run_is_found_before_all_states_are_reached(verdicts) -> None:
+    text = """\
+int n = 0;
+process P() { init location a { to c; to a { guard n < 500; assign n++; } } location c; }
+system P;
+property back : P.c && n == 2 --> P.a;
+"""
+    early, late = (verdicts(text, options=Options(attempts=attempts))["back"] for attempts in (True, False))
+    assert early.answer is late.answer is Answer.FAILS
+    assert early.statistics.states_explored < 50 < 500 < late.statistics.states_explored
+    assert early.trace is not None and len(early.trace.steps) == 3
+
+
 @pytest.mark.parametrize("proof_after", [0, NEVER])
 def test_a_run_time_error_on_the_way_gives_no_verdict(verdicts, proof_after: int) -> None:
     text = ROUNDS.replace("int n = 0", "int[0, 20] n = 0")
