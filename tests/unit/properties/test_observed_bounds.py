@@ -186,3 +186,16 @@ def test_the_end_of_what_begins_a_chain_is_no_part_of_it(answers: Answers) -> No
     property Open : F[0,3] (q && F[0,7) rise(r));
     """
     assert answers(TWICE + properties) == {"Just_out": "fails", "Inside": "holds", "Open": "holds"}
+
+
+def test_what_is_right_at_the_first_instant_only_does_not_pass_for_what_was_before(answers: Answers) -> None:
+    text = """
+    bool q;
+    bool r = true;
+    process P() { init location A; }
+    system P;
+    property First : F[0,6] ((!q || fall(r)) && F[0,3] rise(r));
+    property Later : F[0,6] ((!q || fall(r)) && F(0,3] rise(r));
+    """
+    # Before the run everything is false, so r rises at 0, and there alone.
+    assert answers(text) == {"First": "holds", "Later": "fails"}

@@ -44,7 +44,15 @@ def findings(*texts: str) -> list[tuple[str, str, str]]:
         (["G (O p -> !q)", "G (rise(r) -> F[0,2] q)"], [("colliding", "ab", "")]),
         (["G F[0,2] p", "G (fall(p) -> G[0,2] !p)"], [("colliding", "ab", "")]),
         # The end of p counts, however long it was there.
-        (["G (p -> G[0,2] q)", "G (fall(p) -> F[0,1] !q)", "G (rise(p) -> G[0,5] p)"], [("colliding", "ab", "")]),
+        (
+            [
+                "G (p -> G[0,2] q)",
+                "G (fall(p) -> F[0,1] !q)",
+                "G (rise(p) -> G[0,5] p)",
+                "G (fall(p) -> G[0,5] !p)",
+            ],
+            [("colliding", "ab", "")],
+        ),
         (["G F[0,2] p", "G (fall(p) -> G[0,1] !p)"], []),
         (["G (a -> F[0,2] b)", "G (c -> G[0,2] d)"], []),
     ],
