@@ -181,10 +181,11 @@ class Decoder {
 
   Goal goal() {
     const bool decides = in_.flag();
-    return Goal{decides, in_.sequence([this] {
+    return Goal{in_.sequence([this] {
                   const auto deadlock = static_cast<DeadlockLiteral>(in_.number());
                   return Disjunct{condition(), deadlock};
-                })};
+                }),
+                decides};
   }
 
   Measure measure() {

@@ -149,8 +149,8 @@ struct Disjunct {
 };
 
 struct Goal {
-  bool decides;  // the search goes on for it; otherwise it is only noted if it is met on the way
   std::vector<Disjunct> disjuncts;
+  bool decides = true;  // the search goes on for it; otherwise it is only noted if it is met on the way
 };
 
 // The least or the largest value of something in the states of a goal: of an integer, or of a clock.
