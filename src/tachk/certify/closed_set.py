@@ -28,9 +28,9 @@ from functools import lru_cache
 import numpy as np
 
 from tachk.certify.certificate import Block, CertificateReader, MalformedCertificateError, Numbers
-from tachk.model.expressions import Deadlock, Expression
+from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
-from tachk.model.traversal import walk
+from tachk.model.traversal import asks_deadlock
 from tachk.records import dataclass
 from tachk.semantics import symbolic
 from tachk.semantics.constraints import TRUE, certain, disjunctive
@@ -141,7 +141,7 @@ class _Check:
         self.goal = goal
         self.begins = begins
         self.certificate = certificate
-        self.asks_deadlock = bad is not None and any(isinstance(part, Deadlock) for part in walk(bad))
+        self.asks_deadlock = bad is not None and asks_deadlock(bad)
         self.processes = len(model.network.processes)
         self.index: dict[tuple[bool, tuple[int, ...]], tuple[int, int]] = {}
         self.block = lru_cache(maxsize=64)(self._block)

@@ -13,6 +13,7 @@ from tachk.compiler.fold import Known, fold, negate
 from tachk.compiler.slot_layout import cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
+from tachk.model.connectives import both, either
 from tachk.model.expressions import (
     BOOL,
     Binary,
@@ -168,7 +169,7 @@ class _Parts:
             condition = None
         if not reads_clock(expression):
             parts = conjuncts(expression, positive)
-            self.integers.extend(p if condition is None else fold(_or(negate(condition), p), known) for p in parts)
+            self.integers.extend(p if condition is None else fold(either(negate(condition), p), known) for p in parts)
             return
         match expression:
             case Unary(UnaryOperator.NOT, operand):
@@ -232,14 +233,6 @@ def conjuncts(expression: Expression, positive: bool = True) -> Iterator[Express
             yield from conjuncts(right, False)
         case _:
             yield expression if positive else negate(expression)
-
-
-def both(one: Expression | None, other: Expression) -> Expression:
-    return other if one is None else Binary(BinaryOperator.AND, one, other, BOOL, other.span)
-
-
-def _or(left: Expression, right: Expression) -> Expression:
-    return Binary(BinaryOperator.OR, left, right, BOOL, right.span)
 
 
 def _disjunction_unsupported(span: Span) -> UnsupportedError:

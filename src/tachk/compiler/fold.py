@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import assert_never
 
 from tachk.model.cell_layout import default_cells
+from tachk.model.connectives import negation
 from tachk.model.expressions import (
     BOOL,
     Aggregate,
@@ -95,7 +96,7 @@ def negate(expression: Expression) -> Expression:
             return operand
         case Binary(operator, left, right) if operator in COMPARISONS:
             return Binary(operator.negated, left, right, BOOL, expression.span)
-    return Unary(UnaryOperator.NOT, expression, BOOL, expression.span)
+    return negation(expression)
 
 
 def truth(expression: Expression) -> Expression:

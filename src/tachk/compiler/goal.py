@@ -24,7 +24,7 @@ from tachk.compiler.slot_layout import cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import Binary, Conditional, Deadlock, Expression, Quantifier, QuantifierKind, Unary
-from tachk.model.traversal import reads_clock, walk
+from tachk.model.traversal import asks_deadlock, reads_clock
 from tachk.operators import COMPARISONS, BinaryOperator, Group, UnaryOperator
 from tachk.records import dataclass
 
@@ -181,7 +181,7 @@ def _quantifier(expression: Quantifier, positive: bool, known: Known, whole: Spa
 
 def mentions_time(expression: Expression) -> bool:
     """Whether the expression compares clocks or contains ``deadlock``."""
-    return reads_clock(expression) or any(isinstance(node, Deadlock) for node in walk(expression))
+    return reads_clock(expression) or asks_deadlock(expression)
 
 
 def _is_condition(expression: Expression) -> bool:

@@ -35,6 +35,7 @@ from tachk.compiler.program import (
 from tachk.compiler.slot_layout import SlotLayout, cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
+from tachk.model.connectives import negation
 from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, Field, Index, Reference
 from tachk.model.network import Edge, Location, Network, Process
 from tachk.model.traversal import called_functions, statement_expressions, walk
@@ -63,6 +64,18 @@ def lower(network: Network, predicates: Sequence[Expression] = ()) -> tuple[Prog
         observed.extend(compared)
     lowering.generator.finish()
     return lowering.program(observed), tuple(goals)
+
+
+def lower_obligation(
+    network: Network, avoided: Expression, begins: Expression | None
+) -> tuple[Program, Goal, Goal | None]:
+    """The program of a network, and the goals of what runs avoid and of where they may begin to (None: initially).
+
+    The clock bounds count the constants of both as lower and as upper ones. Raises as `lower` does.
+    """
+    asked = [avoided] if begins is None else [avoided, begins]
+    program, goals = lower(network, [*asked, *map(negation, asked)])
+    return program, goals[0], None if begins is None else goals[1]
 
 
 def lower_measures(

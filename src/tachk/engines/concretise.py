@@ -7,9 +7,9 @@ from dataclasses import replace
 from fractions import Fraction
 
 from tachk.engines.schedule import Moment, Phase, Requirement, any_solution, earliest, extreme_solution
-from tachk.model.expressions import Deadlock, Expression
+from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
-from tachk.model.traversal import walk
+from tachk.model.traversal import asks_deadlock
 from tachk.records import dataclass
 from tachk.semantics import dbm, symbolic
 from tachk.semantics.constraints import certain, conditional_constraints
@@ -212,7 +212,7 @@ def _final(
     What is left of all valuations without one action after the other falls into exponentially many pieces, most of them
     out of reach.
     """
-    if any(isinstance(e, Deadlock) for e in walk(predicate)):
+    if asks_deadlock(predicate):
         here = symbolic.situation(model, states[-1])
         if here.invariant is not None:
             here = replace(here, invariant=dbm.intersect(here.invariant, reached(model, states, phases, path)))

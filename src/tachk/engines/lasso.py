@@ -14,9 +14,9 @@ from tachk.engines.concretise import at_end, conditions, discrete_run, of_phase,
 from tachk.engines.outcome import AvoidingRun, Obligation, RunEnd
 from tachk.engines.periodic import repeating
 from tachk.engines.schedule import Moment, Requirement, any_solution, earliest
-from tachk.model.expressions import Deadlock, Expression
+from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
-from tachk.model.traversal import walk
+from tachk.model.traversal import asks_deadlock
 from tachk.semantics import avoidance, dbm, symbolic
 from tachk.semantics.constraints import certain
 from tachk.semantics.dbm import LESS_EQUAL_ZERO, Federation, Zone, complement
@@ -85,7 +85,7 @@ class _Course:
 
     def where(self, predicate: Expression, phase: int) -> Federation:
         """Where a predicate holds within the invariants; if it asks for deadlock, as far as the reached zone goes."""
-        if any(isinstance(e, Deadlock) for e in walk(predicate)):
+        if asks_deadlock(predicate):
             return symbolic.where(self.model, self.situation(phase), predicate)
         invariant = symbolic.invariant_zone(self.model, self.states[phase])
         if invariant is None:

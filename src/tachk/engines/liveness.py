@@ -18,7 +18,7 @@ from tachk.engines.core_search import (
     user_seconds,
 )
 from tachk.engines.options import Extrapolation, Limits, Options
-from tachk.engines.outcome import AvoidingRun, LivenessOutcome, LivenessStatus, Progress, RunEnd, Statistics
+from tachk.engines.outcome import AvoidingRun, LivenessOutcome, LivenessStatus, Progress, RunEnd
 from tachk.engines.program_image import encode
 
 
@@ -52,7 +52,7 @@ def find_avoiding_run(
     limits = limits.after(first.statistics.seconds)
     finer = replace(options, extrapolation=Extrapolation.MAX)
     second, _ = _search(program, goals, finer, limits, progress)
-    return replace(second, statistics=_both(first.statistics, second.statistics))
+    return replace(second, statistics=first.statistics.then(second.statistics))
 
 
 def _search(
@@ -79,15 +79,3 @@ def _search(
     without = replace(options, extrapolation=Extrapolation.NONE)
     probe = _core.LivenessSearch(image, core_options(without), core_limits(Limits()))
     return outcome, probe.gets_stuck(stem, begins)
-
-
-def _both(a: Statistics, b: Statistics) -> Statistics:
-    """The work of two searches, one after the other."""
-    return Statistics(
-        a.states_explored + b.states_explored,
-        max(a.states_stored, b.states_stored),
-        a.transitions + b.transitions,
-        a.seconds + b.seconds,
-        max(a.peak_bytes, b.peak_bytes),
-        a.user_seconds + b.user_seconds,
-    )

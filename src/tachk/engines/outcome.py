@@ -30,6 +30,17 @@ class Statistics:
     peak_bytes: int = 0
     user_seconds: float = 0.0
 
+    def then(self, other: Statistics) -> Statistics:
+        """The work of two searches, one after the other."""
+        return Statistics(
+            self.states_explored + other.states_explored,
+            max(self.states_stored, other.states_stored),
+            self.transitions + other.transitions,
+            self.seconds + other.seconds,
+            max(self.peak_bytes, other.peak_bytes),
+            self.user_seconds + other.user_seconds,
+        )
+
 
 class Status(StrEnum):
     REACHED = "reached"

@@ -18,7 +18,7 @@ from tachk.engines.core_search import (
     user_seconds,
 )
 from tachk.engines.options import Extrapolation, Limits, Options
-from tachk.engines.outcome import INTERRUPTED, GoalOutcome, Outcome, Progress, Statistics, Status
+from tachk.engines.outcome import INTERRUPTED, GoalOutcome, Outcome, Progress, Status
 from tachk.engines.program_image import encode
 
 
@@ -119,18 +119,10 @@ def _explorer(program: Program, goals: Sequence[Goal], options: Options, limits:
 
 def _joined(first: Outcome, second: Outcome, repeated: Sequence[int]) -> Outcome:
     """The outcome of a search with some of its goals searched for again: the work adds up."""
-    a, b = first.statistics, second.statistics
     return replace(
         first,
         goals=_with_goals(first, dict(zip(repeated, second.goals, strict=True))),
-        statistics=Statistics(
-            a.states_explored + b.states_explored,
-            max(a.states_stored, b.states_stored),
-            a.transitions + b.transitions,
-            a.seconds + b.seconds,
-            max(a.peak_bytes, b.peak_bytes),
-            a.user_seconds + b.user_seconds,
-        ),
+        statistics=first.statistics.then(second.statistics),
         reason=first.reason or second.reason,
         fault=first.fault or second.fault,
     )

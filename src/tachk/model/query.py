@@ -7,9 +7,9 @@ from enum import StrEnum
 from typing import assert_never
 
 from tachk.diagnostics.span import NOWHERE, Span
-from tachk.model.expressions import BOOL, Expression, Unary
+from tachk.model.connectives import negation
+from tachk.model.expressions import Expression
 from tachk.model.network import Process
-from tachk.operators import UnaryOperator
 from tachk.words import QueryKind
 
 
@@ -94,7 +94,7 @@ class Query:
             return None
         if self.holds_when_reached:
             return self.predicate
-        return _negation(self.predicate)
+        return negation(self.predicate)
 
     @property
     def avoided(self) -> Expression | None:
@@ -104,7 +104,7 @@ class Query:
                 return self.predicate
             case QueryKind.POTENTIALLY_ALWAYS:
                 assert self.predicate is not None
-                return _negation(self.predicate)
+                return negation(self.predicate)
             case QueryKind.LEADS_TO:
                 return self.operands[0]
             case QueryKind.POSSIBLY | QueryKind.INVARIANTLY:
@@ -118,7 +118,3 @@ class Query:
     def begins(self) -> Expression | None:
         """The states in which such a run may begin to avoid it; None: the initial state."""
         return self.predicate if self.kind is QueryKind.LEADS_TO else None
-
-
-def _negation(predicate: Expression) -> Expression:
-    return Unary(UnaryOperator.NOT, predicate, BOOL, predicate.span)

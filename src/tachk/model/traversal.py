@@ -170,6 +170,11 @@ def compares_clocks(expression: Expression) -> bool:
     return any(map(is_clock_comparison, walk(expression)))
 
 
+def asks_deadlock(expression: Expression) -> bool:
+    """Whether `deadlock` is asked anywhere in an expression."""
+    return any(isinstance(node, Deadlock) for node in walk(expression))
+
+
 def clock_in(expression: Expression) -> Expression | None:
     """The first clock that an expression or a function that it calls names, whatever for."""
     bodies = (s for f in called_functions([expression]) for s in statement_expressions(f.body))

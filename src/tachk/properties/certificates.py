@@ -14,17 +14,15 @@ from tachk.certify.certificate import (
     MalformedCertificateError,
 )
 from tachk.certify.closed_set import Objection, check_closed, check_descent
-from tachk.compiler.lower import lower
+from tachk.compiler.lower import lower, lower_obligation
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.engines.closed_set import check_closed_natively, check_descent_natively
 from tachk.engines.cover import Cover, find_cover, find_descent
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import Progress
-from tachk.model.expressions import BOOL, Deadlock, Expression, Unary
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.model.traversal import walk
-from tachk.operators import UnaryOperator
+from tachk.model.traversal import asks_deadlock
 from tachk.properties import liveness, reachability
 from tachk.properties.observed import observed
 from tachk.properties.verdict import Verdict
@@ -130,17 +128,12 @@ def _descent(
 ) -> Cover | str:
     avoided, begins = query.avoided, query.begins
     assert avoided is not None
-    if compares_clocks(avoided) or any(isinstance(part, Deadlock) for part in walk(avoided)):
+    if compares_clocks(avoided) or asks_deadlock(avoided):
         return "what each run must meet is one of clocks or deadlock, for which there are no certificates yet"
-    if begins is not None and any(isinstance(part, Deadlock) for part in walk(begins)):
+    if begins is not None and asks_deadlock(begins):
         return "there are no certificates yet where deadlock says from where something must be met"
-    predicates = [both for one in (avoided, begins) if one is not None for both in (one, _negation(one))]
-    program, goals = lower(network, predicates)
-    return find_descent(program, [goals[0], *([] if begins is None else [goals[2]])], options, limits, progress)
-
-
-def _negation(predicate: Expression) -> Expression:
-    return Unary(UnaryOperator.NOT, predicate, BOOL, predicate.span)
+    program, goal, trigger = lower_obligation(network, avoided, begins)
+    return find_descent(program, [goal] if trigger is None else [goal, trigger], options, limits, progress)
 
 
 def check_proof(network: Network, query: Query, certificate: CertificateReader, checker: Checker) -> Objection | None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from tachk.compiler.fold import fold_place, known_cell, known_values
 from tachk.compiler.lower import Measured, lower, lower_measures
@@ -21,9 +21,9 @@ from tachk.engines.measuring import measure
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import Outcome, Progress, RunTimeFault, Statistics, Status
 from tachk.engines.zone import explore
-from tachk.model.expressions import BOOL, Binary, Constant, Deadlock, Expression
+from tachk.model.expressions import BOOL, Binary, Constant, Expression
 from tachk.model.network import Network
-from tachk.model.traversal import reads_clock, walk
+from tachk.model.traversal import asks_deadlock, reads_clock
 from tachk.model.types import ClockType
 from tachk.operators import BinaryOperator
 from tachk.semantics.discrete import PreparedNetwork
@@ -110,7 +110,7 @@ class ExtremeSearch:
 
     @property
     def _asks_deadlock(self) -> bool:
-        return any(isinstance(node, Deadlock) for node in walk(self.where))
+        return asks_deadlock(self.where)
 
     def _is_number(self, expression: Expression) -> bool:
         return not reads_clock(expression) and not self._asks_deadlock
@@ -234,17 +234,8 @@ class ExtremeSearch:
         return self.limits.after(time.monotonic() - self.started)
 
     def _note(self, outcome: Outcome) -> None:
-        a, b = self.statistics, outcome.statistics
         self.exact = self.exact and outcome.exact
-        self.statistics = replace(
-            a,
-            states_explored=a.states_explored + b.states_explored,
-            states_stored=max(a.states_stored, b.states_stored),
-            transitions=a.transitions + b.transitions,
-            seconds=a.seconds + b.seconds,
-            peak_bytes=max(a.peak_bytes, b.peak_bytes),
-            user_seconds=a.user_seconds + b.user_seconds,
-        )
+        self.statistics = self.statistics.then(outcome.statistics)
 
 
 def _beyond(expression: Expression, threshold: int, largest: bool) -> Expression:

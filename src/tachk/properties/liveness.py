@@ -8,15 +8,13 @@ from typing import assert_never
 
 from tachk.certify.replay import ReplayError
 from tachk.certify.replay_lasso import replay_lasso
-from tachk.compiler.lower import lower
+from tachk.compiler.lower import lower_obligation
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.engines.lasso import lasso
 from tachk.engines.liveness import find_avoiding_run
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import TIME_LIMIT, LivenessOutcome, LivenessStatus, Obligation, Progress
-from tachk.model.expressions import BOOL, Expression, Unary
 from tachk.model.query import Query
-from tachk.operators import UnaryOperator
 from tachk.properties.fault_explanation import explain
 from tachk.properties.plan import Search, Task
 from tachk.properties.unanswered import not_begun
@@ -44,25 +42,19 @@ def _verdict(
     query = task.query
     avoided, begins = query.avoided, query.begins
     assert avoided is not None
-    # Both ways round, so that the bounds of clocks count the constants as lower and as upper ones.
-    predicates = [both for one in (avoided, begins) if one is not None for both in (one, _negation(one))]
     try:
         with time_limit(limits.seconds):
-            program, goals = lower(model.network, predicates)
+            program, goal, trigger = lower_obligation(model.network, avoided, begins)
     except OutOfTimeError:
         return not_begun(query, TIME_LIMIT)
     left = limits.after(time.monotonic() - started)
-    outcome = find_avoiding_run(program, goals[0], None if begins is None else goals[2], options, left, progress)
+    outcome = find_avoiding_run(program, goal, trigger, options, left, progress)
     if outcome.fault is not None:
         outcome = replace(outcome, fault=explain(model, outcome.fault, limits.seconds))
     verdict = _of_outcome(query, outcome)
     if outcome.run is None or not (trace or not outcome.exact):
         return verdict
     return _shown(model, verdict, outcome, Obligation(avoided, begins), limits.after(time.monotonic() - started))
-
-
-def _negation(predicate: Expression) -> Expression:
-    return Unary(UnaryOperator.NOT, predicate, BOOL, predicate.span)
 
 
 _INEXACT = "the stopwatches make the search inexact, and the run it found may not be possible"

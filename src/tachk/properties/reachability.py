@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 
 from tachk.certify.replay import ReplayError, replay
 from tachk.compiler.lower import lower
+from tachk.compiler.program import Goal, Program
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.engines.concretise import concretise
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, GoalOutcome, Outcome, Progress, Status
 from tachk.engines.zone import explore
+from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
@@ -20,7 +23,7 @@ from tachk.properties.observed import ObserverMove, fault_without_observer, obse
 from tachk.properties.plan import Search, Task
 from tachk.properties.unanswered import none_begun
 from tachk.properties.unexamined import unexamined
-from tachk.properties.vacuity import noted, triggers_of, with_notes
+from tachk.properties.vacuity import Trigger, noted, triggers_of, with_notes
 from tachk.properties.verdict import Answer, Verdict
 from tachk.reduction.bystanders import without_bystanders
 from tachk.reduction.spectators import with_spectators, without_spectators
@@ -72,8 +75,7 @@ def _settle_without_bystanders(
             relaxed = without_bystanders(network, [*targets, *(trigger.condition for trigger in triggers)])
             if relaxed == network:
                 return {}
-            program, goals = lower(relaxed, [*targets, *(trigger.condition for trigger in triggers)])
-            goals = (*goals[: len(targets)], *noted(goals[len(targets) :]))
+            program, goals = _lowered(relaxed, targets, triggers)
     except OutOfTimeError:
         return {}
     outcome = explore(program, goals, options, first_try.after(time.monotonic() - started), progress)
@@ -99,8 +101,7 @@ def _explore(
             triggers = triggers_of(search.tasks, network)
             mentioned = [*targets, *(trigger.condition for trigger in triggers)]
             reduced = without_spectators(network, mentioned) if options.hold_spectators else network
-            program, goals = lower(reduced, mentioned)
-            goals = (*goals[: len(targets)], *noted(goals[len(targets) :]))
+            program, goals = _lowered(reduced, targets, triggers)
     except OutOfTimeError:
         return none_begun(search.tasks, TIME_LIMIT)
     outcome = explore(program, goals, options, limits.after(time.monotonic() - started), progress)
@@ -122,6 +123,14 @@ def _explore(
         else:
             verdicts[task.number] = verdict
     return with_notes(verdicts, triggers, outcome.goals[len(targets) :])
+
+
+def _lowered(
+    network: Network, targets: Sequence[Expression], triggers: Sequence[Trigger]
+) -> tuple[Program, tuple[Goal, ...]]:
+    """The program, the goals of the targets, and behind them those of the triggers, for which no search goes on."""
+    program, goals = lower(network, [*targets, *(trigger.condition for trigger in triggers)])
+    return program, (*goals[: len(targets)], *noted(goals[len(targets) :]))
 
 
 def _whole_run(model: PreparedNetwork, searched: PreparedNetwork, run: TimedTrace) -> TimedTrace | None:
@@ -170,7 +179,7 @@ def verdict_of(
             return replace(verdict, reason=_INEXACT)
         raise InternalError(f"the run found for {task.query.text!r} does not replay: {error}") from error
     moves: tuple[ObserverMove, ...] = ()
-    path = tuple(step.transition for step in run.steps if step.transition is not None)
+    path = run.path
     if task.query.observer is not None:
         run, moves = without_observer(network, run)
     return replace(verdict, answer=on_reached, exact=True, reason="", trace=run, moves=moves, path=path)

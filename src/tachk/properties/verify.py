@@ -22,17 +22,13 @@ from tachk.properties.observed import check_observable
 from tachk.properties.plan import Analysis, Search, Task, plan
 from tachk.properties.unanswered import none_begun, not_begun, unsupported
 from tachk.properties.variants import pace, second_engine
+from tachk.properties.variants.second_engine import Answering
 from tachk.properties.verdict import Verdict
 from tachk.reduction.spectators import every_action_counts
 from tachk.semantics.discrete import PreparedNetwork, initial_discrete, prepare
 from tachk.semantics.step import satisfies_invariant
 from tachk.semantics.timed_trace import TimedState
 from tachk.time_limit import OutOfTimeError, time_limit
-
-Deciding = Callable[
-    [PreparedNetwork, Search, Options, Limits, Progress | None, bool],
-    dict[int, Verdict],
-]
 
 VerifyProgress = Callable[[Statistics, tuple[str, ...]], None]
 """What is told during a long search: the statistics so far, and the names of the queries that it is about to answer."""
@@ -119,7 +115,7 @@ def _answer(
             assert_never(never)
 
 
-def _deciding(search: Search) -> Deciding:
+def _deciding(search: Search) -> Answering:
     """What decides whether some run avoids something for ever."""
     if search.observer is not None:
         return observed_liveness.answer

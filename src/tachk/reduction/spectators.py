@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from tachk.model.expressions import Deadlock, Expression, LocationTest, Reference, Variable
+from tachk.model.expressions import Expression, LocationTest, Reference, Variable
 from tachk.model.network import Location, Network, Process
 from tachk.model.traversal import (
+    asks_deadlock,
     called_functions,
     process_expressions,
     statement_expressions,
@@ -40,16 +41,12 @@ def without_spectators(network: Network, targets: Sequence[Expression]) -> Netwo
 
 def every_action_counts(network: Network, targets: Sequence[Expression]) -> bool:
     """Whether what any process can do matters: for priorities, or as a target speaks of ``deadlock`` or of nothing."""
-    return (
-        network.has_priorities
-        or any(isinstance(node, Deadlock) for target in targets for node in walk(target))
-        or any(map(speaks_of_nothing, targets))
-    )
+    return network.has_priorities or any(map(asks_deadlock, targets)) or any(map(speaks_of_nothing, targets))
 
 
 def speaks_of_nothing(target: Expression) -> bool:
     """Whether no location, no variable and no ``deadlock`` occurs in a target: ``E<> false``, ``A[] true``."""
-    return not any(mentioned([target])) and not any(isinstance(node, Deadlock) for node in walk(target))
+    return not any(mentioned([target])) and not asks_deadlock(target)
 
 
 def spectators(network: Network, targets: Sequence[Expression]) -> set[int]:

@@ -9,7 +9,7 @@ from rich.console import Console
 from tachk.diagnostics.render_json import diagnostic_to_json
 from tachk.model.network import Network
 from tachk.properties.deep.findings import DeepCheck, Part
-from tachk.report.json_report import trace_to_json
+from tachk.report.json_report import statistics_to_json, trace_to_json
 from tachk.report.quantity import duration, grouped, seconds
 from tachk.report.run.telling import Ends, Telling
 from tachk.report.run.trace_text import print_trace
@@ -43,18 +43,11 @@ def _answer(part: Part) -> str:
 
 def deep_to_json(network: Network, check: DeepCheck) -> dict[str, Any]:
     """As docs/schema/check.schema.json describes it; the trace of a finding is of the form of `tachk verify`."""
-    statistics = check.statistics
     runs = {id(evidence.finding): evidence.run for evidence in check.evidence}
     return {
         "complete": not check.reason,
         "reason": check.reason,
-        "stats": {
-            "states_explored": statistics.states_explored,
-            "states_stored": statistics.states_stored,
-            "transitions": statistics.transitions,
-            "seconds": statistics.seconds,
-            "peak_bytes": statistics.peak_bytes,
-        },
+        "stats": statistics_to_json(check.statistics),
         "questions": [
             {
                 "question": part.question,

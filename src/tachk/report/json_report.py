@@ -9,7 +9,7 @@ from itertools import pairwise
 from tachk.diagnostics.diagnostic import Diagnostic, Severity
 from tachk.diagnostics.render_json import diagnostic_to_json
 from tachk.diagnostics.span import NOWHERE, Span
-from tachk.engines.outcome import RunTimeFault
+from tachk.engines.outcome import RunTimeFault, Statistics
 from tachk.model.network import Network
 from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.verdict import Extreme, Extremes, Verdict
@@ -50,6 +50,17 @@ def run_to_json(record: RunRecord, every_step: bool = False) -> dict[str, Json]:
     }
 
 
+def statistics_to_json(statistics: Statistics) -> dict[str, Json]:
+    """What a search took."""
+    return {
+        "states_explored": statistics.states_explored,
+        "states_stored": statistics.states_stored,
+        "transitions": statistics.transitions,
+        "seconds": statistics.seconds,
+        "peak_bytes": statistics.peak_bytes,
+    }
+
+
 def not_read_to_json(record: NotRead) -> dict[str, Json]:
     """A run that did not take place: no result, but errors."""
     plain: dict[str, Json] = {
@@ -77,7 +88,6 @@ def _errors(diagnostics: Iterable[Diagnostic]) -> list[Json]:
 def verdict_to_json(network: Network, verdict: Verdict, every_step: bool = False) -> dict[str, Json]:
     """One answer; ``trace`` is a list of states, each with the step that leads to it."""
     query = verdict.query
-    statistics = verdict.statistics
     return {
         "name": query.name,
         "title": query.title,
@@ -90,13 +100,7 @@ def verdict_to_json(network: Network, verdict: Verdict, every_step: bool = False
         "unexamined": list(verdict.unexamined),
         "assumption": verdict.assumption,
         "notes": list(verdict.notes),
-        "stats": {
-            "states_explored": statistics.states_explored,
-            "states_stored": statistics.states_stored,
-            "transitions": statistics.transitions,
-            "seconds": statistics.seconds,
-            "peak_bytes": statistics.peak_bytes,
-        },
+        "stats": statistics_to_json(verdict.statistics),
         "trace": None
         if verdict.trace is None
         else trace_to_json(_told(view_trace(network, verdict.trace), every_step)),

@@ -88,5 +88,10 @@ class TimedTrace:
     loop_start: int | None = None
 
     @property
+    def path(self) -> tuple[Transition, ...]:
+        """The transitions of the steps, without the delays between them."""
+        return tuple(step.transition for step in self.steps if step.transition is not None)
+
+    @property
     def states(self) -> tuple[TimedState, ...]:
         return (self.initial, *(step.state for step in self.steps))

@@ -13,9 +13,8 @@ from tachk.engines import digitised, reference, zone
 from tachk.engines.concretise import concretise
 from tachk.engines.options import BoundScope, Extrapolation, Limits, Options, SearchOrder
 from tachk.engines.outcome import GoalOutcome, Outcome, Status
-from tachk.model.expressions import Deadlock
 from tachk.model.query import Query
-from tachk.model.traversal import walk
+from tachk.model.traversal import asks_deadlock
 from tachk.properties.verdict import Answer
 from tachk.properties.verify import verify
 from tachk.semantics.discrete import prepare
@@ -117,7 +116,7 @@ def _smt_outcomes(case: Case, limits: Limits) -> dict[str, Outcome]:
     """What the second engine finds about the predicates that it encodes, if it encodes the network."""
     from tachk.engines.smt.search import explore
 
-    asked = [n for n, p in enumerate(case.predicates) if not any(isinstance(part, Deadlock) for part in walk(p))]
+    asked = [n for n, p in enumerate(case.predicates) if not asks_deadlock(p)]
     try:
         outcome = explore(case.network, [case.predicates[number] for number in asked], limits)
     except UnsupportedError:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from tachk.certify.replay import ReplayError
 from tachk.certify.replay_lasso import replay_lasso
-from tachk.compiler.lower import lower
+from tachk.compiler.lower import lower_obligation
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.engines.lasso import lasso
 from tachk.engines.liveness import find_avoiding_run
@@ -15,9 +15,7 @@ from tachk.engines.liveness_reference import check_by_zones
 from tachk.engines.liveness_regions import check_by_regions
 from tachk.engines.options import Extrapolation, Limits, Options
 from tachk.engines.outcome import LivenessOutcome, LivenessStatus, Obligation
-from tachk.model.expressions import BOOL, Deadlock, Unary
-from tachk.model.traversal import walk
-from tachk.operators import UnaryOperator
+from tachk.model.traversal import asks_deadlock
 from tachk.semantics.discrete import prepare
 from tachk.testing.agreement import UNWIDENED_LIMITS, ZONE_LIMITS, Effort, option_name
 from tachk.testing.networks import Case
@@ -52,23 +50,20 @@ def compare_obligation(
 
 
 def _searched(case: Case, obligation: Obligation, variants: Sequence[Options]) -> dict[str, LivenessOutcome]:
-    asked = [e for e in (obligation.goal, obligation.trigger) if e is not None]
     stopwatches = any(location.rates for process in case.network.processes for location in process.locations)
-    if stopwatches and any(isinstance(part, Deadlock) for predicate in asked for part in walk(predicate)):
+    if stopwatches and any(asks_deadlock(e) for e in (obligation.goal, obligation.trigger) if e is not None):
         return {}  # which is refused
-    predicates = [both for e in asked for both in (e, Unary(UnaryOperator.NOT, e, BOOL, e.span))]
     try:
-        program, goals = lower(case.network, predicates)
+        program, goal, trigger = lower_obligation(case.network, obligation.goal, obligation.trigger)
     except UnsupportedError:
         return {}
-    begins = None if obligation.trigger is None else goals[2]
     outcomes = {}
     for options in (Options(), *variants):
         limits = UNWIDENED_LIMITS if options.extrapolation is Extrapolation.NONE else ZONE_LIMITS
-        outcomes[option_name(options)] = find_avoiding_run(program, goals[0], begins, options, limits)
+        outcomes[option_name(options)] = find_avoiding_run(program, goal, trigger, options, limits)
     stored = outcomes["zone"].statistics.states_stored
     for name, limits in (("states", Limits(states=stored // 2)), ("seconds", Limits(seconds=0.0))):
-        outcomes[f"zone limited in {name}"] = find_avoiding_run(program, goals[0], begins, Options(), limits)
+        outcomes[f"zone limited in {name}"] = find_avoiding_run(program, goal, trigger, Options(), limits)
     return outcomes
 
 

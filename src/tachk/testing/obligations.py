@@ -5,8 +5,9 @@ from __future__ import annotations
 from random import Random
 
 from tachk.engines.outcome import Obligation
-from tachk.model.expressions import BOOL, Binary, Expression, Unary
-from tachk.operators import BinaryOperator, UnaryOperator
+from tachk.model.connectives import negation
+from tachk.model.expressions import BOOL, Binary, Expression
+from tachk.operators import BinaryOperator
 from tachk.testing.networks import Case
 
 
@@ -23,19 +24,15 @@ def _goal(random: Random, case: Case) -> Expression:
     if kind < 0.3:
         return one
     if kind < 0.55:
-        return _negated(one)
+        return negation(one)
     other = random.choice(case.predicates)
-    return _either(_negated(one) if kind < 0.75 else one, other)
+    return either(negation(one) if kind < 0.75 else one, other)
 
 
 def _trigger(random: Random, case: Case) -> Expression:
     one, other = random.choice(case.predicates), random.choice(case.predicates)
-    return random.choice([one, one, _negated(one), _either(one, other)])
+    return random.choice([one, one, negation(one), either(one, other)])
 
 
-def _negated(predicate: Expression) -> Expression:
-    return Unary(UnaryOperator.NOT, predicate, BOOL, predicate.span)
-
-
-def _either(one: Expression, other: Expression) -> Expression:
+def either(one: Expression, other: Expression) -> Expression:
     return Binary(BinaryOperator.OR, one, other, BOOL, one.span)

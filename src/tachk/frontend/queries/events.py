@@ -12,8 +12,8 @@ from tachk.frontend.findings import Findings
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.scope import Scope
 from tachk.model.event import BecomesTrue, Event, Fires
-from tachk.model.expressions import Deadlock, Expression
-from tachk.model.traversal import clock_in, walk
+from tachk.model.expressions import Expression
+from tachk.model.traversal import asks_deadlock, clock_in
 from tachk.model.types import ArrayType, ChannelType
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_expression, parse_synchronisation
@@ -60,7 +60,7 @@ def _event(source: Source, scope: Scope, context: Context) -> Event | None:
         help_ = "name a condition on locations and variables, or a channel"
         context.error("E0731", clock.span, "an event cannot look at a clock", help_)
         return None
-    if any(isinstance(inner, Deadlock) for inner in walk(checked)):
+    if asks_deadlock(checked):
         context.error("E0501", node.span, "`deadlock` is no event", "name a location in which the model stops")
         return None
     return BecomesTrue(checked)

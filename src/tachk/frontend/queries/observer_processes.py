@@ -15,9 +15,9 @@ from tachk.frontend.templates.templates import elaborate_process
 from tachk.logic.observer.construction import BAD, NoObserver, build_observer
 from tachk.logic.sentences import meaning
 from tachk.logic.triggers import demanded_implications, needed_state
-from tachk.model.expressions import BOOL, Binary, Deadlock, Expression, LocationTest, Unary
+from tachk.model.expressions import BOOL, Binary, Expression, LocationTest, Unary
 from tachk.model.query import Expectation, Observer, Query
-from tachk.model.traversal import clock_in, walk
+from tachk.model.traversal import asks_deadlock, clock_in
 from tachk.operators import BinaryOperator, UnaryOperator
 from tachk.syntax import ast
 from tachk.syntax.formula import Atom, Change, Formula, operands
@@ -117,7 +117,7 @@ def _speaks_of_states(formula: Formula, scope: Scope, context: Context) -> bool:
                 f"a temporal property cannot look at a clock, here `{clock.span.text or 'a clock'}`",
                 "queries such as `A[] P.x <= 5` look at clocks; in a formula a window such as `F[0,5]` measures time",
             )
-        elif any(isinstance(inner, Deadlock) for inner in walk(value)):
+        elif asks_deadlock(value):
             good = False
             context.error("E0501", atom.span, "`deadlock` has no place in a temporal property", "ask A[] not deadlock")
     return good

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import reduce
 
-from tachk.compiler.conditions import both, conjuncts
+from tachk.compiler.conditions import conjuncts
 from tachk.compiler.fold import Known, cannot_fail, fold
 from tachk.compiler.goal import check_predicate
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
+from tachk.model.connectives import both, negation
 from tachk.model.expressions import (
     BOOL,
     Constant,
@@ -16,11 +17,9 @@ from tachk.model.expressions import (
     LocationTest,
     Quantifier,
     QuantifierKind,
-    Unary,
 )
 from tachk.model.network import Edge, Network
 from tachk.model.traversal import reads_clock
-from tachk.operators import UnaryOperator
 from tachk.properties.deep.reached import in_no_process
 from tachk.records import dataclass
 
@@ -56,7 +55,7 @@ def guard_goals(network: Network, known: Known) -> Iterator[GuardGoal]:
             integers = reduce(both, parts)
             yield from _checked(GuardGoal(number, place, True, both(here, _for_some(edge, integers))), known)
             if not reads_clock(guard):
-                otherwise = Unary(UnaryOperator.NOT, integers, BOOL, integers.span)
+                otherwise = negation(integers)
                 yield from _checked(GuardGoal(number, place, False, both(here, _for_some(edge, otherwise))), known)
 
 

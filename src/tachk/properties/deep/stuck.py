@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import reduce
 
-from tachk.compiler.conditions import ClockAtom, both, split_conjunction
+from tachk.compiler.conditions import ClockAtom, split_conjunction
 from tachk.compiler.fold import Known
 from tachk.diagnostics.diagnostic import Diagnostic, Label
+from tachk.model.connectives import both, either, negation
 from tachk.model.evaluate import evaluate
-from tachk.model.expressions import BOOL, Binary, Constant, Deadlock, Expression, LocationTest, Unary
+from tachk.model.expressions import BOOL, Constant, Deadlock, Expression, LocationTest
 from tachk.model.network import Network
-from tachk.operators import BinaryOperator, UnaryOperator
 from tachk.records import dataclass
 from tachk.semantics.discrete import PreparedNetwork, environment
 from tachk.semantics.timed_trace import TimedTrace
@@ -57,16 +57,12 @@ def plain_deadlocks(bounds: list[Bound]) -> Expression:
 
 def unlimited(bounds: list[Bound]) -> Expression:
     """The states in which no invariant and no urgent or committed location limits time."""
-    return Unary(UnaryOperator.NOT, _limited(bounds), BOOL)
+    return negation(_limited(bounds))
 
 
 def _limited(bounds: list[Bound]) -> Expression:
     conditions = [both(LocationTest(bound.process, bound.location), bound.condition) for bound in bounds]
-    return reduce(_or, conditions) if conditions else Constant(0, BOOL)
-
-
-def _or(left: Expression, right: Expression) -> Expression:
-    return Binary(BinaryOperator.OR, left, right, BOOL)
+    return reduce(either, conditions) if conditions else Constant(0, BOOL)
 
 
 def time_lock_finding(model: PreparedNetwork, bounds: list[Bound], run: TimedTrace) -> Diagnostic:
@@ -108,7 +104,7 @@ def every_run_ends(time_lock: Diagnostic) -> Diagnostic:
 def deadlock_finding(network: Network, run: TimedTrace) -> Diagnostic:
     """Told of the process that moved last, as far as one did."""
     state = run.states[-1].discrete
-    moved = [step.transition for step in run.steps if step.transition is not None]
+    moved = run.path
     number = moved[-1].participants[0].process if moved else 0
     where = ", ".join(
         f"{process.name}.{process.locations[location].name}"

@@ -20,7 +20,6 @@ from tachk.model.expressions import (
     BOOL,
     Binary,
     Constant,
-    Deadlock,
     Expression,
     Reference,
     Variable,
@@ -28,7 +27,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Location, Network, Process
 from tachk.model.query import Query
-from tachk.model.traversal import walk
+from tachk.model.traversal import asks_deadlock
 from tachk.model.types import ClockType
 from tachk.operators import BinaryOperator
 from tachk.properties.observed import observed, without_observer
@@ -86,7 +85,7 @@ def _with_run(model: PreparedNetwork, task: Task, verdict: Verdict, best: Paced 
     if best is None:
         return verdict
     replay(model, best.run, task.target)
-    path = tuple(step.transition for step in best.run.steps if step.transition is not None)
+    path = best.run.path
     if task.query.observer is None:
         return replace(verdict, trace=best.run, path=path)
     run, moves = without_observer(model.network, best.run)
@@ -167,7 +166,6 @@ def _with_timer(network: Network, target: Expression, bound: int, strict: bool) 
     clock = Variable("time.now", ClockType(), VariableKind.LOCAL)
     operator = BinaryOperator.LESS if strict else BinaryOperator.LESS_EQUAL
     in_time = Binary(operator, Reference(clock), Constant(bound), BOOL)
-    asks_deadlock = any(isinstance(part, Deadlock) for part in walk(target))
-    place = Location("running", None if asks_deadlock else in_time)
+    place = Location("running", None if asks_deadlock(target) else in_time)
     timer = Process("time", "time", (place,), (), variables=(clock,))
     return replace(network, processes=(*network.processes, timer)), Binary(BinaryOperator.AND, target, in_time, BOOL)

@@ -63,7 +63,7 @@ def row_of(region: Region, cell: RegionCell) -> Row:
         "evidence": cell.evidence.value,
         "reason": cell.reason,
         "states_stored": None if verdict is None else verdict.statistics.states_stored,
-        "run_steps": None if trace is None else sum(step.transition is not None for step in trace.steps),
+        "run_steps": None if trace is None else len(trace.path),
         "run_end": None if trace is None else float(trace.states[-1].time),
         "certificate_zones": None if cell.certificate is None else cell.certificate.zones,
     }

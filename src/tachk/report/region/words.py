@@ -58,7 +58,7 @@ def evidence(region: Region, cell: RegionCell, time_unit: str) -> str:
     if verdict is None:
         return "implied by another cell"
     if verdict.trace is not None:
-        steps = sum(step.transition is not None for step in verdict.trace.steps)
+        steps = len(verdict.trace.path)
         end = duration(verdict.trace.states[-1].time, time_unit)
         loop = "" if verdict.trace.loop_start is None else ", with a loop"
         again = ", that of another cell at other times" if cell.evidence is Evidence.RUN else ""
