@@ -1,7 +1,8 @@
 """Random networks through all engines: `python bench/random_agreement.py COUNT SEED [FEATURE=VALUE ...]`.
 
 Prints how often each engine reached which conclusion, and every disagreement with the seed that reproduces it.
-On each network obligations are compared, too: whether a run avoids a goal for ever.
+On each network obligations are compared, too: whether a run avoids a goal for ever, and whether one does in which time
+diverges.
 
 Features are the fields of `tachk.testing.Shape`, for instance ``priorities=True clocks=2``. Without any, the shapes in
 `SHAPES` take turns. ``smt=N`` asks the second engine too, for runs of up to N steps. Ctrl-C ends it with what is
@@ -20,6 +21,7 @@ from random import Random
 from tachk.model.expressions import BOOL, Constant
 from tachk.testing import Shape, random_case
 from tachk.testing.agreement import VARIANTS, Effort, compare
+from tachk.testing.diverging_agreement import compare_diverging
 from tachk.testing.liveness_agreement import compare_obligation
 from tachk.testing.obligations import random_obligations
 
@@ -73,7 +75,10 @@ def main(arguments: list[str]) -> int:
                 found = compare_obligation(case, obligation, lasting, _EFFORT)
                 for name, outcome in found.outcomes.items():
                     conclusions[f"{name}, obligation", outcome.status.value] += 1
-                for problem in found.problems:
+                diverging = compare_diverging(case, obligation, lasting[:1], _EFFORT)
+                for name, answer in diverging.answers.items():
+                    conclusions[f"{name}, time diverges", answer.value] += 1
+                for problem in (*found.problems, *diverging.problems):
                     wrong += 1
                     print(f"seed {number}, {shape}, obligation: {problem}", flush=True)
             done += 1

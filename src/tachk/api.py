@@ -217,6 +217,7 @@ class Model:
         *queries: str,
         property: str | Iterable[str] = (),
         query_files: Iterable[str | os.PathLike[str]] = (),
+        non_zeno: bool = False,
         options: Options | None = None,
         limits: Limits | None = None,
         trace: bool = True,
@@ -228,6 +229,7 @@ class Model:
             queries: formulas such as ``"A[] not deadlock"``.
             property: the name of a property of the model, or several.
             query_files: files of formulas, each with its optional expectation.
+            non_zeno: a run with infinitely many transitions counts only if time diverges in it.
             trace: compute the run that shows a violation or a witness.
             progress: called now and then during a long search, with its statistics and the names of its queries.
 
@@ -246,6 +248,7 @@ class Model:
             (property,) if isinstance(property, str) else tuple(property),
             tuple(read_source(path) for path in query_files),
             tuple(Source("<query>", text) for text in queries),
+            non_zeno,
         )
         with time_limit(limits.seconds):
             formulas = questions.about(self.loaded)

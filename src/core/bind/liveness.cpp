@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "liveness/liveness_search.hpp"
+#include "liveness/recurrence_search.hpp"
 
 namespace nb = nanobind;
 
@@ -24,16 +25,30 @@ std::unique_ptr<tachk::LivenessSearch> make_search(const std::vector<std::int64_
   return std::make_unique<tachk::LivenessSearch>(tachk::decode_program(image), options, limits);
 }
 
-std::optional<FaultTuple> fault_of(const tachk::LivenessSearch& search) {
+std::unique_ptr<tachk::RecurrenceSearch> make_recurrence_search(const std::vector<std::int64_t>& image, bool begins,
+                                                                const tachk::Options& options,
+                                                                const tachk::Limits& limits) {
+  return std::make_unique<tachk::RecurrenceSearch>(tachk::decode_program(image), begins, options, limits);
+}
+
+template <class Search>
+std::optional<FaultTuple> fault_of(const Search& search) {
   const auto& fault = search.fault();
   if (!fault) return std::nullopt;
   return FaultTuple{fault->kind, fault->position, fault->path, fault->edges};
 }
 
-std::optional<ViolationTuple> violation_of(const tachk::LivenessSearch& search) {
+template <class Search>
+std::optional<ViolationTuple> violation_of(const Search& search) {
   const auto& found = search.violation();
   if (!found) return std::nullopt;
   return ViolationTuple{found->kind, found->stem, found->begins, found->loop};
+}
+
+template <class Search>
+std::tuple<std::uint64_t, std::uint64_t, std::uint64_t, std::uint64_t> statistics_of(const Search& search) {
+  const tachk::Statistics s = search.statistics();
+  return {s.explored, s.stored, s.transitions, s.bytes};
 }
 
 }  // namespace
@@ -47,19 +62,26 @@ void bind_liveness(nb::module_& m) {
       .def(nb::new_(&make_search), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
       .def("run", &tachk::LivenessSearch::run, nb::arg("expansions"), nb::call_guard<nb::gil_scoped_release>(),
            "Takes up to this many steps of the search.")
-      .def(
-          "statistics",
-          [](const tachk::LivenessSearch& self) {
-            const tachk::Statistics s = self.statistics();
-            return std::make_tuple(s.explored, s.stored, s.transitions, s.bytes);
-          },
-          "(explored, stored, transitions, bytes)")
+      .def("statistics", &statistics_of<tachk::LivenessSearch>, "(explored, stored, transitions, bytes)")
       .def("cover", &tachk::LivenessSearch::cover, nb::rv_policy::reference_internal,
            "Of a finished search without a violation: the states that have been gone through, in their order.")
-      .def("violation", &violation_of, "(kind, stem, begins, loop) of a run that was found, as edge numbers, or None.")
+      .def("violation", &violation_of<tachk::LivenessSearch>,
+           "(kind, stem, begins, loop) of a run that was found, as edge numbers, or None.")
       .def("begins", &tachk::LivenessSearch::begins, "Whether the left side of p --> q holds in some state so far.")
       .def("gets_stuck", &tachk::LivenessSearch::gets_stuck, nb::arg("actions"), nb::arg("begins"),
            "Whether these actions, as edge numbers, can end where nothing is possible; for a fresh search without "
            "extrapolation.")
-      .def("fault", &fault_of, "(kind, code position, path, edges of the action) of a run-time error, or None.");
+      .def("fault", &fault_of<tachk::LivenessSearch>,
+           "(kind, code position, path, edges of the action) of a run-time error, or None.");
+  nb::class_<tachk::RecurrenceSearch>(m, "RecurrenceSearch")
+      .def(nb::new_(&make_recurrence_search), nb::arg("image"), nb::arg("begins"), nb::arg("options"),
+           nb::arg("limits"))
+      .def("run", &tachk::RecurrenceSearch::run, nb::arg("expansions"), nb::call_guard<nb::gil_scoped_release>(),
+           "Takes up to this many steps of the search.")
+      .def("statistics", &statistics_of<tachk::RecurrenceSearch>, "(explored, stored, transitions, bytes)")
+      .def("violation", &violation_of<tachk::RecurrenceSearch>,
+           "(kind, stem, begins, loop) of a run that was found, as edge numbers, or None.")
+      .def("begins", &tachk::RecurrenceSearch::begins, "Whether runs can begin in some state so far.")
+      .def("fault", &fault_of<tachk::RecurrenceSearch>,
+           "(kind, code position, path, edges of the action) of a run-time error, or None.");
 }

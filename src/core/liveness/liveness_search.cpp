@@ -20,14 +20,6 @@ bool asks_for_deadlock(const std::vector<Goal>& goals) {
 
 }  // namespace
 
-// A run-time error of a predicate in the state that an action leads to.
-struct LivenessSearch::StateFault : ModelFault {
-  StateFault(const ModelFault& fault, std::span<const std::uint32_t> action)
-      : ModelFault(fault), edges(action.begin(), action.end()) {}
-
-  Edges edges;
-};
-
 LivenessSearch::LivenessSearch(Program program, const Options& options, const Limits& limits)
     : options_(options),
       limits_(limits),
@@ -242,33 +234,11 @@ bool LivenessSearch::start_from(std::uint32_t number) {
   const Node node = states.node(number);
   states.unpack(node, source_.slots.data());
   graph_.unpack(source_.slots.data(), states.zone(node), source_.zone);
-  parts(source_, [&](const Successor& part) {
+  restriction_.beginnings(*overview_.begins, source_, [&](const Successor& part) {
     passed_.announce(part.slots, SlotSet::all());
     push(part);
   });
   return true;
-}
-
-template <class Take>
-void LivenessSearch::parts(SymbolicState& state, Take&& take) {
-  std::int32_t* slots = state.slots.data();
-  Predicate& predicate = *overview_.begins;
-  const Truth begins = predicate.in(slots, state.zone.get());
-  if (begins == Truth::never) return;
-  const Truth avoided = restriction_.avoided().in(slots, state.zone.get());
-  if (avoided == Truth::always) return;
-  if (begins == Truth::always && avoided == Truth::never) return take(Successor{{}, slots, state.zone.get()});
-  const int dimension = graph_.program().dimension();
-  std::vector<Atom> invariant;
-  graph_.semantics().invariant(slots, invariant);
-  const std::size_t count = begins == Truth::always ? 1 : predicate.size();
-  for (std::size_t number = 0; number < count; ++number) {
-    ZoneBuffer entry(state.zone);
-    std::vector<Atom> atoms(invariant);
-    if (begins == Truth::by_clocks) atoms.insert(atoms.end(), predicate[number].begin(), predicate[number].end());
-    if (!graph_.operations().intersect(entry.get(), dimension, atoms.data(), atoms.size())) continue;
-    restriction_.parts(Successor{{}, slots, entry.get()}, invariant, take);
-  }
 }
 
 // ---- what was found -------------------------------------------------------------------------------------------------
@@ -391,7 +361,8 @@ bool LivenessSearch::gets_stuck(const Path& actions, std::size_t begins) {
       if (overview_.begins && number == begins) {
         std::vector<SymbolicState> parts_of_all;
         for (SymbolicState& state : states)
-          parts(state, [&](const Successor& part) { parts_of_all.push_back(graph_.copy(part)); });
+          restriction_.beginnings(*overview_.begins, state,
+                                  [&](const Successor& part) { parts_of_all.push_back(graph_.copy(part)); });
         states.swap(parts_of_all);
       }
       if (number == actions.size()) break;

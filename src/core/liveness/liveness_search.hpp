@@ -27,29 +27,13 @@
 #include "liveness/reachable.hpp"
 #include "liveness/restriction.hpp"
 #include "liveness/search_stack.hpp"
+#include "liveness/violation.hpp"
 #include "reachability/cover_parts.hpp"
 #include "reachability/explorer.hpp"
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
 
 namespace tachk {
-
-enum class ViolationKind { loop, idle, stuck };
-
-// A run that avoids q for ever, from its action number `begins` on.
-struct Violation {
-  ViolationKind kind;
-  Path stem;
-  std::size_t begins;
-  Path loop;  // of a loop only
-};
-
-struct LivenessFault {
-  FaultKind kind;
-  std::int32_t position;  // of the code word
-  Path path;              // to the last state before it
-  Edges edges;            // of the action; empty for an invariant of the initial state or a predicate
-};
 
 class LivenessSearch final {
  public:
@@ -78,7 +62,6 @@ class LivenessSearch final {
  private:
   struct Descending;
   struct Finding;
-  struct StateFault;
 
   enum class Stage { reaching, proving, descending };
   // Where runs begin, and what is reachable: of p --> q all states, else those of the restricted graph.
@@ -112,10 +95,6 @@ class LivenessSearch final {
   bool start_from(std::uint32_t node);
   void expand();
   void push(const Successor& successor);
-  // Calls take(successor) for each part of a reached state in which p holds and q does not, with the delays that avoid
-  // q.
-  template <class Take>
-  void parts(SymbolicState& state, Take&& take);
   void unpack(std::uint32_t number);
   void found(ViolationKind kind);
   Edges edges_between(std::uint32_t from, std::uint32_t to);

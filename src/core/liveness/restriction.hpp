@@ -7,6 +7,7 @@
 #include "liveness/avoidance.hpp"
 #include "liveness/predicate.hpp"
 #include "symbolic/zone_graph.hpp"
+#include "zones/zone_buffer.hpp"
 
 namespace tachk {
 
@@ -45,6 +46,29 @@ class Restriction final {
       ZoneBuffer piece(graph_.operations());
       piece.assign(pieces[number]);
       graph_.abstract(entry.slots, piece, [&](ConstZoneRef zone) { take(Successor{entry.edges, entry.slots, zone}); });
+    }
+  }
+
+  // Calls take(successor) for each part of a reached state in which `begins` holds and the predicate does not, with the
+  // delays that avoid the predicate. Throws ModelFault, ConstantOverflow.
+  template <class Take>
+  void beginnings(Predicate& begins, SymbolicState& state, Take&& take) {
+    std::int32_t* slots = state.slots.data();
+    const Truth begun = begins.in(slots, state.zone.get());
+    if (begun == Truth::never) return;
+    const Truth avoided = avoided_.in(slots, state.zone.get());
+    if (avoided == Truth::always) return;
+    if (begun == Truth::always && avoided == Truth::never) return take(Successor{{}, slots, state.zone.get()});
+    const int dimension = graph_.program().dimension();
+    std::vector<Atom> invariant;
+    graph_.semantics().invariant(slots, invariant);
+    const std::size_t count = begun == Truth::always ? 1 : begins.size();
+    for (std::size_t number = 0; number < count; ++number) {
+      ZoneBuffer entry(state.zone);
+      std::vector<Atom> atoms(invariant);
+      if (begun == Truth::by_clocks) atoms.insert(atoms.end(), begins[number].begin(), begins[number].end());
+      if (!graph_.operations().intersect(entry.get(), dimension, atoms.data(), atoms.size())) continue;
+      parts(Successor{{}, slots, entry.get()}, invariant, take);
     }
   }
 

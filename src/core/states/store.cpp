@@ -41,14 +41,23 @@ std::uint32_t PassedList::coverer(std::uint32_t discrete, ZoneView zone) const {
   return found;
 }
 
-bool PassedList::contains(std::uint32_t discrete, ZoneView zone, bool subsumption) const {
-  if (subsumption) return covers(discrete, zone);
-  const auto equal = [&](std::uint32_t number) { return zones_.equals(node(number).zone, zone); };
+std::uint32_t PassedList::find(std::uint32_t discrete, ZoneView zone) const {
+  std::uint32_t found = no_node;
+  const auto equal = [&](std::uint32_t number) {
+    if (!zones_.equals(node(number).zone, zone)) return false;
+    found = number;
+    return true;
+  };
   const std::uint32_t first = head(discrete);
-  if (is_long(first)) return chain(first).any_above(extent_of(zone), equal);
-  for (std::uint32_t number = first; number != no_node; number = node(number).next)
-    if (equal(number)) return true;
-  return false;
+  if (is_long(first))
+    chain(first).any_above(extent_of(zone), equal);
+  else
+    for (std::uint32_t number = first; number != no_node && !equal(number);) number = node(number).next;
+  return found;
+}
+
+bool PassedList::contains(std::uint32_t discrete, ZoneView zone, bool subsumption) const {
+  return subsumption ? covers(discrete, zone) : find(discrete, zone) != no_node;
 }
 
 void PassedList::cover(std::uint32_t number) {

@@ -45,6 +45,9 @@ class PassedList {
   // A stored state with this discrete part whose zone does; no_node if there is none.
   std::uint32_t coverer(std::uint32_t discrete, ZoneView zone) const;
 
+  // The stored state with this discrete part and this zone; no_node if there is none.
+  std::uint32_t find(std::uint32_t discrete, ZoneView zone) const;
+
   // As `covers`; without `subsumption`, whether an equal zone is stored.
   bool contains(std::uint32_t discrete, ZoneView zone, bool subsumption) const;
 
@@ -64,6 +67,11 @@ class PassedList {
   bool covered(std::uint32_t number) const { return node(number).next == covered_mark; }
   // The zone of a node that is not covered.
   ConstZoneRef zone(const Node& node) const { return zones_[node.zone]; }
+  ZoneView view(const Node& node) const { return zones_.view(node.zone); }
+  // Whether the zone of a node that is not covered contains this one of the same discrete state.
+  bool includes(const Node& node, ZoneView zone) const {
+    return zones_.operations(zone.dimension).includes(zones_[node.zone], zone.data, zone.dimension);
+  }
   void unpack(const Node& node, std::int32_t* slots) { discretes_.unpack(node.discrete, slots); }
   // Whether a node has this discrete state.
   bool equals(const Node& node, const std::int32_t* slots) { return discretes_.equals(node.discrete, slots); }

@@ -6,7 +6,7 @@ checks that the run goes on for ever, or ends, as it says.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from tachk.certify.replay import ReplayError, replay
 from tachk.model.expressions import Expression
@@ -19,9 +19,23 @@ from tachk.semantics.step import StepError, deadlocked, delay, satisfies, tellin
 from tachk.semantics.timed_trace import Ending, TimedState, TimedTrace
 
 
-def replay_lasso(model: PreparedNetwork, trace: TimedTrace, goal: Expression, trigger: Expression | None) -> None:
+def replay_lasso(
+    model: PreparedNetwork,
+    trace: TimedTrace,
+    goal: Expression,
+    trigger: Expression | None,
+    again: Sequence[Expression] = (),
+    ends: Expression | None = None,
+    diverges: bool = False,
+) -> None:
     """Checks that a trace is a run of the model that avoids a goal for ever: from a moment on at which the trigger
     holds, or (None) from its beginning on.
+
+    Args:
+        again: what each round of a loop has to meet behind one of its transitions.
+        ends: where a run has to end that is no loop; None: anywhere.
+        diverges: each round of a loop takes time. That is not looked at where delays differ from round to round: they
+            may grow shorter and shorter.
 
     Raises ReplayError otherwise.
     """
@@ -30,6 +44,9 @@ def replay_lasso(model: PreparedNetwork, trace: TimedTrace, goal: Expression, tr
     try:
         _check_goal(model, trace, goal, trigger)
         _check_ending(model, trace, goal)
+        _check_recurring(model, trace, again, ends)
+        if diverges:
+            _check_time(trace)
     except (StepError, EvaluationFault) as error:
         raise ReplayError(last, str(error)) from error
 
@@ -107,6 +124,27 @@ def _check_idle(model: PreparedNetwork, state: TimedState, goal: Expression, num
             raise ReplayError(number, f"time cannot pass for ever in the last state: {error}") from error
         if satisfies(model, later, goal):
             raise ReplayError(number, "the goal is met by letting time pass in the last state")
+
+
+def _check_recurring(
+    model: PreparedNetwork, trace: TimedTrace, again: Sequence[Expression], ends: Expression | None
+) -> None:
+    number = len(trace.steps)
+    if trace.loop_start is None:
+        if ends is not None and not satisfies(model, trace.states[-1], ends):
+            raise ReplayError(number, "the run ends where it may not")
+        return
+    rounds = trace.states[trace.loop_start + 1 :]
+    for predicate in again:
+        if not any(satisfies(model, state, predicate) for state in rounds):
+            raise ReplayError(number, "the loop does not meet what it has to meet again and again")
+
+
+def _check_time(trace: TimedTrace) -> None:
+    if trace.ending is not Ending.PERIODIC or trace.loop_start is None:
+        return
+    if trace.states[-1].time <= trace.states[trace.loop_start].time:
+        raise ReplayError(len(trace.steps), "the loop takes no time")
 
 
 def _loop(trace: TimedTrace) -> tuple[int, TimedState, TimedState]:

@@ -78,6 +78,16 @@ def lower_obligation(
     return program, goals[0], None if begins is None else goals[1]
 
 
+def lower_recurrence(
+    network: Network, avoided: Expression, ends: Expression, begins: Expression | None, again: Sequence[Expression]
+) -> tuple[Program, tuple[Goal, ...]]:
+    """The program of a network, and the goals of what runs avoid, where they may end, where they may begin to avoid it
+    (None: initially, and no goal) and what they meet again and again, in this order. As `lower_obligation`."""
+    asked = [avoided, ends, *([] if begins is None else [begins]), *again]
+    program, goals = lower(network, [*asked, *map(negation, asked)])
+    return program, tuple(goals[: len(asked)])
+
+
 def lower_measures(
     network: Network, measured: Sequence[Measured]
 ) -> tuple[Program, tuple[Goal, ...], tuple[Measure, ...]]:

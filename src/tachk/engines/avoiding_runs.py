@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
@@ -17,6 +17,9 @@ from tachk.engines.outcome import AvoidingRun, LivenessOutcome, LivenessStatus, 
 from tachk.semantics.timed_trace import Transition
 
 Node = TypeVar("Node")
+
+Condition = Callable[[Node, Transition | None, Node], bool]
+"""Whether a step from one node to another is one of those looked for."""
 
 
 class LimitError(Exception):
@@ -60,6 +63,25 @@ class Graph(Generic[Node]):
             if before == node:
                 return node, tuple(reversed(taken))
             node = before
+
+    def circle_of(self, conditions: Sequence[Condition[Node]]) -> list[tuple[Transition | None, Node]]:
+        """Steps that lead round a circle and meet each of the conditions, the last one to where the first one starts;
+        empty if there is none."""
+        for component in _components(self.steps):
+            inner = {node: [step for step in self.steps[node] if step[1] in component] for node in component}
+            meeting = [
+                [(node, step) for node, steps in inner.items() for step in steps if condition(node, *step)]
+                for condition in conditions
+            ]
+            if all(meeting):
+                start = node = meeting[0][0][0]
+                walked: list[tuple[Transition | None, Node]] = []
+                for found in meeting:
+                    before, step = found[0]
+                    walked += [*_walk(inner, node, before), step]
+                    node = step[1]
+                return [*walked, *_walk(inner, node, start)]
+        return []
 
     def circle(self) -> list[tuple[Transition | None, Node]]:
         """Steps that lead round a circle, the last one to where the first one starts; empty if there is none."""
@@ -112,6 +134,7 @@ def avoiding_run(
     follow: Callable[[Node], Iterable[tuple[Transition | None, Node]]],
     ending: Callable[[Node], RunEnd | None],
     budget: Budget,
+    conditions: Sequence[Condition[Node]] = (),
 ) -> AvoidingRun | None:
     """A run from one of the starts, each given with the way to it, that goes on for ever or comes to an ending.
 
@@ -119,6 +142,7 @@ def avoiding_run(
         follow: the steps from a node that do not meet the goal. A circle of them in which no transition fires has to
             let time diverge.
         ending: how a run can end in a node without meeting the goal.
+        conditions: what a run has to meet again and again that goes on for ever.
 
     Raises LimitError.
     """
@@ -128,12 +152,69 @@ def avoiding_run(
     if last is not None and found is not None:
         root, way = graph.way(last)
         return AvoidingRun(found, (*starts[root], *way), len(starts[root]))
-    circle = graph.circle()
+    circle = graph.circle_of(conditions) if conditions else graph.circle()
     if not circle:
         return None
     root, way = graph.way(circle[-1][1])
     loop = tuple(transition for transition, _ in circle if transition is not None)
     return AvoidingRun(RunEnd.LOOP if loop else RunEnd.IDLE, (*starts[root], *way), len(starts[root]), loop)
+
+
+def _walk(
+    steps: Mapping[Node, list[tuple[Transition | None, Node]]], start: Node, end: Node
+) -> list[tuple[Transition | None, Node]]:
+    """The fewest steps from one node to another that can be reached."""
+    came: dict[Node, tuple[Node, tuple[Transition | None, Node]]] = {}
+    waiting, seen = deque([start]), {start}
+    while end not in seen:
+        node = waiting.popleft()
+        for step in steps[node]:
+            if step[1] not in seen:
+                seen.add(step[1])
+                came[step[1]] = node, step
+                waiting.append(step[1])
+    walked = []
+    while end != start:
+        end, step = came[end]
+        walked.append(step)
+    return walked[::-1]
+
+
+def _components(steps: Mapping[Node, list[tuple[Transition | None, Node]]]) -> Iterator[set[Node]]:
+    """The strongly connected components, by S. R. Kosaraju's two searches."""
+    before: dict[Node, list[Node]] = {node: [] for node in steps}
+    for node, following in steps.items():
+        for _, after in following:
+            before[after].append(node)
+    finished: list[Node] = []
+    seen: set[Node] = set()
+    for root in steps:
+        if root in seen:
+            continue
+        seen.add(root)
+        path = [(root, iter(steps[root]))]
+        while path:
+            node, rest = path[-1]
+            fresh = next((after for _, after in rest if after not in seen), None)
+            if fresh is None:
+                finished.append(node)
+                path.pop()
+            else:
+                seen.add(fresh)
+                path.append((fresh, iter(steps[fresh])))
+    placed: set[Node] = set()
+    for root in reversed(finished):
+        if root in placed:
+            continue
+        placed.add(root)
+        component, waiting = {root}, [root]
+        while waiting:
+            for node in before[waiting.pop()]:
+                if node not in placed:
+                    placed.add(node)
+                    component.add(node)
+                    waiting.append(node)
+        yield component
 
 
 def _with_endless_ways(steps: Mapping[Node, list[tuple[Transition | None, Node]]]) -> dict[Node, int]:

@@ -55,12 +55,53 @@ def find_avoiding_run(
     return replace(second, statistics=first.statistics.then(second.statistics))
 
 
+def find_recurring_run(
+    program: Program,
+    goals: Sequence[Goal],
+    begins: bool = False,
+    options: Options = Options(),
+    limits: Limits = Limits(),
+    progress: Progress | None = None,
+) -> LivenessOutcome:
+    """Look for a run that avoids a predicate, and that meets others again and again or ends where it may.
+
+    MAX is used in place of LU: then a run that seems stuck is stuck.
+
+    Args:
+        program, goals: as `tachk.compiler.lower.lower_recurrence` gives them.
+        begins: whether one of the goals says where runs begin to avoid the predicate.
+    """
+    if options.extrapolation is Extrapolation.LU:
+        options = replace(options, extrapolation=Extrapolation.MAX)
+    image = encode(program, goals)
+    search = _core.RecurrenceSearch(image, begins, core_options(options), core_limits(limits))
+    return _outcome(program, search, limits, progress)
+
+
 def _search(
     program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
 ) -> tuple[LivenessOutcome, bool]:
     """The outcome of one search, and whether it stands."""
     image = encode(program, goals)
     search = _core.LivenessSearch(image, core_options(options), core_limits(limits))
+    outcome = _outcome(program, search, limits, progress)
+    violation = search.violation()
+    if violation is None or violation[0] is not _core.ViolationKind.STUCK:
+        return outcome, True
+    if options.extrapolation is not Extrapolation.LU:
+        return outcome, True
+    without = replace(options, extrapolation=Extrapolation.NONE)
+    probe = _core.LivenessSearch(image, core_options(without), core_limits(Limits()))
+    return outcome, probe.gets_stuck(violation[1], violation[2])
+
+
+def _outcome(
+    program: Program,
+    search: _core.LivenessSearch | _core.RecurrenceSearch,
+    limits: Limits,
+    progress: Progress | None,
+) -> LivenessOutcome:
+    """The outcome of a search that has not begun."""
     start, user = time.perf_counter(), user_seconds()
     status, reason = run_in_slices(search, start, limits, progress)
     fault = fault_of(program, search) if status is _core.Status.FAULT else None
@@ -69,13 +110,7 @@ def _search(
     if violation is None:
         finished = status is _core.Status.FINISHED
         answer = LivenessStatus.NONE if finished else LivenessStatus.UNDECIDED
-        return LivenessOutcome(answer, statistics, None, reason, fault, begins=not finished or search.begins()), True
+        return LivenessOutcome(answer, statistics, None, reason, fault, begins=not finished or search.begins())
     kind, stem, begins, loop = violation
     run = AvoidingRun(RunEnd[kind.name], transitions_of(program, stem), begins, transitions_of(program, loop))
-    exact = not program.has_stopwatches
-    outcome = LivenessOutcome(LivenessStatus.FOUND, statistics, run, exact=exact)
-    if run.end is not RunEnd.STUCK or options.extrapolation is not Extrapolation.LU:
-        return outcome, True
-    without = replace(options, extrapolation=Extrapolation.NONE)
-    probe = _core.LivenessSearch(image, core_options(without), core_limits(Limits()))
-    return outcome, probe.gets_stuck(stem, begins)
+    return LivenessOutcome(LivenessStatus.FOUND, statistics, run, exact=not program.has_stopwatches)

@@ -3,21 +3,26 @@
 Sound and complete for networks without stopwatches. Zones are widened as in `tachk.engines.reference`, which adds only
 valuations of regions that were there: with the constants of goal and trigger counted, a zone without the goal stays
 without it, and what can happen, now or later, stays the same (Bouyer 2004).
+
+Time diverges in a run with infinitely many transitions if infinitely many of them are *beats*: taken at least one time
+unit after the last one. A clock beside those of the network measures that; it is no part of the network.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from tachk.engines.avoiding_runs import Budget, Graph, LimitError, avoiding_run, build, outcome_of
 from tachk.engines.options import Limits
 from tachk.engines.outcome import LivenessOutcome, Obligation, RunEnd, RunTimeFault, Statistics
 from tachk.engines.reference import widen
-from tachk.model.expressions import Expression
+from tachk.model.expressions import BOOL, Binary, Constant, Expression, Reference, Variable, VariableKind
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
+from tachk.model.types import ClockType
+from tachk.operators import BinaryOperator
 from tachk.semantics import dbm, symbolic
 from tachk.semantics.avoidance import elapse_before, ends_in_deadlock, idles_for_ever
 from tachk.semantics.clock_constants import ClockConstants, clock_constants
@@ -26,26 +31,44 @@ from tachk.semantics.discrete import PreparedNetwork, prepare
 from tachk.semantics.symbolic import Situation
 from tachk.semantics.timed_trace import DiscreteState, Transition
 
-Node = tuple[DiscreteState, Zone]
+Node = tuple[DiscreteState, Zone, bool]
+"""``beat``: the transition to it was taken when the last one of that kind was at least one time unit ago."""
 
 
 def check_by_zones(network: Network, obligation: Obligation, limits: Limits = Limits()) -> LivenessOutcome:
     """Exact. Raises ValueError for networks with stopwatches, and if the initial state violates an invariant."""
     if any(location.rates for process in network.processes for location in process.locations):
         raise ValueError("the past of a zone is no zone where clocks stop")
-    constants = clock_constants(network, [e for e in (obligation.goal, obligation.trigger) if e is not None])
-    graph = _Zones(prepare(network), obligation.goal, constants)
+    predicates = [e for e in (obligation.goal, obligation.trigger) if e is not None]
+    since = None
+    if obligation.diverges:
+        network, clock = _with_clock(network)
+        predicates.append(Binary(BinaryOperator.GREATER_EQUAL, Reference(clock), Constant(1), BOOL))
+        since = prepare(network).dimension - 1
+    graph = _Zones(prepare(network), obligation.goal, clock_constants(network, predicates), since)
     budget = Budget(limits)
     found, reason, fault = None, "", None
     try:
         starts = _starts(graph, obligation.trigger, budget)
-        found = avoiding_run(starts, graph.follow_avoiding, graph.end, budget)
+        conditions = [_beats] if obligation.diverges else []
+        found = avoiding_run(starts, graph.follow_avoiding, graph.end, budget, conditions)
     except LimitError as limit:
         reason = str(limit)
     except EvaluationFault as error:
         fault, reason = RunTimeFault(error.kind, error.span, (), None), "run-time error"
     statistics = Statistics(budget.nodes, budget.nodes, 0, time.monotonic() - budget.started)
     return outcome_of(found, statistics, reason, fault)
+
+
+def _beats(_before: Node, transition: Transition | None, after: Node) -> bool:
+    return transition is not None and after[2]
+
+
+def _with_clock(network: Network) -> tuple[Network, Variable]:
+    clock = Variable("time since the last beat", ClockType(), VariableKind.LOCAL, (0,))
+    *others, last = network.processes
+    last = replace(last, variables=(*last.variables, clock))
+    return replace(network, processes=(*others, last)), clock
 
 
 def _starts(graph: _Zones, trigger: Expression | None, budget: Budget) -> dict[Node, tuple[Transition, ...]]:
@@ -68,11 +91,16 @@ def _starts(graph: _Zones, trigger: Expression | None, budget: Budget) -> dict[N
 
 @dataclass(slots=True)
 class _Zones:
-    """The widened zones of a network, with and without those of a goal."""
+    """The widened zones of a network, with and without those of a goal.
+
+    Attributes:
+        since: the number of the clock that says how long ago the last beat was; None where there are no beats.
+    """
 
     model: PreparedNetwork
     goal: Expression
     constants: ClockConstants
+    since: int | None = None
     situations: dict[DiscreteState, Situation] = field(default_factory=dict)
     goals: dict[DiscreteState, Federation] = field(default_factory=dict)
     endings: dict[DiscreteState, list[tuple[RunEnd, Federation]]] = field(default_factory=dict)
@@ -88,31 +116,44 @@ class _Zones:
             self.goals[here.discrete] = symbolic.where(self.model, here, self.goal)
         return self.goals[here.discrete]
 
-    def widened(self, here: Situation, zones: Federation) -> Iterator[Node]:
-        return ((here.discrete, part) for zone in zones for part in widen(self.constants, zone))
+    def widened(self, here: Situation, zones: Federation, beat: bool = False) -> Iterator[Node]:
+        return ((here.discrete, part, beat) for zone in zones for part in widen(self.constants, zone))
 
-    def avoiding(self, here: Situation, zones: Federation) -> Iterator[Node]:
+    def avoiding(self, here: Situation, zones: Federation, beat: bool = False) -> Iterator[Node]:
         """What is reached by letting time pass without meeting the goal."""
         goal = self.met(here)
-        return self.widened(here, elapse_before(here, dbm.subtract_all(zones, goal), goal))
+        return self.widened(here, elapse_before(here, dbm.subtract_all(zones, goal), goal), beat)
 
     def follow(self, node: Node) -> Iterator[tuple[Transition | None, Node]]:
-        for transition, there, fired in self._fired(node):
-            yield from ((transition, after) for after in self.widened(there, symbolic.elapse(there, fired)))
+        for transition, there, fired, beat in self._fired(node):
+            yield from ((transition, after) for after in self.widened(there, symbolic.elapse(there, fired), beat))
 
     def follow_avoiding(self, node: Node) -> Iterator[tuple[Transition | None, Node]]:
-        for transition, there, fired in self._fired(node):
-            yield from ((transition, after) for after in self.avoiding(there, fired))
+        for transition, there, fired, beat in self._fired(node):
+            yield from ((transition, after) for after in self.avoiding(there, fired, beat))
 
-    def _fired(self, node: Node) -> Iterator[tuple[Transition, Situation, Federation]]:
-        """What the moves lead to, before time passes. Raises EvaluationFault."""
+    def _fired(self, node: Node) -> Iterator[tuple[Transition, Situation, Federation, bool]]:
+        """What the moves lead to, before time passes, and whether with a beat. Raises EvaluationFault."""
         self._check_faults(node)
-        here, zones = self.situation(node[0]), [node[1]]
-        for move in here.moves:
-            fired = symbolic.fire(here, zones, move)
-            if fired:
-                assert move.target is not None
-                yield move.transition, self.situation(move.target), fired
+        here = self.situation(node[0])
+        for zone, beat in self._by_beat(node[1]):
+            for move in here.moves:
+                fired = symbolic.fire(here, [zone], move)
+                if fired:
+                    assert move.target is not None
+                    if beat and self.since is not None:
+                        fired = [dbm.reset(part, self.since, 0) for part in fired]
+                    yield move.transition, self.situation(move.target), fired, beat
+
+    def _by_beat(self, zone: Zone) -> Iterator[tuple[Zone, bool]]:
+        if self.since is None:
+            yield zone, False
+            return
+        early = (self.since, 0, dbm.raw_bound(1, True))
+        for constraint, beat in ((early, False), (dbm.complement(early), True)):
+            part = dbm.constrain(zone, constraint)
+            if part is not None:
+                yield part, beat
 
     def _check_faults(self, node: Node) -> None:
         here, zones = self.situation(node[0]), [node[1]]

@@ -57,6 +57,7 @@ class Query:
     conditional: the expectation depends on constants, so that it speaks of other values of them, too.
     deadline: of EVENTUALLY and LEADS_TO: since the start, since the left side.
     observer: what has to be added to the network for this query alone; the predicate names its location.
+    non_zeno: a run with infinitely many transitions counts only if time diverges in it.
     """
 
     name: str
@@ -70,6 +71,7 @@ class Query:
     observer: Observer | None = None
     conditional: bool = False
     deadline: Deadline | None = None
+    non_zeno: bool = False
 
     @property
     def holds_when_reached(self) -> bool | None:

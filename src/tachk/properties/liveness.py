@@ -3,24 +3,35 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import assert_never
 
 from tachk.certify.replay import ReplayError
 from tachk.certify.replay_lasso import replay_lasso
-from tachk.compiler.lower import lower_obligation
+from tachk.compiler.lower import lower_obligation, lower_recurrence
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.engines.lasso import lasso
-from tachk.engines.liveness import find_avoiding_run
+from tachk.engines.liveness import find_avoiding_run, find_recurring_run
 from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import TIME_LIMIT, LivenessOutcome, LivenessStatus, Obligation, Progress
+from tachk.engines.outcome import (
+    TIME_LIMIT,
+    LivenessOutcome,
+    LivenessStatus,
+    Obligation,
+    Progress,
+    RunEnd,
+    RunTimeFault,
+)
+from tachk.model.expressions import BOOL, Constant
 from tachk.model.query import Query
 from tachk.properties.fault_explanation import explain
 from tachk.properties.plan import Search, Task
 from tachk.properties.unanswered import not_begun
 from tachk.properties.vacuity import never_begins
 from tachk.properties.verdict import Answer, Verdict
-from tachk.semantics.discrete import PreparedNetwork
+from tachk.reduction.beats import DoubledNetwork, with_beats
+from tachk.semantics.discrete import PreparedNetwork, prepare
+from tachk.semantics.timed_trace import TimedTrace
 from tachk.time_limit import OutOfTimeError, time_limit
 from tachk.words import QueryKind
 
@@ -35,27 +46,68 @@ def answer(
     return {task.number: _verdict(model, task, options, limits, progress, trace) for task in search.tasks}
 
 
+@dataclass(frozen=True, slots=True)
+class _Searched:
+    """What a search has found, and where: in the network with beats, or (None) in the network itself."""
+
+    outcome: LivenessOutcome
+    obligation: Obligation
+    beating: DoubledNetwork | None = None
+
+
 def _verdict(
     model: PreparedNetwork, task: Task, options: Options, limits: Limits, progress: Progress | None, trace: bool
 ) -> Verdict:
     started = time.monotonic()
     query = task.query
-    avoided, begins = query.avoided, query.begins
-    assert avoided is not None
     try:
-        with time_limit(limits.seconds):
-            program, goal, trigger = lower_obligation(model.network, avoided, begins)
+        searched = _searched(model, query, options, limits, progress)
     except OutOfTimeError:
         return not_begun(query, TIME_LIMIT)
-    left = limits.after(time.monotonic() - started)
-    outcome = find_avoiding_run(program, goal, trigger, options, left, progress)
+    outcome = searched.outcome
     if outcome.fault is not None:
-        outcome = replace(outcome, fault=explain(model, outcome.fault, limits.seconds))
+        outcome = replace(outcome, fault=explain(model, _fault_alone(outcome.fault, searched.beating), limits.seconds))
     verdict = _of_outcome(query, outcome)
-    if outcome.run is None or not (trace or not outcome.exact):
-        return verdict
-    return _shown(model, verdict, outcome, Obligation(avoided, begins), limits.after(time.monotonic() - started))
+    if outcome.run is not None and (trace or not outcome.exact):
+        verdict = _shown(model, verdict, searched, limits.after(time.monotonic() - started))
+    if searched.beating is not None and outcome.status is LivenessStatus.NONE:
+        verdict = replace(verdict, notes=(*verdict.notes, _ZENO_ONLY))
+    return verdict
 
+
+def _fault_alone(fault: RunTimeFault, beating: DoubledNetwork | None) -> RunTimeFault:
+    """An error of the network with beats, told of the network alone."""
+    if beating is None:
+        return fault
+    failed = None if fault.transition is None else beating.without_copies(fault.transition)
+    return replace(fault, path=tuple(map(beating.without_copies, fault.path)), transition=failed)
+
+
+def _searched(
+    model: PreparedNetwork, query: Query, options: Options, limits: Limits, progress: Progress | None
+) -> _Searched:
+    """Looks for any run first: where there is none, there is none that diverges. Raises OutOfTimeError."""
+    started = time.monotonic()
+    avoided, begins = query.avoided, query.begins
+    assert avoided is not None
+    with time_limit(limits.seconds):
+        program, goal, trigger = lower_obligation(model.network, avoided, begins)
+    left = limits.after(time.monotonic() - started)
+    first = find_avoiding_run(program, goal, trigger, options, left, progress)
+    obligation = Obligation(avoided, begins)
+    if first.run is None or first.run.end is not RunEnd.LOOP or not query.non_zeno:
+        return _Searched(first, obligation)
+    beating = with_beats(model.network)
+    obligation = replace(obligation, again=(beating.mark,))
+    with time_limit(limits.after(time.monotonic() - started).seconds):
+        anywhere = Constant(1, BOOL)
+        program, goals = lower_recurrence(beating.network, avoided, anywhere, begins, obligation.again)
+    left = limits.after(time.monotonic() - started)
+    second = find_recurring_run(program, goals, begins is not None, options, left, progress)
+    return _Searched(replace(second, statistics=first.statistics.then(second.statistics)), obligation, beating)
+
+
+_ZENO_ONLY = "only runs with infinitely many transitions in finite time would give another answer"
 
 _INEXACT = "the stopwatches make the search inexact, and the run it found may not be possible"
 
@@ -82,21 +134,17 @@ def _of_outcome(query: Query, outcome: LivenessOutcome) -> Verdict:
             assert_never(never)
 
 
-def _shown(
-    model: PreparedNetwork, verdict: Verdict, outcome: LivenessOutcome, obligation: Obligation, limits: Limits
-) -> Verdict:
+def _shown(model: PreparedNetwork, verdict: Verdict, searched: _Searched, limits: Limits) -> Verdict:
     """The verdict with the run that shows it. Where clocks stop, the run decides whether there is one.
 
     Raises InternalError if there is none although the search is exact.
     """
-    assert outcome.run is not None
+    outcome = searched.outcome
     seconds = _SECONDS_FOR_DELAYS if limits.seconds is None else min(limits.seconds, _SECONDS_FOR_DELAYS)
     problem = "it has no delays"
     try:
         with time_limit(seconds):
-            run = lasso(model, outcome.run, obligation)
-            if run is not None:
-                replay_lasso(model, run, obligation.goal, obligation.trigger)
+            run = _judged(model, searched)
     except OutOfTimeError:
         return replace(verdict, notes=(*verdict.notes, _NO_DELAYS)) if outcome.exact else verdict
     except ReplayError as error:
@@ -106,6 +154,21 @@ def _shown(
     if outcome.exact:
         raise InternalError(f"the run found for {verdict.query.text!r} does not replay: {problem}")
     return verdict
+
+
+def _judged(model: PreparedNetwork, searched: _Searched) -> TimedTrace | None:
+    """The run with its delays, as one of the model; None if there are none. Raises ReplayError."""
+    assert searched.outcome.run is not None
+    obligation, beating = searched.obligation, searched.beating
+    whole = model if beating is None else prepare(beating.network)
+    run = lasso(whole, searched.outcome.run, obligation)
+    if run is None:
+        return None
+    replay_lasso(whole, run, obligation.goal, obligation.trigger, obligation.again, obligation.ends)
+    if beating is not None:
+        run = beating.run_alone(run)
+        replay_lasso(model, run, obligation.goal, obligation.trigger, diverges=True)
+    return run
 
 
 def answers_of(query: Query) -> tuple[Answer, Answer]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.span import Source
@@ -20,12 +21,14 @@ class Questions:
     names: of properties of the model.
     files: of queries, each with its optional expectation.
     typed: queries. Nothing in them may be wrong, while a wrong query of a file is one that is not checked.
+    non_zeno: a run with infinitely many transitions counts only if time diverges in it.
     """
 
     path: str
     names: tuple[str, ...] = ()
     files: tuple[Source, ...] = ()
     typed: tuple[Source, ...] = ()
+    non_zeno: bool = False
 
     def about(self, model: LoadedModel) -> tuple[Query | UncheckedQuery, ...]:
         """What is asked for, in order: the named properties and the queries of the texts, else all of the model.
@@ -34,6 +37,12 @@ class Questions:
             InputError: one that was typed or named is wrong.
             UsageError: there is no property of that name.
         """
+        asked = self._asked(model)
+        if not self.non_zeno:
+            return asked
+        return tuple(replace(query, non_zeno=True) if isinstance(query, Query) else query for query in asked)
+
+    def _asked(self, model: LoadedModel) -> tuple[Query | UncheckedQuery, ...]:
         if not self.names and not self.typed and not self.files:
             return model.formulas
         given = self._given(model)

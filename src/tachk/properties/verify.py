@@ -21,7 +21,7 @@ from tachk.properties import deadlines, extremes, liveness, observed_liveness, r
 from tachk.properties.observed import check_observable
 from tachk.properties.plan import Analysis, Search, Task, plan
 from tachk.properties.unanswered import none_begun, not_begun, unsupported
-from tachk.properties.variants import pace, second_engine
+from tachk.properties.variants import non_zeno, pace, second_engine
 from tachk.properties.variants.second_engine import Answering
 from tachk.properties.verdict import Verdict
 from tachk.reduction.spectators import every_action_counts
@@ -64,10 +64,7 @@ def verify(
             tasks = []
             for number, query in enumerate(queries):
                 try:
-                    check_observable(network, query)
-                    check_supported(network, query)
-                    deadlines.check_deadline(network, query)
-                    second_engine.check_answerable(query, options.engine)
+                    _check_answerable(network, query, options)
                 except UnsupportedError as error:
                     verdicts[number] = unsupported(query, error.diagnostic)
                 else:
@@ -92,7 +89,16 @@ def verify(
             interrupted = any(verdict.reason == INTERRUPTED for verdict in found.values())
         left -= len(search.tasks)
         verdicts |= found
-    return _examined(network, [verdicts[number] for number in range(len(queries))])
+    return non_zeno.noted(_examined(network, [verdicts[number] for number in range(len(queries))]))
+
+
+def _check_answerable(network: Network, query: Query, options: Options) -> None:
+    """Raises UnsupportedError for a query that cannot be answered."""
+    check_observable(network, query)
+    check_supported(network, query)
+    deadlines.check_deadline(network, query)
+    non_zeno.check_combination(query)
+    second_engine.check_answerable(query, options.engine)
 
 
 def _answer(

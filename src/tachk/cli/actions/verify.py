@@ -40,6 +40,7 @@ class Asked:
         properties: the names of those to check.
         max_memory: such as ``2G``.
         certificate: where proofs of the answers are written.
+        non_zeno: a run with infinitely many transitions counts only if time diverges in it.
     """
 
     arguments: tuple[str, ...]
@@ -48,6 +49,7 @@ class Asked:
     properties: tuple[str, ...] = ()
     max_memory: str | None = None
     certificate: Path | None = None
+    non_zeno: bool = False
 
 
 def run_verify(
@@ -149,6 +151,7 @@ def _verified(
             *queries,
             property=asked.properties,
             query_files=asked.query_files,
+            non_zeno=asked.non_zeno,
             options=options,
             limits=limits,
             trace=reporting.evidence is not Evidence.NONE,

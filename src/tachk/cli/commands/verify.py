@@ -26,6 +26,12 @@ _DEFAULT = Options()
 @options.definitions
 @click.option("properties", "--property", metavar="NAME", multiple=True, help="Check this property of the model.")
 @click.option(
+    "--non-zeno",
+    is_flag=True,
+    help="For A<>, E[], --> and formulas without deadline: of the runs with infinitely many transitions only those "
+    "count in which time passes without end.",
+)
+@click.option(
     "--engine",
     type=options.Choice(Engine),
     default=_DEFAULT.engine.value,

@@ -1,1 +1,1 @@
-"""Answers and runs in another way than a search of zones gives them: a `second_engine`, and runs at another `pace`."""
+"""Answers and runs in another way: a `second_engine`, runs at another `pace`, and `non_zeno` runs only."""

@@ -1,0 +1,37 @@
+// What a search for runs that go on for ever finds.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "symbolic/zone_graph.hpp"
+
+namespace tachk {
+
+enum class ViolationKind { loop, idle, stuck };
+
+// A run that avoids q for ever, from its action number `begins` on.
+struct Violation {
+  ViolationKind kind;
+  Path stem;
+  std::size_t begins;
+  Path loop;  // of a loop only
+};
+
+struct LivenessFault {
+  FaultKind kind;
+  std::int32_t position;  // of the code word
+  Path path;              // to the last state before it
+  Edges edges;            // of the action; empty for an invariant of the initial state or a predicate
+};
+
+// A run-time error of a predicate in the state that an action leads to.
+struct StateFault : ModelFault {
+  StateFault(const ModelFault& fault, std::span<const std::uint32_t> action)
+      : ModelFault(fault), edges(action.begin(), action.end()) {}
+
+  Edges edges;
+};
+
+}  // namespace tachk

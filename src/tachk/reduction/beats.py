@@ -1,0 +1,132 @@
+"""Networks with a clock more that shows whether time diverges, and their runs as those of the network alone.
+
+Every action is decided by one edge: an internal one, or the one that sends. Each of these edges is there twice, with
+the same priority, so that what is possible, what is urgent, and where nothing is possible stay as they are. The guards
+and updates of the two differ in a clock and a variable that nothing else knows.
+
+Strongly non-Zeno automata: S. Tripakis, "Verifying progress in timed systems", ARTS 1999; S. Tripakis, S. Yovine, A.
+Bouajjani, "Checking timed Buechi automata emptiness efficiently", FMSD 26 (2005).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from tachk.model.cell_layout import cell_layout
+from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, Reference, Variable, VariableKind
+from tachk.model.network import Edge, Network, Process
+from tachk.model.types import ChannelType, ClockType, IntType
+from tachk.operators import BinaryOperator
+from tachk.records import dataclass
+from tachk.semantics.timed_trace import DiscreteState, Participant, TimedState, TimedStep, TimedTrace, Transition
+from tachk.words import Direction
+
+
+@dataclass(frozen=True, slots=True)
+class DoubledNetwork:
+    """A network with copies of edges behind those of each process, and a clock and a variable behind those of the last.
+
+    Attributes:
+        mark: a condition on the variable.
+        originals: of each process the edges that the copies are copies of.
+    """
+
+    network: Network
+    mark: Expression
+    originals: tuple[tuple[int, ...], ...]
+
+    def without_copies(self, transition: Transition) -> Transition:
+        """A transition as one of the network alone."""
+        return Transition(tuple(map(self._original, transition.participants)))
+
+    def _original(self, participant: Participant) -> Participant:
+        copies = self.originals[participant.process]
+        first = len(self.network.processes[participant.process].edges) - len(copies)
+        if participant.edge < first:
+            return participant
+        return replace(participant, edge=copies[participant.edge - first])
+
+    def run_alone(self, trace: TimedTrace) -> TimedTrace:
+        """A run as one of the network alone."""
+        steps = tuple(
+            TimedStep(step.delay, step.transition and self.without_copies(step.transition), self._own(step.state))
+            for step in trace.steps
+        )
+        return TimedTrace(self._own(trace.initial), steps, trace.ending, trace.loop_start)
+
+    def _own(self, state: TimedState) -> TimedState:
+        layout = cell_layout(self.network)
+        cells, clocks = len(layout.initial) - 2, len(layout.clock_cells) - 1
+        return TimedState(
+            DiscreteState(state.discrete.locations, state.discrete.values[:cells]), state.clocks[:clocks], state.time
+        )
+
+
+def with_beats(network: Network) -> DoubledNetwork:
+    """The network with a beat at every action that comes at least one time unit after the last beat.
+
+    A run with infinitely many actions has infinitely many beats exactly if time diverges in it. `mark` holds behind an
+    action that is one. Actions over urgent channels are none: no time has passed right before them.
+    """
+    since, beat = _clock("time since the last beat"), _flag("beat")
+    one = Constant(1)
+
+    def edges_for(edge: Edge) -> tuple[Edge, Edge | None]:
+        plain = replace(edge, updates=(*edge.updates, _set(beat, 0)))
+        if _is_urgent(edge):
+            return plain, None
+        early = _both(edge.guard, Binary(BinaryOperator.LESS, Reference(since), one, BOOL))
+        late = _both(edge.guard, Binary(BinaryOperator.GREATER_EQUAL, Reference(since), one, BOOL))
+        return replace(plain, guard=early), replace(
+            edge, guard=late, updates=(*edge.updates, _set(since, 0), _set(beat, 1))
+        )
+
+    return _doubled(network, edges_for, since, beat)
+
+
+def _doubled(
+    network: Network, edges_for: Callable[[Edge], tuple[Edge, Edge | None]], clock: Variable, flag: Variable
+) -> DoubledNetwork:
+    processes, originals = [], []
+    for process in network.processes:
+        edges: list[Edge] = []
+        copies: list[Edge] = []
+        copied: list[int] = []
+        for number, edge in enumerate(process.edges):
+            copy: Edge | None = None
+            if edge.synchronisation is None or edge.synchronisation.direction is Direction.SEND:
+                edge, copy = edges_for(edge)
+            edges.append(edge)
+            if copy is not None:
+                copies.append(copy)
+                copied.append(number)
+        processes.append(replace(process, edges=(*edges, *copies)))
+        originals.append(tuple(copied))
+    last: Process = processes[-1]
+    processes[-1] = replace(last, variables=(*last.variables, clock, flag))
+    mark = Binary(BinaryOperator.EQUAL, Reference(flag), Constant(1), BOOL)
+    return DoubledNetwork(replace(network, processes=tuple(processes)), mark, tuple(originals))
+
+
+def _clock(name: str) -> Variable:
+    return Variable(name, ClockType(), VariableKind.LOCAL, (0,))
+
+
+def _flag(name: str) -> Variable:
+    return Variable(name, IntType(0, 1), VariableKind.LOCAL, (0,))
+
+
+def _set(variable: Variable, value: int) -> Expression:
+    return Assign(Reference(variable), Constant(value), variable.type)
+
+
+def _both(guard: Expression | None, condition: Expression) -> Expression:
+    return condition if guard is None else Binary(BinaryOperator.AND, guard, condition, BOOL, guard.span)
+
+
+def _is_urgent(edge: Edge) -> bool:
+    if edge.synchronisation is None:
+        return False
+    channel = edge.synchronisation.channel.type
+    return isinstance(channel, ChannelType) and channel.urgent

@@ -1,0 +1,39 @@
+"""Obligations of which only runs count in which time diverges: the search, with options on and off, and two oracles."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+
+from tachk.engines.options import Options
+from tachk.properties.verdict import Answer
+from tachk.testing import Shape, random_case
+from tachk.testing.agreement import Effort
+from tachk.testing.diverging_agreement import compare_diverging
+from tachk.testing.obligations import random_obligations
+
+SMALL = {"processes": 2, "locations": 3, "clocks": 2, "constant": 3, "deadlocks": False}
+SHAPES = {
+    "plain": Shape(**SMALL),
+    "exact": Shape(**SMALL, exact=0.5),
+    "priorities": Shape(**SMALL, priorities=True),
+    "diagonals": Shape(**SMALL, diagonals=True),
+    "one process": Shape(**{**SMALL, "processes": 1, "locations": 4}),
+    "stopwatches": Shape(**SMALL, stopwatches=True),
+    "faults": Shape(**SMALL, language=True, faults=0.3),
+}
+VARIANTS = (Options(subsumption=False), Options(pack_clocks=0, chunk_words=1))
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_search_finds_what_the_oracles_find(shape: str) -> None:
+    decided = set()
+    for seed in range(100, 112):
+        random = Random(seed)
+        case = random_case(random, SHAPES[shape])
+        for obligation in random_obligations(random, case, 1):
+            found = compare_diverging(case, obligation, VARIANTS[seed % 2 :][:1], Effort(reference=200, sampled=400))
+            assert not found.problems, f"seed {seed}: {found.problems}"
+            decided.update(found.answers.values())
+    assert {Answer.HOLDS, Answer.FAILS} <= decided
