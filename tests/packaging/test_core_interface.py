@@ -16,6 +16,7 @@ from tachk.compiler.program import Comparison, DeadlockLiteral
 from tachk.engines.core_search import core_options
 from tachk.engines.options import BoundScope, Extrapolation, Options, SearchOrder
 from tachk.model.fault import RuntimeErrorKind
+from tachk.model.floating import FloatingOperation
 from tachk.runtime.monitor_program import NodeKind, Relation, ValueOperator
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -55,6 +56,7 @@ def numbers_of(header: str, enumeration: str) -> dict[str, int]:
     ("header", "enumeration", "mirror"),
     [
         ("machine/opcode.hpp", "Opcode", Opcode),
+        ("machine/floating.hpp", "FloatingOperation", FloatingOperation),
         ("machine/opcode.hpp", "FaultKind", _core.FaultKind),
         ("reachability/explorer.hpp", "Status", _core.Status),
         ("reachability/options.hpp", "SearchOrder", _core.SearchOrder),

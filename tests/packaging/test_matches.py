@@ -63,8 +63,6 @@ REASONS = {
         "compiler/intervals.arithmetic",
         "compiler/intervals.possible_cells",
         "frontend/dropped.is_harmless",
-        "frontend/expressions/floating_constants.floating_value",
-        "frontend/expressions/floating_constants.is_floating",
         "frontend/expressions/typing.value_range",
         "semantics/clock_constants.interval",
         "semantics/discrete._is_the_same_everywhere",

@@ -62,6 +62,7 @@ void bind_enumerations(nb::module_& m) {
       .value("NEGATIVE_EXPONENT", tachk::FaultKind::negative_exponent)
       .value("ASSERT", tachk::FaultKind::assertion)
       .value("LOOP", tachk::FaultKind::loop)
+      .value("NOT_FINITE", tachk::FaultKind::not_finite)
       .value("BOUND", tachk::FaultKind::bound);
 }
 

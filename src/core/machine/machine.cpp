@@ -1,7 +1,10 @@
 #include "machine/machine.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
+
+#include "machine/floating.hpp"
 
 namespace tachk {
 namespace {
@@ -243,6 +246,18 @@ std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vect
         if (!in_range(left())) fault(FaultKind::range);
         ++instruction;
         break;
+      case Operation::floating: {
+        const auto operation = static_cast<FloatingOperation>(instruction->extra[0]);
+        const std::int32_t slot = instruction->extra[1];
+        const std::optional<std::int32_t> result = operate(operation, left(), right(), slot, memory, slots.size());
+        if (!result) fault(FaultKind::not_finite);
+        if (gives_double(operation)) {
+          written_.add(static_cast<std::size_t>(slot));
+          written_.add(static_cast<std::size_t>(slot) + 1);
+        }
+        give(*result);
+        break;
+      }
       case Operation::end:
         return left();
     }

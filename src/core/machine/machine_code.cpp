@@ -56,6 +56,8 @@ StackEffect effect_of(Opcode opcode) {
       return {0, 0, 0};
     case Opcode::check_range:
       return {2, 1, 1};
+    case Opcode::floating:
+      return {2, 2, 1};
     default:
       return {0, 2, 1};
   }
@@ -301,6 +303,16 @@ class Translation {
         Instruction& check = emit(Operation::check_range, stack_.back(), zero());
         check.extra[0] = operand(position, 0);
         check.extra[1] = operand(position, 1);
+        break;
+      }
+      case Opcode::floating: {
+        const std::int32_t slot = operand(position, 1);
+        keep_apart(2, slot);
+        keep_apart(2, slot + 1);
+        const Operand right = pop();
+        Instruction& operation = compute(Operation::floating, pop(), right);
+        operation.extra[0] = operand(position, 0);
+        operation.extra[1] = slot;
         break;
       }
       case Opcode::end:

@@ -53,6 +53,7 @@ enum class Operation : std::uint8_t {
   call_return,  // the result, if any, is in register 0
   assertion,    // of left
   check_range,  // of left, as for store
+  floating,     // target = the FloatingOperation extra[0] on left and right; a double goes to the slot extra[1]
   end,          // the value is left
 };
 

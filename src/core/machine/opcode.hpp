@@ -50,6 +50,7 @@ enum class Opcode : std::int32_t {
   call_return = 54,
   assertion = 55,
   check_range = 56,
+  floating = 57,
 };
 
 // What can go wrong while a model runs.
@@ -62,6 +63,7 @@ enum class FaultKind {
   negative_exponent,
   assertion,
   loop,
+  not_finite,
   bound,
 };
 

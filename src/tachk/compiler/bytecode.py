@@ -79,3 +79,7 @@ class Opcode(IntEnum):
     """a -- ; error ASSERT if a is 0"""
     CHECK_RANGE = 56
     """CHECK_RANGE low high: a -- a; error RANGE"""
+    FLOATING = 57
+    """FLOATING operation slot: a b -- c; a `tachk.model.floating.FloatingOperation` on the doubles whose first slots
+    are a and b (one with a single argument takes a; FROM_INTEGER takes a itself). A double is stored
+    from the slot on, which c is then; any other result is c; error NOT_FINITE"""

@@ -15,8 +15,8 @@ from tachk.compiler.assembler import Assembler, Label
 from tachk.compiler.bytecode import Opcode
 from tachk.compiler.fold import Known, fold, fold_place, is_integer
 from tachk.compiler.functions import FunctionGenerator
+from tachk.compiler.refused_clocks import clock_comparison_unsupported, refuse_clock_cells
 from tachk.compiler.slot_layout import SlotLayout
-from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import (
     Aggregate,
@@ -38,20 +38,18 @@ from tachk.model.expressions import (
     Unary,
     Variable,
 )
-from tachk.model.traversal import walk
+from tachk.model.floating import FloatingOperation
+from tachk.model.traversal import may_change, walk
 from tachk.model.types import (
     ArrayType,
     BoolType,
-    ChannelType,
     ClockType,
     IntType,
     RecordType,
     ScalarType,
-    Type,
     bounds,
     cell_count,
     is_aggregate,
-    leaves,
 )
 from tachk.operators import CONNECTIVES, BinaryOperator, UnaryOperator
 
@@ -182,8 +180,11 @@ class CodeGenerator:
                     emit(Opcode.LOAD_INDIRECT)
             case Increment():
                 self._increment(expression)
-            case Call():
-                self._functions.call(expression)
+            case Call(function):
+                if function.operation is not None:
+                    self._operate(expression, function.operation)
+                else:
+                    self._functions.call(expression)
             case Comma(items):
                 for item in items[:-1]:
                     self.effect(item)
@@ -323,7 +324,7 @@ class CodeGenerator:
             case Comma(items):
                 for item in items:
                     self.effect(item)
-            case Call(function):
+            case Call(function) if function.operation is None:
                 self._functions.call(expression)
                 if is_integer(function.result):
                     emit(Opcode.POP)
@@ -402,6 +403,8 @@ class CodeGenerator:
                 emit(Opcode.DUPLICATE)
                 self._aggregate_value(expression.value)
                 emit(Opcode.COPY, cell_count(target.type), span=expression.span)
+            case Call(function) if function.operation is not None:
+                self._operate(expression, function.operation)
             case Call(function) if is_aggregate(function.result):
                 self._functions.call(expression)
                 temporary = self.layout.temporary(cell_count(function.result))
@@ -419,6 +422,21 @@ class CodeGenerator:
                 emit(Opcode.STORE, temporary)
                 emit(Opcode.CONST, temporary)
 
+    def _operate(self, call: Call, operation: FloatingOperation) -> None:
+        """Pushes the result of an operation; of a floating point result, the slot in which it begins."""
+        emit = self.assembler.emit
+        first = call.arguments[0]
+        if operation is FloatingOperation.FROM_INTEGER:
+            self.value(first)
+        else:
+            self._stable_address(first, *call.arguments[1:])
+        if len(call.arguments) > 1:
+            self.address(call.arguments[1])
+        else:
+            emit(Opcode.CONST, 0)
+        slot = self.layout.temporary(cell_count(operation.result))
+        emit(Opcode.FLOATING, operation, slot, span=call.span)
+
     def _fill(self, slot: int, items: tuple[Expression, ...]) -> None:
         for item in items:
             cells = cell_count(item.type)
@@ -431,9 +449,9 @@ class CodeGenerator:
                 self.assembler.emit(Opcode.STORE, slot)
             slot += cells
 
-    def _stable_address(self, expression: Expression, later: Expression) -> None:
+    def _stable_address(self, expression: Expression, *later: Expression) -> None:
         """Like `_address`, but what is evaluated later cannot change the cells any more."""
-        if any(isinstance(node, Assign | Increment | Call) for node in walk(later)):
+        if any(may_change(node) for each in later for node in walk(each)):
             temporary = self.layout.temporary(cell_count(expression.type))
             self.copy_into(temporary, expression, expression.span)
             self.assembler.emit(Opcode.CONST, temporary)
@@ -441,7 +459,7 @@ class CodeGenerator:
             self.address(expression)
 
     def _aggregate_value(self, expression: Expression) -> None:
-        _refuse_clock_cells(expression)
+        refuse_clock_cells(expression)
         self.address(expression)
 
     def _assign_aggregate(self, expression: Assign) -> None:
@@ -458,32 +476,3 @@ class CodeGenerator:
 def _value_range(variable: Variable) -> tuple[int, int]:
     assert isinstance(variable.type, IntType | BoolType | ScalarType)
     return bounds(variable.type)
-
-
-def _contains_clocks(type_: Type) -> bool:
-    return any(isinstance(leaf, ClockType | ChannelType) for _, leaf in leaves(type_))
-
-
-def _refuse_clock_cells(expression: Expression) -> None:
-    """Raises UnsupportedError for a copy of a value that contains clocks."""
-    if _contains_clocks(expression.type):
-        raise UnsupportedError(
-            Diagnostic(
-                "E0702",
-                "an array or record that contains clocks cannot be copied",
-                expression.span,
-                "assign its integer cells one by one, or pass it by reference",
-            )
-        )
-
-
-def clock_comparison_unsupported(span: Span) -> UnsupportedError:
-    """A clock is compared where only integers can be evaluated."""
-    return UnsupportedError(
-        Diagnostic(
-            "E0703",
-            "a clock is compared inside an expression that must be a number",
-            span,
-            "compare clocks only in guards, invariants and queries, joined by &&, ||, imply, not or forall",
-        )
-    )

@@ -171,6 +171,8 @@ class _Scope:
             case Increment(target, delta):
                 low, high = self._interval(target)
                 return inner(target) or not _within((low + delta, high + delta), cell_range(target.type))
+            case Call(function, arguments) if function.operation is not None:
+                return inner(*arguments) or not function.operation.total
             case Call(function, arguments):
                 pairs = zip(function.parameters, arguments, strict=True)
                 return (

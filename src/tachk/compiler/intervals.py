@@ -126,6 +126,8 @@ def _read(place: Expression, known: Known, given: Mapping[Variable, Interval]) -
 
 def _call(call: Call, known: Known, given: Mapping[Variable, Interval]) -> Interval:
     declared = cell_range(call.function.result)
+    if call.function.operation is not None:
+        return declared
     written = written_variables(list(statement_expressions(call.function.body)))
     arguments = {
         parameter: interval(argument, known, given)

@@ -14,6 +14,7 @@ from tachk.model.expressions import (
     Deadlock,
     Expression,
     Field,
+    Function,
     Increment,
     Index,
     LocationTest,
@@ -21,9 +22,11 @@ from tachk.model.expressions import (
     Reference,
     Unary,
 )
+from tachk.model.floating import FloatingOperation
+from tachk.model.floating_calls import constant_number
 from tachk.model.network import Network
 from tachk.model.types import BoolType, IntType, ScalarType, Type
-from tachk.operators import PrefixOperator
+from tachk.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.printing.expression_printer import print_expression, print_type
 
@@ -71,6 +74,9 @@ def _node(expression: Expression, network: Network, prefix: str) -> ast.Expressi
         return _node(part, network, prefix)
 
     at = NOWHERE
+    number = constant_number(expression)
+    if number is not None:
+        return ast.FloatLiteral(at, repr(number))
     match expression:
         case Constant(value, BoolType()):
             return ast.BooleanLiteral(at, bool(value))
@@ -97,6 +103,12 @@ def _node(expression: Expression, network: Network, prefix: str) -> ast.Expressi
             return ast.AssignmentExpression(at, operator, inner(target), inner(value))
         case Increment(target, delta, before):
             return ast.IncrementExpression(at, "++" if delta > 0 else "--", before, inner(target))
+        case Call(Function(operation=FloatingOperation.FROM_INTEGER), (value,)):
+            return inner(value)
+        case Call(Function(operation=FloatingOperation.NEGATE), (value,)):
+            return ast.UnaryExpression(at, PrefixOperator.MINUS, inner(value))
+        case Call(Function(operation=FloatingOperation() as operation), (left, right)):
+            return ast.BinaryExpression(at, BinaryOperator[operation.name], inner(left), inner(right))
         case Call(function, arguments):
             called = ast.NameExpression(at, function.name)
             return ast.CallExpression(at, called, tuple(inner(argument) for argument in arguments))

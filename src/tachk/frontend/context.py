@@ -116,7 +116,7 @@ class Context:
                         reads.add(variable)
                     case Assign(target) | Increment(target):
                         writes.update(roots(target))
-                    case Call(function, arguments):
+                    case Call(function, arguments) if function.operation is None:
                         called = self.effects[function]
                         reads |= called.reads
                         writes |= called.writes - set(function.parameters)
@@ -181,7 +181,8 @@ class Context:
         try:
             return evaluate_cells(expression, environment)
         except EvaluationFault as fault:
-            self.error("E0602", fault.span, f"{what} cannot be computed: {FAULT_TEXTS[fault.kind]}")
+            code = "E0750" if fault.kind is RuntimeErrorKind.NOT_FINITE else "E0602"
+            self.error(code, fault.span, f"{what} cannot be computed: {FAULT_TEXTS[fault.kind]}")
             return None
 
     def _not_constant(self, expression: Expression, unknown: frozenset[Variable], what: str) -> None:
@@ -220,5 +221,6 @@ FAULT_TEXTS = {
     RuntimeErrorKind.NEGATIVE_EXPONENT: "the exponent is negative",
     RuntimeErrorKind.ASSERT: "an assertion fails",
     RuntimeErrorKind.LOOP: "it takes too many steps; perhaps a loop does not end",
+    RuntimeErrorKind.NOT_FINITE: "a floating point operation has no finite result, or none that fits an integer",
     RuntimeErrorKind.BOUND: "a clock bound is too large",
 }

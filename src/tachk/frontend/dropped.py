@@ -1,5 +1,5 @@
-"""Floating point variables and hybrid clocks that only other such variables ever see, and functions with something in
-them that is refused.
+"""Floating point variables, texts and hybrid clocks that only other such variables ever see, and functions with
+something in them that is refused.
 
 They belong to statistical checking. What is assigned to such variables, and the rate of a hybrid clock, is left out of
 the network; whatever else uses one is refused where it does, and so is every call of such a function, so what is left
@@ -15,11 +15,13 @@ from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_FUNCTIONS, FLOATING_FUNCTIONS
-from tachk.frontend.expressions.floating_constants import IntegerOf, floating_value
+from tachk.frontend.expressions.text_constants import text_value
 from tachk.frontend.scope import DroppedSymbol, Scope, ValueSymbol
 from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
+
+FLOATING_CONSTANT = "floating point constant"
 
 
 def dropped_kind(node: ast.TypeExpression) -> str | None:
@@ -30,22 +32,20 @@ def dropped_kind(node: ast.TypeExpression) -> str | None:
         return "hybrid clock"
     constant = "const" in node.prefixes
     if node.base.name == "double":
-        return "floating point constant" if constant else "floating point variable"
+        return FLOATING_CONSTANT if constant else "floating point variable"
     if node.base.name == "string":
         return "text constant" if constant else "text variable"
     return None
 
 
-def declare_dropped(
-    node: ast.VariableDeclaration, kind: str, scope: Scope, context: Context, integer: IntegerOf
-) -> None:
-    """Declares what is left out. Of a constant whose value is known before the model runs no more need be told."""
+def declare_dropped(node: ast.VariableDeclaration, kind: str, scope: Scope, context: Context) -> None:
+    """Declares what is left out. Of a constant text no more need be told."""
     for declarator in node.declarators:
         name = declarator.name
         given = None if declarator.dimensions or not kind.endswith("constant") else declarator.initialiser
-        value = None if given is None else floating_value(given, scope, integer)
-        if value is not None:
-            scope.declare(name, DroppedSymbol(name.span, kind, value=value), context.findings)
+        text = None if given is None else text_value(given, scope)
+        if text is not None:
+            scope.declare(name, DroppedSymbol(name.span, kind, text=text), context.findings)
             continue
         context.error(
             "W0406",

@@ -106,13 +106,13 @@ class DroppedSymbol:
 
     Attributes:
         reason: of a function, what in it is refused.
-        value: of a floating point or text constant, where it is known before the model runs.
+        text: of a text constant.
     """
 
     span: Span
     description: str
     reason: Diagnostic | None = None
-    value: float | str | None = None
+    text: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

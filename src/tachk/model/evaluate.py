@@ -45,6 +45,7 @@ from tachk.model.expressions import (
     While,
 )
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
+from tachk.model.floating import DOUBLE, FloatingOperation, halves, number_of
 from tachk.model.types import (
     ArrayType,
     BoolType,
@@ -307,6 +308,8 @@ def _assign(expression: Assign, environment: Environment) -> tuple[int, ...]:
 
 def _call(expression: Call, environment: Environment) -> tuple[int, ...]:
     function: Function = expression.function
+    if function.operation is not None:
+        return _operate(function.operation, expression, environment)
     places = []
     for parameter, argument in zip(function.parameters, expression.arguments, strict=True):
         if parameter.reference:
@@ -317,6 +320,16 @@ def _call(expression: Call, environment: Environment) -> tuple[int, ...]:
             places.append(place)
     environment.frame.update(zip(function.parameters, places, strict=True))
     return _run(function.body, function.result, environment) or ()
+
+
+def _operate(operation: FloatingOperation, expression: Call, environment: Environment) -> tuple[int, ...]:
+    cells = [_cells(argument, environment) for argument in expression.arguments]
+    arguments = [number_of(c) if len(c) > 1 else c[0] for c in cells]
+    result = operation.compute(arguments)
+    if result is None:
+        given = " and ".join(map(str, arguments))
+        raise EvaluationFault(RuntimeErrorKind.NOT_FINITE, expression.span, f"`{expression.function.name}` of {given}")
+    return halves(result) if operation.result == DOUBLE else (int(result),)
 
 
 def _quantifier(expression: Quantifier, environment: Environment) -> int:

@@ -10,6 +10,7 @@ from dataclasses import field
 from enum import StrEnum
 
 from tachk.diagnostics.span import NOWHERE, Span
+from tachk.model.floating import FloatingOperation
 from tachk.model.types import BoolType, IntType, Type
 from tachk.operators import BinaryOperator, UnaryOperator
 from tachk.records import dataclass
@@ -306,6 +307,9 @@ class Function:
     """A function with its body. Compared by identity; a function local to a template is one object per process.
 
     Functions cannot be recursive. Arguments and results outside their declared range are run-time errors.
+
+    Attributes:
+        operation: what a function without statements computes (`tachk.model.floating_calls` has all of them).
     """
 
     name: str
@@ -313,3 +317,4 @@ class Function:
     result: Type
     body: Block
     span: Span = NOWHERE
+    operation: FloatingOperation | None = None

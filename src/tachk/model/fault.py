@@ -20,6 +20,8 @@ class RuntimeErrorKind(Enum):
     ASSERT = auto()
     LOOP = auto()
     """more than 2**24 instructions in one piece of code"""
+    NOT_FINITE = auto()
+    """a floating point operation without a finite result, or too large for an integer"""
     BOUND = auto()
     """a clock is compared with a value beyond the constants the program was compiled for"""
 

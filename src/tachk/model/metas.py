@@ -163,7 +163,7 @@ class _Search:
             case Quantifier(body=body):
                 self.value(body, written)
                 return written
-            case Call(function, arguments):
+            case Call(function, arguments) if function.operation is None:
                 return self.call(function, self.values(arguments, written))
             case _:
                 return self.values(children(expression), written)

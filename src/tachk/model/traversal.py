@@ -146,6 +146,11 @@ def called_functions(expressions: Iterable[Expression]) -> dict[Function, None]:
     return found
 
 
+def may_change(node: Expression) -> bool:
+    """Whether a node itself, its parts aside, may change something."""
+    return isinstance(node, Assign | Increment) or (isinstance(node, Call) and node.function.operation is None)
+
+
 def reads_clock(expression: Expression) -> bool:
     """Whether the value of the expression depends on the value of a clock; setting one does not read it."""
     match expression:

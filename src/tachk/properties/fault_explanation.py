@@ -31,6 +31,11 @@ _WHAT = {
     RuntimeErrorKind.NEGATIVE_EXPONENT: ("E0766", "an exponent is negative", "raise to powers of 0 or more"),
     RuntimeErrorKind.ASSERT: ("E0767", "an assertion is false", "the run below leads to it"),
     RuntimeErrorKind.LOOP: ("E0768", "this takes more than 2^24 instructions", "perhaps a loop does not end"),
+    RuntimeErrorKind.NOT_FINITE: (
+        "E0770",
+        "a floating point operation has no finite result, or none that fits an integer",
+        "guard the edge so that this is not evaluated there",
+    ),
     RuntimeErrorKind.BOUND: (
         "E0769",
         "a clock is compared with a value beyond the limits known before the run",

@@ -10,6 +10,7 @@ from tachk.compiler.program import Program
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
+from tachk.model.floating import DOUBLE, FloatingOperation, halves, number_of
 from tachk.operators import CONNECTIVES, BinaryOperator, OperandError, UnaryOperator
 
 INSTRUCTION_LIMIT = 2**24
@@ -26,10 +27,11 @@ _OPERANDS = {
     Opcode.JUMP_IF_NONZERO: 1,
     Opcode.CALL: 1,
     Opcode.CHECK_RANGE: 2,
+    Opcode.FLOATING: 2,
 }
 _MEMORY = frozenset(
     {Opcode.LOAD, Opcode.LOAD_INDIRECT, Opcode.STORE, Opcode.STORE_INDIRECT}
-    | {Opcode.COPY, Opcode.EQUAL_CELLS, Opcode.RESET}
+    | {Opcode.COPY, Opcode.EQUAL_CELLS, Opcode.RESET, Opcode.FLOATING}
 )
 _BINARY = {Opcode[operator.name]: operator for operator in BinaryOperator if operator not in CONNECTIVES}
 
@@ -107,6 +109,17 @@ class Machine:
                 if value < 0:
                     raise self._fault(RuntimeErrorKind.NEGATIVE_CLOCK, position)
                 self.resets[clock] = value
+            case Opcode.FLOATING:
+                operation = FloatingOperation(operands[0])
+                given = [stack.pop(), stack.pop()][::-1][: len(operation.parameters)]
+                whole = operation is FloatingOperation.FROM_INTEGER
+                result = operation.compute([n if whole else number_of(slots[n : n + 2]) for n in given])
+                if result is None:
+                    raise self._fault(RuntimeErrorKind.NOT_FINITE, position)
+                if operation.result == DOUBLE:
+                    slots[operands[1] : operands[1] + 2] = halves(result)
+                    result = operands[1]
+                stack.append(int(result))
             case _:
                 raise InternalError(f"{opcode.name} does not access memory")
 

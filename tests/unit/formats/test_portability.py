@@ -168,3 +168,13 @@ def test_names_that_were_put_right() -> None:
     text = f'<nta><template><name>P</name>{names}<init ref="l0"/></template><system>system P;</system></nta>'
     findings = portability(load_model(Source("m.xml", text)), Version.UPPAAL_5_0)
     assert [(d.code, d.message.split("`")[1]) for d in findings] == [("E0819", "A"), ("E0819", "B-1")]
+
+
+def test_floating_point_numbers_outside_functions() -> None:
+    function = "int n; bool low(int k) { double d = k; return d / 2 < 1.5; }\n"
+    inside = function + process("state a; init a; trans a -> a { guard low(n); };") + "property p : A[] low(n);"
+    assert not {"E0815", "W0501"} & {code for code, _ in found(inside)}
+    guard = function + process("state a; init a; trans a -> a { guard n < 1.5; };")
+    assert ("W0501", "n") in found(guard)
+    query = function + process("state a; init a;") + "property p : A[] n < 1.5;"
+    assert ("E0815", "n") in found(query)

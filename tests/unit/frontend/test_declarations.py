@@ -113,7 +113,7 @@ def test_channel_priorities(load: Any) -> None:
         ("struct { chan a; } v;", [("E0315", "a")]),
         ("hybrid clock v;", [("W0406", "v")]),
         ("double v = 1.5;", [("W0406", "v")]),
-        ("const int f = 1.5;", [("E0750", "1.5")]),
+        ("const int f = 1.5;", [("E0302", "1.5")]),
         ("int v[0];", [("E0604", "0")]),
         ("typedef scalar[0] t;", [("E0604", "scalar[0]")]),
         ("typedef int t; int v[t];", [("E0315", "t")]),

@@ -20,7 +20,7 @@ def labels(text: str) -> str:
 @pytest.mark.parametrize(
     ("text", "named"),
     [
-        ("double f() { return 1.0; }\nint n = f();\n" + PROCESS, "f"),
+        ("double f() { return sin(1.0); }\nint n = fint(f());\n" + PROCESS, "f"),
         ("typedef struct { hybrid clock h; } box;\n" + PROCESS, "hybrid clock"),
         ("before_update { 1 }\n" + PROCESS, "before_update { 1 }"),
         ("dynamic Q(int a);\nprocess Q(int a) { init location s; }\n" + PROCESS, "dynamic Q(int a);"),

@@ -13,6 +13,8 @@ def _process(declarations: str, update: str, guard: str = "") -> str:
     )
 
 
+_HALF = "int half(int n) { double d = 1.0 / n; return fint(d * 10); }\n"
+
 RUN_TIME_CODES: dict[str, Explanation] = {
     "E0761": Explanation(
         "value outside its range",
@@ -67,5 +69,12 @@ RUN_TIME_CODES: dict[str, Explanation] = {
         "clock compared with too large a value",
         "A clock is compared with a value beyond the limit that was computed before the run; zones need such a limit. "
         "Declare ranges for the variables of the bound.",
+    ),
+    "E0770": Explanation(
+        "floating point operation without a result",
+        "A run divides a `double` by zero, takes the root of a negative number, computes a number too large for one, "
+        "or makes one an integer of more than 32 bits. tachk knows no infinities: it reports where one would be.",
+        _HALF + _process("int[0,3] n = 3; int m;", "m = half(n), n = n - 1", "n >= 0"),
+        _HALF + _process("int[0,3] n = 3; int m;", "m = half(n), n = n - 1", "n > 0"),
     ),
 }

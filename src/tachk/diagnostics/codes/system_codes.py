@@ -140,14 +140,15 @@ SYSTEM_CODES: dict[str, Explanation] = {
     ),
     "E0750": Explanation(
         "construct that is not supported",
-        "tachk checks all of UPPAAL's language for symbolic checking. Floating point numbers, hybrid clocks, rates "
-        "other than 0 and 1, arithmetic with clocks, strings, foreign functions, processes that appear and vanish "
-        "while the system runs (dynamic, spawn, exit, numOf, foreach) and before_update/after_update belong to "
+        "tachk checks all of UPPAAL's language for symbolic checking. Floating point variables that last, functions "
+        "such as `sin` that libraries compute differently, hybrid clocks, rates other than 0 and 1, arithmetic with "
+        "clocks, strings, foreign functions, processes that appear and vanish while the system runs (dynamic, spawn, "
+        "exit, numOf, foreach) and before_update/after_update belong to "
         "simulation and statistical checking, IO declarations to refinement checking; synchronisations without a "
         "direction or behind a branchpoint have no meaning here. A model with such "
         "a construct can be converted, formatted and drawn, but none of its queries is checked: the exit status is 3.",
-        "const int level = 1.5;",
-        "const int tenths = 15;",
+        "const int level = fint(sin(0.5));",
+        "const int level = fint(sqrt(0.25));",
     ),
     "W0401": Explanation(
         "nothing sends",
@@ -180,8 +181,8 @@ SYSTEM_CODES: dict[str, Explanation] = {
         "not supported and not used",
         "A template that no process is an instance of uses a construct that tachk does not check. It is kept in the "
         "text and has no influence on any answer.",
-        _P + "process Q() { const int n = 1.5; state s; init s; }\nsystem P;",
-        _P + "process Q() { const int n = 1; state s; init s; }\nsystem P;",
+        _P + "process Q() { const int n = fint(sin(0.5)); state s; init s; }\nsystem P;",
+        _P + "process Q() { const int n = fint(0.5); state s; init s; }\nsystem P;",
     ),
     "W0406": Explanation(
         "variable that is not checked",
@@ -195,8 +196,8 @@ SYSTEM_CODES: dict[str, Explanation] = {
         "function that is not checked",
         "The function uses something that tachk does not check, or it belongs to a library of another program. It is "
         "left out of what is checked; anything that calls it is refused (E0750).",
-        "int half(int n) { double d = n / 2.0; return 0; }",
-        "int half(int n) { return n / 2; }",
+        "int wave(int n) { return fint(sin(n / 2.0)); }",
+        "int half(int n) { return fint(n / 2.0); }",
     ),
     "W0408": Explanation(
         "meta variable that lasts",

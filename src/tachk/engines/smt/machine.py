@@ -48,6 +48,8 @@ class Machine(Evaluator):
 
     def call(self, expression: Call) -> tuple[Number, ...]:
         function = expression.function
+        if function.operation is not None:
+            raise refused("floating point arithmetic", expression.span)
         places = []
         for parameter, argument in zip(function.parameters, expression.arguments, strict=True):
             if parameter.reference:

@@ -36,6 +36,8 @@ from tachk.model.expressions import (
     VariableKind,
     While,
 )
+from tachk.model.floating import FloatingOperation
+from tachk.model.floating_calls import OPERATION_FUNCTIONS
 from tachk.operators import BinaryOperator, UnaryOperator
 
 
@@ -77,6 +79,9 @@ class ExpressionReader:
             raise ValueError(f"function {number} calls itself")
         self._open.add(number)
         value = self.bodies[number]
+        if "operation" in value:
+            self.functions[number] = OPERATION_FUNCTIONS[FloatingOperation[value["operation"].upper()]]
+            return self.functions[number]
         parameters = tuple(self.variable(p) for p in value["parameters"])
         body = self.statement(value["body"])
         if not isinstance(body, Block):

@@ -87,6 +87,8 @@ class ExpressionWriter:
             "result": type_to_json(function.result),
             "body": self.statement(function.body),
         }
+        if function.operation is not None:
+            self.bodies[number]["operation"] = function.operation.name.lower()
         return number
 
     def optional(self, expression: Expression | None) -> Json:

@@ -12,7 +12,7 @@ from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Span
 from tachk.formats.plain.free_names import DECLARED_5, QUERY_WORDS, WORDS_4_1, WORDS_5, declared_names
 from tachk.formats.uppaal.portability_constants import open_constants
-from tachk.formats.uppaal.portability_queries import query_findings
+from tachk.formats.uppaal.portability_queries import floating_findings, query_findings
 from tachk.formats.uppaal.versions import Version
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_TYPES
 from tachk.frontend.loaded import LoadedModel
@@ -185,6 +185,7 @@ def _other_treatment(model: LoadedModel, version: Version) -> Iterator[Diagnosti
             f"{version.full_name} {verb} a clock guard on an urgent channel",
             "wait for the clock in a location of its own",
         )
+    yield from floating_findings(model.network, version.full_name)
     for template in (item for item in model.items if isinstance(item, ast.Template)):
         for location in template.locations:
             if location.invariant is not None:

@@ -7,16 +7,19 @@ from dataclasses import dataclass, field, replace
 
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.functions import declare_function, declare_types
-from tachk.frontend.dropped import declare_dropped, declare_foreign_functions, dropped_kind
+from tachk.frontend.dropped import FLOATING_CONSTANT, declare_dropped, declare_foreign_functions, dropped_kind
 from tachk.frontend.expressions.initialisers import initialiser
 from tachk.frontend.expressions.places import converted
-from tachk.frontend.expressions.typed_expressions import expression, integer_constant, type_reader
+from tachk.frontend.expressions.typed_expressions import expression, type_reader
 from tachk.frontend.expressions.typing import WIDE, describe, is_data, is_integral
+from tachk.frontend.findings import Findings
 from tachk.frontend.open_constants import OpenConstants
 from tachk.frontend.priority_readings import FIRST, says_default
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.model.cell_layout import cell_bounds, default_cells
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable, VariableKind
+from tachk.model.floating import DOUBLE, contains_double, number_of
+from tachk.model.floating_calls import floating_constant
 from tachk.model.types import (
     ArrayType,
     BoolType,
@@ -91,8 +94,27 @@ def declare(
 def _declare_variables(node: ast.VariableDeclaration, scope: Scope, declared: Declared, context: Context) -> None:
     left_out = None if node.type is None else dropped_kind(node.type)
     if left_out is not None:
-        declare_dropped(node, left_out, scope, context, lambda part: integer_constant(part, scope, context))
+        if left_out != FLOATING_CONSTANT or not _declare_kept(node, scope, declared, context):
+            declare_dropped(node, left_out, scope, context)
         return
+    _declare_each(node, scope, declared, context)
+
+
+def _declare_kept(node: ast.VariableDeclaration, scope: Scope, declared: Declared, context: Context) -> bool:
+    """Declares constants, unless something that is refused is all that is wrong with them."""
+    found, own = context.findings, Findings()
+    context.findings = own
+    try:
+        _declare_each(node, scope, declared, context)
+    finally:
+        context.findings = found
+    if not own.has_mistakes and any(diagnostic.is_unsupported for diagnostic in own.sorted()):
+        return False
+    found.extend(own.sorted())
+    return True
+
+
+def _declare_each(node: ast.VariableDeclaration, scope: Scope, declared: Declared, context: Context) -> None:
     reader = type_reader(scope, context)
     constant = node.type is None or "const" in node.type.prefixes
     base: Type | None = IntType() if node.type is None else reader.type(node.type)
@@ -118,6 +140,14 @@ def _variable(
     if meta and not is_data(type_):
         context.error("E0315", node.span, f"a {describe(type_)} cannot be meta")
         meta = False
+    if contains_double(type_):
+        context.error(
+            "E0750",
+            node.span,
+            f"a variable of type {describe(type_)} that lasts is not supported",
+            "compute with `double` inside functions, and keep integers, scaled if need be",
+        )
+        return None
     if not context.allow_variable(type_, node.span):
         return None
     cells = default_cells(type_)
@@ -257,6 +287,8 @@ def constant_symbol(
     """The meaning of a constant: its value, or for arrays and structs a variable that nothing changes."""
     if is_integral(type_) or isinstance(type_, ScalarType):
         return ValueSymbol(Constant(cells[0], type_), False, description, identifier.span)
+    if type_ == DOUBLE:
+        return ValueSymbol(floating_constant(number_of(cells)), False, description, identifier.span)
     variable = Variable(declared.full_name(name), type_, declared.kind, cells, span=identifier.span)
     declared.variables.append(variable)
     context.constants.add(variable)

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import assert_never
 
 from tachk.frontend.context import Context
-from tachk.frontend.dropped import declare_dropped_function
+from tachk.frontend.dropped import declare_dropped_function, without_effect
 from tachk.frontend.expressions.initialisers import initialiser
 from tachk.frontend.expressions.places import converted
 from tachk.frontend.expressions.typed_expressions import comma, condition, expression, type_reader
@@ -39,11 +39,12 @@ def declare_function(node: ast.FunctionDeclaration, scope: Scope, context: Conte
     """Elaborates a function and declares its name. A function whose only mistake is something that is refused is left
     out, so that only what calls it is refused."""
     found, own = context.findings, Findings()
-    context.findings = own
+    outer = context.in_function
+    context.findings, context.in_function = own, True
     try:
         symbol = _function(node, scope, context)
     finally:
-        context.findings = found
+        context.findings, context.in_function = found, outer
     refusals = [diagnostic for diagnostic in own.sorted() if diagnostic.is_unsupported]
     if refusals and not own.has_mistakes:
         declare_dropped_function(node, refusals, scope, context)
@@ -120,12 +121,7 @@ def _with_parameters(
                 Reference(variable), not constant, "constant parameter" if constant else "parameter", variable.span
             )
         inner.declare(parameter.name, symbol, context.findings)
-    before = context.in_function
-    context.in_function = True
-    try:
-        body = _Body(result, inner, context).block(node.body, inner)
-    finally:
-        context.in_function = before
+    body = _Body(result, inner, context).block(node.body, inner)
     if body is None or result is None or None in parameters:
         return None
     if not isinstance(result, VoidType) and not _returns(body):
@@ -225,6 +221,8 @@ class _Body:
             case ast.BlockStatement():
                 return self.block(node, Scope(scope))
             case ast.ExpressionStatement(_, inner):
+                if without_effect(inner, scope):
+                    return Block(())
                 value = expression(inner, scope, self.context)
                 return None if value is None else Evaluate(value)
             case ast.EmptyStatement():

@@ -9,6 +9,7 @@ from tachk.frontend.expressions.typed_expressions import expression
 from tachk.frontend.expressions.typing import can_assign, describe
 from tachk.frontend.scope import Scope
 from tachk.model.expressions import Aggregate, Constant, Expression
+from tachk.model.floating import DOUBLE
 from tachk.model.types import ArrayType, ClockType, RecordType, Type
 from tachk.syntax import ast
 
@@ -42,7 +43,7 @@ def _list(node: ast.InitialiserList, type_: Type, scope: Scope, context: Context
                     context.error("E0318", designator.span, "the elements of an array have no names")
                     return None
             ordered = [item for _, item in node.items]
-        case RecordType(_, fields):
+        case RecordType(_, fields) if type_ != DOUBLE:
             wanted = [t for _, t in fields]
             names = [name for name, _ in fields]
             ordered = [None] * len(fields)

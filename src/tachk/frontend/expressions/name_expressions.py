@@ -7,7 +7,7 @@ from itertools import islice
 from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.context import Context
 from tachk.frontend.dropped import refuse_use
-from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS
+from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_DOUBLES
 from tachk.frontend.expressions.typing import WIDE
 from tachk.frontend.scope import (
     BrokenSymbol,
@@ -22,6 +22,7 @@ from tachk.frontend.scope import (
     ValueSymbol,
 )
 from tachk.model.expressions import Constant, Expression
+from tachk.model.floating_calls import floating_constant
 from tachk.syntax import ast
 
 _PROCESSES_NAMED = 3
@@ -44,6 +45,8 @@ def named(node: ast.NameExpression, scope: Scope, context: Context) -> Expressio
         case None:
             if node.name in BUILTIN_CONSTANTS:
                 return Constant(BUILTIN_CONSTANTS[node.name], WIDE, node.span)
+            if node.name in BUILTIN_DOUBLES:
+                return floating_constant(BUILTIN_DOUBLES[node.name], node.span)
             if node.name == "deadlock":
                 context.error("E0501", node.span, "`deadlock` can only be used in queries")
                 return None

@@ -9,12 +9,15 @@ from tachk.frontend.expressions.clock_constraints import compare
 from tachk.frontend.expressions.typing import (
     CHANNEL_HELP,
     CLOCK_VALUE_HELP,
+    can_assign,
     describe,
     is_data,
     is_integral,
     same_shape,
 )
 from tachk.model.expressions import BOOL, INT, Binary, Expression
+from tachk.model.floating import DOUBLE, FloatingOperation, contains_double
+from tachk.model.floating_calls import as_double, operated
 from tachk.model.types import ChannelType, ClockType, ScalarType, Type, element_type, is_aggregate
 from tachk.operators import COMPARISONS, BinaryOperator
 
@@ -24,6 +27,8 @@ def combine(
 ) -> Expression | None:
     """An arithmetic operation or comparison; None after a report."""
     clocks = isinstance(left.type, ClockType) or isinstance(right.type, ClockType)
+    if DOUBLE in (left.type, right.type):
+        return _floating(operator, left, right, span, context)
     for side in (left, right):
         if not (is_integral(side.type) or (clocks and isinstance(side.type, ClockType))) and (
             clocks or operator not in (BinaryOperator.EQUAL, BinaryOperator.NOT_EQUAL)
@@ -50,6 +55,26 @@ def combine(
     return fold.binary(operator, left, right, INT, span)
 
 
+def _floating(
+    operator: BinaryOperator, left: Expression, right: Expression, span: Span, context: Context
+) -> Expression | None:
+    """An operation of which a side is a floating point number."""
+    for side in (left, right):
+        if isinstance(side.type, ClockType):
+            mend = "compare it with an integer; choose a shorter time unit if need be"
+            context.error("E0750", span, "comparing a clock with a floating point number is not supported", mend)
+            return None
+    operation = FloatingOperation.__members__.get(operator.name)
+    if operation is None:
+        context.error("E0750", span, f"`{operator}` on floating point numbers is not supported")
+        return None
+    for side in (left, right):
+        if side.type != DOUBLE and not is_integral(side.type):
+            context.error("E0301", side.span, f"`{operator}` cannot be applied to {describe(side.type)}")
+            return None
+    return operated(operation, (left, right), span)
+
+
 def _comparison(
     operator: BinaryOperator, left: Expression, right: Expression, span: Span, context: Context
 ) -> Expression | None:
@@ -62,6 +87,10 @@ def _comparison(
             f"{describe(left.type)} and {describe(right.type)} cannot be compared",
             _cannot_compare_help(left.type, right.type),
         )
+        return None
+    if contains_double(left.type):
+        what = f"comparing values of type {describe(left.type)}, which contain floating point numbers,"
+        context.error("E0750", span, f"{what} is not supported", "compare the numbers one by one")
         return None
     if is_aggregate(left.type):
         return Binary(operator, left, right, BOOL, span)
@@ -83,6 +112,8 @@ def choose(
     type_: Type
     if is_integral(then.type) and is_integral(otherwise.type):
         type_ = then.type if then.type == otherwise.type else INT
+    elif DOUBLE in (then.type, otherwise.type) and can_assign(DOUBLE, then.type) and can_assign(DOUBLE, otherwise.type):
+        return fold.conditional(test, as_double(then), as_double(otherwise), DOUBLE, span)
     elif same_shape(then.type, otherwise.type):
         type_ = then.type
     else:

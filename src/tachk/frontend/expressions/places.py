@@ -8,6 +8,8 @@ from tachk.frontend.expressions import folded_expressions as fold
 from tachk.frontend.expressions.typing import describe, is_integral
 from tachk.frontend.scope import Scope, ValueSymbol
 from tachk.model.expressions import Conditional, Expression, Field, Index, Reference
+from tachk.model.floating import DOUBLE
+from tachk.model.floating_calls import as_double
 from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarType, Type
 from tachk.syntax import ast
 
@@ -49,7 +51,7 @@ def converted(value: Expression, target: Type) -> Expression:
     """The value as it is stored in a variable of the target type: an integer in a bool becomes 0 or 1."""
     if isinstance(target, BoolType) and isinstance(value.type, IntType):
         return fold.truth(value)
-    return value
+    return as_double(value) if target == DOUBLE else value
 
 
 def element(base: Expression, number: Expression, node: ast.IndexExpression, context: Context) -> Expression | None:
@@ -71,7 +73,7 @@ def element(base: Expression, number: Expression, node: ast.IndexExpression, con
 
 def field(base: Expression, node: ast.MemberExpression, context: Context) -> Expression | None:
     """A field of a struct; None after a report."""
-    if not isinstance(base.type, RecordType):
+    if not isinstance(base.type, RecordType) or base.type == DOUBLE:
         context.error("E0307", node.span, f"{describe(base.type)} has no fields, only structs do")
         return None
     for name, type_ in base.type.fields:

@@ -10,6 +10,7 @@ from tachk.frontend.context import Context
 from tachk.frontend.expressions.builtin_names import BUILTIN_TYPES
 from tachk.frontend.expressions.typing import describe, is_bounded
 from tachk.frontend.scope import BrokenSymbol, EmptyTypeSymbol, Scope, TypeSymbol
+from tachk.model.floating import DOUBLE
 from tachk.model.types import (
     ArrayType,
     BoolType,
@@ -114,7 +115,7 @@ class TypeReader:
             case "void":
                 return VoidType()
             case "double":
-                self._unsupported(node.span, "floating point variables", "use integers, scaled if need be")
+                return DOUBLE
             case _:
                 self._unsupported(node.span, f"variables of type `{node.name}`")
         return None

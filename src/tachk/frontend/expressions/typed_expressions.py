@@ -6,7 +6,7 @@ so one mistake gives one message.
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
 from typing import assert_never
 
 from tachk.diagnostics.span import Span
@@ -20,20 +20,21 @@ from tachk.frontend.expressions.builtin_names import (
     DYNAMIC_HELP,
     FLOATING_FUNCTIONS,
 )
-from tachk.frontend.expressions.floating_constants import compared, floating_value
 from tachk.frontend.expressions.name_expressions import misuse_help, named
 from tachk.frontend.expressions.operator_types import choose, combine
 from tachk.frontend.expressions.places import assignable, converted, element, field, is_place
 from tachk.frontend.expressions.process_names import mentions_family, select_member, select_process
+from tachk.frontend.expressions.text_constants import compared_texts
 from tachk.frontend.expressions.type_expressions import TypeReader
 from tachk.frontend.expressions.typing import (
+    FINT_HELP,
     WIDE,
     can_assign,
     describe,
     is_integral,
     same_shape,
 )
-from tachk.frontend.findings import Findings, count, wrong_arguments
+from tachk.frontend.findings import count, wrong_arguments
 from tachk.frontend.scope import (
     BrokenSymbol,
     DroppedSymbol,
@@ -61,8 +62,10 @@ from tachk.model.expressions import (
     Variable,
     VariableKind,
 )
+from tachk.model.floating import DOUBLE, FloatingOperation
+from tachk.model.floating_calls import NAMED_OPERATIONS, floating_constant, operated
 from tachk.model.types import BoolType, ClockType, IntType, Type, bounds
-from tachk.operators import CONNECTIVES, CONSTANT_HIGH, CONSTANT_LOW, PrefixOperator, UnaryOperator
+from tachk.operators import CONNECTIVES, CONSTANT_HIGH, PrefixOperator, UnaryOperator
 from tachk.syntax import ast
 from tachk.time_limit import check_time
 
@@ -105,6 +108,9 @@ def integral(node: ast.Expression, scope: Scope, context: Context) -> Expression
     value = expression(node, scope, context)
     if value is None:
         return None
+    if value.type == DOUBLE:
+        context.error("E0750", node.span, "a floating point number is not supported here", FINT_HELP)
+        return None
     if not is_integral(value.type):
         context.error("E0301", node.span, f"expected an integer, found {describe(value.type)}")
         return None
@@ -124,9 +130,8 @@ def expression(node: ast.Expression, scope: Scope, context: Context) -> Expressi
             return Constant(value, INT if value <= INT.high else WIDE, span)
         case ast.BooleanLiteral(span, truth):
             return Constant(int(truth), BOOL, span)
-        case ast.FloatLiteral(span):
-            context.error("E0750", span, "floating point numbers are not supported", "use integers, scaled if need be")
-            return None
+        case ast.FloatLiteral():
+            return _floating_number(node, context)
         case ast.StringLiteral(span):
             context.error("E0750", span, "strings are not supported")
             return None
@@ -139,6 +144,10 @@ def expression(node: ast.Expression, scope: Scope, context: Context) -> Expressi
         case ast.IncrementExpression(span, operator, prefix, target):
             place = _target(target, scope, context)
             if place is None:
+                return None
+            if place.type == DOUBLE:
+                what = f"`{operator}` on floating point numbers is not supported"
+                context.error("E0750", span, what, f"write `{operator[0]}= 1`")
                 return None
             if not isinstance(place.type, IntType | BoolType):
                 context.error("E0301", target.span, f"`{operator}` needs an integer, not {describe(place.type)}")
@@ -177,6 +186,14 @@ def expression(node: ast.Expression, scope: Scope, context: Context) -> Expressi
             assert_never(never)
 
 
+def _floating_number(node: ast.FloatLiteral, context: Context) -> Expression | None:
+    number = float(node.text)
+    if math.isfinite(number):
+        return floating_constant(number, node.span)
+    context.error("E0605", node.span, f"{node.text} is too large for a floating point number")
+    return None
+
+
 # ---- operators ------------------------------------------------------------------------------------------------------
 
 
@@ -193,6 +210,9 @@ def _unary(node: ast.UnaryExpression, scope: Scope, context: Context) -> Express
     value = expression(node.operand, scope, context)
     if value is None:
         return None
+    if value.type == DOUBLE:
+        negative = node.operator is PrefixOperator.MINUS
+        return operated(FloatingOperation.NEGATE, (value,), node.span) if negative else value
     if isinstance(value.type, ClockType) or is_integral(value.type):
         if node.operator is PrefixOperator.PLUS:
             return value
@@ -209,7 +229,7 @@ def _binary(node: ast.BinaryExpression, scope: Scope, context: Context) -> Expre
         if first is None or second is None:
             return None
         return fold.binary(operator, first, second, BOOL, node.span)
-    truth = compared(operator, node.left, node.right, scope, lambda part: integer_constant(part, scope, context))
+    truth = compared_texts(operator, node.left, node.right, scope)
     if truth is not None:
         return Constant(int(truth), BOOL, node.span)
     left, right = expression(node.left, scope, context), expression(node.right, scope, context)
@@ -325,27 +345,30 @@ def comma(nodes: tuple[ast.Expression, ...], span: Span, scope: Scope, context: 
 # ---- calls ----------------------------------------------------------------------------------------------------------
 
 
-def integer_constant(node: ast.Expression, scope: Scope, context: Context) -> int | None:
-    """The value of an integer expression that is known before the model runs; nothing is reported."""
-    value = expression(node, scope, replace(context, findings=Findings()))
-    return value.value if isinstance(value, Constant) and is_integral(value.type) else None
-
-
-def _whole_number(node: ast.CallExpression, scope: Scope, context: Context) -> Constant | None:
-    """The value of ``fint(e)``, which cuts off what is behind the point, where e is known before the model runs."""
-    named_fint = isinstance(node.function, ast.NameExpression) and node.function.name == "fint"
-    if not named_fint or scope.lookup("fint") is not None or len(node.arguments) != 1:
+def _operation(
+    operation: FloatingOperation, node: ast.CallExpression, scope: Scope, context: Context
+) -> Expression | None:
+    """A call of a function on floating point numbers."""
+    arguments = [expression(argument, scope, context) for argument in node.arguments]
+    known = [argument for argument in arguments if argument is not None]
+    if len(known) != len(arguments):
         return None
-    number = floating_value(node.arguments[0], scope, lambda part: integer_constant(part, scope, context))
-    if not isinstance(number, float) or not CONSTANT_LOW <= int(number) <= CONSTANT_HIGH:
+    wanted, name = len(operation.parameters), node.function.span.text
+    if len(known) != wanted:
+        context.error("E0308", node.span, f"`{name}` takes {count(wanted, 'argument')}, not {len(known)}")
         return None
-    return Constant(int(number), INT if INT.low <= int(number) <= INT.high else WIDE, node.span)
+    for argument in known:
+        if not can_assign(DOUBLE, argument.type):
+            context.error("E0309", argument.span, f"`{name}` needs numbers, not {describe(argument.type)}")
+            return None
+    return operated(operation, tuple(known), node.span)
 
 
 def _call(node: ast.CallExpression, scope: Scope, context: Context) -> Expression | None:
-    whole = _whole_number(node, scope, context)
-    if whole is not None:
-        return whole
+    if isinstance(node.function, ast.NameExpression) and scope.lookup(node.function.name) is None:
+        operation = NAMED_OPERATIONS.get(node.function.name)
+        if operation is not None:
+            return _operation(operation, node, scope, context)
     symbol = _called(node.function, scope, context)
     if symbol is None:
         return None

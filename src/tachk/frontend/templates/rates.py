@@ -10,6 +10,7 @@ from tachk.frontend.expressions.typed_expressions import condition, expression, 
 from tachk.frontend.expressions.typing import describe, is_integral, value_range
 from tachk.frontend.scope import Scope, ValueSymbol
 from tachk.model.expressions import BOOL, Block, Call, Constant, Expression, Function, Return
+from tachk.model.floating import DOUBLE
 from tachk.model.types import ClockType, IntType, bounds
 from tachk.operators import BinaryOperator
 from tachk.syntax import ast
@@ -92,7 +93,7 @@ def _rate(
         return None
     if clock is None or value is None:
         return None
-    if isinstance(value.type, ClockType):
+    if isinstance(value.type, ClockType) or value.type == DOUBLE:
         _other_rate(written, context)
         return None
     if not is_integral(value.type):

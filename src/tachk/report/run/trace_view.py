@@ -12,6 +12,7 @@ from fractions import Fraction
 from tachk.diagnostics.span import Span
 from tachk.model.evaluate import channel_number
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable
+from tachk.model.floating import contains_double
 from tachk.model.network import Edge, Network
 from tachk.model.types import BoolType, ChannelType, ClockType, cell_count
 from tachk.records import dataclass
@@ -163,12 +164,18 @@ class Names:
         self.layout = self.model.layout
         self._indices = _index_names(network)
         self._hidden = tuple(network.hides(process) for process in network.processes)
+        numbers = {  # halves of floating point constants, which say nothing
+            self.layout.first[variable] + cell
+            for variable in network.all_variables()
+            if contains_double(variable.type)
+            for cell in range(cell_count(variable.type))
+        }
         self._variables = [
             (cell, name, isinstance(leaf, BoolType))
             for cell, (name, leaf, meta) in enumerate(
                 zip(self.layout.names, self.layout.types, self.layout.meta, strict=True)
             )
-            if not meta and not isinstance(leaf, ClockType | ChannelType)
+            if cell not in numbers and not meta and not isinstance(leaf, ClockType | ChannelType)
         ]
         self._clocks = tuple(self.layout.names[cell] for cell in self.layout.clock_cells)
 

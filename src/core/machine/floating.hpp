@@ -1,0 +1,44 @@
+// Floating point operations of models. A double takes two slots: its high and its low half.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+namespace tachk {
+
+// The numbers of src/tachk/model/floating.py; a test compares them.
+enum class FloatingOperation : std::int32_t {
+  add = 0,
+  subtract = 1,
+  multiply = 2,
+  divide = 3,
+  minimum = 4,
+  maximum = 5,
+  negate = 6,
+  absolute = 7,
+  square_root = 8,
+  floor = 9,
+  ceiling = 10,
+  truncate = 11,
+  round = 12,
+  from_integer = 13,
+  to_integer = 14,
+  equal = 15,
+  not_equal = 16,
+  less = 17,
+  less_equal = 18,
+  greater = 19,
+  greater_equal = 20,
+};
+
+constexpr bool gives_double(FloatingOperation operation) { return operation <= FloatingOperation::from_integer; }
+
+// An operation on the doubles in the slots left and right, of which those with one argument take the left one;
+// from_integer takes the number left. A double is stored in the slot target and the next, and the result is that slot.
+// Nothing if the result is not finite, or does not fit an integer. Throws std::logic_error for a slot that is not
+// there.
+std::optional<std::int32_t> operate(FloatingOperation operation, std::int32_t left, std::int32_t right,
+                                    std::int32_t target, std::int32_t* memory, std::size_t slots);
+
+}  // namespace tachk

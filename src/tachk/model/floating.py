@@ -1,0 +1,156 @@
+"""Floating point numbers: IEEE doubles as values of two cells, and what can be computed with them.
+
+A double is a record of two 32-bit integers, its high and its low half, so that storing, passing and indexing need
+nothing of their own. `src/core/machine/floating.hpp` mirrors the numbers of the operations and what they compute. Only
+operations are here that every library computes alike, to the last bit.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Sequence
+from enum import IntEnum
+
+from tachk.model.types import ArrayType, BoolType, IntType, RecordType, Type
+
+_HALF = IntType(-(2**31), 2**31 - 1)
+
+DOUBLE = RecordType("double", (("high", _HALF), ("low", _HALF)))
+"""The type `double`."""
+
+
+class FloatingOperation(IntEnum):
+    """What functions compute whose `Function.operation` it is. A result that is not finite is a run-time error."""
+
+    ADD = 0
+    SUBTRACT = 1
+    MULTIPLY = 2
+    DIVIDE = 3
+    MINIMUM = 4
+    """The first of equal ones."""
+    MAXIMUM = 5
+    NEGATE = 6
+    ABSOLUTE = 7
+    SQUARE_ROOT = 8
+    FLOOR = 9
+    CEILING = 10
+    TRUNCATE = 11
+    ROUND = 12
+    """Halves away from zero."""
+    FROM_INTEGER = 13
+    TO_INTEGER = 14
+    """Without what is behind the point; a run-time error beyond 32 bits."""
+    EQUAL = 15
+    NOT_EQUAL = 16
+    LESS = 17
+    LESS_EQUAL = 18
+    GREATER = 19
+    GREATER_EQUAL = 20
+
+    @property
+    def parameters(self) -> tuple[Type, ...]:
+        if self is FloatingOperation.FROM_INTEGER:
+            return (_HALF,)
+        unary = FloatingOperation.NEGATE <= self <= FloatingOperation.TO_INTEGER
+        return (DOUBLE,) if unary else (DOUBLE, DOUBLE)
+
+    @property
+    def result(self) -> Type:
+        if self is FloatingOperation.TO_INTEGER:
+            return _HALF
+        return BoolType() if self >= FloatingOperation.EQUAL else DOUBLE
+
+    @property
+    def total(self) -> bool:
+        """Whether there is always a result."""
+        return self not in _PARTIAL
+
+    def compute(self, arguments: Sequence[float]) -> float | int | None:
+        """The result; None where it is not finite, or too large for an integer."""
+        first, second = arguments[0], arguments[-1]
+        try:
+            result = _computed(self, first, second)
+        except (ArithmeticError, ValueError):
+            return None
+        if self is FloatingOperation.TO_INTEGER:
+            return int(result) if _HALF.low <= result <= _HALF.high else None
+        return result if math.isfinite(result) else None
+
+
+_PARTIAL = (
+    FloatingOperation.ADD,
+    FloatingOperation.SUBTRACT,
+    FloatingOperation.MULTIPLY,
+    FloatingOperation.DIVIDE,
+    FloatingOperation.SQUARE_ROOT,
+    FloatingOperation.TO_INTEGER,
+)
+
+
+def _computed(operation: FloatingOperation, first: float, second: float) -> float | int:
+    match operation:
+        case FloatingOperation.ADD:
+            return first + second
+        case FloatingOperation.SUBTRACT:
+            return first - second
+        case FloatingOperation.MULTIPLY:
+            return first * second
+        case FloatingOperation.DIVIDE:
+            return first / second
+        case FloatingOperation.MINIMUM:
+            return second if second < first else first
+        case FloatingOperation.MAXIMUM:
+            return second if second > first else first
+        case FloatingOperation.NEGATE:
+            return -first
+        case FloatingOperation.ABSOLUTE:
+            return math.fabs(first)
+        case FloatingOperation.SQUARE_ROOT:
+            return math.sqrt(first)
+        case FloatingOperation.FLOOR:
+            return math.copysign(math.floor(first), first)
+        case FloatingOperation.CEILING:
+            return math.copysign(math.ceil(first), first)
+        case FloatingOperation.TRUNCATE | FloatingOperation.TO_INTEGER:
+            return math.copysign(math.trunc(first), first)
+        case FloatingOperation.ROUND:
+            whole = math.trunc(first)
+            return math.copysign(abs(whole) + (math.fabs(first - whole) >= 0.5), first)
+        case FloatingOperation.FROM_INTEGER:
+            return float(first)
+        case FloatingOperation.EQUAL:
+            return first == second
+        case FloatingOperation.NOT_EQUAL:
+            return first != second
+        case FloatingOperation.LESS:
+            return first < second
+        case FloatingOperation.LESS_EQUAL:
+            return first <= second
+        case FloatingOperation.GREATER:
+            return first > second
+        case FloatingOperation.GREATER_EQUAL:
+            return first >= second
+
+
+def halves(number: float) -> tuple[int, int]:
+    """The cells of a floating point number."""
+    high, low = struct.unpack(">ii", struct.pack(">d", number))
+    return high, low
+
+
+def number_of(cells: Sequence[int]) -> float:
+    """The floating point number in two cells."""
+    number: float = struct.unpack(">d", struct.pack(">ii", *cells))[0]
+    return number
+
+
+def contains_double(type_: Type) -> bool:
+    """Whether a value of the type has a floating point number in it."""
+    match type_:
+        case RecordType(_, fields):
+            return type_ == DOUBLE or any(contains_double(inner) for _, inner in fields)
+        case ArrayType(element):
+            return contains_double(element)
+        case _:
+            return False
