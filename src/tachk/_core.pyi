@@ -256,10 +256,12 @@ class ClosedSet:
     def __init__(self, image: Sequence[int], *, inevitable: bool) -> None: ...
     def add(
         self,
-        slots: int,
-        discretes: NDArray[np.int64],
+        changes: NDArray[np.int64],
+        positions: NDArray[np.int64],
+        differences: NDArray[np.int64],
         zones: NDArray[np.int64],
         ranks: NDArray[np.int64],
+        shapes: NDArray[np.int64],
         constraints: NDArray[np.int64],
         places: NDArray[np.int64],
         bounds: NDArray[np.int64],

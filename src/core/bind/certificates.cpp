@@ -32,34 +32,6 @@ using Column = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::de
 
 std::span<const std::int64_t> span_of(const Column& column) { return {column.data(), column.shape(0)}; }
 
-// The first so many entries of what is left of a column, which they are taken from.
-std::span<const std::int64_t> take(std::span<const std::int64_t>& column, std::int64_t count) {
-  if (count < 0 || static_cast<std::size_t>(count) > column.size())
-    throw std::invalid_argument("a column is too short");
-  const auto taken = column.first(static_cast<std::size_t>(count));
-  column = column.subspan(taken.size());
-  return taken;
-}
-
-void add(tachk::ClosedSet& set, std::size_t slots, const Column& discretes, const Column& zones, const Column& ranks,
-         const Column& constraints, const Column& places, const Column& bounds) {
-  auto states = span_of(discretes);
-  auto of_zones = span_of(ranks);
-  auto counts = span_of(constraints);
-  auto lefts_and_rights = span_of(places);
-  auto raws = span_of(bounds);
-  for (const std::int64_t number : span_of(zones)) {
-    const auto own = take(counts, number);
-    std::int64_t sum = 0;
-    for (const std::int64_t count : own) {
-      if (count < 0 || count > INT32_MAX) throw std::invalid_argument("a bad count");
-      sum += count;
-    }
-    set.add(take(states, static_cast<std::int64_t>(slots)), take(of_zones, number), own, take(lefts_and_rights, sum),
-            take(raws, sum));
-  }
-}
-
 std::vector<std::int64_t> widened(const std::vector<std::int32_t>& numbers) { return {numbers.begin(), numbers.end()}; }
 
 }  // namespace
@@ -105,9 +77,17 @@ void bind_certificates(nb::module_& m) {
              return std::make_unique<tachk::ClosedSet>(std::move(program), claim);
            }),
            nb::arg("image"), nb::kw_only(), nb::arg("inevitable"))
-      .def("add", &add, nb::arg("slots"), nb::arg("discretes"), nb::arg("zones"), nb::arg("ranks"),
-           nb::arg("constraints"), nb::arg("places"), nb::arg("bounds"),
-           "Adds groups, as `CoverParts.part` tells them.")
+      .def(
+          "add",
+          [](tachk::ClosedSet& self, const Column& changes, const Column& positions, const Column& differences,
+             const Column& zones, const Column& ranks, const Column& shapes, const Column& constraints,
+             const Column& places, const Column& bounds) {
+            self.add({span_of(changes), span_of(positions), span_of(differences), span_of(zones), span_of(ranks),
+                      span_of(shapes), span_of(constraints), span_of(places), span_of(bounds)});
+          },
+          nb::arg("changes"), nb::arg("positions"), nb::arg("differences"), nb::arg("zones"), nb::arg("ranks"),
+          nb::arg("shapes"), nb::arg("constraints"), nb::arg("places"), nb::arg("bounds"),
+          "Adds the columns of a block of a certificate.")
       .def("check", &tachk::ClosedSet::check, nb::arg("states"), nb::call_guard<nb::gil_scoped_release>(),
            "Checks so many more discrete states; whether there is nothing left to check.")
       .def(

@@ -3,11 +3,8 @@
 // goal, from the initial state or from the states of a second goal on: successors of ranked elements have smaller ranks
 // or satisfy it, and nothing can stay in one for ever (Wimmer, Herbreteau and van de Pol 2020).
 //
-// Written apart from the engine, to judge it: of the core it uses the compiled program (program/) and the machine that
-// evaluates its expressions (machine/), nothing else. Zones, successors and the rules for synchronisation, committed
-// locations, urgency, priorities and deadlock are written here a second time, as plainly as possible. Nothing is
-// extrapolated, and no option changes anything. tachk.certify.closed_set is the same check in Python, which does
-// without the compiler as well.
+// network.hpp says what the checker shares with the engine. tachk.certify.closed_set is the same check in Python, which
+// does without the compiler as well.
 #pragma once
 
 #include <cstddef>
@@ -33,17 +30,18 @@ struct Objection {
 
 enum class Claim { unreachable, inevitable };
 
+// Discrete states with their zones, as tachk.certify.certificate.Columns.
+struct CertificateColumns {
+  std::span<const std::int64_t> changes, positions, differences, zones, ranks, shapes, constraints, places, bounds;
+};
+
 class ClosedSet final {
  public:
   ClosedSet(Program program, Claim claim);
   ~ClosedSet();
 
-  // Adds a discrete state with its zones, all of the rank 0 or none. Of each zone `counts` has the number of its
-  // constraints; a constraint is left * (clocks + 1) + right and a raw bound. Throws std::invalid_argument for what is
-  // no state of the program.
-  void add(std::span<const std::int64_t> discrete, std::span<const std::int64_t> ranks,
-           std::span<const std::int64_t> counts, std::span<const std::int64_t> places,
-           std::span<const std::int64_t> bounds);
+  // Adds discrete states with their zones. Throws std::invalid_argument for what is no state of the program.
+  void add(CertificateColumns columns);
   // Checks at most so many more discrete states; true once there is nothing left to check, or an objection.
   bool check(std::size_t states);
   const std::optional<Objection>& objection() const;

@@ -10,6 +10,7 @@ import json
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from enum import StrEnum
+from itertools import pairwise
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -19,7 +20,7 @@ from tachk.records import dataclass
 
 Numbers = NDArray[np.int64]
 
-MAGIC = b"tachk certificate 1\n"
+MAGIC = b"tachk certificate 2\n"
 _LARGEST_HEADER = 1 << 24
 _LARGEST_BLOCK = 1 << 28
 
@@ -80,6 +81,91 @@ class Block:
     bounds: Numbers
 
 
+@dataclass(frozen=True, slots=True)
+class Columns:
+    """A block as it is written: what a discrete state shares with the one before it is not repeated, nor is a zone
+    that many discrete states have.
+
+    Attributes:
+        changes: of each group how many numbers of its discrete state differ from those of the group before it; the
+            first one is compared with zeros.
+        positions, differences: which numbers these are, and by how much.
+        zones, ranks: as in `Block`.
+        shapes: of each zone its number among the zones that are told in this block and those before it.
+        constraints, places, bounds: as in `Block`, but of the zones that this block tells.
+    """
+
+    changes: Numbers
+    positions: Numbers
+    differences: Numbers
+    zones: Numbers
+    ranks: Numbers
+    shapes: Numbers
+    constraints: Numbers
+    places: Numbers
+    bounds: Numbers
+
+
+class Shapes:
+    """The zones that have been told so far, each once."""
+
+    def __init__(self) -> None:
+        self._numbers: dict[tuple[bytes, bytes], int] = {}
+        self.constraints = self.places = self.bounds = np.zeros(0, np.int64)
+
+    def columns(self, block: Block) -> Columns:
+        """A block as it is written after those before it."""
+        changes = np.diff(block.discretes, axis=0, prepend=0)
+        groups, positions = np.nonzero(changes)
+        first = starts(block.constraints)
+        shapes, new = [], []
+        for zone, (start, end) in enumerate(pairwise(first.tolist())):
+            name = block.places[start:end].tobytes(), block.bounds[start:end].tobytes()
+            if name not in self._numbers:
+                new.append(zone)
+            shapes.append(self._numbers.setdefault(name, len(self._numbers)))
+        chosen = ragged(first, np.array(new, np.int64))
+        return Columns(
+            np.bincount(groups, minlength=len(block.zones)),
+            positions,
+            changes[groups, positions],
+            block.zones,
+            block.ranks,
+            np.array(shapes, np.int64),
+            block.constraints[new],
+            block.places[chosen],
+            block.bounds[chosen],
+        )
+
+    def block(self, columns: Columns, width: int) -> Block:
+        """The inverse of `columns`."""
+        self.constraints = np.concatenate((self.constraints, columns.constraints))
+        self.places = np.concatenate((self.places, columns.places))
+        self.bounds = np.concatenate((self.bounds, columns.bounds))
+        discretes = np.zeros((len(columns.zones), width), np.int64)
+        discretes[np.repeat(np.arange(len(columns.changes)), columns.changes), columns.positions] = columns.differences
+        chosen = ragged(starts(self.constraints), columns.shapes)
+        return Block(
+            np.cumsum(discretes, axis=0),
+            columns.zones,
+            columns.ranks,
+            self.constraints[columns.shapes],
+            self.places[chosen],
+            self.bounds[chosen],
+        )
+
+
+def starts(lengths: Numbers) -> Numbers:
+    """Where pieces of these lengths begin in what they make up, and where the last one ends."""
+    return np.concatenate((np.zeros(1, np.int64), np.cumsum(lengths)))
+
+
+def ragged(first: Numbers, pieces: Numbers) -> Numbers:
+    """The places of some pieces, one behind the other; ``first`` as by `starts`."""
+    lengths = first[pieces + 1] - first[pieces]
+    return np.repeat(first[pieces] - starts(lengths)[:-1], lengths) + np.arange(lengths.sum())
+
+
 # ---- writing ---------------------------------------------------------------------------------------------------------
 
 
@@ -91,6 +177,9 @@ class CertificateWriter:
         stream.write(MAGIC)
 
     def write(self, header: Header, blocks: Iterable[Block]) -> None:
+        self.write_columns(header, map(Shapes().columns, blocks))
+
+    def write_columns(self, header: Header, blocks: Iterable[Columns]) -> None:
         text = json.dumps(
             {
                 "kind": header.kind.value,
@@ -105,28 +194,33 @@ class CertificateWriter:
         ).encode()
         self._stream.write(encoded(np.array([len(text)])) + text)
         groups = zones = 0
-        for block in blocks:
-            data = zlib.compress(packed(block, header.kind is not Kind.UNREACHABLE), 9)
+        for columns in blocks:
+            data = zlib.compress(packed(columns, header.kind is not Kind.UNREACHABLE), 9)
             self._stream.write(encoded(np.array([len(data)])) + data)
-            groups += len(block.zones)
-            zones += len(block.constraints)
+            groups += len(columns.zones)
+            zones += len(columns.shapes)
         self._stream.write(encoded(np.array([0, groups, zones])))
 
 
-def packed(block: Block, ranked: bool) -> bytes:
-    """A block before it is compressed: its columns as numbers of variable length. Ranks are left out if all are 0."""
-    changes = np.diff(block.discretes, axis=0, prepend=0)
-    counts = np.array([len(block.zones), len(block.constraints), len(block.places)])
-    columns = (
-        counts,
-        _folded(changes.T.ravel()),
-        block.zones,
-        *((block.ranks,) if ranked else ()),
-        block.constraints,
-        block.places,
-        _folded(block.bounds),
+def packed(columns: Columns, ranked: bool) -> bytes:
+    """A block before it is compressed, as numbers of variable length. Ranks are left out if all are 0."""
+    told = columns.changes, columns.positions, columns.shapes, columns.constraints, columns.places
+    return encoded(
+        np.concatenate(
+            (
+                np.array([len(column) for column in told]),
+                columns.changes,
+                columns.positions,
+                _folded(columns.differences),
+                columns.zones,
+                *((columns.ranks,) if ranked else ()),
+                columns.shapes,
+                columns.constraints,
+                columns.places,
+                _folded(columns.bounds),
+            )
+        )
     )
-    return encoded(np.concatenate(columns))
 
 
 def encoded(numbers: Numbers) -> bytes:
@@ -169,12 +263,7 @@ class CertificateReader:
             stream.seek(length, 1)
         self.groups, self.zones = _number(stream), _number(stream)
 
-    def __len__(self) -> int:
-        """The number of blocks."""
-        return len(self._places)
-
-    def block(self, number: int) -> Block:
-        """Raises MalformedCertificateError."""
+    def _columns(self, number: int) -> Columns:
         start, length = self._places[number]
         self._stream.seek(start)
         decompressor = zlib.decompressobj()
@@ -186,15 +275,27 @@ class CertificateReader:
             raise MalformedCertificateError(f"block {number} is damaged")
         return _unpacked(decoded(data), self.header)
 
-    def blocks(self) -> Iterator[Block]:
-        """Raises MalformedCertificateError, also where the numbers of states are not those that the end tells."""
-        groups = zones = 0
-        for number in range(len(self)):
-            block = self.block(number)
-            groups, zones = groups + len(block.zones), zones + len(block.constraints)
-            yield block
+    def columns(self) -> Iterator[Columns]:
+        """The blocks as they are written, one after the other.
+
+        Raises MalformedCertificateError, also where the numbers of states are not those that the end tells.
+        """
+        groups = zones = shapes = 0
+        for number in range(len(self._places)):
+            columns = self._columns(number)
+            groups, zones = groups + len(columns.zones), zones + len(columns.shapes)
+            shapes += len(columns.constraints)
+            if (columns.shapes >= shapes).any():
+                raise MalformedCertificateError("it names a zone that it has not told")
+            yield columns
         if (groups, zones) != (self.groups, self.zones):
             raise MalformedCertificateError(f"it has {zones} zones, but its end tells of {self.zones}")
+
+    def blocks(self) -> Iterator[Block]:
+        """Raises MalformedCertificateError as `columns` does."""
+        shapes = Shapes()
+        for columns in self.columns():
+            yield shapes.block(columns, self.header.width)
 
 
 def read_certificates(stream: BinaryIO) -> list[CertificateReader]:
@@ -224,25 +325,28 @@ def decoded(data: bytes) -> Numbers:
     return np.add.reduceat(values, first) if len(first) else values
 
 
-def _unpacked(numbers: Numbers, header: Header) -> Block:
-    if len(numbers) < 3:
+def _unpacked(numbers: Numbers, header: Header) -> Columns:
+    if len(numbers) < 5:
         raise MalformedCertificateError("a block is too short")
-    groups, zones, constraints = (int(n) for n in numbers[:3])
+    groups, changed, zones, shapes, constraints = (int(n) for n in numbers[:5])
     ranked = 0 if header.kind is Kind.UNREACHABLE else zones
-    sizes = (header.width * groups, groups, ranked, zones, constraints, constraints)
-    if sum(sizes) != len(numbers) - 3:
+    sizes = (groups, changed, changed, groups, ranked, zones, shapes, constraints, constraints)
+    if sum(sizes) != len(numbers) - 5:
         raise MalformedCertificateError("a block has another length than its beginning tells")
-    columns = np.split(numbers[3:], np.cumsum(sizes)[:-1])
-    changes, of_groups, ranks, of_zones, places, bounds = columns
-    if of_groups.sum() != zones or of_zones.sum() != constraints:
+    changes, positions, differences, of_groups, ranks, of_zones, of_shapes, places, bounds = np.split(
+        numbers[5:], np.cumsum(sizes)[:-1]
+    )
+    if (changes.sum(), of_groups.sum(), of_shapes.sum()) != (changed, zones, constraints):
         raise MalformedCertificateError("the numbers of zones or constraints in a block do not add up")
+    if (positions >= header.width).any():
+        raise MalformedCertificateError("a discrete state has too many numbers")
     clocks = len(header.clocks) + 1
     if (places >= clocks * clocks).any():
         raise MalformedCertificateError("a constraint is about a clock that does not exist")
-    discretes = np.cumsum(_unfolded(changes).reshape(header.width, groups).T, axis=0)
     if not ranked:
         ranks = np.zeros(zones, np.int64)
-    return Block(discretes, of_groups, ranks, of_zones, places, _unfolded(bounds))
+    differences, bounds = _unfolded(differences), _unfolded(bounds)
+    return Columns(changes, positions, differences, of_groups, ranks, of_zones, of_shapes, places, bounds)
 
 
 def _unfolded(numbers: Numbers) -> Numbers:

@@ -146,7 +146,8 @@ class _Check:
         self.index: dict[tuple[bool, tuple[int, ...]], tuple[int, int]] = {}
         self.block = lru_cache(maxsize=64)(self._block)
         self._check_width()
-        for number, block in enumerate(certificate.blocks()):
+        self.blocks = list(certificate.blocks())
+        for number, block in enumerate(self.blocks):
             self._check_discretes(block)
             first = np.concatenate(([0], np.cumsum(block.zones)))
             for row, discrete in enumerate(map(tuple, block.discretes.tolist())):
@@ -172,7 +173,7 @@ class _Check:
 
     def _block(self, number: int) -> tuple[Numbers, Numbers, Numbers]:
         """The zones of a block, their ranks, and where those of each discrete state begin."""
-        block = self.certificate.block(number)
+        block = self.blocks[number]
         first = np.concatenate(([0], np.cumsum(block.zones)))
         return zones_of(block, self.model.dimension), block.ranks, first
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from tachk import _core
-from tachk.certify.certificate import Block, MalformedCertificateError
+from tachk.certify.certificate import Columns, MalformedCertificateError
 from tachk.certify.closed_set import Objection
 from tachk.compiler.program import Goal, Program
 from tachk.engines.core_search import transition_of
@@ -19,7 +19,7 @@ from tachk.time_limit import check_time
 _STATES_AT_ONCE = 2000
 
 
-def check_closed_natively(program: Program, goal: Goal, blocks: Iterable[Block]) -> Objection | None:
+def check_closed_natively(program: Program, goal: Goal, blocks: Iterable[Columns]) -> Objection | None:
     """What is wrong with a set of symbolic states as a proof that the goal cannot be reached; None if it is one.
 
     Raises MalformedCertificateError for states that are none of the program.
@@ -27,7 +27,7 @@ def check_closed_natively(program: Program, goal: Goal, blocks: Iterable[Block])
     return _objection(program, _core.ClosedSet(encode(program, [goal]), inevitable=False), blocks)
 
 
-def check_descent_natively(program: Program, goals: Sequence[Goal], blocks: Iterable[Block]) -> Objection | None:
+def check_descent_natively(program: Program, goals: Sequence[Goal], blocks: Iterable[Columns]) -> Objection | None:
     """What is wrong with ranked symbolic states as a proof that each run meets the first goal, from the initial state
     or from each reachable state of the second goal on; None if they are one.
 
@@ -36,20 +36,22 @@ def check_descent_natively(program: Program, goals: Sequence[Goal], blocks: Iter
     return _objection(program, _core.ClosedSet(encode(program, goals), inevitable=True), blocks)
 
 
-def _objection(program: Program, closed: _core.ClosedSet, blocks: Iterable[Block]) -> Objection | None:
+def _objection(program: Program, closed: _core.ClosedSet, blocks: Iterable[Columns]) -> Objection | None:
     try:
         for block in blocks:
             check_time()
             closed.add(
-                program.state_slots,
-                block.discretes.ravel(),
+                block.changes,
+                block.positions,
+                block.differences,
                 block.zones,
                 block.ranks,
+                block.shapes,
                 block.constraints,
                 block.places,
                 block.bounds,
             )
-    except ValueError as error:
+    except (ValueError, IndexError) as error:
         raise MalformedCertificateError(str(error)) from None
     while not closed.check(_STATES_AT_ONCE):
         check_time()

@@ -9,9 +9,11 @@ from enum import StrEnum
 from tachk.certify.certificate import (
     Block,
     CertificateReader,
+    Columns,
     Header,
     Kind,
     MalformedCertificateError,
+    Shapes,
 )
 from tachk.certify.closed_set import Objection, check_closed, check_descent
 from tachk.compiler.lower import lower, lower_obligation
@@ -62,6 +64,9 @@ class Proof:
     def blocks(self) -> Iterator[Block]:
         return self.cover.blocks()
 
+    def columns(self) -> Iterator[Columns]:
+        return map(Shapes().columns, self.blocks())
+
 
 def is_provable(verdict: Verdict) -> bool:
     """Whether a certificate shows the answer: it says that something is never reached, or always."""
@@ -101,14 +106,14 @@ def find_proof(
     width = len(whole.processes) + len(layout.initial)
     kind = Kind.INEVITABLE if query.target is None else Kind.UNREACHABLE
     header = Header(kind, query.name, query.text, model, dict(network.constants), width, clocks)
-    objection = _check_natively(whole, query, width, len(clocks), cover.blocks())
+    objection = _check_natively(whole, query, width, len(clocks), map(Shapes().columns, cover.blocks()))
     if objection is not None:
         raise InternalError(f"the certificate made for {query.text!r} is not accepted: {objection.reason}")
     return Proof(header, cover)
 
 
 def _check_natively(
-    network: Network, query: Query, width: int, clocks: int, blocks: Iterable[Block]
+    network: Network, query: Query, width: int, clocks: int, blocks: Iterable[Columns]
 ) -> Objection | None:
     """What the native checker says of symbolic states of so many locations and cells, and clocks.
 
@@ -156,4 +161,4 @@ def check_proof(network: Network, query: Query, certificate: CertificateReader, 
             return check_descent(prepare(whole), query.avoided, query.begins, certificate)
         case Checker.NATIVE:
             header = certificate.header
-            return _check_natively(whole, query, header.width, len(header.clocks), certificate.blocks())
+            return _check_natively(whole, query, header.width, len(header.clocks), certificate.columns())

@@ -40,7 +40,7 @@ def proof_again(network: Network, query: Query, proof: Proof) -> tuple[Verdict, 
     if proof.header.width != program.state_slots or len(proof.header.clocks) != program.clocks:
         return None
     try:
-        if check_closed_natively(program, goal, proof.blocks()) is not None:
+        if check_closed_natively(program, goal, proof.columns()) is not None:
             return None
     except MalformedCertificateError:
         return None

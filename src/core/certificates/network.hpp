@@ -1,0 +1,81 @@
+// What a compiled program means: written apart from the engine, to judge it, and as plainly as possible. Of the core it
+// uses the program (program/) and the machine that evaluates its expressions (machine/), nothing else. Nothing is
+// extrapolated, and no option changes anything. What cannot be evaluated throws ModelFault.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "certificates/zones.hpp"
+#include "machine/machine.hpp"
+#include "program/program.hpp"
+
+namespace tachk::certificates {
+
+// A discrete state and what it says of time.
+struct Situation {
+  std::vector<std::int32_t> slots;  // those of frames have no meaning
+  bool possible = true;             // whether clocks can satisfy the invariants, as far as that is known without them
+  Constraints limits;               // of the invariants
+  bool waits = true;                // whether time may pass
+  std::vector<bool> stands;         // the clocks that stand still, the reference clock among them
+  bool stops = false;               // whether others than that one do
+};
+
+struct Step {
+  std::vector<std::uint32_t> edges;
+  Zone guarded;  // where the guards hold
+  Situation target;
+  std::vector<ClockReset> resets;
+  std::pair<std::int32_t, std::int32_t> priority;
+
+  Zone possible() const;  // where in the source it is: its resets lead into the invariant of the target
+  Zone reached() const;   // right after it
+};
+
+class Network final {
+ public:
+  explicit Network(Program given);
+
+  // Of the first slots of a state; the others have their initial values.
+  Situation situation(std::vector<std::int32_t> slots);
+  // What a zone becomes by waiting; more than that, if clocks are stopped.
+  Zone later(const Situation& here, const Zone& zone) const;
+  // The steps from a zone; those that a higher priority forbids come without the part where it does, in several pieces.
+  std::vector<Step> steps(Situation& here, const Zone& zone);
+  // The parts of a zone where a goal holds. Where `deadlock` is asked for and clocks are stopped, it is perhaps more
+  // than that, or less if not `widely`.
+  Zones where(const Goal& goal, Situation& here, const Zone& zone, bool widely);
+  // From where in a zone no step is possible, now or later; likewise.
+  Zones stuck(Situation& here, const Zone& zone, bool widely);
+  // What is reached by waiting in a zone as long as a goal does not hold.
+  Zones avoiding(const Goal& goal, Situation& here, const Zone& zone);
+
+  const Program program;
+  const std::size_t n;                     // clocks, the reference clock included
+  std::vector<std::uint32_t> taking_part;  // the edges of the step under construction
+
+ private:
+  using Slots = std::vector<std::int32_t>;
+
+  const Location& location(std::size_t process, const Slots& slots) const;
+  const std::vector<std::uint32_t>& leaving(std::size_t process, const Slots& slots) const;
+  bool holds(const Condition& condition, Slots& slots, Constraints& constraints);
+  const Zone* where(const Edge& edge, Slots& slots, const Zone& zone, Zone& room);
+  std::int32_t channel(const Edge& edge, Slots& slots);
+  bool hears(const Edge& edge, std::int32_t used, Slots& slots);
+  bool is_urgent(Slots& slots);
+  void find_steps(Situation& here, const Zone& zone);
+  void add_partner(Slots& slots, std::int32_t used, const Zone& zone, bool free);
+  void add_receivers(Slots& slots, std::size_t q, std::int32_t used, const Zone& zone, bool free);
+  void add_step(const Slots& slots, const Zone& guarded, std::int32_t used);
+  void hold_back_lower_priorities();
+
+  Machine machine_;
+  std::vector<std::vector<std::vector<std::uint32_t>>> leaving_;  // of each process and location, the edges
+  bool has_urgent_channels_ = false;
+  std::vector<Step> steps_;  // under construction
+};
+
+}  // namespace tachk::certificates

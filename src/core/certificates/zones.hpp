@@ -1,0 +1,103 @@
+// Sets of clock values, for the checker alone: convex ones as difference bound matrices, others as lists of these.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "zones/bound.hpp"
+
+namespace tachk::certificates {
+
+inline constexpr Raw unbounded = Raw{1} << 60;
+
+inline Raw sum(Raw a, Raw b) { return a >= unbounded || b >= unbounded ? unbounded : a + b - ((a | b) & 1); }
+
+using Constraints = std::vector<Atom>;
+
+// A canonical difference bound matrix over `n` clocks, or no valuation at all (no entries).
+struct Zone {
+  std::size_t n = 0;
+  std::vector<Raw> entries;
+
+  static Zone filled(std::size_t n, Raw raw) { return {n, std::vector<Raw>(n * n, raw)}; }
+  static Zone universe(std::size_t n) {
+    Zone zone = filled(n, unbounded);
+    for (std::size_t i = 0; i < n; ++i) zone.at(0, i) = zone.at(i, i) = raw_zero;
+    return zone;
+  }
+  bool empty() const { return entries.empty(); }
+  Raw& at(std::size_t i, std::size_t j) { return entries[i * n + j]; }
+  Raw at(std::size_t i, std::size_t j) const { return entries[i * n + j]; }
+  bool lies_in(const Constraints& constraints) const {
+    return std::all_of(constraints.begin(), constraints.end(),
+                       [&](const Atom& atom) { return at(atom.left, atom.right) <= atom.raw; });
+  }
+
+  // Entries that are longer than the way over the new one become that way. No entry that is read on it changes.
+  void tighten(const Atom& atom) {
+    if (empty() || atom.raw >= at(atom.left, atom.right)) return;
+    if (sum(atom.raw, at(atom.right, atom.left)) < raw_zero) return entries.clear();
+    for (std::size_t i = 0; i < n; ++i)
+      if (const Raw there = sum(at(i, atom.left), atom.raw); there < unbounded)
+        for (std::size_t j = 0; j < n; ++j) at(i, j) = std::min(at(i, j), sum(there, at(atom.right, j)));
+  }
+  Zone within(const Constraints& constraints) const {
+    Zone part = *this;
+    for (const Atom& atom : constraints) part.tighten(atom);
+    return part;
+  }
+  Constraints constraints() const {
+    Constraints found;
+    for (std::size_t k = 0; k < entries.size(); ++k)
+      if (k / n != k % n && entries[k] < unbounded)
+        found.push_back({static_cast<std::uint16_t>(k / n), static_cast<std::uint16_t>(k % n), entries[k]});
+    return found;
+  }
+  void reset(const ClockReset& reset) {
+    const std::size_t x = reset.clock;
+    for (std::size_t j = 0; j < n; ++j) at(x, j) = sum(raw_bound(reset.value, false), at(0, j));
+    for (std::size_t j = 0; j < n; ++j) at(j, x) = sum(at(j, 0), raw_bound(-Raw{reset.value}, false));
+    at(x, x) = raw_zero;
+  }
+  // What is reached when time passes; the smallest such zone if clocks stand still (Floyd and Warshall).
+  void go_on(const std::vector<bool>& stands) {
+    for (std::size_t j = 0; j < n; ++j)
+      for (std::size_t i = 0; i < n && stands[j]; ++i)
+        if (!stands[i]) at(i, j) = unbounded;
+    if (std::count(stands.begin(), stands.end(), true) == 1) return;  // only the reference clock: canonical
+    for (std::size_t k = 0; k < n; ++k)
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j < n; ++j) at(i, j) = std::min(at(i, j), sum(at(i, k), at(k, j)));
+  }
+  // From where the zone is reached when time passes.
+  void go_back() {
+    for (std::size_t j = 1; j < n; ++j) {
+      at(0, j) = raw_zero;
+      for (std::size_t i = 1; i < n; ++i) at(0, j) = std::min(at(0, j), at(i, j));
+    }
+  }
+};
+
+using Zones = std::vector<Zone>;
+
+// The parts of the zones outside of the constraints, disjoint if the zones are.
+inline Zones without(const Zones& zones, const Constraints& constraints) {
+  Zones pieces;
+  for (Zone rest : zones)
+    for (const Atom& atom : constraints) {
+      if (rest.empty()) break;
+      if (atom.raw >= rest.at(atom.left, atom.right)) continue;
+      if (Zone outside = rest.within({negated(atom)}); !outside.empty()) pieces.push_back(std::move(outside));
+      rest.tighten(atom);
+    }
+  return pieces;
+}
+
+inline Zones without(Zones zones, const Zones& others) {
+  for (const Zone& other : others) zones = without(zones, other.constraints());
+  return zones;
+}
+
+}  // namespace tachk::certificates
