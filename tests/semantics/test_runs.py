@@ -135,6 +135,13 @@ ROUND = (
             id="a deadlock by waiting or behind the transition",
         ),
         pytest.param(
+            "init location a { invariant x < 1; to b { assign x = 0; } }"
+            "location b { invariant x < 1; to c { guard y >= 1; } } location c;",
+            "A<> deadlock",
+            True,
+            id="what avoids a deadlock comes in parts, from one of which delays lead to another",
+        ),
+        pytest.param(
             "init location a { to a; to b; } location b;", "deadlock --> P.b", True, id="a deadlock as a request"
         ),
         pytest.param(

@@ -9,7 +9,8 @@ Ends::Ends(ZoneGraph& graph)
       operations_(graph.operations()),
       dimension_(graph.program().dimension()),
       avoidance_(semantics_, operations_),
-      finder_(operations_, dimension_) {}
+      finder_(operations_, dimension_),
+      dead_(graph.program(), operations_) {}
 
 // Bounds on the difference of two running clocks do not change while time passes.
 bool Ends::may_idle(Delay delay, const std::uint8_t* stopped) const {
@@ -19,7 +20,7 @@ bool Ends::may_idle(Delay delay, const std::uint8_t* stopped) const {
 }
 
 void Ends::begin(SymbolicState& source, Predicate& avoided) {
-  std::int32_t* slots = source.slots.data();
+  std::int32_t* slots = slots_ = source.slots.data();
   invariant_.clear();
   semantics_.invariant(slots, invariant_);
   const Delay delay = delay_in(semantics_, slots);
@@ -35,18 +36,29 @@ void Ends::pass(ConstZoneRef guarded, const Effect& effect) {
   if (semantics_.weakest_precondition(effect, atoms_)) finder_.add(guarded, atoms_);
 }
 
-std::optional<Ending> Ends::end() const {
+std::optional<Ending> Ends::end() {
   if (idle_) return Ending::idle;
-  ZoneBuffer common(operations_);
-  std::vector<Atom> atoms;
-  for (std::size_t one = 0; one < never_->size(); ++one)
-    for (std::size_t dead = 0; dead < finder_.dead().size(); ++dead) {
-      common.assign((*never_)[one]);
-      atoms.clear();
-      constraints_beyond(operations_, dimension_, finder_.dead()[dead], common.get(), atoms);
-      if (operations_.intersect(common.get(), dimension_, atoms.data(), atoms.size())) return Ending::stuck;
-    }
+  for (std::size_t part = 0; part < never_->size(); ++part)
+    if (may_be_stuck((*never_)[part], finder_.dead()) && is_stuck((*never_)[part])) return Ending::stuck;
   return std::nullopt;
+}
+
+// Whether some valuation of a zone is dead.
+bool Ends::may_be_stuck(ConstZoneRef zone, const Federation& dead) {
+  ZoneBuffer common(operations_);
+  for (std::size_t part = 0; part < dead.size(); ++part) {
+    common.assign(zone);
+    atoms_.clear();
+    constraints_beyond(operations_, dimension_, dead[part], common.get(), atoms_);
+    if (operations_.intersect(common.get(), dimension_, atoms_.data(), atoms_.size())) return true;
+  }
+  return false;
+}
+
+// What avoids a predicate may come in parts, and delays lead from one part to another: all that they lead to counts.
+bool Ends::is_stuck(ConstZoneRef zone) {
+  dead_.look(slots_, zone);
+  return may_be_stuck(zone, dead_.dead());
 }
 
 }  // namespace tachk

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "liveness/avoidance.hpp"
+#include "liveness/dead_states.hpp"
 #include "liveness/predicate.hpp"
 #include "symbolic/deadlock.hpp"
 #include "symbolic/zone_graph.hpp"
@@ -28,17 +29,21 @@ class Ends final {
   bool idle() const { return idle_; }
   void pass(ConstZoneRef guarded, const Effect& effect);
   // An end in the state, if there is one. With bounds that widen zones in one direction only (LU) a valuation may seem
-  // stuck that stands for true ones that are not; an idle one stands for idle ones.
-  std::optional<Ending> end() const;
+  // stuck that stands for true ones that are not; an idle one stands for idle ones. Throws ModelFault.
+  std::optional<Ending> end();
 
  private:
   bool may_idle(Delay delay, const std::uint8_t* stopped) const;
+  bool may_be_stuck(ConstZoneRef zone, const Federation& dead);
+  bool is_stuck(ConstZoneRef zone);
 
   Semantics& semantics_;
   ZoneOperations operations_;
   int dimension_;
   Avoidance avoidance_;
   DeadlockFinder finder_;
+  DeadStates dead_;
+  std::int32_t* slots_ = nullptr;
   std::vector<Atom> invariant_;
   std::vector<Atom> atoms_;
   const Federation* never_ = nullptr;  // from where the predicate is not met
