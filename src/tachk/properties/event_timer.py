@@ -3,6 +3,9 @@
 The timer looks at the state after each transition that leaves no process in a committed location, and no time passes
 before it has: its edges are urgent, and while it has something to notice no process of the network may begin anything.
 What happens in a chain of committed locations is noticed together, at its end.
+
+The start of the run is an event that does not come again. Behind the second event nothing counts then, and nothing
+happens any more.
 """
 
 from __future__ import annotations
@@ -58,7 +61,7 @@ def with_timer(network: Network, start: Event | None, end: Event, last: bool = F
     """The network with a timer that runs from one event to the next occurrence of another one, again and again.
 
     Args:
-        start: None for the start of the run.
+        start: None for the start of the run, once.
         last: where the first event comes again before the other, the timer starts again.
 
     Raises UsageError where an edge names a channel in a way that cannot be compared with that of an event.
@@ -68,11 +71,13 @@ def with_timer(network: Network, start: Event | None, end: Event, last: bool = F
     first = _Noticed(BecomesTrue(Constant(1, BOOL)) if start is None else start, _local("from", IntType(0, 1), 0))
     second = _Noticed(end, _local("to", IntType(0, 1), 0))
     number = len(network.processes)
+    once = start is None
+    edges = _edges(first, second, Reference(clock), Reference(now), last)
     timer = Process(
         NAME,
         NAME,
-        tuple(Location(name) for name in _NAMES),
-        tuple(_edges(first, second, Reference(clock), Reference(now), last)),
+        tuple(Location(name, urgent=once and place >= _DONE) for place, name in enumerate(_NAMES)),
+        tuple(edge for edge in edges if not (once and edge.source >= _DONE)),
         variables=(clock, now, first.memory, second.memory),
         priority=max((process.priority for process in network.processes), default=0),
     )

@@ -24,10 +24,12 @@ class ClockConstants:
     maximum: for each clock (entry 0 is 0) no constant it is compared with, alone or in a difference, is larger in
         absolute value.
     diagonals: the difference constraints between two real clocks, each for every value its bound can have.
+    compared: the clocks that are compared at all.
     """
 
     maximum: tuple[int, ...]
     diagonals: tuple[Constraint, ...]
+    compared: frozenset[int]
 
 
 def clock_constants(network: Network, predicates: Sequence[Expression]) -> ClockConstants:
@@ -38,6 +40,7 @@ def clock_constants(network: Network, predicates: Sequence[Expression]) -> Clock
     layout = cell_layout(network)
     maximum = [0] * (len(layout.clock_cells) + 1)
     diagonals: set[Constraint] = set()
+    compared: set[int] = set()
     for condition in [*_conditions(network), *predicates]:
         for comparison in _comparisons(condition):
             clocks = [*_clocks(comparison.left), *_clocks(comparison.right)]
@@ -45,11 +48,12 @@ def clock_constants(network: Network, predicates: Sequence[Expression]) -> Clock
             for clock in clocks:
                 for number in _numbers(clock, layout):
                     maximum[number] = max(maximum[number], abs(low), abs(high))
+                    compared.add(number)
             if len(clocks) == 2:
                 diagonals.update(_differences(comparison, low, high, layout))
             elif len(clocks) > 2:
                 raise ValueError(f"{comparison.span}: a comparison with more than two clocks")
-    return ClockConstants(tuple(maximum), tuple(sorted(diagonals)))
+    return ClockConstants(tuple(maximum), tuple(sorted(diagonals)), frozenset(compared))
 
 
 def _differences(comparison: Binary, low: int, high: int, layout: CellLayout) -> Iterator[Constraint]:

@@ -10,7 +10,7 @@ import pytest
 import tachk
 from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.model.event import BecomesTrue
-from tachk.model.expressions import Expression, LocationTest
+from tachk.model.expressions import BOOL, Constant, Expression, LocationTest
 from tachk.model.network import Network
 from tachk.properties.times import Times, times_between
 from tachk.properties.verdict import Extreme
@@ -226,3 +226,21 @@ def test_no_random_run_takes_less_than_the_least_or_more_than_the_largest_time()
                 assert best.value is not None and (best.value < time if best.strict else best.value <= time)
                 assert worst.value is None or (time < worst.value if worst.strict else time <= worst.value)
     assert seen > 5
+
+
+def test_what_happens_behind_the_second_event_is_not_explored_where_the_first_one_is_the_start() -> None:
+    """An event that is true at once and ever after begins at the same moment, but tachk cannot know that."""
+    always = BecomesTrue(Constant(1, BOOL))
+    fewer = compared = 0
+    for seed in range(25):
+        random = Random(seed)
+        case = random_case(random, Shape(deadlocks=False, clocks=2, processes=2, locations=3, constant=3))
+        end = BecomesTrue(LocationTest(0, random.randrange(1, 3)))
+        once = times_between(case.network, None, end, limits=tachk.Limits(states=2000))
+        again = times_between(case.network, always, end, limits=tachk.Limits(states=2000))
+        if again.reason:
+            continue
+        compared += 1
+        assert measured(once) == measured(again), f"seed {seed}"
+        fewer += once.states < again.states
+    assert compared > 15 and fewer > 5
