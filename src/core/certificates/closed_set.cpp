@@ -141,8 +141,12 @@ class ClosedSet::Checker {
         for_ever &= here.stands[i] || later.at(i, 0) >= certificates::unbounded;
       if (for_ever) throw Objection{"time can pass for ever, and the goal is not met", {}, 0, {}};
     }
-    if (!network.stuck(here, zone, true).empty())
-      throw Objection{"nothing can happen any more in some state, and the goal is not met", {}, 0, {}};
+    Zones dead = network.stuck(here, zone, true);
+    for (Zone& met : network.where(program.goals[0], here, network.later(here, zone), false)) {
+      if (here.waits && !here.stops) met.go_back();
+      dead = without(std::move(dead), met.constraints());
+    }
+    if (!dead.empty()) throw Objection{"nothing can happen any more in some state, and the goal is not met", {}, 0, {}};
   }
   void check_zone(Situation& here, const Zone& zone, std::int64_t rank) {
     Zones parts{zone};

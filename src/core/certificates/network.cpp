@@ -256,17 +256,17 @@ Zones Network::stuck(Situation& here, const Zone& zone, bool widely) {
 }
 
 // A valuation that lies before a met zone, on its way through time, may go on until it enters that zone; one behind all
-// of it, and one that never meets it, may go on for ever.
+// of it, and one that never meets it, may go on for ever. If clocks are stopped, only the met zones are left out.
 Zones Network::avoiding(const Goal& goal, Situation& here, const Zone& zone) {
   const Zone all = later(here, zone);
   const Zones met = where(goal, here, all, false);
   if (met.empty()) return {all};
   const Zones starts = without({zone}, met);
   if (starts.empty() || !here.waits) return starts;
-  if (here.stops) throw ModelFault(FaultKind::bound, 0);
   std::vector<std::pair<Zone, Zones>> pieces;  // each with what it must not enter
-  for (const Zone& start : starts) pieces.push_back({start, {}});
-  for (Zone future : met) {
+  for (const Zone& start : starts) pieces.push_back({start, here.stops ? met : Zones{}});
+  for (std::size_t number = 0; number < met.size() && !here.stops; ++number) {
+    Zone future = met[number];
     future.go_on(here.stands);
     std::vector<std::pair<Zone, Zones>> split;
     for (auto& [piece, closed] : pieces) {

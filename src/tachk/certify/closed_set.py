@@ -28,16 +28,19 @@ from functools import lru_cache
 import numpy as np
 
 from tachk.certify.certificate import Block, CertificateReader, MalformedCertificateError, Numbers
+from tachk.model.connectives import negation
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.traversal import asks_deadlock
 from tachk.records import dataclass
-from tachk.semantics import symbolic
-from tachk.semantics.constraints import TRUE, certain, disjunctive
+from tachk.semantics import dbm, symbolic
+from tachk.semantics.avoidance import elapse_before
+from tachk.semantics.constraints import TRUE, certain, compares_clocks, disjunctive
 from tachk.semantics.dbm import (
     INFINITY,
     LESS_EQUAL_ZERO,
     Constraint,
+    Federation,
     Zone,
     constrain_all,
     raw_bound,
@@ -48,10 +51,12 @@ from tachk.semantics.discrete import (
     PreparedNetwork,
     environment,
     execute_updates,
+    initial_discrete,
     is_urgent,
     may_delay,
     stopped_clocks,
 )
+from tachk.semantics.symbolic import intersections
 from tachk.semantics.timed_trace import DiscreteState, Transition
 from tachk.time_limit import check_time
 
@@ -93,7 +98,7 @@ def check_descent(
     """What is wrong with a certificate that each run meets the goal: from the initial state, or from each reachable
     state that satisfies ``begins``; None if it is a proof.
 
-    The goal is one of locations and variables. Raises MalformedCertificateError.
+    Raises MalformedCertificateError.
     """
     return _objection(_Check(model, certificate, goal=goal, begins=begins))
 
@@ -141,7 +146,9 @@ class _Check:
         self.goal = goal
         self.begins = begins
         self.certificate = certificate
-        self.asks_deadlock = bad is not None and asks_deadlock(bad)
+        predicates = [one for one in (bad, goal, begins) if one is not None]
+        self.one_by_one = model.has_priorities or any(asks_deadlock(one) for one in predicates)
+        self.one_by_one |= goal is not None and compares_clocks(goal)
         self.processes = len(model.network.processes)
         self.index: dict[tuple[bool, tuple[int, ...]], tuple[int, int]] = {}
         self.block = lru_cache(maxsize=64)(self._block)
@@ -206,12 +213,11 @@ class _Check:
         return not len(rest) or (len(held) > 1 and not subtract_all(_zones(rest), _zones(held)))
 
     def contains_start(self) -> bool:
+        rank = _ANY_RANK if self.goal is not None and self.begins is None else 0
         try:
-            start, zones = symbolic.initial_situation(self.model)
-            any_rank = _ANY_RANK if self.goal is not None and self.begins is None else 0
-            return self._is_met(start.discrete, any_rank) or self.covers(
-                start.discrete, _array(zones, self.model.dimension), any_rank
-            )
+            here = symbolic.situation(self.model, initial_discrete(self.model))
+            start = intersections([dbm.origin(self.model.dimension)], [here.invariant] if here.invariant else [])
+            return not start or self._is_awaited(here, start, rank)
         except (EvaluationFault, _Open):
             return False
 
@@ -219,10 +225,7 @@ class _Check:
         """Whether nothing is asked of a ranked element, because it satisfies the goal. Raises EvaluationFault."""
         if rank == 0 or self.goal is None:
             return False
-        found = disjunctive(self.goal, environment(self.model, discrete))
-        if found and () not in found:
-            raise _Open("the goal depends on clocks")
-        return bool(found)
+        return bool(disjunctive(self.goal, environment(self.model, discrete)))
 
     # ---- one discrete state ------------------------------------------------------------------------------------------
 
@@ -231,19 +234,21 @@ class _Check:
         model = self.model
         try:
             invariant = symbolic.invariant_constraints(model, discrete)
-            if invariant is None or self._is_met(discrete, rank):
+            if invariant is None:
                 return None
             zones = constrain(zones, invariant)
-            if rank:
-                self._check_ends(discrete, zones)
-            elif self.begins is not None:
-                self._check_beginnings(discrete, zones, invariant)
-            if model.has_priorities or self.asks_deadlock or stopped_clocks(model, discrete):
+            if self.one_by_one or stopped_clocks(model, discrete):
                 return self._one_by_one(discrete, zones, rank)
+            if self._is_met(discrete, rank):
+                return None
             moves, faults = symbolic.guarded_transitions(model, discrete)
             urgent = [guard for transition, guard in moves if is_urgent(model, discrete, transition)]
             if any(guard != TRUE for guard in urgent):
                 return self._one_by_one(discrete, zones, rank)
+            if rank:
+                self._check_ends(symbolic.situation(model, discrete), _zones(zones))
+            elif self.begins is not None:
+                self._check_beginnings(discrete, zones, invariant)
             self._check_predicate(discrete, zones)
             for asked, fault in faults:
                 if any(len(constrain(zones, part)) for part in asked):
@@ -281,15 +286,15 @@ class _Check:
             if not self.covers(discrete, begun, _ANY_RANK):
                 raise _Open("it is not shown that the goal is met from here")
 
-    def _check_ends(self, discrete: DiscreteState, zones: Numbers) -> None:
+    def _check_ends(self, here: symbolic.Situation, zones: Federation) -> None:
         """Time cannot pass for ever in ranked elements, and some transition stays possible."""
-        here = symbolic.situation(self.model, discrete)
+        goal = self._goal(here)
         running = [clock for clock in range(1, self.model.dimension) if clock not in here.stopped]
-        waiting = subtract_all(_zones(zones), here.urgent) if here.delays else []
-        for zone in symbolic.elapse(here, waiting):
+        for zone in self._waiting(here, subtract_all(zones, here.urgent)) if here.delays else []:
             if all(zone[clock, 0] >= INFINITY for clock in running):
                 raise _Open("time can pass for ever, and the goal is not met")
-        if subtract_all(_zones(zones), here.alive):
+        later = goal if here.stopped else symbolic.reaching(here, goal)
+        if subtract_all(zones, [*here.alive, *later]):
             raise _Open("nothing can happen any more in some state, and the goal is not met")
 
     def _check_transition(self, discrete: DiscreteState, transition: Transition, zones: Numbers, rank: int) -> None:
@@ -321,27 +326,53 @@ class _Check:
         waited[:, 1:, 0] = INFINITY
         return constrain(waited, invariant)
 
+    # ---- one zone after the other, by the symbolic semantics ---------------------------------------------------------
+
     def _one_by_one(self, discrete: DiscreteState, zones: Numbers, rank: int) -> None:
         here = symbolic.situation(self.model, discrete)
-        bad = [] if self.bad is None else symbolic.where(self.model, here, self.bad)
-        for zone in _zones(zones):
-            if symbolic.intersections([zone], bad):
-                raise _Open("some state of the zone is one that must not be reached")
-            for fault in here.faults:
-                if symbolic.intersections([zone], fault.domain):
-                    raise _Open(str(fault.fault))
-            for move in here.moves:
-                reached = symbolic.fire(here, [zone], move)
-                if move.target is None or move.fault is not None:
-                    if reached:
-                        raise _Open(str(move.fault), move.transition)
-                    continue
-                there = symbolic.situation(self.model, move.target)
-                if self._is_met(move.target, rank):
-                    continue
-                delayed = _array(symbolic.elapse(there, reached), self.model.dimension)
-                if not self.covers(move.target, delayed, rank):
+        parts = _zones(zones)
+        if rank:
+            parts = subtract_all(parts, self._goal(here))
+            self._check_ends(here, parts)
+        elif self.bad is not None and intersections(parts, self._perhaps(here, self.bad)):
+            raise _Open("some state of the zone is one that must not be reached")
+        elif self.begins is not None:
+            begun = intersections(parts, self._perhaps(here, self.begins))
+            if not self._is_awaited(here, begun, _ANY_RANK):
+                raise _Open("it is not shown that the goal is met from here")
+        for fault in here.faults:
+            if intersections(parts, fault.domain):
+                raise _Open(str(fault.fault))
+        for move in here.moves:
+            reached = symbolic.fire(here, parts, move)
+            if reached and (move.target is None or move.fault is not None):
+                raise _Open(str(move.fault), move.transition)
+            if reached and move.target is not None:
+                if not self._is_awaited(symbolic.situation(self.model, move.target), reached, rank):
                     raise _Open("a successor is not in the set", move.transition)
+
+    def _is_awaited(self, there: symbolic.Situation, zones: Federation, below: int) -> bool:
+        """Whether the set covers what zones become by waiting; below a rank, as far as the goal is not met before."""
+        waited = self._waiting(there, zones) if below else symbolic.elapse(there, zones)
+        return self.covers(there.discrete, _array(waited, self.model.dimension), below)
+
+    def _waiting(self, here: symbolic.Situation, zones: Federation) -> Federation:
+        """What is reached by waiting without the goal; more than that if clocks are stopped."""
+        goal = self._goal(here)
+        starts = subtract_all(zones, goal)
+        return subtract_all(symbolic.elapse(here, starts), goal) if here.stopped else elapse_before(here, starts, goal)
+
+    def _goal(self, here: symbolic.Situation) -> Federation:
+        """Where nothing is asked of ranked elements; less, if clocks are stopped and it speaks of ``deadlock``."""
+        if self.goal is None or (here.stopped and asks_deadlock(self.goal)):
+            return []
+        return symbolic.where(self.model, here, self.goal)
+
+    def _perhaps(self, here: symbolic.Situation, predicate: Expression) -> Federation:
+        """Where a predicate holds, or cannot be evaluated."""
+        holds = symbolic.where(self.model, here, predicate)
+        denied = symbolic.where(self.model, here, negation(predicate))
+        return holds + subtract_all([here.invariant] if here.invariant else [], [*holds, *denied])
 
 
 # ---- arrays of zones -------------------------------------------------------------------------------------------------

@@ -28,7 +28,6 @@ from tachk.model.traversal import asks_deadlock
 from tachk.properties import liveness, reachability
 from tachk.properties.observed import observed
 from tachk.properties.verdict import Verdict
-from tachk.semantics.constraints import compares_clocks
 from tachk.semantics.discrete import prepare
 
 
@@ -135,10 +134,9 @@ def _descent(
     assert avoided is not None
     if query.non_zeno:
         return "there are no certificates yet where only runs count in which time diverges"
-    if compares_clocks(avoided) or asks_deadlock(avoided):
-        return "what each run must meet is one of clocks or deadlock, for which there are no certificates yet"
-    if begins is not None and asks_deadlock(begins):
-        return "there are no certificates yet where deadlock says from where something must be met"
+    stops = any(location.rates for process in network.processes for location in process.locations)
+    if stops and any(asks_deadlock(one) for one in (avoided, begins) if one is not None):
+        return "there are no certificates of what runs meet where clocks stop and `deadlock` is asked for"
     program, goal, trigger = lower_obligation(network, avoided, begins)
     return find_descent(program, [goal] if trigger is None else [goal, trigger], options, limits, progress)
 
