@@ -32,7 +32,7 @@ LIBRARIES = {
     "markupsafe": {"formats.uppaal"},
     "matplotlib": {"report.monitor", "report.region"},
     "networkx": {"drawing.placement", "report.run"},
-    "numpy": {"certify", "monitoring", "report.monitor", "runtime", "synthesis", "testing"},
+    "numpy": {"certify", "formats.munta", "monitoring", "report.monitor", "runtime", "synthesis", "testing"},
     "pyarrow": {"runtime"},
     "resvg_py": {"drawing"},
     "rich": {"cli", "monitoring", "report"},

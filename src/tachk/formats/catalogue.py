@@ -24,6 +24,7 @@ class ExportFormat(StrEnum):
     TCHECKER = "tchecker"
     DOT = "dot"
     JSON = "json"
+    MUNTA = "munta"
 
 
 def _xta(model: LoadedModel, writing: Writing) -> Exported:
@@ -62,6 +63,12 @@ def _json(model: LoadedModel, writing: Writing) -> Exported:
     return Exported(network_to_json_text(model.network))
 
 
+def _munta(model: LoadedModel, writing: Writing) -> Exported:
+    from tachk.formats.munta.export import to_muntax
+
+    return Exported(to_muntax(model.network, model.queries))
+
+
 class _Row(NamedTuple):
     """The ending of the files of a format, and what writes one."""
 
@@ -76,6 +83,7 @@ _FORMATS = {
     ExportFormat.TCHECKER: _Row(".tck", _tchecker),
     ExportFormat.DOT: _Row(".dot", _dot),
     ExportFormat.JSON: _Row(".json", _json),
+    ExportFormat.MUNTA: _Row(".muntax", _munta),
 }
 
 SUFFIXES = tuple(row.suffix for row in _FORMATS.values())

@@ -40,6 +40,7 @@ class Asked:
         properties: the names of those to check.
         max_memory: such as ``2G``.
         certificate: where proofs of the answers are written.
+        munta: the folder for proofs that Munta checks.
         non_zeno: a run with infinitely many transitions counts only if time diverges in it.
     """
 
@@ -49,6 +50,7 @@ class Asked:
     properties: tuple[str, ...] = ()
     max_memory: str | None = None
     certificate: Path | None = None
+    munta: Path | None = None
     non_zeno: bool = False
 
 
@@ -86,6 +88,8 @@ def _check_all(
     models, queries = split_models_and_queries(asked.arguments)
     if asked.certificate is not None and len(models) > 1:
         raise UsageError("--certificate names one file, but there are several models")
+    if asked.munta is not None and len(models) > 1:
+        raise UsageError("--munta names the folder of one model, but there are several models")
     constants = parse_definitions(asked.definitions)
     match reporting.evidence:
         case Evidence.SHORTEST:
@@ -118,6 +122,11 @@ def _check_all(
 
             left = limits.after(time.monotonic() - started)
             statuses.append(write_certificates(asked.certificate, model.network, record.verdicts, options, left))
+        if asked.munta is not None:
+            from tachk.cli.actions.certificates.munta import write_munta_proofs
+
+            left = limits.after(time.monotonic() - started)
+            statuses.append(write_munta_proofs(asked.munta, model.network, record.verdicts, options, left))
         return worst(statuses)
 
     statuses: list[ExitStatus] = []

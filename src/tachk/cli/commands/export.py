@@ -10,7 +10,7 @@ from tachk.cli import options
 from tachk.formats.catalogue import ExportFormat
 
 
-@click.command(name="export", short_help="Write a model for UPPAAL, TChecker or Graphviz.")
+@click.command(name="export", short_help="Write a model for UPPAAL, TChecker, Munta or Graphviz.")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="The file to write.")
 @click.option(
@@ -29,7 +29,7 @@ from tachk.formats.catalogue import ExportFormat
 )
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:
-    """Write a model for UPPAAL, TChecker, Graphviz or other programs, and its queries in a file beside it."""
+    """Write a model for UPPAAL, TChecker, Munta, Graphviz or other programs, and its queries in a file beside it."""
     from tachk.cli.actions.export import run_export
 
     options.finish(lambda: run_export(**given), seconds)

@@ -71,6 +71,14 @@ _DEFAULT = Options()
     "search.",
 )
 @click.option(
+    "munta",
+    "--munta",
+    metavar="FOLDER",
+    type=options.type_of_file,
+    help="Write a model and a proof into this folder for each A[] that holds and each E<> that fails, for Munta, whose "
+    "checker is verified.",
+)
+@click.option(
     "states",
     "--max-states",
     metavar="N",

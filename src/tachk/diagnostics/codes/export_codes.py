@@ -39,6 +39,13 @@ EXPORT_CODES: dict[str, Explanation] = {
         "two clocks, no guards on edges that receive a broadcast, and arrays with one initial value for all elements. "
         "If a model uses any of these, tachk does not write it, and lists all places.",
     ),
+    "E0803": Explanation(
+        "Munta cannot say this",
+        "Munta has no priorities, no clocks that stand still or are set to another value than 0, no comparison of two "
+        "clocks, no invariants that depend on variables, no clock guards on edges that receive a broadcast, no urgent "
+        "channels, and no queries about whole runs that mean what they mean here. What an edge reads must have few "
+        "enough values to be told one by one.",
+    ),
     "E0810": Explanation(
         "addition of tachk",
         "The text uses something that UPPAAL does not know. Write the model with `tachk export`, which expands it.",

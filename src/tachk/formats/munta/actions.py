@@ -1,0 +1,189 @@
+"""What edges do, in the only form that Munta knows: conditions on single variables and clocks, and constants to assign.
+
+Each edge, with its select variables bound, is evaluated by the reference evaluator for all contents of the variables
+that it reads. So functions, arrays and arithmetic need no words in Munta.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
+from tachk.diagnostics.span import Span
+from tachk.formats.munta.cases import Case, CaseFinder, Contents, TooManyCasesError
+from tachk.model.evaluate import Environment, execute
+from tachk.semantics.constraints import Conjunction, Disjunction, conditional_constraints
+from tachk.semantics.dbm import bound_value, is_strict
+from tachk.semantics.discrete import PreparedNetwork, bind_selects, channel_named
+from tachk.semantics.timed_trace import Participant
+from tachk.words import Direction
+
+
+def refused(what: str, span: Span, help_: str | None = None) -> UnsupportedError:
+    return UnsupportedError(Diagnostic("E0803", f"Munta has no {what}", span, help_))
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """What an edge does in some case.
+
+    Attributes:
+        guard: on clocks.
+        channel: the number of the channel; None for an internal edge.
+        writes: cells with their new content.
+        resets: the clocks that become 0.
+    """
+
+    guard: Disjunction
+    channel: int | None
+    writes: tuple[tuple[int, int], ...]
+    resets: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """An edge with its select variables bound.
+
+    Attributes:
+        direction: None for an internal edge.
+        heard: the cells whose content the updates read from before the transition.
+    """
+
+    participant: Participant
+    source: int
+    target: int
+    direction: Direction | None
+    span: Span
+    cases: tuple[Case[Effect], ...]
+    heard: frozenset[int]
+
+    @property
+    def written(self) -> frozenset[int]:
+        return frozenset(cell for case in self.cases for cell, _ in case.outcome.writes)
+
+    def over(self, channel: int) -> bool:
+        return any(case.outcome.channel == channel for case in self.cases)
+
+
+@dataclass(frozen=True, slots=True)
+class ActionFinder:
+    """What the edges of a network do."""
+
+    model: PreparedNetwork
+    finder: CaseFinder
+
+    def actions(self, process: int) -> list[Action]:
+        """What the edges of a process do. Raises UnsupportedError."""
+        return [self._action(p) for of_location in self.model.instances[process] for p in of_location]
+
+    def together(self, sender: Action, receiver: Action, channel: int) -> tuple[Case[Effect], ...]:
+        """What a sender and a receiver do together over a channel: the receiver sees what the sender has written."""
+
+        def outcome(environment: Environment, contents: Contents) -> Effect | None:
+            pair = (sender.participant, receiver.participant)
+            guard: Disjunction = [()]
+            for participant in pair:
+                bind_selects(self.model, participant, environment)
+                own = self._guard(participant, environment)
+                if not own or channel_named(self.model, participant, environment) != channel:
+                    return None
+                guard = [_tightest(one + other) for one in guard for other in own]
+            for participant in pair:
+                bind_selects(self.model, participant, environment)
+                execute(self.model.edge(participant).updates, environment)
+            return self._effect(guard, channel, environment, contents, sender.span)
+
+        return self._found(outcome, sender.span)
+
+    def _action(self, participant: Participant) -> Action:
+        edge = self.model.edge(participant)
+        span = edge.spans[0]
+        heard: set[int] = set()
+
+        def outcome(environment: Environment, contents: Contents) -> Effect | None:
+            bind_selects(self.model, participant, environment)
+            guard = self._guard(participant, environment)
+            if not guard:
+                return None
+            channel = channel_named(self.model, participant, environment)
+            contents.read.clear()
+            try:
+                execute(edge.updates, environment)
+            finally:
+                heard.update(contents.read)
+            return self._effect(guard, channel, environment, contents, span)
+
+        cases = self._found(outcome, span)
+        direction = None if edge.synchronisation is None else edge.synchronisation.direction
+        return Action(participant, edge.source, edge.target, direction, span, cases, frozenset(heard))
+
+    def _found(self, outcome: Callable[[Environment, Contents], Effect | None], span: Span) -> tuple[Case[Effect], ...]:
+        try:
+            return tuple(self.finder.find(outcome))
+        except TooManyCasesError as error:
+            name = self.model.layout.names[error.cell]
+            raise too_many_cases(name, self.finder.range_of(error.cell), span) from None
+
+    def _guard(self, participant: Participant, environment: Environment) -> Disjunction:
+        edge = self.model.edge(participant)
+        return clock_conjunctions(conditional_constraints(edge.guard, environment), edge.spans[0])
+
+    def _effect(
+        self, guard: Disjunction, channel: int | None, environment: Environment, contents: Contents, span: Span
+    ) -> Effect:
+        layout = self.model.layout
+        writes = tuple((cell, list.__getitem__(contents, cell)) for cell in sorted(contents.written))
+        for clock, value in environment.resets.items():
+            if value:
+                name = layout.names[layout.clock_cells[clock - 1]]
+                raise refused(f"clocks that are set to another value than 0, here `{name}` to {value}", span)
+        return Effect(guard, channel, writes, tuple(sorted(environment.resets)))
+
+
+def too_many_cases(name: str, range_: tuple[int, int], span: Span) -> UnsupportedError:
+    low, high = range_
+    return refused(
+        f"expressions over several variables, and here are too many cases to tell them one by one: `{name}` is one of "
+        f"what is read",
+        span,
+        f"declare a smaller range than [{low}, {high}], or read less on one edge",
+    )
+
+
+def clock_conjunctions(disjunction: Disjunction, span: Span) -> Disjunction:
+    """A guard without what is always true and without alternatives that are never true.
+
+    Raises UnsupportedError for a difference of two clocks.
+    """
+    found = []
+    for conjunction in disjunction:
+        kept = [constraint for constraint in conjunction if not _is_certain(*constraint)]
+        if any(i and j for i, j, _ in kept):
+            raise refused("comparisons of two clocks", span)
+        if not any(i and (bound_value(raw), not is_strict(raw)) < (0, True) for i, _, raw in kept):
+            found.append(_tightest(tuple(kept)))
+    return found
+
+
+def _is_certain(i: int, _: int, raw: int) -> bool:
+    """Whether a constraint says no more than that a clock is not negative."""
+    return not i and raw >= 1
+
+
+def _tightest(conjunction: Conjunction) -> Conjunction:
+    """One constraint for each pair of clocks."""
+    tightest: dict[tuple[int, int], int] = {}
+    for i, j, raw in conjunction:
+        tightest[i, j] = min(raw, tightest.get((i, j), raw))
+    return tuple((i, j, raw) for (i, j), raw in tightest.items())
+
+
+def conflicting(senders: Iterable[Action], receivers: Sequence[Action]) -> tuple[Action, Action] | None:
+    """A sender and a receiver for which the order of their updates matters."""
+    for sender, receiver in product(senders, receivers):
+        if sender.participant.process != receiver.participant.process:
+            if sender.written & (receiver.written | receiver.heard):
+                return sender, receiver
+    return None

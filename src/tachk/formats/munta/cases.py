@@ -1,0 +1,171 @@
+"""What an expression does in all discrete states, case by case: only what it reads distinguishes cases."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, SupportsIndex, TypeVar
+
+from tachk.model.cell_layout import CellLayout
+from tachk.model.evaluate import Environment
+from tachk.model.fault import EvaluationFault
+from tachk.model.network import Network
+from tachk.model.traversal import process_expressions, written_variables
+from tachk.model.types import cell_count
+from tachk.semantics.discrete import PreparedNetwork
+
+LARGEST_RANGE = 4096
+"""So many values may a variable have that decides between cases."""
+MOST_CASES = 20_000
+
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """The content of a cell is in ``[low, high]``; a negative cell ``-1 - p`` is the location of process p."""
+
+    cell: int
+    low: int
+    high: int
+
+
+@dataclass(frozen=True, slots=True)
+class Case(Generic[T]):
+    """What happens where all conditions hold."""
+
+    conditions: tuple[Condition, ...]
+    outcome: T
+
+
+class TooManyCasesError(Exception):
+    """An expression reads more than can be told case by case.
+
+    Attributes:
+        cell: one that it reads.
+    """
+
+    def __init__(self, cell: int) -> None:
+        super().__init__(cell)
+        self.cell = cell
+
+
+class _UnreadError(Exception):
+    """The content of a cell is needed."""
+
+    def __init__(self, cell: int) -> None:
+        super().__init__(cell)
+        self.cell = cell
+
+
+class Contents(list[int]):
+    """The contents of cells as far as they are known.
+
+    Attributes:
+        read: the cells that were read since this was last emptied, unless they had been written before.
+        written: the cells that were written.
+    """
+
+    def __init__(self, contents: Sequence[int], unknown: frozenset[int], offset: int = 0) -> None:
+        super().__init__(contents)
+        self._unknown = unknown
+        self._offset = offset
+        self.read: set[int] = set()
+        self.written: set[int] = set()
+
+    def __getitem__(self, position: SupportsIndex | slice) -> Any:
+        for cell in self._cells(position):
+            if cell not in self.written:
+                self.read.add(cell)
+                if cell in self._unknown:
+                    raise _UnreadError(cell if not self._offset else self._offset - cell)
+        return super().__getitem__(position)
+
+    def __setitem__(self, position: SupportsIndex | slice, value: Any) -> None:
+        self.written.update(self._cells(position))
+        super().__setitem__(position, value)
+
+    def _cells(self, position: SupportsIndex | slice) -> Sequence[int]:
+        return range(*position.indices(len(self))) if isinstance(position, slice) else (position.__index__(),)
+
+
+@dataclass(frozen=True, slots=True)
+class CaseFinder:
+    """Attributes:
+    unknown: the cells whose content differs between states; all others always have what they begin with.
+    sizes: how many locations each process has.
+    """
+
+    layout: CellLayout
+    unknown: frozenset[int]
+    sizes: tuple[int, ...]
+
+    def range_of(self, cell: int) -> tuple[int, int]:
+        """What a condition on a cell, or on the location of a process, can be about."""
+        return self.layout.ranges[cell] if cell >= 0 else (0, self.sizes[-1 - cell] - 1)
+
+    def find(self, outcome: Callable[[Environment, Contents], T | None]) -> list[Case[T]]:
+        """The cases that have an outcome. Where the expression has a run-time error there is none.
+
+        Neighbouring values of a cell that make no difference are one case. Raises TooManyCasesError.
+        """
+        budget = iter(range(MOST_CASES))
+        return list(self._cases(outcome, {}, budget))
+
+    def _cases(
+        self, outcome: Callable[[Environment, Contents], T | None], chosen: Mapping[int, int], budget: Iterator[int]
+    ) -> tuple[Case[T], ...]:
+        try:
+            found = outcome(*self._environment(chosen))
+        except EvaluationFault:
+            return ()
+        except _UnreadError as unread:
+            cell = unread.cell
+        else:
+            return () if found is None else (Case((), found),)
+        low, high = self.range_of(cell)
+        if high - low >= LARGEST_RANGE:
+            raise TooManyCasesError(cell)
+        groups: list[tuple[int, int, tuple[Case[T], ...]]] = []
+        for value in range(low, high + 1):
+            if next(budget, None) is None:
+                raise TooManyCasesError(cell)
+            inner = self._cases(outcome, {**chosen, cell: value}, budget)
+            if groups and groups[-1][2] == inner:
+                groups[-1] = (groups[-1][0], value, inner)
+            else:
+                groups.append((value, value, inner))
+        if len(groups) == 1:
+            return groups[0][2]
+        return tuple(
+            Case((Condition(cell, first, last), *case.conditions), case.outcome)
+            for first, last, cases in groups
+            for case in cases
+        )
+
+    def _environment(self, chosen: Mapping[int, int]) -> tuple[Environment, Contents]:
+        contents = [chosen.get(cell, value) for cell, value in enumerate(self.layout.initial)]
+        values = Contents(contents, self.unknown - chosen.keys())
+        processes = range(len(self.sizes))
+        locations = Contents(
+            [chosen.get(-1 - p, 0) for p in processes], frozenset(p for p in processes if -1 - p not in chosen), -1
+        )
+        return Environment(self.layout, values, locations), values
+
+
+def case_finder(model: PreparedNetwork) -> CaseFinder:
+    """A finder of cases for a network. What no edge writes, and meta variables, have what they begin with."""
+    layout = model.layout
+    unknown = {
+        cell
+        for variable in _written(model.network)
+        for cell in range(layout.first[variable], layout.first[variable] + cell_count(variable.type))
+        if not layout.meta[cell] and layout.ranges[cell][0] != layout.ranges[cell][1]
+    }
+    return CaseFinder(layout, frozenset(unknown), tuple(len(p.locations) for p in model.network.processes))
+
+
+def _written(network: Network) -> set[Any]:
+    written = written_variables([e for process in network.processes for e in process_expressions(process)])
+    return {variable for variable in network.all_variables() if variable in written}

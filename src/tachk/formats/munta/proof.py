@@ -1,0 +1,60 @@
+"""Proofs for Munta's checker: a model, a set of states, and what the numbers in it mean."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from tachk.engines.options import Limits, Options
+from tachk.formats.munta.actions import refused
+from tachk.formats.munta.certificate import certificate_of
+from tachk.formats.munta.weakened import Weakening, weakened
+from tachk.formats.munta.writer import to_munta
+from tachk.formats.network_json.digest import digest
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.properties.certificates import find_proof
+from tachk.properties.observed import observed
+from tachk.records import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class MuntaProof:
+    """Attributes:
+    model, renaming, certificate: the contents of three files.
+    asks_deadlock: the checker has to be asked for deadlock, not for the formula of the model.
+    states, zones: how many the certificate has.
+    weakenings: what the model of the proof can do, perhaps, that the user's model cannot.
+    """
+
+    model: str
+    renaming: str
+    certificate: bytes
+    asks_deadlock: bool
+    states: int
+    zones: int
+    weakenings: tuple[Weakening, ...]
+
+
+def munta_proof(
+    network: Network, query: Query, options: Options = Options(), limits: Limits = Limits()
+) -> MuntaProof | str:
+    """A proof that no state decides the query, or the reason why there is none.
+
+    Args:
+        network: without observer.
+
+    Raises:
+        UnsupportedError: E0803, with the place of what Munta cannot say.
+    """
+    whole, weakenings = weakened(observed(network, query.observer))
+    munta = to_munta(whole, query)
+    if munta.asks_deadlock and any(weakening.of_time for weakening in weakenings):
+        first = next(weakening for weakening in weakenings if weakening.of_time)
+        raise refused("invariants that depend on variables", first.span, "make several locations of it")
+    proof = find_proof(whole, digest(whole), replace(query, observer=None), options, limits)
+    if isinstance(proof, str):
+        given_up = "".join(f"\n{weakening.span}: for Munta, {weakening.text}" for weakening in weakenings)
+        return proof + given_up
+    certificate = certificate_of(munta.network, proof.blocks(), len(proof.header.clocks))
+    text, renaming = munta.network.text(), munta.network.renaming()
+    return MuntaProof(text, renaming, certificate, munta.asks_deadlock, proof.states, proof.zones, weakenings)

@@ -1,0 +1,299 @@
+"""A network with a question about it in Munta's words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+from tachk.diagnostics.span import Span
+from tachk.formats.munta.accommodation import add_ceilings, order_of_cells
+from tachk.formats.munta.actions import (
+    Action,
+    ActionFinder,
+    conflicting,
+    refused,
+)
+from tachk.formats.munta.cases import Case, CaseFinder, case_finder
+from tachk.formats.munta.formula import (
+    FALSE,
+    Formula,
+    FormulaFinder,
+    TooManyAlternativesError,
+    alternatives,
+    cells_in,
+    has_clocks,
+    written,
+)
+from tachk.formats.munta.invariants import constant_invariant
+from tachk.formats.munta.network import IMPOSSIBLE, MuntaEdge, MuntaNetwork, MuntaProcess, Names, Variables
+from tachk.model.cell_layout import CellLayout
+from tachk.model.expressions import Deadlock, Expression, Unary
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.operators import UnaryOperator
+from tachk.semantics.discrete import PreparedNetwork, prepare
+from tachk.words import Direction
+
+
+@dataclass(frozen=True, slots=True)
+class MuntaModel:
+    """Attributes:
+    network: its formula asks for a state that the property forbids, or that it wants to be possible.
+    asks_deadlock: the question is whether there is a deadlock, which an option of Munta asks instead of the formula.
+    """
+
+    network: MuntaNetwork
+    asks_deadlock: bool
+
+
+def to_munta(network: Network, query: Query) -> MuntaModel:
+    """The network, with the observer of the query if it has one, and the question for a state that decides the query.
+
+    Raises UnsupportedError: E0803, with the place of what Munta cannot say.
+    """
+    if query.target is None:
+        raise refused(
+            f"`{query.kind}` with the meaning that it has here",
+            query.span,
+            "for Munta, runs never end and never wait for ever; only A[] and E<> mean the same",
+        )
+    _check_features(network)
+    return _Writer(prepare(network)).run(query.target, query.span)
+
+
+def _check_features(network: Network) -> None:
+    for process in network.processes:
+        for location in process.locations:
+            if location.rates:
+                raise refused("clocks that stand still", location.rates[0][0].span)
+        if process.priority != network.processes[0].priority:
+            raise refused("priorities of processes", process.span)
+    for variable in network.all_variables():
+        if any(p != network.default_priority for p in variable.priorities):
+            raise refused("priorities of channels", variable.span)
+
+
+def is_deadlock(predicate: Expression) -> bool:
+    """Whether a predicate is `deadlock`, perhaps negated twice."""
+    match predicate:
+        case Unary(UnaryOperator.NOT, Unary(UnaryOperator.NOT, operand)):
+            return is_deadlock(operand)
+        case _:
+            return isinstance(predicate, Deadlock)
+
+
+@dataclass(slots=True)
+class _Writer:
+    model: PreparedNetwork
+    names: Names = field(default_factory=lambda: Names({"true", "none", IMPOSSIBLE[:-1]}))
+    broadcast: list[str] = field(default_factory=list)
+
+    @property
+    def layout(self) -> CellLayout:
+        return self.model.layout
+
+    def run(self, target: Expression, span: Span) -> MuntaModel:
+        finder = case_finder(self.model)
+        processes = self._processes(finder)
+        self._synchronise(ActionFinder(self.model, finder), processes)
+        asks_deadlock = is_deadlock(target)
+        formula = FALSE if asks_deadlock else FormulaFinder(finder).formula(target)
+        reached = self._goals(formula, processes, span) if has_clocks(formula) else []
+        if has_clocks(formula):
+            formula = FALSE
+        if asks_deadlock:
+            processes.append(self._pause())
+        self._complete(formula, processes)
+        add_ceilings(processes)
+        places = tuple(tuple(process.used()) for process in processes)
+        variables = self._variables(formula, processes, finder)
+        names = {
+            (number, place): f"{process.name}.{process.locations[place]}"
+            for number, process in enumerate(processes)
+            for place in places[number]
+        }
+        text = " || ".join(names[end] for end in reached if end in names) or written(formula, names, variables)
+        network = MuntaNetwork(tuple(processes), variables, tuple(self.broadcast), f"E<> {text}", places)
+        return MuntaModel(network, asks_deadlock)
+
+    # ---- processes --------------------------------------------------------------------------------------------------
+
+    def _processes(self, finder: CaseFinder) -> list[MuntaProcess]:
+        found = []
+        for process in self.model.network.processes:
+            own = Names()
+            found.append(
+                MuntaProcess(
+                    self.names.fresh(process.name),
+                    [own.fresh(location.name) for location in process.locations],
+                    [constant_invariant(location.invariant, location.span, finder) for location in process.locations],
+                    {n for n, location in enumerate(process.locations) if location.urgent or location.committed},
+                    {n for n, location in enumerate(process.locations) if location.committed},
+                    process.initial,
+                )
+            )
+        return found
+
+    # ---- synchronisation --------------------------------------------------------------------------------------------
+
+    def _synchronise(self, finder: ActionFinder, processes: Sequence[MuntaProcess]) -> None:
+        actions = [action for number in range(len(processes)) for action in finder.actions(number)]
+        for action in actions:
+            if action.direction is None:
+                processes[action.participant.process].edges += self._edges(action, action.cases, "")
+        channels = {case.outcome.channel for action in actions for case in action.cases} - {None}
+        for channel in sorted(c for c in channels if c is not None):
+            senders = [a for a in actions if a.direction is Direction.SEND and a.over(channel)]
+            receivers = [a for a in actions if a.direction is Direction.RECEIVE and a.over(channel)]
+            type_, _ = self.model.channels[channel]
+            if type_.urgent:
+                raise refused("urgent channels", self._span(channel), "make a location urgent instead")
+            if type_.broadcast:
+                self._check_broadcast(channel, senders, receivers)
+            if not type_.broadcast and conflicting(senders, receivers):
+                self._join(finder, channel, senders, receivers, processes)
+            else:
+                self._label(channel, senders + receivers, processes, type_.broadcast)
+
+    def _span(self, channel: int) -> Span:
+        cell = self.layout.channel_cells[channel]
+        variables = self.model.network.all_variables()
+        return max((v for v in variables if self.layout.first[v] <= cell), key=self.layout.first.__getitem__).span
+
+    def _check_broadcast(self, channel: int, senders: Sequence[Action], receivers: Sequence[Action]) -> None:
+        for receiver in receivers:
+            if any(c != () for case in _over(receiver, channel) for c in case.outcome.guard):
+                raise refused(
+                    "clock guards on edges that receive a broadcast",
+                    receiver.span,
+                    "receive in any case, and decide on an edge behind a committed location",
+                )
+        for before in (*senders, *receivers):
+            for after in receivers:
+                if before.participant.process != after.participant.process and before.written & after.heard:
+                    raise refused(
+                        "receivers of a broadcast that read what another edge of the same broadcast has written",
+                        after.span,
+                    )
+
+    def _label(
+        self, channel: int, actions: Iterable[Action], processes: Sequence[MuntaProcess], broadcast: bool
+    ) -> None:
+        """One edge of Munta for each case, alternative and edge of the model."""
+        name = self._channel_name(channel)
+        if broadcast:
+            self.broadcast.append(name)
+        for action in actions:
+            label = name + ("!" if action.direction is Direction.SEND else "?")
+            processes[action.participant.process].edges += self._edges(action, _over(action, channel), label)
+
+    def _join(
+        self,
+        finder: ActionFinder,
+        channel: int,
+        senders: Iterable[Action],
+        receivers: Sequence[Action],
+        processes: Sequence[MuntaProcess],
+    ) -> None:
+        """A channel for each pair whose receiver needs what the sender writes: the sender's edge does the work of both,
+        for Munta lets the receiver write first."""
+        for sender in senders:
+            for receiver in receivers:
+                one, other = sender.participant.process, receiver.participant.process
+                if one == other:
+                    continue
+                cases = finder.together(sender, receiver, channel)
+                if cases:
+                    name = self._channel_name(channel)
+                    processes[one].edges += self._edges(sender, cases, f"{name}!")
+                    processes[other].edges.append(MuntaEdge(receiver.source, receiver.target, label=f"{name}?"))
+
+    def _channel_name(self, channel: int) -> str:
+        return self.names.fresh(self.layout.names[self.layout.channel_cells[channel]])
+
+    def _edges(self, action: Action, cases: Iterable[Case], label: str) -> Iterator[MuntaEdge]:  # type: ignore[type-arg]
+        for case in cases:
+            writes = tuple((cell, value) for cell, value in case.outcome.writes if not self.layout.meta[cell])
+            for clocks in case.outcome.guard:
+                yield MuntaEdge(
+                    action.source, action.target, case.conditions, clocks, label, writes, case.outcome.resets
+                )
+
+    # ---- the question -----------------------------------------------------------------------------------------------
+
+    def _goals(self, formula: Formula, processes: list[MuntaProcess], span: Span) -> list[tuple[int, int]]:
+        """New locations that are reached from a state if and only if the formula, with clocks, is true in it.
+
+        While a committed location is occupied its process must take the edge, else a process made for that does.
+        """
+        try:
+            asked = alternatives(formula)
+        except TooManyAlternativesError:
+            raise refused("conditions on clocks with so many alternatives", span) from None
+        for number in sorted({-1 - cell for cell in cells_in(formula) if cell < 0}):
+            process = processes[number]
+            process.edges = [
+                replace(e, writes=(*e.writes, (-1 - number, e.target))) if e.source != e.target else e
+                for e in process.edges
+            ]
+        watch = MuntaProcess(self.names.fresh("Goal"), ["watching", "reached"], [(), ()], set(), set(), 0, added=(0,))
+        watch.edges += [MuntaEdge(0, 1, conditions, clocks) for conditions, clocks in asked]
+        reached = [(len(processes), 1)]
+        for number, process in enumerate(processes):
+            if process.committed:
+                place = len(process.locations)
+                process.locations.append(Names(process.locations).fresh("reached"))
+                process.invariants.append(())
+                reached.append((number, place))
+                process.edges += [
+                    MuntaEdge(source, place, conditions, clocks)
+                    for source in sorted(process.committed)
+                    for conditions, clocks in asked
+                    if all(c.low <= source <= c.high for c in conditions if c.cell == -1 - number)
+                ]
+        processes.append(watch)
+        return reached
+
+    def _pause(self) -> MuntaProcess:
+        """A process that can act once, at any time. For Munta, a deadlock is a state right after a transition, while it
+        may also be reached by waiting for tachk. After a pause there is no difference, before it no deadlock."""
+        name = self.names.fresh("Pause")
+        pause = MuntaProcess(name, ["before", "after"], [(), ()], set(), set(), 0, added=(0, 1))
+        pause.edges.append(MuntaEdge(0, 1))
+        return pause
+
+    # ---- variables --------------------------------------------------------------------------------------------------
+
+    def _complete(self, formula: Formula, processes: Sequence[MuntaProcess]) -> None:
+        """Adds edges that are never taken, for Munta knows only what edges name."""
+        for process in processes:
+            if all(edge.source != process.initial for edge in process.edges):
+                process.edges.append(MuntaEdge(process.initial, process.initial, label=IMPOSSIBLE))
+        named = {c.cell for process in processes for edge in process.edges for c in edge.conditions}
+        named |= {cell for process in processes for edge in process.edges for cell, _ in edge.writes}
+        first = processes[0]
+        for cell in sorted(cell for cell in cells_in(formula) - named if cell >= 0):
+            first.edges.append(
+                MuntaEdge(first.initial, first.initial, label=IMPOSSIBLE, writes=((cell, self.layout.initial[cell]),))
+            )
+
+    def _variables(self, formula: Formula, processes: Sequence[MuntaProcess], finder: CaseFinder) -> Variables:
+        edges = [edge for process in processes for edge in process.edges]
+        read = {c.cell for edge in edges for c in edge.conditions} | {cell for cell in cells_in(formula) if cell >= 0}
+        constraints = [c for edge in edges for c in edge.clocks]
+        constraints += [c for process in processes for invariant in process.invariants for c in invariant]
+        clocks = tuple(sorted({i or j for i, j, _ in constraints}))
+        cells = order_of_cells(processes, read)
+        initial = [process.initial for process in processes]
+        return Variables(
+            cells,
+            clocks,
+            {c: self.names.fresh(self.layout.names[c] if c >= 0 else f"at {processes[-1 - c].name}") for c in cells},
+            {clock: self.names.fresh(self.layout.names[self.layout.clock_cells[clock - 1]]) for clock in clocks},
+            {c: self.layout.initial[c] if c >= 0 else initial[-1 - c] for c in cells},
+            {c: finder.range_of(c) for c in cells},
+        )
+
+
+def _over(action: Action, channel: int) -> list[Case]:  # type: ignore[type-arg]
+    return [case for case in action.cases if case.outcome.channel == channel]
