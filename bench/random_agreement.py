@@ -21,7 +21,7 @@ from random import Random
 from tachk.model.expressions import BOOL, Constant
 from tachk.testing import Shape, random_case
 from tachk.testing.agreement import VARIANTS, Effort, compare
-from tachk.testing.diverging_agreement import compare_diverging
+from tachk.testing.endless.diverging_agreement import compare_diverging
 from tachk.testing.liveness_agreement import compare_obligation
 from tachk.testing.obligations import random_obligations
 

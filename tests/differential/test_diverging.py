@@ -10,7 +10,7 @@ from tachk.engines.options import Options
 from tachk.properties.verdict import Answer
 from tachk.testing import Shape, random_case
 from tachk.testing.agreement import Effort
-from tachk.testing.diverging_agreement import compare_diverging
+from tachk.testing.endless.diverging_agreement import compare_diverging
 from tachk.testing.obligations import random_obligations
 
 SMALL = {"processes": 2, "locations": 3, "clocks": 2, "constant": 3, "deadlocks": False}

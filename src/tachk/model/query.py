@@ -58,6 +58,8 @@ class Query:
     deadline: of EVENTUALLY and LEADS_TO: since the start, since the left side.
     observer: what has to be added to the network for this query alone; the predicate names its location.
     non_zeno: a run with infinitely many transitions counts only if time diverges in it.
+    again: predicates without clocks; only runs count that meet each of them again and again, or end.
+    ends: one that is true where such a run ends; None: it may end anywhere.
     """
 
     name: str
@@ -72,6 +74,8 @@ class Query:
     conditional: bool = False
     deadline: Deadline | None = None
     non_zeno: bool = False
+    again: tuple[Expression, ...] = ()
+    ends: Expression | None = None
 
     @property
     def holds_when_reached(self) -> bool | None:

@@ -132,6 +132,8 @@ def _descent(
 ) -> Cover | str:
     avoided, begins = query.avoided, query.begins
     assert avoided is not None
+    if query.again:
+        return "there are no certificates yet of what does not happen again and again"
     if query.non_zeno:
         return "there are no certificates yet where only runs count in which time diverges"
     stops = any(location.rates for process in network.processes for location in process.locations)

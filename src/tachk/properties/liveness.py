@@ -22,7 +22,9 @@ from tachk.engines.outcome import (
     RunEnd,
     RunTimeFault,
 )
-from tachk.model.expressions import BOOL, Constant
+from tachk.model.connectives import either
+from tachk.model.expressions import BOOL, Constant, Expression, LocationTest
+from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.fault_explanation import explain
 from tachk.properties.plan import Search, Task
@@ -70,7 +72,7 @@ def _verdict(
     verdict = _of_outcome(query, outcome)
     if outcome.run is not None and (trace or not outcome.exact):
         verdict = _shown(model, verdict, searched, limits.after(time.monotonic() - started))
-    if searched.beating is not None and outcome.status is LivenessStatus.NONE:
+    if searched.beating is not None and not query.again and outcome.status is LivenessStatus.NONE:
         verdict = replace(verdict, notes=(*verdict.notes, _ZENO_ONLY))
     return verdict
 
@@ -86,7 +88,7 @@ def _fault_alone(fault: RunTimeFault, beating: DoubledNetwork | None) -> RunTime
 def _searched(
     model: PreparedNetwork, query: Query, options: Options, limits: Limits, progress: Progress | None
 ) -> _Searched:
-    """Looks for any run first: where there is none, there is none that diverges. Raises OutOfTimeError."""
+    """Looks for any run first: where there is none, there is none that counts. Raises OutOfTimeError."""
     started = time.monotonic()
     avoided, begins = query.avoided, query.begins
     assert avoided is not None
@@ -94,17 +96,32 @@ def _searched(
         program, goal, trigger = lower_obligation(model.network, avoided, begins)
     left = limits.after(time.monotonic() - started)
     first = find_avoiding_run(program, goal, trigger, options, left, progress)
-    obligation = Obligation(avoided, begins)
-    if first.run is None or first.run.end is not RunEnd.LOOP or not query.non_zeno:
+    obligation = Obligation(avoided, begins, query.again, query.ends)
+    ends = first.run is not None and first.run.end is not RunEnd.LOOP
+    if first.run is None or not (query.again or (query.non_zeno and not ends)):
         return _Searched(first, obligation)
-    beating = with_beats(model.network)
-    obligation = replace(obligation, again=(beating.mark,))
+    beating = with_beats(model.network) if query.non_zeno else None
+    if beating is not None:
+        obligation = replace(obligation, again=(*query.again, _counted(model.network, query, beating)))
+    network = model.network if beating is None else beating.network
+    anywhere = Constant(1, BOOL) if query.ends is None else query.ends
     with time_limit(limits.after(time.monotonic() - started).seconds):
-        anywhere = Constant(1, BOOL)
-        program, goals = lower_recurrence(beating.network, avoided, anywhere, begins, obligation.again)
+        program, goals = lower_recurrence(network, avoided, anywhere, begins, obligation.again)
     left = limits.after(time.monotonic() - started)
     second = find_recurring_run(program, goals, begins is not None, options, left, progress)
     return _Searched(replace(second, statistics=first.statistics.then(second.statistics)), obligation, beating)
+
+
+def _counted(network: Network, query: Query, beating: DoubledNetwork) -> Expression:
+    """What shows again and again that a run counts: time passes, or an observer has seen a violation, after which it
+    does not matter how the run goes on."""
+    if query.observer is None:
+        return beating.mark
+    return either(beating.mark, LocationTest(len(network.processes) - 1, query.observer.bad))
+
+
+def _has_shown(query: Query, run: TimedTrace) -> bool:
+    return query.observer is not None and run.states[-1].discrete.locations[-1] == query.observer.bad
 
 
 _ZENO_ONLY = "only runs with infinitely many transitions in finite time would give another answer"
@@ -144,7 +161,7 @@ def _shown(model: PreparedNetwork, verdict: Verdict, searched: _Searched, limits
     problem = "it has no delays"
     try:
         with time_limit(seconds):
-            run = _judged(model, searched)
+            run = _judged(model, verdict.query, searched)
     except OutOfTimeError:
         return replace(verdict, notes=(*verdict.notes, _NO_DELAYS)) if outcome.exact else verdict
     except ReplayError as error:
@@ -156,7 +173,7 @@ def _shown(model: PreparedNetwork, verdict: Verdict, searched: _Searched, limits
     return verdict
 
 
-def _judged(model: PreparedNetwork, searched: _Searched) -> TimedTrace | None:
+def _judged(model: PreparedNetwork, query: Query, searched: _Searched) -> TimedTrace | None:
     """The run with its delays, as one of the model; None if there are none. Raises ReplayError."""
     assert searched.outcome.run is not None
     obligation, beating = searched.obligation, searched.beating
@@ -167,7 +184,8 @@ def _judged(model: PreparedNetwork, searched: _Searched) -> TimedTrace | None:
     replay_lasso(whole, run, obligation.goal, obligation.trigger, obligation.again, obligation.ends)
     if beating is not None:
         run = beating.run_alone(run)
-        replay_lasso(model, run, obligation.goal, obligation.trigger, diverges=True)
+        asked = obligation.goal, obligation.trigger, query.again, obligation.ends
+        replay_lasso(model, run, *asked, diverges=not _has_shown(query, run))
     return run
 
 

@@ -137,13 +137,13 @@ def violated(model: LoadedModel, query: Query, options: Options = Options()) -> 
 def random_watched(random: Random, network: Network) -> Query | None:
     """A query with an observer over locations and integers of a network; None where the formula drawn has none."""
     formula = random_formula(random, SHAPE, 2) if random.random() < 0.2 else _shaped(random)
-    atoms = {name: _random_atom(random, network) for name in FLAGS}
+    atoms = {name: random_atom(random, network) for name in FLAGS}
     watched = rewrite(formula, lambda node: substitute(node, atoms) if isinstance(node, ast.NameExpression) else node)
     node = ast.TemporalFormula(NOWHERE, watched)
     return elaborate_temporal(node, "property", scope_of(network), Context(Findings()), "", None)
 
 
-def _random_atom(random: Random, network: Network) -> ast.Expression:
+def random_atom(random: Random, network: Network) -> ast.Expression:
     integers = [v.name for v in network.variables if isinstance(v.type, IntType) and not network.resets(v)]
     if integers and random.random() < 0.3:
         value = ast.IntegerLiteral(NOWHERE, random.randint(0, 2))

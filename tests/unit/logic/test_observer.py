@@ -137,7 +137,8 @@ def test_edges_are_followed_in_every_window(text: str) -> None:
 @pytest.mark.parametrize(
     ("text", "blamed", "reason"),
     [
-        ("F G q", "F G q", "again and again"),
+        ("F G (q || F[0,2] r)", "F G (q || F[0,2] r)", "again and again"),
+        ("G[0,5] (p -> F q) -> F r", "G[0,5] (p -> F q)", "each instant of a window would need an answer"),
         ("G (p -> F[0,5] (q U[0,3] r))", "F[0,5] (q U[0,3] r)", "something temporal would have to hold at every"),
         ("G (p -> F[0,5] (q && F[1,2] r))", "F[0,5] (q && F[1,2] r)", "something temporal would have to hold at every"),
         ("G (p -> F[0,5] G[1,2] q)", "F[0,5] G[1,2] q", "another window begins"),

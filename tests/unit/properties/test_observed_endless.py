@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
@@ -97,3 +98,86 @@ def test_what_lasts_for_ever_from_later_on_is_looked_for(answers: Answers) -> No
     property Later : G[0,1] !P.B || F[5,inf) P.B;
     """
     assert answers(text) == {"Later": "fails"}
+
+
+# `Assumed`: that W is there for no time does not break the assumption, so that runs without Q violate it.
+RECURRENT = """
+property Settles : F G P.A;
+property Leaves : F G !P.A;
+property Fair : (G F P.W) -> G F P.Q;
+property Stable : G (P.Q -> F G P.Q);
+property Assumed : (G (P.W -> F P.Q)) -> F P.Q;
+"""
+
+
+@pytest.mark.parametrize(
+    ("locations", "failing"),
+    [
+        pytest.param(
+            "init location A { invariant x <= 1; to W; } location W { invariant x <= 2; to Q; } location Q;",
+            {"Settles"},
+            id="comes to rest",
+        ),
+        pytest.param(
+            """init location A { invariant x <= 1; to W { guard x >= 1; } } location W { invariant x <= 2; to Q; }
+            location Q { invariant x <= 3; to A { guard x >= 3; assign x = 0; } }""",
+            {"Settles", "Leaves", "Stable"},
+            id="goes round",
+        ),
+        pytest.param(
+            """init location A { invariant x <= 1; to A { guard x >= 1; assign x = 0; } to Q; }
+            committed location Q { to A; } location W;""",
+            {"Leaves", "Assumed"},
+            id="is elsewhere for no time",
+        ),
+        pytest.param(
+            """init location A { invariant x <= 1; to W { guard x >= 1; assign x = 0; } to Q; }
+            location W { invariant x <= 1; to A { guard x >= 1; assign x = 0; } } location Q;""",
+            {"Settles", "Leaves", "Fair"},
+            id="need not come to Q",
+        ),
+        pytest.param(
+            "init location A { invariant x <= 1; } location W; location Q;", {"Leaves", "Assumed"}, id="time stops in A"
+        ),
+        pytest.param(
+            "init location A { invariant x <= 1; to W; } location W { invariant x <= 1; } location Q;",
+            {"Settles", "Fair"},
+            id="time stops elsewhere",
+        ),
+        pytest.param(
+            """init location A { invariant x <= 1; to W { guard x >= 1; } } location W { invariant x <= 1; to V; }
+            location V { invariant x <= 1; to W; } location Q;""",
+            {"Settles", "Fair", "Assumed"},
+            id="takes steps for ever without time",
+        ),
+    ],
+)
+def test_what_happens_again_and_again(locations: str, failing: set[str], answers: Answers) -> None:
+    found = answers(f"process P() {{ clock x; {locations} }} system P; {RECURRENT}")
+    assert {name for name, answer in found.items() if answer == "fails"} == failing
+
+
+def test_fairness_may_be_asked_of_runs_in_which_time_diverges() -> None:
+    model = load_model(
+        Source(
+            "m.ta",
+            """
+            process P() {
+                clock x;
+                init location A { invariant x <= 1; to A; to W { guard x >= 1; assign x = 0; } }
+                location W { invariant x <= 1; to A { guard x >= 1; assign x = 0; } }
+            }
+            system P;
+            property leaves : F G P.A;
+            property stays : F G !P.W -> F G P.A;
+            property fair : G F P.A -> G F P.W;
+            """,
+        )
+    )
+    plain = verify(model.network, model.queries)
+    assert [verdict.answer.value for verdict in plain] == ["fails", "holds", "fails"]
+    diverging = verify(model.network, [replace(query, non_zeno=True) for query in model.queries])
+    assert [verdict.answer.value for verdict in diverging] == ["fails", "holds", "holds"]
+    trace = diverging[0].trace
+    assert trace is not None and trace.loop_start is not None
+    assert trace.states[-1].time > trace.states[trace.loop_start].time

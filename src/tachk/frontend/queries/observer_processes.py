@@ -15,10 +15,11 @@ from tachk.frontend.templates.templates import elaborate_process
 from tachk.logic.observer.construction import BAD, NoObserver, build_observer
 from tachk.logic.sentences import meaning
 from tachk.logic.triggers import demanded_implications, needed_state
-from tachk.model.expressions import BOOL, Binary, Expression, LocationTest, Unary
+from tachk.model.connectives import both, either
+from tachk.model.expressions import BOOL, Expression, LocationTest, Unary
 from tachk.model.query import Expectation, Observer, Query
 from tachk.model.traversal import asks_deadlock, clock_in
-from tachk.operators import BinaryOperator, UnaryOperator
+from tachk.operators import UnaryOperator
 from tachk.syntax import ast
 from tachk.syntax.formula import Atom, Change, Formula, operands
 from tachk.syntax.formulas.printer import print_formula
@@ -54,13 +55,19 @@ def elaborate_temporal(
     )
     places = {location.name: number for number, location in enumerate(process.locations)}
     observer = _processes(scope)
-    shown: Expression = LocationTest(observer, places[BAD], span=node.span)
+    bad = LocationTest(observer, places[BAD], span=node.span)
+    shown: Expression = bad
+    again: list[Expression] = [bad] * len(built.endings[0].again if built.endings else ())
+    ends: Expression = bad
     for ending in built.endings:
-        here = LocationTest(observer, places[ending.location], span=node.span)
-        kept = condition(ending.condition, scope, context)
-        assert kept is not None
-        stays = Binary(BinaryOperator.AND, here, kept, BOOL, node.span)
-        shown = Binary(BinaryOperator.OR, shown, stays, BOOL, node.span)
+        here: Expression = LocationTest(observer, places[ending.location], span=node.span)
+        shown = either(shown, both(here, _asked(ending.condition, scope, context)))
+        met = [None if each is None else both(here, _asked(each, scope, context)) for each in ending.again]
+        again = [old if new is None else either(old, new) for old, new in zip(again, met, strict=True)]
+        if None not in met:
+            for each in met:
+                here = both(each, here)
+            ends = either(ends, here)
     absent = Unary(UnaryOperator.NOT, shown, BOOL, node.span)
     return Query(
         name,
@@ -78,7 +85,15 @@ def elaborate_temporal(
             tuple(places[e.location] for e in built.endings),
             tuple(_triggers(formula, scope, context)),
         ),
+        again=tuple(again),
+        ends=ends if again else None,
     )
+
+
+def _asked(text: ast.Expression, scope: Scope, context: Context) -> Expression:
+    found = condition(text, scope, context)
+    assert found is not None
+    return found
 
 
 def _triggers(formula: Formula, scope: Scope, context: Context) -> Iterator[tuple[str, Expression]]:

@@ -16,7 +16,7 @@ from tachk.diagnostics.span import Span
 from tachk.logic.observer.conditions import Conjunction, all_of, is_false, negated, truth
 from tachk.logic.observer.goals import Goal, NoObserver, saved_expressions
 from tachk.logic.observer.names import location_names
-from tachk.logic.observer.states import SHOWN, State, is_endless
+from tachk.logic.observer.states import SHOWN, State, answered_in, is_endless
 from tachk.logic.observer.tableau import Step, Tableau
 from tachk.logic.observer.violation import violation
 from tachk.operators import BinaryOperator, PrefixOperator
@@ -42,10 +42,13 @@ class Ending:
 
     Attributes:
         condition: what holds there while time passes.
+        again: the same number at all endings: conditions each of which such a run must meet again and again, in one
+            ending or the other. None: it is not met here. A run that ends must end where it meets all.
     """
 
     location: str
     condition: ast.Expression
+    again: tuple[ast.Expression | None, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,8 +135,16 @@ class _Writer:
         )
 
     def endings(self) -> tuple[Ending, ...]:
-        endless = (state for state in self.automaton.states if is_endless(state))
-        return tuple(Ending(self.names[state], all_of(self.tableau.requirement(state), self.span)) for state in endless)
+        endless = [state for state in self.automaton.states if is_endless(state)]
+        answered = sorted({task.goal for state in endless for task in answered_in(state)}, key=repr)
+        return tuple(
+            Ending(
+                self.names[state],
+                all_of(self.tableau.lasting(state), self.span),
+                tuple(self.tableau.meets(state, goal) for goal in answered),
+            )
+            for state in endless
+        )
 
     def _declarations(self) -> tuple[ast.VariableDeclaration, ...]:
         found = []

@@ -15,6 +15,7 @@ from itertools import product
 from tachk.diagnostics.span import Span
 from tachk.logic.observer.conditions import Conjunction, all_of, any_of, conjunction, is_false, negated, truth
 from tachk.logic.observer.goals import (
+    Answered,
     Before,
     Both,
     Differs,
@@ -73,7 +74,7 @@ def ways_of(goal: Goal) -> tuple[Way, ...] | None:
             if None in each:
                 return None
             return tuple(joined(chosen) for chosen in product(*(ways or () for ways in each)))
-        case Preceded() | Differs() | Sometime() | Throughout() | Recurring() | Everywhere():
+        case Preceded() | Differs() | Sometime() | Throughout() | Recurring() | Answered() | Everywhere():
             return None
 
 

@@ -166,6 +166,14 @@ class Recurring:
 
 
 @dataclass(frozen=True, slots=True)
+class Answered:
+    """At every instant from now on: ``condition``, or ``answer`` then or later."""
+
+    condition: ast.Expression
+    answer: ast.Expression
+
+
+@dataclass(frozen=True, slots=True)
 class Way:
     """One way in which an instant can be as it should: what holds at it, and right before it."""
 
@@ -187,7 +195,7 @@ class Everywhere:
     inner: Window | None = None
 
 
-Goal = Holds | Preceded | Differs | Both | Either | Sometime | Throughout | Recurring | Everywhere
+Goal = Holds | Preceded | Differs | Both | Either | Sometime | Throughout | Recurring | Answered | Everywhere
 
 
 # ---- joining goals and looking into them ---------------------------------------------------------------------------
@@ -222,7 +230,7 @@ def parts_of(goal: Goal) -> Iterator[Goal]:
                 pending += parts
             case Sometime(goal=inner):
                 pending.append(inner)
-            case Holds() | Preceded() | Differs() | Throughout() | Recurring() | Everywhere():
+            case Holds() | Preceded() | Differs() | Throughout() | Recurring() | Answered() | Everywhere():
                 pass
 
 

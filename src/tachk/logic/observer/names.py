@@ -40,6 +40,8 @@ def _task_name(item: Task) -> str:
             return "Ahead"
         case Task(phase="gap"):
             return "Gap"
+        case Task(phase="met"):
+            return "Met"
         case Task(goal=Throughout()):
             return "Waiting"
         case Task(goal=Everywhere()):

@@ -8,10 +8,12 @@ Clocks are handed out to the items of a state; those that begin at the same inst
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 from tachk.logic.observer.conditions import Conjunction, truth
 from tachk.logic.observer.goals import (
+    Answered,
     Before,
     Everywhere,
     HeldFor,
@@ -28,7 +30,7 @@ from tachk.records import dataclass
 FRESH = -1
 """The clock that a step sets to 0, before it has a number."""
 
-Lasting = Sometime | Throughout | Recurring | Everywhere
+Lasting = Sometime | Throughout | Recurring | Answered | Everywhere
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,8 +38,8 @@ class Task:
     """Something to be shown from now on.
 
     Attributes:
-        phase: ``ahead`` of the window; ``on`` inside it; ``gap``: an answer is awaited; for `Everywhere` those that
-            `everywhere` names.
+        phase: ``ahead`` of the window; ``on`` inside it; ``gap``: an answer is awaited; ``met``: one is there, and has
+            to last for some time; for `Everywhere` those that `everywhere` names.
         clocks: the time since the task began; in a gap also the time since the gap began.
         before: for `Everywhere`, what the conditions were right before the present instant.
     """
@@ -118,10 +120,17 @@ def lasts_for_ever(task: Task) -> bool:
             return False
         case Task(goal=Everywhere(inner=Window(high=None)), phase="last" | "past closed" | "past open"):
             return True
+        case Task(goal=Answered()):
+            return True
         case Task(goal=Throughout() | Recurring() | Everywhere() as goal):
             return goal.window.high is None
         case _:
             return False
+
+
+def answered_in(state: State) -> Iterator[Task]:
+    """The tasks that are about answers again and again."""
+    return (item for item in state if isinstance(item, Task) and isinstance(item.goal, Answered))
 
 
 def is_endless(state: State) -> bool:

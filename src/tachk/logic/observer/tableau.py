@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 
 from tachk.diagnostics.span import Span
 from tachk.logic.observer import everywhere
-from tachk.logic.observer.conditions import Conjunction, all_of, conjunction, is_false, negated
+from tachk.logic.observer.conditions import Conjunction, all_of, conjunction, is_false, negated, truth
 from tachk.logic.observer.goals import (
+    Answered,
     Before,
     Everywhere,
     Goal,
@@ -32,10 +33,12 @@ from tachk.logic.observer.states import (
     SHOWN,
     ClockGuard,
     Item,
+    Lasting,
     Seen,
     Settling,
     State,
     Task,
+    answered_in,
     at_most,
     implies_positive,
     inside,
@@ -108,6 +111,18 @@ class Tableau:
         """What must hold while time passes."""
         return conjunction(part for item in state for part in self._requirement(item))
 
+    def lasting(self, state: State) -> Conjunction:
+        """What must hold at every moment in a state that is never left, whether time passes or not."""
+        answered = frozenset(answered_in(state))
+        return conjunction(part for item in state - answered for part in self._requirement(item))
+
+    def meets(self, state: State, goal: Lasting) -> ast.Expression | None:
+        """Under which condition a state is one of those that are met again and again where answers are; None: never."""
+        task = next((task for task in answered_in(state) if task.goal == goal), None)
+        if task is None:
+            return truth(True, self.span)
+        return None if task.phase == "gap" else all_of(self._requirement(task), self.span)
+
     def _requirement(self, item: Item) -> Iterator[ast.Expression]:
         match item:
             case Settling(conditions=conditions):
@@ -116,6 +131,10 @@ class Tableau:
                 yield meanwhile
             case Task(phase="ahead" | "gap"):
                 pass
+            case Task(goal=Answered(answer=answer), phase="met"):
+                yield answer
+            case Task(goal=Answered(condition=condition, answer=answer)):
+                yield _or(condition, answer)
             case Task(goal=Throughout(condition=condition)):
                 yield condition
             case Task(goal=Recurring(condition=condition, answer=answer)):
@@ -139,7 +158,7 @@ class Tableau:
             match item:
                 case Task(goal=Sometime(window=Window(high=int(high))), clocks=(clock,)):
                     found[clock, high] = None
-                case Task(goal=goal, phase="ahead", clocks=(clock, *_)):
+                case Task(goal=Throughout() | Recurring() | Everywhere() as goal, phase="ahead", clocks=(clock, *_)):
                     found[clock, goal.window.low] = None
                 case Task(goal=Recurring(length=length), phase="gap", clocks=(*_, clock)):
                     found[clock, length] = None
@@ -166,7 +185,7 @@ class Tableau:
                 for branch in branches_of(goal, self.saved):
                     for ready in self._ready(state, branch.pasts):
                         yield from self._step(state, task, branch.tasks, branch.now, (*guards, *ready))
-            case Task(goal=goal, phase="ahead", clocks=(clock, *_)):
+            case Task(goal=Throughout() | Recurring() | Everywhere() as goal, phase="ahead", clocks=(clock, *_)):
                 on = replace(task, phase="on", clocks=() if goal.window.high is None else (clock,))
                 begins = ClockGuard(clock, BinaryOperator.EQUAL, goal.window.low)
                 yield from self._step(state, task, (on,), frozenset(), (begins,))
@@ -178,6 +197,8 @@ class Tableau:
                 yield from self._step(state, task, (on,), now, (in_time, *(still(window, clock) for clock in ends)))
                 for clock in ends:
                     yield from self._step(state, task, (), now, (in_time, over(window, clock)))
+            case Task(goal=Answered()):
+                yield from self._answered_steps(state, task)
             case Task(goal=Everywhere()):
                 for move in everywhere.moves(task):
                     tasks = () if move.task is None else (move.task,)
@@ -192,6 +213,19 @@ class Tableau:
                     yield from self._step(state, task, (gap_task,), frozenset(), begun, guard=open_)
             case _:
                 raise TypeError(f"{task} leads nowhere that is known")
+
+    def _answered_steps(self, state: State, task: Task) -> Iterator[Step]:
+        goal = task.goal
+        assert isinstance(goal, Answered)
+        match task.phase:
+            case "on":
+                open_ = conjunction((negated(_or(goal.condition, goal.answer)),))
+                yield from self._step(state, task, (Task(goal, "gap"),), frozenset(), (), guard=open_)
+            case "gap":
+                yield from self._step(state, task, (Task(goal, "met", (FRESH,)),), frozenset(), ())
+            case _:
+                lasted = positive(task.clocks[0])
+                yield from self._step(state, task, (Task(goal, "on"),), frozenset(), (lasted,))
 
     def _ready(self, state: State, pasts: Iterable[Past]) -> Iterator[tuple[ClockGuard, ...]]:
         """What clocks must say for all pasts to be there; nothing if one is not being watched."""

@@ -13,6 +13,7 @@ from tachk.diagnostics.span import Span
 from tachk.logic.observer.conditions import all_of, any_of, negated, truth
 from tachk.logic.observer.everywhere import is_possible, ways_of
 from tachk.logic.observer.goals import (
+    Answered,
     Before,
     Both,
     Differs,
@@ -277,10 +278,12 @@ def _always(node: Formula, window: Window, goal: Goal) -> Goal:
 def _again(span: Span, window: Window, inner: Window, goal: Sometime) -> Goal:
     """From every instant of the window on, some time later: that is, at some time after the last instant."""
     if window.high is None:
+        if isinstance(goal.goal, Holds):
+            return Answered(truth(False, span), goal.goal.condition)
         raise NoObserver(
             span,
-            "only a run in which something happens again and again shows that this is violated",
-            "say from when on it has to be so, as in `F[0,10] G q`, or how often it may fail",
+            "to violate this, something temporal would have to be seen again and again",
+            "say it of a condition, as in `F G q`, or let a location of the model stand for it",
         )
     if window.high_closed:
         return replace(goal, window=Window(window.high + inner.low, None, inner.low_closed))
@@ -326,11 +329,13 @@ def _recurring(span: Span, window: Window, condition: ast.Expression, goal: Some
         and inner.low_closed
         and window.low_closed
     ):
+        if inner.high is None and window.is_ever:
+            return Answered(condition, goal.goal.condition)
         if inner.high is None:
             raise NoObserver(
                 span,
-                "only a run in which something happens again and again shows that this is violated",
-                "give the inner operator a window, as in `F[0,10]`",
+                "to violate this, each instant of a window would need an answer, however late",
+                "let the window of the outer operator begin at 0 and have no end, or give the inner one an end",
             )
         return Recurring(window, condition, goal.goal.condition, inner.high, inner.high_closed)
     raise NoObserver(

@@ -9,6 +9,7 @@ from itertools import product
 from tachk.logic.observer import everywhere
 from tachk.logic.observer.conditions import Conjunction, conjunction, is_false, truth
 from tachk.logic.observer.goals import (
+    Answered,
     Both,
     Differs,
     Either,
@@ -87,6 +88,10 @@ def _expanded(goal: Goal, saved: SavedNames, at_start: bool) -> list[Branch]:
         case Throughout(window=window) | Recurring(window=window):
             clocks = () if window.high is None and window.low == 0 else (FRESH,)
             return [Branch(tasks=frozenset((Task(goal, "ahead" if window.low else "on", clocks),)))]
+        case Answered(condition=condition):
+            # Whether an answer is awaited from the beginning on is guessed.
+            phases = ("gap",) if is_false(conjunction((condition,))) else ("on", "gap")
+            return [Branch(tasks=frozenset((Task(goal, phase),))) for phase in phases]
         case Everywhere():
             return [
                 Branch(one.now, frozenset(one.pasts), frozenset((one.task,))) for one in everywhere.beginnings(goal)
