@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "liveness/avoidance.hpp"
-#include "liveness/dead_states.hpp"
 #include "liveness/predicate.hpp"
+#include "symbolic/dead_states.hpp"
 #include "symbolic/deadlock.hpp"
 #include "symbolic/zone_graph.hpp"
 

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "liveness/dead_states.hpp"
 #include "program/program.hpp"
+#include "symbolic/dead_states.hpp"
 #include "symbolic/successor.hpp"
 #include "zones/zone.hpp"
 

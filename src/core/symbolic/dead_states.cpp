@@ -1,4 +1,4 @@
-#include "liveness/dead_states.hpp"
+#include "symbolic/dead_states.hpp"
 
 namespace tachk {
 
