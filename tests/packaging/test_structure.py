@@ -26,13 +26,14 @@ SOURCES = sorted(path for path in CORE.rglob("*") if path.suffix in {".cpp", ".h
 
 LIBRARIES = {
     "click": {"cli"},
+    "construct": {"xrce"},
     "hypothesis": {"testing"},
     "jinja2": {"formats.uppaal", "report"},
     "lark": {"syntax.parsing"},
     "markupsafe": {"formats.uppaal"},
     "matplotlib": {"report.monitor", "report.region"},
     "networkx": {"drawing.placement", "report.run"},
-    "numpy": {"certify", "formats.munta", "monitoring", "report.monitor", "runtime", "synthesis", "testing"},
+    "numpy": {"certify", "formats.munta", "monitoring", "report.monitor", "runtime", "synthesis", "testing", "xrce"},
     "pyarrow": {"runtime"},
     "resvg_py": {"drawing"},
     "rich": {"cli", "monitoring", "report"},

@@ -26,6 +26,7 @@ COMMANDS = (
     "export",
     "diff",
     "draw",
+    "decode",
     "monitor",
     "plot",
     "explain",

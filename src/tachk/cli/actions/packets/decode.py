@@ -1,0 +1,54 @@
+"""`tachk decode`: the messages in a capture, a line for each submessage."""
+
+from __future__ import annotations
+
+import json
+import sys
+from contextlib import nullcontext
+from pathlib import Path
+
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.records import dataclass
+from tachk.report.packets.json import event_to_json
+from tachk.report.packets.text import event_to_text
+from tachk.xrce.events import decode
+from tachk.xrce.packets import CaptureError
+
+
+@dataclass(frozen=True, slots=True)
+class Decoding:
+    """``form``: text or jsonl."""
+
+    file: Path
+    ports: tuple[int, ...]
+    form: str
+    output: Path | None
+
+
+def run_decode(decoding: Decoding) -> ExitStatus:
+    """Raises UsageError for a file that is no capture."""
+    is_input = str(decoding.file) == "-"
+    found = 0
+    with (
+        nullcontext(sys.stdin.buffer) if is_input else decoding.file.open("rb") as stream,
+        destination(decoding.output) as out,
+    ):
+        start = None
+        try:
+            for event in decode(stream, decoding.ports):
+                start = event.time if start is None else start
+                found += 1
+                if decoding.form == "text":
+                    print(event_to_text(event, start), file=out, flush=is_input)
+                else:
+                    print(json.dumps(event_to_json(event), ensure_ascii=False), file=out, flush=is_input)
+        except CaptureError as error:
+            raise UsageError(
+                f"{decoding.file}: {error}", "tcpdump -i any -w FILE.pcap udp port 8888 makes a capture"
+            ) from None
+    if not found:
+        ports = ", ".join(map(str, decoding.ports))
+        print(f"no packet to or from port {ports}; give the port of the Agent with --port", file=sys.stderr)
+    return ExitStatus.AS_EXPECTED

@@ -1,0 +1,1 @@
+"""What happened on the wire, as people and programs read it."""

@@ -1,0 +1,1 @@
+"""DDS-XRCE on the wire: from captures of packets to events."""

@@ -1,0 +1,198 @@
+"""What happened on the wire, one event for a submessage."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import BinaryIO, Final
+
+from construct import Container
+
+from tachk.records import dataclass
+from tachk.xrce import wire
+from tachk.xrce.datagrams import datagrams
+from tachk.xrce.messages import Endpoint, MessageReader
+from tachk.xrce.packets import CaptureError, read_packets
+from tachk.xrce.submessages import MALFORMED, Submessages, parsed, submessages
+from tachk.xrce.wire import Kind
+
+DEFAULT_PORT: Final = 8888
+"""The port of the Agent in eProsima's and micro-ROS's examples."""
+
+Value = str | int | bool | None | list[int] | dict[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """A submessage that was sent, or bytes that are none.
+
+    Attributes:
+        packet: the number of its packet in the capture, from 1.
+        place: how many events come before it in its message.
+        time: nanoseconds since the epoch.
+        client, agent: who talks; None where the file ends.
+        to_agent: whether the client sent it.
+        kind: None if it is malformed.
+        session, stream, sequence: as in the header of its message; None where there is no header.
+        fields: what it says, by name.
+        problem: why it is malformed; else empty.
+    """
+
+    packet: int
+    place: int
+    time: int
+    client: Endpoint | None
+    agent: Endpoint | None
+    to_agent: bool
+    kind: Kind | None
+    session: int | None
+    stream: int | None
+    sequence: int | None
+    fields: Mapping[str, Value]
+    problem: str = ""
+
+    @property
+    def is_reliable(self) -> bool:
+        """Whether its message has a number that is acknowledged."""
+        return self.stream is not None and self.stream >= wire.FIRST_RELIABLE_STREAM
+
+
+def decode(stream: BinaryIO, ports: Iterable[int] = (DEFAULT_PORT,)) -> Iterator[Event]:
+    """The events in a capture of a network, in the order of its packets.
+
+    Only what goes to or from the ports of Agents is looked at; all of it becomes events. A capture that ends too early
+    or is damaged ends with a malformed event. Raises CaptureError for what is no capture.
+
+    Args:
+        stream: a pcap or pcapng file, or a pipe from a running capture.
+        ports: UDP and TCP ports of Agents, or of relays that clients take for the Agent.
+    """
+    reader = MessageReader(ports)
+    time, packet = 0, 0
+    try:
+        for packets in read_packets(stream):
+            time, packet = int(packets.times[-1]), packets.first + len(packets.times) - 1
+            yield from events(submessages(reader.read(datagrams(packets))), reader.endpoints)
+        yield from events(submessages(reader.close()), reader.endpoints)
+    except CaptureError as error:
+        if not packet:
+            raise
+        yield from events(submessages(reader.close()), reader.endpoints)
+        yield Event(packet + 1, 0, time, None, None, False, None, None, None, None, {}, str(error))
+
+
+def events(found: Submessages, endpoints: list[Endpoint]) -> Iterator[Event]:
+    """Submessages one by one."""
+    messages = found.messages
+    header = zip(
+        *(column[found.message].tolist() for column in (messages.packets, messages.times, messages.clients)),
+        *(column[found.message].tolist() for column in (messages.agents, messages.to_agent)),
+        *(column.tolist() for column in (found.place, found.kind, found.session, found.stream, found.sequence)),
+        strict=True,
+    )
+    for entry, row in enumerate(header):
+        packet, time, client, agent, to_agent, place, number, session, stream, sequence = row
+        kind = None if number == MALFORMED else Kind(number)
+        yield Event(
+            packet,
+            place,
+            time,
+            endpoints[client],
+            endpoints[agent],
+            to_agent,
+            kind,
+            None if session < 0 else session,
+            None if stream < 0 else stream,
+            None if sequence < 0 else sequence,
+            {} if kind is None else _fields(found, entry, kind),
+            found.problems.get(entry, ""),
+        )
+
+
+def _fields(found: Submessages, entry: int, kind: Kind) -> dict[str, Value]:
+    flags = int(found.flags[entry])
+    told: dict[str, Value] = {}
+    if found.request[entry] >= 0:
+        told |= {"request": int(found.request[entry]), "object": f"{int(found.object[entry]):04X}"}
+    content = parsed(found, entry)
+    match kind:
+        case Kind.CREATE_CLIENT:
+            return _peer(content.peer) | {
+                "key": content.key.hex().upper(),
+                "new_session": content.session,
+                "mtu": content.mtu,
+                "properties": _properties(content),
+            }
+        case Kind.STATUS_AGENT:
+            return _status(content.result) | _peer(content.agent.peer) | {"properties": _properties(content.agent)}
+        case Kind.CREATE:
+            told |= {"reuse": bool(flags & wire.REUSE), "replace": bool(flags & wire.REPLACE)}
+            return told | _variant(content.new)
+        case Kind.GET_INFO:
+            return told | {"configuration": bool(content.mask & 1), "activity": bool(content.mask & 2)}
+        case Kind.STATUS:
+            return told | _status(content.result)
+        case Kind.INFO:
+            return told | _status(content.result)
+        case Kind.WRITE_DATA | Kind.DATA:
+            form = flags & wire.FORMAT
+            return told | {"format": wire.SAMPLE_FORMATS.get(form, f"{form:#x}"), "sample": content.sample.hex()}
+        case Kind.READ_DATA:
+            control = content.control
+            return told | {
+                "preferred_stream": content.preferred_stream,
+                "format": wire.SAMPLE_FORMATS.get(content.format, f"{content.format:#x}"),
+                "filter": content.filter,
+                "max_samples": None if control is None else control.max_samples,
+                "max_elapsed_seconds": None if control is None else control.max_elapsed_time,
+                "max_bytes_per_second": None if control is None else control.max_bytes_per_second,
+                "min_pace_ms": None if control is None else control.min_pace_period,
+            }
+        case Kind.ACKNACK:
+            missing = [(content.first + bit) % 65536 for bit in range(16) if content.bitmap >> bit & 1]
+            return {"subject": content.subject, "first": content.first, "missing": missing}
+        case Kind.HEARTBEAT:
+            return {"subject": content.subject, "first": content.first, "last": content.last}
+        case Kind.FRAGMENT:
+            return {"last": bool(flags & wire.LAST_FRAGMENT), "piece": content.piece.hex()}
+        case Kind.TIMESTAMP:
+            return {"transmitted_ns": _nanoseconds(content.transmitted)}
+        case Kind.TIMESTAMP_REPLY:
+            return {f"{name}_ns": _nanoseconds(content[name]) for name in ("transmitted", "received", "originated")}
+        case Kind.PERFORMANCE:
+            return {"octets": content.octets.hex()}
+        case Kind.DELETE | Kind.RESET:
+            return told
+
+
+def _peer(peer: Container) -> dict[str, Value]:
+    return {"version": f"{peer.version[0]}.{peer.version[1]}", "vendor": peer.vendor.hex().upper()}
+
+
+def _properties(holder: Container) -> dict[str, str]:
+    return {one.name: one.value for one in holder.properties or ()}
+
+
+def _status(result: Container) -> dict[str, Value]:
+    return {
+        "status": wire.STATUS.get(result.status, f"{result.status:#04x}"),
+        "implementation_status": result.implementation,
+    }
+
+
+def _variant(new: Container) -> dict[str, Value]:
+    told: dict[str, Value] = {"object_kind": wire.OBJECT_KINDS[new.kind]}
+    if "description" not in new.what:
+        return told
+    form, description = new.what.description.format, new.what.description.description
+    told["representation"] = wire.REPRESENTATIONS[form]
+    told["description"] = description if isinstance(description, str) else description.hex()
+    if new.what.domain is not None:
+        told["domain"] = new.what.domain
+    if new.what.owner is not None:
+        told["owner"] = new.what.owner.hex().upper()
+    return told
+
+
+def _nanoseconds(moment: Container) -> int:
+    seconds, nanoseconds = moment.seconds, moment.nanoseconds
+    return int(seconds * 1_000_000_000 + nanoseconds)

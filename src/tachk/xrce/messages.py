@@ -1,0 +1,154 @@
+"""Messages between clients and the Agent in the datagrams and segments of a capture.
+
+UDP carries one message a datagram. TCP carries two bytes of length, little-endian, before each message.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from ipaddress import IPv6Address
+
+import numpy as np
+
+from tachk.records import dataclass
+from tachk.xrce.datagrams import TCP, Datagrams, Flags
+from tachk.xrce.packets import Numbers, Octets
+from tachk.xrce.tcp_stream import Found, TcpStream
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """Attributes:
+    host: an address of IPv4 or IPv6, or what stands for one: ``serial``.
+    port: the port, or the address on a serial line.
+    """
+
+    host: str
+    port: int
+
+    def __str__(self) -> str:
+        return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
+
+
+@dataclass(frozen=True, slots=True)
+class Messages:
+    """Messages in the order in which they were complete; one entry for each in every column but ``octets``.
+
+    Attributes:
+        octets: the bytes that hold them all.
+        packets: the number of the packet that completes it.
+        times: nanoseconds since the epoch.
+        clients, agents: numbers of endpoints in `MessageReader.endpoints`.
+        to_agent: whether the client sent it.
+        starts, sizes: where it is in ``octets``.
+        missing: how many bytes of it were not captured, or lost.
+    """
+
+    octets: Octets
+    packets: Numbers
+    times: Numbers
+    clients: Numbers
+    agents: Numbers
+    to_agent: Flags
+    starts: Numbers
+    sizes: Numbers
+    missing: Numbers
+
+
+class MessageReader:
+    """Finds the messages to and from the ports of Agents; remembers what TCP has not completed.
+
+    Attributes:
+        endpoints: whoever sent or received, by number.
+    """
+
+    def __init__(self, ports: Iterable[int]) -> None:
+        self._ports = np.array(sorted(set(ports)), np.int64)
+        self.endpoints: list[Endpoint] = []
+        self._numbers: dict[bytes, int] = {}
+        self._streams: dict[tuple[int, int, bool], TcpStream] = {}
+        self._last: dict[tuple[int, int, bool], _Row] = {}
+
+    def read(self, found: Datagrams) -> Messages:
+        """The messages that these datagrams complete."""
+        to_agent = np.isin(found.destination_ports, self._ports)
+        ours = np.flatnonzero(to_agent | np.isin(found.source_ports, self._ports))
+        to_agent = to_agent[ours]
+        sources = self._number(found.sources[ours], found.source_ports[ours])
+        destinations = self._number(found.destinations[ours], found.destination_ports[ours])
+        messages = Messages(
+            found.octets,
+            found.packets[ours],
+            found.times[ours],
+            np.where(to_agent, sources, destinations),
+            np.where(to_agent, destinations, sources),
+            to_agent,
+            found.starts[ours],
+            found.sizes[ours],
+            found.missing[ours],
+        )
+        by_tcp = found.protocol[ours] == TCP
+        return self._with_segments(messages, found.headers[ours], by_tcp) if by_tcp.any() else messages
+
+    def _number(self, hosts: Octets, ports: Numbers) -> Numbers:
+        """The numbers of endpoints, old and new."""
+        keys = np.concatenate([hosts, ports.astype(">u2").view(np.uint8).reshape(-1, 2)], axis=1)
+        different, inverse = np.unique(np.ascontiguousarray(keys).view("V18").ravel(), return_inverse=True)
+        return np.array([self._endpoint(key.tobytes()) for key in different], np.int64)[inverse]
+
+    def _endpoint(self, key: bytes) -> int:
+        if key not in self._numbers:
+            host = IPv6Address(key[:16])
+            self._numbers[key] = len(self.endpoints)
+            self.endpoints.append(Endpoint(str(host.ipv4_mapped or host), int.from_bytes(key[16:], "big")))
+        return self._numbers[key]
+
+    def _with_segments(self, messages: Messages, headers: Numbers, by_tcp: Flags) -> Messages:
+        """The datagrams among them, and the messages that the segments among them complete."""
+        octets = messages.octets.tobytes()
+        rows = _Rows(octets)
+        for at in range(len(by_tcp)):
+            client, agent, to_agent = int(messages.clients[at]), int(messages.agents[at]), bool(messages.to_agent[at])
+            row = (int(messages.packets[at]), int(messages.times[at]), client, agent, to_agent)
+            start, size, missing = int(messages.starts[at]), int(messages.sizes[at]), int(messages.missing[at])
+            if not by_tcp[at]:
+                rows.add(row, start, size, missing)
+                continue
+            way = (client, agent, to_agent)
+            stream = self._streams.setdefault(way, TcpStream())
+            self._last[way] = row
+            header = int(headers[at])
+            number = int.from_bytes(octets[header + 4 : header + 8], "big")
+            rows.append(row, stream.push(number, octets[start : start + size], missing, octets[header + 13]))
+        return rows.messages()
+
+    def close(self) -> Messages:
+        """What TCP has begun and not completed when the capture ends."""
+        rows = _Rows(b"")
+        for way, stream in self._streams.items():
+            rows.append(self._last[way], stream.close())
+        return rows.messages()
+
+
+_Row = tuple[int, int, int, int, bool]
+
+
+class _Rows:
+    """Messages one by one."""
+
+    def __init__(self, octets: bytes) -> None:
+        self._octets = bytearray(octets)
+        self._rows: list[tuple[int, ...]] = []
+
+    def add(self, row: _Row, start: int, size: int, missing: int) -> None:
+        self._rows.append((*row, start, size, missing))
+
+    def append(self, row: _Row, found: Found) -> None:
+        for message, missing in found:
+            self.add(row, len(self._octets), len(message), missing)
+            self._octets += message
+
+    def messages(self) -> Messages:
+        packets, times, clients, agents, sent, starts, sizes, missing = np.array(self._rows, np.int64).reshape(-1, 8).T
+        octets = np.frombuffer(bytes(self._octets), np.uint8)
+        return Messages(octets, packets, times, clients, agents, sent != 0, starts, sizes, missing)
