@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from fractions import Fraction
 
 from tachk.certify.replay import ReplayError, replay
@@ -12,9 +12,8 @@ from tachk.diagnostics.diagnostic import InternalError, UnsupportedError
 from tachk.engines import digitised, reference, zone
 from tachk.engines.concretise import concretise
 from tachk.engines.options import BoundScope, Extrapolation, Limits, Options, SearchOrder
-from tachk.engines.outcome import GoalOutcome, Outcome, Status
+from tachk.engines.outcome import Outcome, Status
 from tachk.model.query import Query
-from tachk.model.traversal import asks_deadlock
 from tachk.properties.verdict import Answer
 from tachk.properties.verify import verify
 from tachk.semantics.discrete import prepare
@@ -113,17 +112,13 @@ def _zone_outcomes(case: Case, variants: Sequence[Options]) -> dict[str, Outcome
 
 
 def _smt_outcomes(case: Case, limits: Limits) -> dict[str, Outcome]:
-    """What the second engine finds about the predicates that it encodes, if it encodes the network."""
+    """What the second engine finds, if it encodes the network."""
     from tachk.engines.smt.search import explore
 
-    asked = [n for n, p in enumerate(case.predicates) if not asks_deadlock(p)]
     try:
-        outcome = explore(case.network, [case.predicates[number] for number in asked], limits)
+        return {"smt": explore(case.network, case.predicates, limits)}
     except UnsupportedError:
         return {}
-    goals = dict(zip(asked, outcome.goals, strict=True))
-    unasked = GoalOutcome(Status.UNDECIDED)
-    return {"smt": replace(outcome, goals=tuple(goals.get(n, unasked) for n in range(len(case.predicates))))}
 
 
 def _answers(case: Case, outcomes: dict[str, Outcome]) -> Iterator[str]:

@@ -268,7 +268,10 @@ def test_loops_and_early_returns_are_executed_for_all_states_at_once() -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        "chan a; chan priority a < default; process P() { init location A; } system P; property p : E<> P.A;",
+        """
+        bool low(int k) { double d = k; return d / 2 < 1.5; }
+        int n; process P() { init location A { to A { guard low(n); assign n++; } } } system P; property p : E<> n == 1;
+        """,
         """
         int n;
         process P() { init location A { to A { assign n = 0; } to B { guard 2 ** n == 4; } } location B; }

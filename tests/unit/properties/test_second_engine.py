@@ -45,9 +45,8 @@ def test_answers_and_runs_are_those_of_the_zone_engine(verdicts: Verdicts, optio
 
 def test_where_one_engine_gives_up_the_other_answers(verdicts: Verdicts) -> None:
     text = """
-    chan a;
-    chan priority a < default;
-    process P() { init location A { to B; } location B; }
+    int half(int k) { double d = k; return fint(d / 2); }
+    process P() { init location A { to B { guard half(3) == 1; } } location B; }
     system P;
     property p : E<> P.B;
     """

@@ -77,11 +77,11 @@ LOWERING_CODES: dict[str, Explanation] = {
     ),
     "E0745": Explanation(
         "not encoded for the engine smt",
-        "The engine smt answers E<> and A[], and has no formula for priorities of channels and processes, for powers "
-        "whose exponent varies and for loops without a small bound. It refuses what it cannot encode; the zone engine "
-        "checks these.",
-        "chan priority a < b;    // with --engine smt",
-        "chan a, b;",
+        "The engine smt answers E<> and A[], and has no formula for floating point arithmetic, for powers whose "
+        "exponent varies, for loops without a small bound, and for priorities or `deadlock` where a step can be made "
+        "in more than 2,000 ways. It refuses what it cannot encode; the zone engine checks these.",
+        "double half(double d) { return d / 2; }    // called, with --engine smt",
+        "int half(int n) { return n / 2; }",
     ),
     "E0721": Explanation(
         "clock guard on an urgent channel",

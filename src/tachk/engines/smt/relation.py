@@ -7,12 +7,14 @@ Invariants are convex: that they hold at both ends of a delay is enough.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
 from itertools import combinations
 
 import z3
 
+from tachk.engines.smt.actions import Action, Instance, actions, sometimes, unblocked
 from tachk.engines.smt.conditions import certain, guard
 from tachk.engines.smt.evaluator import PossibleFault, refused
 from tachk.engines.smt.frame import ClocksOf, Frame, fresh_frame, machine_of, participants
@@ -36,34 +38,9 @@ from tachk.model.expressions import Expression
 from tachk.model.network import Edge, Network
 from tachk.model.traversal import reads_clock
 from tachk.model.types import ChannelType
+from tachk.semantics.discrete import prepare
 from tachk.semantics.timed_trace import Participant
 from tachk.time_limit import check_time
-from tachk.words import Direction
-
-
-@dataclass(slots=True)
-class _Instance:
-    """An edge with values of its select variables, and what it says in the template frame."""
-
-    participant: Participant
-    edge: Edge
-    fires: z3.BoolRef
-    at_source: Formula
-    open: Formula = False
-    """Its guard holds, and it is there to be taken."""
-    channels: list[tuple[Formula, int]] = field(default_factory=list)
-
-    @property
-    def process(self) -> int:
-        return self.participant.process
-
-    @property
-    def receives(self) -> bool:
-        return self.edge.synchronisation is not None and self.edge.synchronisation.direction is Direction.RECEIVE
-
-    @property
-    def sends(self) -> bool:
-        return self.edge.synchronisation is not None and self.edge.synchronisation.direction is Direction.SEND
 
 
 @dataclass(slots=True)
@@ -74,7 +51,8 @@ class Relation:
     state_faults: what may go wrong where edges are asked, at the end of the delay.
     entry_faults: what may go wrong in the invariants when the frame is entered.
     step: what the step out of the frame makes of it.
-    step_faults: what may go wrong in the updates of the step.
+    step_faults: what may go wrong in the updates of the step, also of one that a higher priority blocks.
+    deadlock: whether no action is possible at the end of the delay nor later.
     """
 
     network: Network
@@ -90,6 +68,7 @@ class Relation:
     step_possible: Formula
     step_faults: tuple[PossibleFault, ...]
     stopped: dict[int, Formula]
+    deadlock: Callable[[], Formula]
 
     def frame(self, name: str) -> Frame:
         """Fresh variables of the same shape."""
@@ -122,6 +101,7 @@ class Relation:
     def where(self, predicate: Expression) -> tuple[Formula, Formula, list[PossibleFault]]:
         """Where a predicate is true; where something in it decides it that cannot be evaluated; and what that is."""
         machine = machine_of(self.layout, self.template, ClocksOf(self.template, self.stopped, self.template.left))
+        machine.deadlock = self.deadlock
         wrong: list[PossibleFault] = []
         yes, no = certain(machine, predicate, wrong)
         return yes, neg(disj(yes, no)) if wrong else False, wrong
@@ -136,8 +116,6 @@ class Relation:
 def relation(network: Network) -> Relation:
     """Encodes a network. Raises UnsupportedError for what is not encoded."""
     layout = cell_layout(network)
-    if network.has_priorities:
-        raise refused("priorities of channels or processes", network.processes[0].span)
     channels = [layout.types[cell] for cell in layout.channel_cells]
     return _Encoder(network, layout, [c for c in channels if isinstance(c, ChannelType)]).encode()
 
@@ -148,30 +126,24 @@ class _Encoder:
     layout: CellLayout
     channels: Sequence[ChannelType]
     frame: Frame = field(init=False)
-    instances: list[_Instance] = field(init=False)
+    instances: list[Instance] = field(init=False)
     committed: list[Formula] = field(init=False)
+    stopped: dict[int, Formula] = field(default_factory=dict)
     faults: list[PossibleFault] = field(default_factory=list)
 
     def encode(self) -> Relation:
         self.frame = fresh_frame(self.network, self.layout, None, "s")
         after = fresh_frame(self.network, self.layout, self.frame, "n")
-        self.instances = [
-            _Instance(p, self._edge(p), fires, self._at(p.process, [self._edge(p).source]))
-            for p, fires in zip(participants(self.network), self.frame.fires, strict=True)
-        ]
-        self.committed = [
-            self._at(number, [n for n, location in enumerate(process.locations) if location.committed])
-            for number, process in enumerate(self.network.processes)
-        ]
-        stopped = self._stopped()
+        self.stopped = stopped = self._stopped()
         at_end = ClocksOf(self.frame, stopped, self.frame.left)
-        self._ask(machine_of(self.layout, self.frame, at_end))
+        self._ask_all()
         invariant, _ = self._invariant(at_end)
         on_entry, entry_faults = self._invariant(ClocksOf(self.frame, stopped, self.frame.entered))
         waits = self.frame.left > self.frame.entered
         stay = all_of([invariant, on_entry, disj(neg(waits), self._time_may_pass())])
         chosen = self._chosen()
         changed, step_faults = self._updated(after, stopped)
+        first = unblocked(self._actions()) if self.network.has_priorities else True
         return Relation(
             self.network,
             self.layout,
@@ -182,10 +154,11 @@ class _Encoder:
             stay,
             tuple(self.faults),
             tuple(entry_faults),
-            all_of([chosen, changed, neg(any_of(fault.condition for fault in step_faults))]),
+            all_of([chosen, first, changed, neg(any_of(fault.condition for fault in step_faults))]),
             chosen,
             tuple(step_faults),
             stopped,
+            cache(self._deadlock),
         )
 
     def _edge(self, participant: Participant) -> Edge:
@@ -196,8 +169,18 @@ class _Encoder:
 
     # ---- what is possible --------------------------------------------------------------------------------------------
 
-    def _ask(self, machine: Machine) -> None:
-        """Which edges are open, over which channels; and what goes wrong in their guards where they are asked."""
+    def _ask_all(self) -> None:
+        """Which edges are open at the end of the delay, over which channels; and what goes wrong in their guards where
+        they are asked."""
+        machine = machine_of(self.layout, self.frame, ClocksOf(self.frame, self.stopped, self.frame.left))
+        self.instances = [
+            Instance(p, self._edge(p), fires, self._at(p.process, [self._edge(p).source]))
+            for p, fires in zip(participants(self.network), self.frame.fires, strict=True)
+        ]
+        self.committed = [
+            self._at(number, [n for n, location in enumerate(process.locations) if location.committed])
+            for number, process in enumerate(self.network.processes)
+        ]
         anyone = any_of(self.committed)
         for instance in self.instances:
             if not instance.receives:
@@ -207,7 +190,7 @@ class _Encoder:
             if instance.receives:
                 self._ask_edge(machine, instance, self._is_called(machine, instance))
 
-    def _is_called(self, machine: Machine, receiver: _Instance) -> Formula:
+    def _is_called(self, machine: Machine, receiver: Instance) -> Formula:
         """Whether a sender makes it necessary to ask a receiver."""
         named = self._channels_named(machine, receiver)
         free = neg(any_of(self.committed))
@@ -223,7 +206,7 @@ class _Encoder:
             ]
         return conj(receiver.at_source, any_of(calls))
 
-    def _channels_named(self, machine: Machine, instance: _Instance) -> set[int]:
+    def _channels_named(self, machine: Machine, instance: Instance) -> set[int]:
         """The channels that an edge may name, whatever goes wrong."""
         assert instance.edge.synchronisation is not None
         before = len(machine.faults)
@@ -232,11 +215,11 @@ class _Encoder:
         del machine.faults[before:]
         return named
 
-    def _bind(self, machine: Machine, instance: _Instance) -> None:
+    def _bind(self, machine: Machine, instance: Instance) -> None:
         for variable, value in zip(instance.edge.selects, instance.participant.selects, strict=True):
             machine.bind(variable, value)
 
-    def _ask_edge(self, machine: Machine, instance: _Instance, asked: Formula) -> None:
+    def _ask_edge(self, machine: Machine, instance: Instance, asked: Formula) -> None:
         check_time()
         self._bind(machine, instance)
         machine.faults = []
@@ -300,7 +283,7 @@ class _Encoder:
                 found.append(all_of([sender.open, condition, partner]))
         return any_of(found)
 
-    def _refuse_clock(self, instance: _Instance) -> None:
+    def _refuse_clock(self, instance: Instance) -> None:
         if instance.edge.guard is not None and reads_clock(instance.edge.guard):
             raise refused("a clock guard on an urgent channel", instance.edge.guard.span)
 
@@ -318,12 +301,48 @@ class _Encoder:
             raise refused("a rate that may go wrong", machine.faults[0].span)
         return {clock: formula for clock, formula in found.items() if formula is not False}
 
+    # ---- single actions ----------------------------------------------------------------------------------------------
+
+    def _actions(self) -> list[Action]:
+        return actions(self.network, self, [priority for _, priority in prepare(self.network).channels])
+
+    def behind(self, instances: Sequence[Instance], condition: Formula) -> Formula:
+        """Whether invariants allow some edges to fire together, or something goes wrong on the way."""
+        machine = machine_of(self.layout, self.frame, ClocksOf(self.frame, self.stopped, self.frame.left))
+        machine.path = condition
+        locations = list(self.frame.locations)
+        for instance in instances:
+            self._bind(machine, instance)
+            machine.execute(instance.edge.updates)
+            locations[instance.process] = constant(instance.edge.target)
+        cells = [
+            number if number.term is None else machine.storage.cells[STATE, position]
+            for position, number in enumerate(self.frame.cells)
+        ]
+        clocks = range(1, len(self.frame.resets) + 1)
+        resets = [self._reset(machine.storage, clock, self.stopped.get(clock, False)) for clock in clocks]
+        there = _Encoder(self.network, self.layout, self.channels)
+        there.frame = Frame(tuple(locations), tuple(cells), tuple(resets), self.frame.left, self.frame.left, ())
+        invariant, wrong = there._invariant(ClocksOf(there.frame, {}, there.frame.entered))
+        return any_of([invariant, *(fault.condition for fault in (*machine.faults, *wrong))])
+
+    def _deadlock(self) -> Formula:
+        """Whether no action is possible at the end of the delay nor later. One that goes wrong counts as possible."""
+        moment = z3.Real("later")
+        later = _Encoder(self.network, self.layout, self.channels)
+        later.frame, later.stopped = replace(self.frame, left=moment), self.stopped
+        later._ask_all()
+        invariant, _ = later._invariant(ClocksOf(later.frame, self.stopped, moment))
+        waits = disj(moment == self.frame.left, self._time_may_pass())
+        acts = any_of([*(a.possible for a in later._actions()), *(fault.condition for fault in later.faults)])
+        return neg(sometimes(all_of([invariant, waits, acts]), moment, self.frame.left))
+
     # ---- the step ----------------------------------------------------------------------------------------------------
 
     def _chosen(self) -> Formula:
         """Which edges fire together: one sender or internal edge, with those that hear it."""
         parts: list[Formula] = []
-        by_process: list[list[_Instance]] = [[] for _ in self.network.processes]
+        by_process: list[list[Instance]] = [[] for _ in self.network.processes]
         for instance in self.instances:
             by_process[instance.process].append(instance)
             parts.append(disj(neg(instance.fires), instance.open))
@@ -357,7 +376,7 @@ class _Encoder:
         parts.append(disj(neg(any_of(self.committed)), any_of(moves)))
         return all_of(parts)
 
-    def _forced_to_hear(self, by_process: Sequence[Sequence[_Instance]], sends: Sequence[Formula]) -> list[Formula]:
+    def _forced_to_hear(self, by_process: Sequence[Sequence[Instance]], sends: Sequence[Formula]) -> list[Formula]:
         """Whoever can hear a broadcast of another process takes part in it."""
         parts: list[Formula] = []
         for of_process in by_process:
@@ -391,7 +410,7 @@ class _Encoder:
             parts.append(reset == self._reset(machine.storage, clock, stopped.get(clock, False)))
         return all_of([*parts, after.entered == self.frame.left]), machine.faults
 
-    def _execute(self, machine: Machine, alternatives: Sequence[_Instance]) -> None:
+    def _execute(self, machine: Machine, alternatives: Sequence[Instance]) -> None:
         """The updates of those of some edges that fire; at most one does."""
         changes = []
         for instance in alternatives:
