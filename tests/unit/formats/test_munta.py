@@ -262,3 +262,16 @@ def test_any_model_can_be_exported_with_or_without_a_query() -> None:
     asked = nothing.replace("a;", "a { to b; } location b;") + " property later : A<> P.a; property now : E<> P.b;"
     model = api.Model(load_model(Source("model.ta", asked)), "model.ta")
     assert json.loads(api.export(model, "munta"))["formula"] == "E<> P.b"
+
+
+def test_the_receiver_has_the_last_word() -> None:
+    text = """\
+chan c;
+int[0, 3] n;
+process P() { init location a { to a { sync c!; assign n = 1; } } }
+process Q() { init location a { to a { sync c?; assign n = 2; } to a { guard n == 1; } } }
+system P, Q;
+property q : A[] n != 1;
+"""
+    assert edges(automata(text)[0]) == [(0, 0, "", "c!", "n = 2")]
+    assert edges(automata(text)[1]) == [(0, 0, "n == 1", "", ""), (0, 0, "", "c?", "")]
