@@ -275,3 +275,33 @@ property q : A[] n != 1;
 """
     assert edges(automata(text)[0]) == [(0, 0, "", "c!", "n = 2")]
     assert edges(automata(text)[1]) == [(0, 0, "n == 1", "", ""), (0, 0, "", "c?", "")]
+
+
+def test_a_broadcast_that_carries_something_is_a_channel_for_each_message() -> None:
+    text = """\
+broadcast chan all;
+int[0, 2] n;
+process S() { init location a { to a { guard n < 2; sync all!; assign n = n + 1; } } }
+process R() { int[0, 2] seen; init location a { to a { guard n > 0; sync all?; assign seen = n; } } }
+system S, R;
+property q : A[] R.seen < 2;
+"""
+    assert edges(automata(text)[0]) == [(0, 0, "n == 0", "all!", "n = 1"), (0, 0, "n == 1", "all_2!", "n = 2")]
+    assert edges(automata(text)[1]) == [
+        (0, 0, "n >= 1", "all?", "R_seen = 1"),
+        (0, 0, "n >= 1", "all_2?", "R_seen = 2"),
+    ]
+    assert exported(text).network.broadcast == ("all", "all_2")
+
+
+def test_receivers_of_one_broadcast_do_not_need_one_another() -> None:
+    text = """\
+broadcast chan all;
+int[0, 2] n;
+process S() { init location a { to a { sync all!; } } }
+process R(const int[1, 2] k) { init location a { to a { sync all?; assign n = n == 2 ? 0 : n + 1; } } }
+system S, R;
+property q : A[] n < 2;
+"""
+    with pytest.raises(UnsupportedError, match="read what another receiver may have written"):
+        exported(text)

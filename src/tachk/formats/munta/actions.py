@@ -20,6 +20,9 @@ from tachk.semantics.discrete import PreparedNetwork, bind_selects, channel_name
 from tachk.semantics.timed_trace import Participant
 from tachk.words import Direction
 
+Said = tuple[tuple[int, int], ...]
+"""Cells with what a sender has written into them."""
+
 
 def refused(what: str, span: Span, help_: str | None = None) -> UnsupportedError:
     return UnsupportedError(Diagnostic("E0803", f"Munta has no {what}", span, help_))
@@ -97,10 +100,23 @@ class ActionFinder:
 
         return self._found(outcome, sender.span)
 
+    def hearing(self, receiver: Action, channel: int, said: Said) -> tuple[Case[Effect], ...]:
+        """What a receiver does when the sender of a broadcast has written something."""
+        heard: set[int] = set()
+        cases = self._cases(receiver.participant, said, heard)
+        return tuple(case for case in cases if case.outcome.channel == channel)
+
     def _action(self, participant: Participant) -> Action:
         edge = self.model.edge(participant)
-        span = edge.spans[0]
         heard: set[int] = set()
+        cases = self._cases(participant, (), heard)
+        direction = None if edge.synchronisation is None else edge.synchronisation.direction
+        return Action(participant, edge.source, edge.target, direction, edge.spans[0], cases, frozenset(heard))
+
+    def _cases(self, participant: Participant, said: Said, heard: set[int]) -> tuple[Case[Effect], ...]:
+        """What an edge does, if its updates find cells with other contents than its guard did; collects what they
+        read."""
+        edge = self.model.edge(participant)
 
         def outcome(environment: Environment, contents: Contents) -> Effect | None:
             bind_selects(self.model, participant, environment)
@@ -108,16 +124,16 @@ class ActionFinder:
             if not guard:
                 return None
             channel = channel_named(self.model, participant, environment)
+            for cell, value in said:
+                contents.settle(cell, value)
             contents.read.clear()
             try:
                 execute(edge.updates, environment)
             finally:
                 heard.update(contents.read)
-            return self._effect(guard, channel, environment, contents, span)
+            return self._effect(guard, channel, environment, contents, edge.spans[0])
 
-        cases = self._found(outcome, span)
-        direction = None if edge.synchronisation is None else edge.synchronisation.direction
-        return Action(participant, edge.source, edge.target, direction, span, cases, frozenset(heard))
+        return self._found(outcome, edge.spans[0])
 
     def _found(self, outcome: Callable[[Environment, Contents], Effect | None], span: Span) -> tuple[Case[Effect], ...]:
         try:

@@ -86,6 +86,11 @@ class Contents(list[int]):
         self.written.update(self._cells(position))
         super().__setitem__(position, value)
 
+    def settle(self, cell: int, value: int) -> None:
+        """Says what a cell holds from now on; that counts neither as read nor as written."""
+        super().__setitem__(cell, value)
+        self._unknown -= {cell}
+
     def _cells(self, position: SupportsIndex | slice) -> Sequence[int]:
         return range(*position.indices(len(self))) if isinstance(position, slice) else (position.__index__(),)
 

@@ -10,6 +10,8 @@ from tachk.formats.munta.accommodation import add_ceilings, order_of_cells
 from tachk.formats.munta.actions import (
     Action,
     ActionFinder,
+    Effect,
+    Said,
     conflicting,
     refused,
 )
@@ -149,18 +151,22 @@ class _Writer:
             if type_.urgent:
                 raise refused("urgent channels", self._span(channel), "make a location urgent instead")
             if type_.broadcast:
-                self._check_broadcast(channel, senders, receivers)
-            if not type_.broadcast and conflicting(senders, receivers):
+                self._check_broadcast(channel, receivers)
+                self._announce(finder, channel, senders, receivers, processes)
+            elif conflicting(senders, receivers):
                 self._join(finder, channel, senders, receivers, processes)
             else:
-                self._label(channel, senders + receivers, processes, type_.broadcast)
+                name = self._channel_name(channel)
+                for action in senders + receivers:
+                    label = name + ("!" if action.direction is Direction.SEND else "?")
+                    processes[action.participant.process].edges += self._edges(action, _over(action, channel), label)
 
     def _span(self, channel: int) -> Span:
         cell = self.layout.channel_cells[channel]
         variables = self.model.network.all_variables()
         return max((v for v in variables if self.layout.first[v] <= cell), key=self.layout.first.__getitem__).span
 
-    def _check_broadcast(self, channel: int, senders: Sequence[Action], receivers: Sequence[Action]) -> None:
+    def _check_broadcast(self, channel: int, receivers: Sequence[Action]) -> None:
         for receiver in receivers:
             if any(c != () for case in _over(receiver, channel) for c in case.outcome.guard):
                 raise refused(
@@ -168,24 +174,35 @@ class _Writer:
                     receiver.span,
                     "receive in any case, and decide on an edge behind a committed location",
                 )
-        for before in (*senders, *receivers):
-            for after in receivers:
-                if before.participant.process != after.participant.process and before.written & after.heard:
+            for other in receivers:
+                if other.participant.process != receiver.participant.process and other.written & receiver.heard:
                     raise refused(
-                        "receivers of a broadcast that read what another edge of the same broadcast has written",
-                        after.span,
+                        "receivers of a broadcast that read what another receiver may have written", receiver.span
                     )
 
-    def _label(
-        self, channel: int, actions: Iterable[Action], processes: Sequence[MuntaProcess], broadcast: bool
+    def _announce(
+        self,
+        finder: ActionFinder,
+        channel: int,
+        senders: Sequence[Action],
+        receivers: Sequence[Action],
+        processes: Sequence[MuntaProcess],
     ) -> None:
-        """One edge of Munta for each case, alternative and edge of the model."""
-        name = self._channel_name(channel)
-        if broadcast:
+        """A broadcast channel for all that senders may have written which receivers need."""
+        needed = frozenset(cell for receiver in receivers for cell in receiver.heard)
+        sent: dict[Said, list[tuple[Action, Case[Effect]]]] = {}
+        for sender in senders:
+            for case in _over(sender, channel):
+                said = tuple((cell, value) for cell, value in case.outcome.writes if cell in needed)
+                sent.setdefault(said, []).append((sender, case))
+        for said, sendings in sent.items():
+            name = self._channel_name(channel)
             self.broadcast.append(name)
-        for action in actions:
-            label = name + ("!" if action.direction is Direction.SEND else "?")
-            processes[action.participant.process].edges += self._edges(action, _over(action, channel), label)
+            for sender, case in sendings:
+                processes[sender.participant.process].edges += self._edges(sender, [case], f"{name}!")
+            for receiver in receivers:
+                cases = finder.hearing(receiver, channel, said)
+                processes[receiver.participant.process].edges += self._edges(receiver, cases, f"{name}?")
 
     def _join(
         self,
@@ -211,7 +228,7 @@ class _Writer:
     def _channel_name(self, channel: int) -> str:
         return self.names.fresh(self.layout.names[self.layout.channel_cells[channel]])
 
-    def _edges(self, action: Action, cases: Iterable[Case], label: str) -> Iterator[MuntaEdge]:  # type: ignore[type-arg]
+    def _edges(self, action: Action, cases: Iterable[Case[Effect]], label: str) -> Iterator[MuntaEdge]:
         for case in cases:
             writes = tuple((cell, value) for cell, value in case.outcome.writes if not self.layout.meta[cell])
             for clocks in case.outcome.guard:
@@ -295,5 +312,5 @@ class _Writer:
         )
 
 
-def _over(action: Action, channel: int) -> list[Case]:  # type: ignore[type-arg]
+def _over(action: Action, channel: int) -> list[Case[Effect]]:
     return [case for case in action.cases if case.outcome.channel == channel]
