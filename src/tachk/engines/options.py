@@ -85,7 +85,7 @@ class Options:
             a run is found early; off: runs are looked for once all states are reached.
         hold_spectators: hold processes still that cannot influence the answer; off: explore them too.
         drop_bystanders: first search without the processes that can only block others; off: search the whole network
-            at once.
+            at once. Of `A<>`, `E[]` and `-->`: without those that certainly do not even block.
         shortest: find paths of as few transitions as possible; with BFS only. It may take more states: a state is
             dropped for a larger one only if that is not further from the initial state.
         pace: which run to a state that was found is shown; FASTEST takes further searches.

@@ -26,9 +26,11 @@ from tachk.model.connectives import either
 from tachk.model.expressions import BOOL, Constant, Expression, LocationTest
 from tachk.model.network import Network
 from tachk.model.query import Query
+from tachk.properties.deep.unobtrusive import without_unobtrusive
 from tachk.properties.fault_explanation import explain
 from tachk.properties.plan import Search, Task
 from tachk.properties.unanswered import not_begun
+from tachk.properties.unexamined import unexamined
 from tachk.properties.vacuity import never_begins
 from tachk.properties.verdict import Answer, Verdict
 from tachk.reduction.beats import DoubledNetwork, with_beats
@@ -43,7 +45,8 @@ def answer(
 ) -> dict[int, Verdict]:
     """The verdicts about the tasks of a search, by number.
 
-    The whole network is searched: a process that cannot influence the predicates may still run for ever, or stop time.
+    Spectators are not held still: one that cannot influence the predicates may still run for ever, or stop time. Left
+    out is what certainly does neither.
     """
     return {task.number: _verdict(model, task, options, limits, progress, trace) for task in search.tasks}
 
@@ -60,6 +63,34 @@ class _Searched:
 def _verdict(
     model: PreparedNetwork, task: Task, options: Options, limits: Limits, progress: Progress | None, trace: bool
 ) -> Verdict:
+    started = time.monotonic()
+    try:
+        with time_limit(limits.seconds):
+            reduced = _reduced(model.network, task.query) if options.drop_bystanders else model.network
+    except OutOfTimeError:
+        return not_begun(task.query, TIME_LIMIT)
+    left = limits.after(time.monotonic() - started)
+    if reduced == model.network:
+        return _of_network(model, task, options, left, progress, trace)
+    verdict = _of_network(prepare(reduced), task, options, left, progress, trace=False)
+    no_run = verdict.answer is answers_of(task.query)[1]
+    if no_run or (verdict.answer is Answer.UNKNOWN and verdict.fault is None and verdict.exact):
+        return replace(verdict, unexamined=unexamined(model.network, reduced) if no_run else ())
+    # There is a run, which is to be shown as one of the whole network.
+    return _of_network(model, task, options, limits.after(time.monotonic() - started), progress, trace)
+
+
+def _reduced(network: Network, query: Query) -> Network:
+    """The network without what nobody notices, where any run that avoids the goal counts."""
+    if query.again or query.non_zeno:
+        return network
+    return without_unobtrusive(network, [one for one in (query.avoided, query.begins) if one is not None])
+
+
+def _of_network(
+    model: PreparedNetwork, task: Task, options: Options, limits: Limits, progress: Progress | None, trace: bool
+) -> Verdict:
+    """The verdict from a search of one network."""
     started = time.monotonic()
     query = task.query
     try:

@@ -7,7 +7,7 @@ without bystanders, so what is unreachable there is unreachable. What is reachab
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import field, replace
 
 from tachk.model.expressions import Expression, Variable
@@ -26,16 +26,25 @@ def without_bystanders(network: Network, targets: Sequence[Expression]) -> Netwo
     processes or channels have priorities, as there every possible action counts; where a target speaks of nothing, as
     that is how to ask for the whole state space; and where all bystanders are spectators, which cost nothing.
     """
+    if bystanders(network, targets) <= spectators(network, targets):
+        return network
+    return only_with(network, targets)
+
+
+def bystanders(network: Network, targets: Sequence[Expression], kept: Collection[int] = ()) -> set[int]:
+    """The processes that make nothing possible for what targets need nor for those that are to be kept; none where
+    every action counts."""
     if every_action_counts(network, targets):
-        return network
-    cone = _cone(network, targets)
-    bystanders = set(range(len(network.processes))) - cone.members
-    if bystanders <= spectators(network, targets):
-        return network
+        return set()
+    return set(range(len(network.processes))) - _cone(network, targets, kept).members
+
+
+def only_with(network: Network, targets: Sequence[Expression], kept: Collection[int] = ()) -> Network:
+    """The network with all bystanders held in their initial locations, unhindering, and without the updates of the
+    others that change nothing they need."""
+    cone = _cone(network, targets, kept)
     processes = enumerate(network.processes)
-    return replace(
-        network, processes=tuple(_idle(p) if number in bystanders else cone.trimmed(p) for number, p in processes)
-    )
+    return replace(network, processes=tuple(cone.trimmed(p) if n in cone.members else _idle(p) for n, p in processes))
 
 
 def _idle(process: Process) -> Process:
@@ -111,8 +120,10 @@ class _Cone:
                 self.offered |= _channels(edge)
 
 
-def _cone(network: Network, targets: Sequence[Expression]) -> _Cone:
+def _cone(network: Network, targets: Sequence[Expression], kept: Collection[int]) -> _Cone:
     cone = _Cone(*mentioned(targets))
+    for number in sorted(kept):
+        cone.add(number, network.processes[number])
     grows = True
     while grows:
         before = len(cone.members), len(cone.variables), len(cone.processes)

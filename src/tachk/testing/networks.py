@@ -53,6 +53,8 @@ class Shape:
         deadlocks: predicates that ask for deadlock.
         spectators: the largest number of further processes that listen and, as a rule, change nothing of the others.
         bystanders: how many further processes do the same but may also hinder the others, and talk to each other.
+        companions: the largest number of further processes with a clock of their own that mostly move before their
+            invariants end, and at once where time stands still.
         exact: how often a guard asks for one exact value of a clock, so that events fall on the bounds of others; with
             ``diagonals`` invariants compare two clocks.
         language: arrays, records, functions with loops and early returns, computed channels, conditional updates.
@@ -79,6 +81,7 @@ class Shape:
     deadlocks: bool = True
     spectators: int = 0
     bystanders: int = 0
+    companions: int = 0
     exact: float = 0.0
     language: bool = False
     faults: float = 0.0
@@ -125,6 +128,8 @@ def random_case(random: Random, shape: Shape = Shape()) -> Case:
         _spectator(random, shape, parts, network.process(f"S{number}"))
     if shape.bystanders:
         _bystanders(random, shape, parts, network)
+    for number in range(random.randint(1, shape.companions) if shape.companions else 0):
+        _companion(random, parts, network.process(f"C{number}"))
     predicates = tuple(_predicate(random, shape, parts, handles).expression for _ in range(shape.predicates))
     return Case(network.build(), predicates)
 
@@ -203,6 +208,31 @@ def _bystanders(random: Random, shape: Shape, parts: _Parts, network: NetworkBui
                     process.edge(source, random.choice(locations), guard=guard, receive=receive, updates=updates)
                 else:
                     _edge(random, shape, apart, process, source, random.choice(locations))
+
+
+def _companion(random: Random, parts: _Parts, process: ProcessBuilder) -> None:
+    clock = process.clock("age")
+    heard = [(channel, array) for channel, array, broadcast, _ in parts.channels if broadcast]
+    ends = [random.randint(0, 3) for _ in range(random.randint(2, 3))]
+    waiting = [random.random() < 0.6 for _ in ends]
+    locations = [
+        process.location(f"L{n}", invariant=clock <= end)
+        if waits
+        else process.location(f"L{n}", urgent=random.random() < 0.2, committed=random.random() < 0.2)
+        for n, (end, waits) in enumerate(zip(ends, waiting, strict=True))
+    ]
+    for source, end in zip(locations, ends, strict=True):
+        low = clock >= (end if random.random() < 0.8 else random.randint(0, 3))
+        split = random.choice(parts.integers) == random.randint(0, 2)
+        guards = random.choice([[low], [low & split, low & ~split], [split], [split, ~split], [low & split]])
+        for guard in guards:
+            resets = [clock.assign(0)] if random.random() < 0.8 else []
+            process.edge(source, random.choice(locations), guard=guard, updates=resets)
+        if heard and random.random() < 0.4:
+            channel, array = random.choice(heard)
+            resets = [clock.assign(0)] if random.random() < 0.8 else []
+            receive = channel[random.randint(0, 1)] if array else channel
+            process.edge(source, random.choice(locations), receive=receive, updates=resets)
 
 
 def _locations(random: Random, shape: Shape, parts: _Parts, process: ProcessBuilder) -> list[LocationHandle]:
