@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from contextlib import suppress
+from dataclasses import replace
 from fractions import Fraction
 from random import Random
 
@@ -12,19 +14,25 @@ import pytest
 from tachk.compiler.fold import known_values
 from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import InputError
-from tachk.engines.digitised import delayed
+from tachk.engines.avoiding_runs import Budget, LimitError, avoiding_run, build
+from tachk.engines.digitised import delayed, region_steps
 from tachk.engines.options import Extrapolation, Limits, Options, SearchOrder
 from tachk.engines.zone import explore_everything
 from tachk.engines.zone_graph import zone_graph
 from tachk.model.builder import NetworkBuilder
+from tachk.model.expressions import BOOL, Binary, Constant
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
+from tachk.operators import BinaryOperator
 from tachk.properties.deep.deep_check import deep_check
 from tachk.properties.deep.reached import unreached_locations
 from tachk.properties.deep.steps import steps_of
-from tachk.properties.deep.zeno import suspicious
+from tachk.properties.deep.zeno import lasting_edges, suspicious
+from tachk.properties.deep.zeno_run import ZenoRun, find_zeno_run
+from tachk.reduction.beats import with_a_start
 from tachk.semantics.discrete import prepare
-from tachk.semantics.step import StepError, delay, initial_state, successors
+from tachk.semantics.step import StepError, delay, initial_state, satisfies, successors
+from tachk.semantics.timed_trace import TimedState, Transition
 from tachk.testing import Shape, random_case
 
 SHAPES = {
@@ -135,3 +143,60 @@ def goes_round(network: Network, states: int) -> bool:
                 seen.add((end.discrete, end.clocks))
                 waiting.append(end)
     return not nx.is_directed_acyclic_graph(arcs)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_a_zeno_run_is_found_where_regions_have_one(shape: str) -> None:
+    """The regions are those of the network with a clock that any action resets, and with every edge."""
+    decided = Counter[bool]()
+    for seed in range(9):
+        small = replace(SHAPES[shape], processes=2, locations=3, clocks=2 if shape == "diagonals" else 1, constant=2)
+        network = random_case(Random(seed), small).network
+        everything = frozenset((n, e) for n, process in enumerate(network.processes) for e in range(len(process.edges)))
+        expected = _has_zeno_run(network, everything)
+        if expected is None:
+            continue
+        known = known_values(network, [])
+        for edges in (everything, lasting_edges(network, known, ())):
+            found = find_zeno_run(prepare(network), edges, Options(), Limits(states=20_000))
+            if isinstance(found, ZenoRun):
+                assert expected and found.run is not None, f"seed {seed}"
+            else:
+                assert not found and not expected, f"seed {seed}"
+        assert suspicious(frozenset(steps_of(network, known))) or not expected, f"seed {seed}"
+        decided[expected] += 1
+    assert len(decided) == 2
+
+
+def _has_zeno_run(network: Network, edges: frozenset[tuple[int, int]]) -> bool | None:
+    doubled = with_a_start(network, edges)
+    late = Binary(BinaryOperator.GREATER_EQUAL, doubled.clock, Constant(1), BOOL)
+    model = prepare(doubled.network)
+    try:
+        normalised, next_delay = region_steps(doubled.network, [late])
+        start = initial_state(model)
+    except (ValueError, StepError):
+        return None
+
+    def normal(state: TimedState) -> TimedState:
+        return TimedState(state.discrete, normalised(state.clocks), Fraction(0))
+
+    def steps(state: TimedState) -> list[tuple[Transition | None, TimedState]]:
+        found: list[tuple[Transition | None, TimedState]] = [
+            (t, normal(after)) for t, after in successors(model, state)
+        ]
+        duration = next_delay(state.clocks)
+        later = delayed(model, state, Fraction(1) if duration is None else duration)
+        return found if later is None else [*found, (None, normal(later))]
+
+    def soon(state: TimedState) -> bool:
+        return satisfies(model, state, doubled.mark) and not satisfies(model, state, late)
+
+    budget = Budget(Limits(states=1500))
+    try:
+        begun = {state: () for state in build([normal(start)], steps, budget).came if soon(state)}
+        acts = [lambda _before, transition, _after: transition is not None]
+        run = avoiding_run(begun, lambda s: [x for x in steps(s) if soon(x[1])], lambda _: None, budget, acts)
+    except (LimitError, EvaluationFault):
+        return None
+    return run is not None

@@ -10,10 +10,11 @@ Bouajjani, "Checking timed Buechi automata emptiness efficiently", FMSD 26 (2005
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 
 from tachk.model.cell_layout import cell_layout
+from tachk.model.connectives import both, either
 from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, Reference, Variable, VariableKind
 from tachk.model.network import Edge, Network, Process
 from tachk.model.types import ChannelType, ClockType, IntType
@@ -29,11 +30,13 @@ class DoubledNetwork:
 
     Attributes:
         mark: a condition on the variable.
+        clock: the value of the clock.
         originals: of each process the edges that the copies are copies of.
     """
 
     network: Network
     mark: Expression
+    clock: Expression
     originals: tuple[tuple[int, ...], ...]
 
     def without_copies(self, transition: Transition) -> Transition:
@@ -72,12 +75,12 @@ def with_beats(network: Network) -> DoubledNetwork:
     since, beat = _clock("time since the last beat"), _flag("beat")
     one = Constant(1)
 
-    def edges_for(edge: Edge) -> tuple[Edge, Edge | None]:
+    def edges_for(_process: int, _number: int, edge: Edge) -> tuple[Edge, Edge | None]:
         plain = replace(edge, updates=(*edge.updates, _set(beat, 0)))
         if _is_urgent(edge):
             return plain, None
-        early = _both(edge.guard, Binary(BinaryOperator.LESS, Reference(since), one, BOOL))
-        late = _both(edge.guard, Binary(BinaryOperator.GREATER_EQUAL, Reference(since), one, BOOL))
+        early = both(edge.guard, Binary(BinaryOperator.LESS, Reference(since), one, BOOL))
+        late = both(edge.guard, Binary(BinaryOperator.GREATER_EQUAL, Reference(since), one, BOOL))
         return replace(plain, guard=early), replace(
             edge, guard=late, updates=(*edge.updates, _set(since, 0), _set(beat, 1))
         )
@@ -85,18 +88,41 @@ def with_beats(network: Network) -> DoubledNetwork:
     return _doubled(network, edges_for, since, beat)
 
 
+def with_a_start(network: Network, lasting: Collection[tuple[int, int]]) -> DoubledNetwork:
+    """The network with a clock that is reset by one action of the run, any one: `mark` holds from then on.
+
+    From then on only these edges (process and number) decide what happens, and nothing does one time unit later. So a
+    run in which time does not diverge, and that takes these edges only from some moment on, is one that does not come
+    to that time, and each run that does not come there although it goes on for ever is such a run.
+    """
+    since, started = _clock("time since the start"), _flag("started")
+    before = Binary(BinaryOperator.EQUAL, Reference(started), Constant(0), BOOL)
+    soon = Binary(BinaryOperator.LESS, Reference(since), Constant(1), BOOL)
+
+    def edges_for(process: int, number: int, edge: Edge) -> tuple[Edge, Edge | None]:
+        if (process, number) not in lasting:
+            # To leave out what others wait for, or what time waits for, would make more possible.
+            hinders = network.has_priorities or _is_urgent(edge)
+            return edge if hinders else replace(edge, guard=both(edge.guard, before)), None
+        copy = replace(edge, guard=both(edge.guard, before), updates=(*edge.updates, _set(since, 0), _set(started, 1)))
+        # No time passes while an action over an urgent channel is possible, and clocks may not decide whether it is.
+        return (edge if _is_urgent(edge) else replace(edge, guard=both(edge.guard, either(before, soon)))), copy
+
+    return _doubled(network, edges_for, since, started)
+
+
 def _doubled(
-    network: Network, edges_for: Callable[[Edge], tuple[Edge, Edge | None]], clock: Variable, flag: Variable
+    network: Network, edges_for: Callable[[int, int, Edge], tuple[Edge, Edge | None]], clock: Variable, flag: Variable
 ) -> DoubledNetwork:
     processes, originals = [], []
-    for process in network.processes:
+    for place, process in enumerate(network.processes):
         edges: list[Edge] = []
         copies: list[Edge] = []
         copied: list[int] = []
         for number, edge in enumerate(process.edges):
             copy: Edge | None = None
             if edge.synchronisation is None or edge.synchronisation.direction is Direction.SEND:
-                edge, copy = edges_for(edge)
+                edge, copy = edges_for(place, number, edge)
             edges.append(edge)
             if copy is not None:
                 copies.append(copy)
@@ -106,7 +132,7 @@ def _doubled(
     last: Process = processes[-1]
     processes[-1] = replace(last, variables=(*last.variables, clock, flag))
     mark = Binary(BinaryOperator.EQUAL, Reference(flag), Constant(1), BOOL)
-    return DoubledNetwork(replace(network, processes=tuple(processes)), mark, tuple(originals))
+    return DoubledNetwork(replace(network, processes=tuple(processes)), mark, Reference(clock), tuple(originals))
 
 
 def _clock(name: str) -> Variable:
@@ -119,10 +145,6 @@ def _flag(name: str) -> Variable:
 
 def _set(variable: Variable, value: int) -> Expression:
     return Assign(Reference(variable), Constant(value), variable.type)
-
-
-def _both(guard: Expression | None, condition: Expression) -> Expression:
-    return condition if guard is None else Binary(BinaryOperator.AND, guard, condition, BOOL, guard.span)
 
 
 def _is_urgent(edge: Edge) -> bool:

@@ -31,8 +31,10 @@ def tell_deep_check(network: Network, check: DeepCheck, out: TextIO) -> None:
     for evidence in check.evidence:
         end = duration(evidence.run.states[-1].time, network.time_unit)
         steps = len(evidence.run.steps)
-        run = f"this run of {steps} {'step' if steps == 1 else 'steps'}, at time {end}:"
-        print(f"\n{evidence.finding.code} at {evidence.finding.span} is reached by {run}", file=out)
+        run = f"this run of {steps} {'step' if steps == 1 else 'steps'}"
+        loops = evidence.run.loop_start is not None
+        told = f"shown by {run}, which goes on for ever" if loops else f"reached by {run}, at time {end}"
+        print(f"\n{evidence.finding.code} at {evidence.finding.span} is {told}:", file=out)
         console = Console(file=out, highlight=False, soft_wrap=True)
         print_trace(view_trace(network, evidence.run), console, network.time_unit, Telling(ends=_ENDS))
 

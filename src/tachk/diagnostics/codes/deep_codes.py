@@ -53,11 +53,11 @@ DEEP_CODES: dict[str, Explanation] = {
         "process P() { init location a { to b; } location b { to a; } }\nsystem P;",
     ),
     "W0607": Explanation(
-        "perhaps a Zeno loop",
-        "As far as the clocks and variables of the model tell without a search, this cycle can be taken again and "
-        "again without time passing: infinitely many actions in finite time. No real system does that. A run that does "
-        "is a counterexample to `A<>` and `-->`. There is certainly none where a clock is reset in the cycle and "
-        "compared there with at least 1.",
+        "a Zeno loop",
+        "This cycle can be taken again and again in finite time: infinitely many actions before a certain moment. No "
+        "real system does that. A run that does is a counterexample to `A<>` and `-->`; --non-zeno does not count it. "
+        "There is certainly none where a clock is reset in the cycle and compared there with at least 1. Where the "
+        "message says `may go round`, the search for such a run has not come to its end.",
         "process P() { clock x; init location a { to b { assign x = 0; } } location b { to a { guard x > 0; } } }\n"
         "system P;",
         "process P() { clock x; init location a { to b { assign x = 0; } } location b { to a { guard x >= 1; } } }\n"

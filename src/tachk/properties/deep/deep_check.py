@@ -38,7 +38,8 @@ from tachk.properties.deep.stuck import (
     time_locks,
     unlimited,
 )
-from tachk.properties.deep.zeno import all_runs_end, zeno_findings
+from tachk.properties.deep.zeno import all_runs_end, lasting_edges, zeno_finding, zeno_findings
+from tachk.properties.deep.zeno_run import ZenoRun, find_zeno_run
 from tachk.properties.fault_explanation import diagnostic_of, explain
 from tachk.properties.verify import check_initial_state
 from tachk.records import dataclass
@@ -110,7 +111,11 @@ def deep_check(
         return _nothing(TIME_LIMIT)
     except UnsupportedError as error:
         return _nothing(error.diagnostic.message)
-    found = [*_reached_parts(explored, warnings), *_stuck_parts(explored), _zeno_part(explored, limits)]
+    found = [
+        *_reached_parts(explored, warnings),
+        *_stuck_parts(explored),
+        _zeno_part(explored, options, limits, progress),
+    ]
     found += _fault_parts(explored.outcome)
     if unused is not None:
         found.append(Part("names never used or read", counted(tuple(unused)), tuple(unused)))
@@ -232,15 +237,31 @@ def _run(model: PreparedNetwork, goal: GoalOutcome, target: Expression) -> Timed
     return run
 
 
-def _zeno_part(explored: Explored, limits: Limits) -> Part:
+def _zeno_part(explored: Explored, options: Options, limits: Limits, progress: Progress | None) -> Part:
+    """What the model alone tells, and where that is not enough, a search of limited size."""
+    network, known, never = explored.model.network, explored.known, explored.never
     left = limits.after(time.monotonic() - explored.started).seconds
+    seconds = None if left is None else max(left, _LEAST_SECONDS)
     try:
-        with time_limit(None if left is None else max(left, _LEAST_SECONDS)):
-            findings = zeno_findings(explored.model.network, explored.known, explored.never)
+        with time_limit(seconds):
+            findings = zeno_findings(network, known, never)
+            lasting = lasting_edges(network, known, never)
     except OutOfTimeError:
         return Part(_ZENO, "not decided", undecided=TIME_LIMIT)
-    return Part(_ZENO, f"{len(findings)} may be" if findings else "none possible", findings)
+    if not findings:
+        return Part(_ZENO, "none possible")
+    most = max(_LEAST_STATES, _TIMES_AS_MANY * explored.outcome.statistics.states_stored)
+    bounded = replace(limits, states=most if limits.states is None else min(limits.states, most))
+    left_now = bounded.after(time.monotonic() - explored.started)
+    found = find_zeno_run(explored.model, lasting, options, left_now, progress)
+    if isinstance(found, ZenoRun):
+        finding = zeno_finding(network, found.loop)
+        return Part(_ZENO, "found", (finding,), () if found.run is None else (Evidence(finding, found.run),))
+    return Part(_ZENO, f"{len(findings)} may be", findings) if found else Part(_ZENO, "none")
 
+
+_LEAST_STATES, _TIMES_AS_MANY = 20_000, 4
+"""How many states the search for a Zeno run may store: so many, or so many times those of the model."""
 
 _LEAST_SECONDS = 1.0
 """For what needs no search, and is asked when the search has used all the time."""

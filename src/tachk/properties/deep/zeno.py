@@ -13,14 +13,15 @@ Strong non-Zenoness: Tripakis 1999; in networks: Bowman and Gómez 2006.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Collection, Hashable, Iterable, Iterator
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Sequence
 from typing import TypeVar
 
 from tachk.compiler.fold import Known
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.model.expressions import Expression, Variable
-from tachk.model.network import Network
+from tachk.model.network import Network, Process
 from tachk.properties.deep.steps import Step, steps_of
+from tachk.semantics.timed_trace import Transition
 from tachk.time_limit import check_time
 
 MOST_TRIES = 500
@@ -45,18 +46,35 @@ def zeno_findings(network: Network, known: Known, never: Collection[tuple[int, i
             continue
         told.add(process.template)
         cycle = _shortest_cycle(own)
-        names = [process.locations[step.source].name for step in cycle]
-        spans = [process.edges[step.number].spans[0] for step in cycle]
-        findings.append(
-            Diagnostic(
-                "W0607",
-                f"`{process.name}` may go round `{' -> '.join([*names, names[0]])}` without end in finite time",
-                spans[0],
-                "let a clock be reset in the cycle and compared there with at least 1, if time is to pass",
-                tuple(Label(span, "then this") for span in spans[1:]),
-            )
-        )
+        edges = [step.number for step in cycle]
+        findings.append(_finding(process, edges, f"`{process.name}` may go round"))
     return tuple(findings)
+
+
+def zeno_finding(network: Network, loop: Sequence[Transition]) -> Diagnostic:
+    """Told of the process that decides the first transition of a loop that is taken for ever in finite time."""
+    number = loop[0].participants[0].process
+    edges = [p.edge for transition in loop for p in transition.participants if p.process == number]
+    process = network.processes[number]
+    return _finding(process, edges, f"`{process.name}` goes round")
+
+
+def _finding(process: Process, edges: Sequence[int], what: str) -> Diagnostic:
+    taken = [process.edges[edge] for edge in edges]
+    names = [process.locations[edge.source].name for edge in taken]
+    spans = [edge.spans[0] for edge in taken]
+    return Diagnostic(
+        "W0607",
+        f"{what} `{' -> '.join([*names, names[0]])}` without end in finite time",
+        spans[0],
+        "let a clock be reset in the cycle and compared there with at least 1, if time is to pass",
+        tuple(Label(span, "then this") for span in dict.fromkeys(spans[1:]) if span != spans[0]),
+    )
+
+
+def lasting_edges(network: Network, known: Known, never: Collection[tuple[int, int]]) -> frozenset[tuple[int, int]]:
+    """The edges, by process and number, that some run may take infinitely often. Arguments as of `zeno_findings`."""
+    return frozenset((step.process, step.number) for step in _recurrent(_steps_but(network, known, never)))
 
 
 def all_runs_end(network: Network, known: Known, never: Collection[tuple[int, int]]) -> bool:
