@@ -29,6 +29,7 @@ from tachk.testing.observer_agreement import (
     bounded_observer_case,
     endless_observer_case,
     nested_observer_case,
+    past_observer_case,
     query_of,
     random_observer_case,
     random_watched,
@@ -89,6 +90,22 @@ def test_an_observer_says_what_the_monitor_says_of_what_is_temporal_inside(block
         answers.append(truth)
     assert answers.count(False) > 4
     assert len(answers) - answers.count(False) > 4
+
+
+@pytest.mark.parametrize("block", range(3))
+def test_an_observer_says_what_the_monitor_says_of_windows_that_ended_before_now(block: int) -> None:
+    answers = []
+    for seed in range(60 * block, 60 * block + 60):
+        case = past_observer_case(Random(seed))
+        model = replaying(case.trace)
+        query = query_of(case.formula, model)
+        if query is None:
+            continue
+        truth = verdict(case.formula, case.trace).truth
+        _compare(model, query, truth, f"seed {seed}: {print_formula(case.formula)} is {truth}")
+        answers.append(truth)
+    assert answers.count(False) > 15
+    assert len(answers) - answers.count(False) > 10
 
 
 @pytest.mark.parametrize("block", range(3))

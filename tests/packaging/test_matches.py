@@ -52,6 +52,8 @@ REASONS = {
         "compiler/goal._disjuncts",
         "engines/smt/conditions._parts",
         "frontend/expressions/folded_expressions.binary",
+        "logic/observer/past_windows._absent",
+        "logic/observer/past_windows._clauses",
         "logic/simplify._simpler",
         "semantics/constraints._parts",
     },

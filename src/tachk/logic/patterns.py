@@ -279,7 +279,7 @@ CATALOGUE: tuple[Family, ...] = (
                 "Whenever p becomes true and stays true for at most 3 s, counting from the fall, within 5 s, "
                 "q must be true.",
                 "G (fall(p) && O(0, 3 s] rise(p) -> F[0, 5 s] q)",
-                "",
+                "S9",
                 "q comes within 5 s of the fall of every stretch of p of 3 s or less",
             ),
             Pattern(

@@ -92,6 +92,11 @@ def nested_observer_case(random: Random) -> ObserverCase:
     return _case_on_bounds(random, _nested(random))
 
 
+def past_observer_case(random: Random) -> ObserverCase:
+    """A formula with a window on the past that may end before now, or look for an edge."""
+    return _case_on_bounds(random, _looking_back(random))
+
+
 def endless_observer_case(random: Random) -> ObserverCase:
     """A requirement without a deadline, and a trace as for `bounded_observer_case`."""
     return _case_on_bounds(random, _endless(random))
@@ -268,6 +273,24 @@ def _nested(random: Random) -> Formula:
         lambda: _globally(_implies(first, _maybe_negated(random, syntax.Historically(NOWHERE, _window(random), flag)))),
     ]
     return random.choices(makers, (4, 2, 3, 2, 2, 2, 1, 1, 3, 2))[0]()
+
+
+def _looking_back(random: Random) -> Formula:
+    first, second, third = (_state_or_edge(random, name) for name in random.sample(FLAGS, 3))
+    window = random.choice((_window(random), _window(random), _after(random)))
+    past: Formula = syntax.Once(NOWHERE, window, second)
+    if random.random() < 0.3:
+        past = syntax.Historically(NOWHERE, window, second)
+    past = _maybe_negated(random, past)
+    makers: list[Callable[[], Formula]] = [
+        lambda: _globally(_implies(first, past)),
+        lambda: _globally(_implies(first, syntax.Or(NOWHERE, (third, past)))),
+        lambda: _globally(_implies(first, syntax.And(NOWHERE, (past, third)))),
+        lambda: _globally(_implies(syntax.And(NOWHERE, (first, past)), third)),
+        lambda: syntax.Not(NOWHERE, syntax.Eventually(NOWHERE, _EVER, syntax.And(NOWHERE, (first, past)))),
+        lambda: _globally(past),
+    ]
+    return random.choices(makers, (4, 2, 1, 2, 1, 1))[0]()
 
 
 def _endless(random: Random) -> Formula:

@@ -142,7 +142,7 @@ def test_edges_are_followed_in_every_window(text: str) -> None:
         ("G (p -> F[0,5] (q U[0,3] r))", "F[0,5] (q U[0,3] r)", "something temporal would have to hold at every"),
         ("G (p -> F[0,5] (q && F[1,2] r))", "F[0,5] (q && F[1,2] r)", "something temporal would have to hold at every"),
         ("G (p -> F[0,5] G[1,2] q)", "F[0,5] G[1,2] q", "another window begins"),
-        ("G (p -> O[2,5] q)", "[2,5]", "does not reach up to the present"),
+        ("G (p -> F[0,3] O[2,5] q)", "[2,5]", "does not reach up to the present"),
         ("G (rise(F[0,2] p) -> q)", "F[0,2] p", "a temporal formula cannot stand here"),
         ("G (p -> F[0,1 ms] q)", "1 ms", "whole numbers"),
     ],

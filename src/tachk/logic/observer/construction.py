@@ -16,6 +16,7 @@ from tachk.diagnostics.span import Span
 from tachk.logic.observer.conditions import Conjunction, all_of, is_false, negated, truth
 from tachk.logic.observer.goals import Goal, NoObserver, saved_expressions
 from tachk.logic.observer.names import location_names
+from tachk.logic.observer.past_windows import looking_ahead
 from tachk.logic.observer.states import SHOWN, State, answered_in, is_endless
 from tachk.logic.observer.tableau import Step, Tableau
 from tachk.logic.observer.violation import violation
@@ -71,7 +72,7 @@ def build_observer(formula: Formula, name: str, taken: Iterable[str] = ()) -> Bu
     Raises:
         NoObserver: for a formula that no automaton of this kind decides; names the part that is to blame.
     """
-    goal = violation(formula)
+    goal = violation(looking_ahead(formula))
     used = {*names_in(formula), *taken, name}
     writer = _Writer(formula.span, goal, name, used)
     return BuiltObserver(writer.template(), writer.endings())
