@@ -47,9 +47,21 @@ def finish(action: Callable[[], ExitStatus], seconds: float | None = None) -> No
     click.get_current_context().exit(guarded(limited))
 
 
+class Seconds(click.FloatRange):
+    """A time that is given."""
+
+    name = "number of seconds"
+
+
+class Count(click.IntRange):
+    """A whole number that is given."""
+
+    name = "whole number"
+
+
 def max_seconds(help: str = "Stop after this time, with exit status 20.") -> Callable[[Decorated], Decorated]:
     """``--max-seconds``: the limit on time of whatever reads models or traces."""
-    return click.option("seconds", "--max-seconds", metavar="SECONDS", type=click.FloatRange(min=0), help=help)
+    return click.option("seconds", "--max-seconds", metavar="SECONDS", type=Seconds(min=0), help=help)
 
 
 def distributed(given: Mapping[str, Any], *kinds: type) -> list[Any]:

@@ -52,6 +52,10 @@ class Varied:
 def run_synthesize(varied: Varied, limits: Limits = Limits(), reporting: Reporting = Reporting()) -> ExitStatus:
     if (varied.query is None) is (varied.property is None):
         raise UsageError("a region is that of one property", "give --property NAME, or a query behind the model")
+    twice = {given.partition("=")[0].strip() for each in varied.over for given in each.split(",")}
+    twice &= parse_definitions(varied.definitions).keys()
+    if twice:
+        raise UsageError(f"{min(twice)} is set by -D and by --over", "leave out one of them")
     if varied.max_memory is not None:
         limits = replace(limits, memory_bytes=parse_size(varied.max_memory))
     picture = reporting.output if reporting.output and reporting.output.suffix.lower() in _PICTURES else None

@@ -88,6 +88,8 @@ def _check_all(
     models, queries = split_models_and_queries(asked.arguments)
     if asked.certificate is not None and len(models) > 1:
         raise UsageError("--certificate names one file, but there are several models")
+    if asked.certificate is not None and not asked.certificate.parent.is_dir():
+        raise UsageError(f"there is no folder {asked.certificate.parent} for the certificate", "make it first")
     if asked.munta is not None and len(models) > 1:
         raise UsageError("--munta names the folder of one model, but there are several models")
     constants = parse_definitions(asked.definitions)

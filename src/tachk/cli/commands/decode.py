@@ -15,7 +15,7 @@ from tachk.cli import options
     "ports",
     "--port",
     metavar="PORT",
-    type=click.IntRange(1, 65535),
+    type=options.Count(1, 65535),
     multiple=True,
     default=(8888,),
     show_default=True,

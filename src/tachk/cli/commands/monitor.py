@@ -39,7 +39,7 @@ from tachk.runtime.conventions import Ending
 @click.option(
     "--decimals",
     metavar="N",
-    type=click.IntRange(0, 15),
+    type=options.Count(0, 15),
     help="Row by row: how many decimals times and bounds have; by default down to nanoseconds, at most 9.",
 )
 @options.max_seconds()

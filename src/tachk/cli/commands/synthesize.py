@@ -45,7 +45,7 @@ from tachk.cli.reporting import ReportForm, WantedAnswer
     "states",
     "--max-states",
     metavar="N",
-    type=click.IntRange(min=1),
+    type=options.Count(min=1),
     help="Stop a search after storing N states; its values are unknown then.",
 )
 @options.max_seconds("Stop after this time, which all searches share. What is not known by then is unknown.")

@@ -49,7 +49,7 @@ _DEFAULT = Options()
 @click.option(
     "--seed",
     metavar="N",
-    type=click.IntRange(0, LARGEST_SEED),
+    type=options.Count(0, LARGEST_SEED),
     default=_DEFAULT.seed,
     show_default=True,
     help="Seed of the random order (--search rdfs).",
@@ -82,7 +82,7 @@ _DEFAULT = Options()
     "states",
     "--max-states",
     metavar="N",
-    type=click.IntRange(min=1),
+    type=options.Count(min=1),
     help="Stop a search after storing N states.",
 )
 @options.max_seconds("Stop checking a model after this time, which its properties share fairly.")
@@ -90,7 +90,7 @@ _DEFAULT = Options()
     "seconds_each",
     "--max-seconds-each",
     metavar="SECONDS",
-    type=click.FloatRange(min=0),
+    type=options.Seconds(min=0),
     help="Stop each search after this time; properties that look at the same clocks share a search.",
 )
 @click.option("--max-memory", metavar="SIZE", help="Stop a search that takes more memory than this, such as 2G.")
@@ -98,7 +98,7 @@ _DEFAULT = Options()
     "depth",
     "--max-depth",
     metavar="N",
-    type=click.IntRange(min=0),
+    type=options.Count(min=0),
     help="Do not explore beyond N transitions from the initial state.",
 )
 @click.option(

@@ -58,9 +58,8 @@ def _query_for_a_formula(situation: Situation) -> Diagnostic | None:
                 f"a formula speaks about one run: write {letter} in place of {path.text}",
             )
     if situation.token.text == ";":
-        return Diagnostic(
-            "E0101", "';' does not fit here", situation.token.span, "join formulas with &&, or give a file"
-        )
+        mend = "leave it out: in a file each formula has a line of its own, elsewhere && joins them"
+        return Diagnostic("E0101", "';' does not fit here", situation.token.span, mend)
     return None
 
 

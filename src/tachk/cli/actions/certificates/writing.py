@@ -41,6 +41,7 @@ def write_certificates(
                 continue
             writer.write(proof.header, proof.blocks())
             names.append(verdict.query.name)
-    told = f"proofs of {', '.join(names)}" if names else "no proof, for no answer is of a kind that has one"
+    nothing = "no proof: only A[], A<> and --> that hold have one, and E<> and E[] that fail"
+    told = f"proofs of {', '.join(names)}" if names else nothing
     print(f"{path}: {told} ({bytes_(path.stat().st_size)})", file=sys.stderr)
     return worst(statuses)
