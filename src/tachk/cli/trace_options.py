@@ -27,7 +27,7 @@ def trace(more: str = "") -> Callable[[Decorated], Decorated]:
 
 
 def columns(function: Decorated) -> Decorated:
-    """``--time``, ``--unit``, ``--property`` and ``--interpolation`` of the commands that read a trace."""
+    """``--time``, ``--unit``, ``--port``, ``--property`` and ``--interpolation`` of the commands that read a trace."""
     for option in (
         click.option(
             "--interpolation",
@@ -39,6 +39,14 @@ def columns(function: Decorated) -> Decorated:
         click.option("names", "--property", metavar="NAME", multiple=True, help="Check only this formula of the file."),
         click.option("--unit", metavar="UNIT", help="The unit of the times, if the trace does not say it: ms, s, ..."),
         click.option("--time", metavar="NAME", help="The time column, if its name is not time, t or timestamp."),
+        click.option(
+            "ports",
+            "--port",
+            metavar="PORT",
+            type=click.IntRange(1, 65535),
+            multiple=True,
+            help="Of a capture of packets: a port of an Agent, if it is not 8888. Can be given several times.",
+        ),
     ):
         function = option(function)
     return function

@@ -63,6 +63,7 @@ def monitor(
     *,
     time: str | None = None,
     unit: str | None = None,
+    ports: Sequence[int] = (),
     end: str = "undetermined",
     robustness: bool = True,
     time_robustness: bool = False,
@@ -78,6 +79,7 @@ def monitor(
             mapping from names to arrays.
         time: the name of the time column, where it is not ``time``, ``t`` or ``timestamp``.
         unit: of the times, such as ``"ms"``, where the trace does not say it.
+        ports: of a capture of packets, those of Agents; none: 8888.
         end: what counts where the trace ends too early to tell: ``"undetermined"``, ``"weak"`` (as satisfied) or
             ``"strong"`` (as violated).
         robustness: compute how far each verdict is from changing.
@@ -93,7 +95,7 @@ def monitor(
     check_order(formula, trace)
     formulas = selected(formulas_of(formula), select)
     judging = Judging(ending, interpolation_of(interpolation), robustness, time_robustness)
-    recording = open_trace(trace, time, unit)
+    recording = open_trace(trace, time, unit, ports)
     source = os.fspath(formula) if isinstance(formula, (str, os.PathLike)) and Path(formula).suffix else ""
     return MonitorReport(judge(formulas, recording, judging, source))
 

@@ -6,7 +6,7 @@ A format is loaded when a trace of it is opened: the command line names all of t
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -16,19 +16,19 @@ if TYPE_CHECKING:
     from tachk.runtime.trace import Recording, Trace
 
 
-def _csv(path: Path, time: str | None, unit: str | None) -> Recording:
+def _csv(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
     from tachk.runtime.trace_csv import open_csv
 
     return open_csv(path, time, unit)
 
 
-def _parquet(path: Path, time: str | None, unit: str | None) -> Recording:
+def _parquet(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
     from tachk.runtime.trace_parquet import open_parquet
 
     return open_parquet(path, time, unit)
 
 
-def _vcd(path: Path, time: str | None, unit: str | None) -> Recording:
+def _vcd(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
     from tachk.runtime.trace_vcd import open_vcd
 
     if time is not None:
@@ -36,18 +36,27 @@ def _vcd(path: Path, time: str | None, unit: str | None) -> Recording:
     return open_vcd(path, unit)
 
 
+def _packets(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    from tachk.runtime.trace_packets import open_packets
+
+    return open_packets(path, time, unit, ports)
+
+
 class TraceFormat(NamedTuple):
-    """What people call it, how its files end, and what opens one: a path, the time column, the unit of times."""
+    """What people call it, how its files end, and what opens one: a path, and what else `open_trace` is told."""
 
     name: str
     suffixes: tuple[str, ...]
-    open: Callable[[Path, str | None, str | None], Recording]
+    open: Callable[[Path, str | None, str | None, Sequence[int]], Recording]
 
 
 CSV = TraceFormat("CSV", (".csv", ".tsv", ".txt"), _csv)
 """A file without an ending is read as CSV too."""
 
-FORMATS = (CSV, TraceFormat("Parquet", (".parquet", ".pq"), _parquet), TraceFormat("VCD", (".vcd",), _vcd))
+PACKETS = TraceFormat("pcap", (".pcap", ".pcapng"), _packets)
+"""A capture of a network."""
+
+FORMATS = (CSV, TraceFormat("Parquet", (".parquet", ".pq"), _parquet), TraceFormat("VCD", (".vcd",), _vcd), PACKETS)
 
 TRACE_SUFFIXES = tuple(suffix for known in FORMATS for suffix in known.suffixes)
 """By which a file is known to be a trace."""
@@ -80,12 +89,13 @@ class _Ready:
         return self._trace
 
 
-def open_trace(source: Any, time: str | None = None, unit: str | None = None) -> Recording:
+def open_trace(source: Any, time: str | None = None, unit: str | None = None, ports: Sequence[int] = ()) -> Recording:
     """Opens a file by its ending, a data frame, a mapping from names to arrays, or a `Trace`.
 
     Args:
         time: the name of the time column; without it ``time``, ``t`` or ``timestamp``.
         unit: of the times, such as ``ms``; without it what the file says.
+        ports: of a capture of packets, those of Agents.
 
     Raises:
         InputError: something in the file is wrong.
@@ -94,16 +104,20 @@ def open_trace(source: Any, time: str | None = None, unit: str | None = None) ->
     from tachk.runtime.trace import Trace
     from tachk.runtime.trace_arrays import open_table
 
+    path = None if isinstance(source, Trace) or not isinstance(source, (str, os.PathLike)) else Path(source)
+    if ports and (path is None or path.suffix.lower() not in PACKETS.suffixes):
+        raise UsageError(
+            "a port says something of captures of packets only", f"these end with {' or '.join(PACKETS.suffixes)}"
+        )
     if isinstance(source, Trace):
         return _Ready(source)
-    if not isinstance(source, (str, os.PathLike)):
+    if path is None:
         return open_table(source, time, unit)
-    path = Path(source)
     if path.is_dir():
         raise UsageError(f"{path} is a folder, not a trace")
     for known in FORMATS:
         if path.suffix.lower() in known.suffixes:
-            return known.open(path, time, unit)
+            return known.open(path, time, unit, ports)
     if not path.suffix or not path.is_file():
-        return CSV.open(path, time, unit)
+        return CSV.open(path, time, unit, ports)
     raise UsageError(f"unknown kind of trace: {path}", f"known endings: {', '.join(TRACE_SUFFIXES)}")

@@ -19,7 +19,7 @@ class Judged:
     Attributes:
         formula: a formula, a sentence, or the path of a file of them or of a model.
         trace: a path, or ``-`` for standard input.
-        time, unit: as of `open_trace`.
+        time, unit, ports: as of `open_trace`.
         names: of the formulas that are taken; none: all.
     """
 
@@ -27,6 +27,7 @@ class Judged:
     trace: str
     time: str | None = None
     unit: str | None = None
+    ports: tuple[int, ...] = ()
     names: tuple[str, ...] = ()
 
     def formulas(self) -> tuple[NamedFormula, ...]:
@@ -36,7 +37,7 @@ class Judged:
 
     def recording(self) -> Recording:
         """Raises InputError, UsageError."""
-        return open_trace(self.trace, self.time, self.unit)
+        return open_trace(self.trace, self.time, self.unit, self.ports)
 
 
 def exit_status(truths: set[Truth]) -> ExitStatus:

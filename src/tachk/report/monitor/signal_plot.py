@@ -18,6 +18,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.textpath import TextPath
 from matplotlib.ticker import MaxNLocator
 
 from tachk.diagnostics.diagnostic import UsageError
@@ -36,7 +37,7 @@ _LABEL = 8
 _LEFT, _RIGHT = 0.31, 0.985
 _TOP, _BOTTOM = 0.55, 0.72
 _TITLE, _GAP = 0.4, 0.16
-_LONGEST_LABEL = 43
+_TICKS, _LABEL_GAP = 0.35, 0.17
 _LONGEST_TITLE = 74
 _LABEL_WIDTH = 0.2
 _LARGEST = 1e300
@@ -166,7 +167,7 @@ def _draw_numbers(axis: Axes, trace: Trace, name: str, span: Stretch, verdicts: 
     curve.set_gid(f"signal-{name}")
     for level in levels:
         axis.axhline(level, color="#555555", linewidth=0.8, linestyle=(0, (1, 2)))
-    axis.set_ylabel(_short(name), rotation=0, ha="right", va="center", fontsize=_LABEL)
+    axis.set_ylabel(_label(name, _TICKS), rotation=0, ha="right", va="center", fontsize=_LABEL)
     axis.margins(y=0.12)
     axis.locator_params(axis="y", nbins=3)
 
@@ -180,7 +181,7 @@ def _draw_flags(axis: Axes, trace: Trace, names: Sequence[str], span: Stretch) -
         axis.fill_between(times, base + 0.12, levels, step="post", color=_SIGNAL, alpha=0.35, linewidth=0)
         (curve,) = axis.plot(times, levels, drawstyle="steps-post", color=_SIGNAL, linewidth=1.0)
         curve.set_gid(f"signal-{name}")
-    _rows(axis, [_short(name) for name in names])
+    _rows(axis, [_label(name) for name in names])
 
 
 def _draw_formula(axis: Axes, trace: Trace, verdict: MonitorVerdict, rows: FormulaRows, span: Stretch) -> None:
@@ -193,7 +194,7 @@ def _draw_formula(axis: Axes, trace: Trace, verdict: MonitorVerdict, rows: Formu
             name = f"band-{verdict.name}-{node}-{truth.word}"
             _draw_bands(axis, [band for band in bands if not band.widened], base, truth, name, 1)
             _draw_bands(axis, [band for band in bands if band.widened], base, truth, f"{name}-instants", 2)
-    _rows(axis, [_short(text) for text in rows.texts])
+    _rows(axis, [_label(text) for text in rows.texts])
     axis.get_yticklabels()[0].set_color(_title_ink(verdict))
     title = f"{verdict.name}: {answer_text(verdict)}"
     if any(math.isfinite(bound) for bound in verdict.robustness or ()):
@@ -292,5 +293,20 @@ def _legend(figure: Figure, height: float) -> None:
     )
 
 
-def _short(text: str, most: int = _LONGEST_LABEL) -> str:
+def _label(text: str, taken: float = 0.0) -> str:
+    """The text as far as it fits to the left of an axis; of a long one the middle is left out.
+
+    Args:
+        taken: how many inches there are not for it.
+    """
+    room = (_WIDTH * _LEFT - taken - _LABEL_GAP) * 72
+    shown = text
+    kept = len(text)
+    while kept > 8 and TextPath((0, 0), shown, size=_LABEL).get_extents().width > room:
+        kept -= 1
+        shown = f"{text[: kept // 2]}…{text[len(text) - (kept - kept // 2) :]}"
+    return shown
+
+
+def _short(text: str, most: int) -> str:
     return text if len(text) <= most else text[: max(most - 1, 0)] + "…" if most > 8 else ""
