@@ -146,7 +146,9 @@ class Reading:
     def successors(self, state: State, zone: Zone) -> Iterator[tuple[State, Zone]]:
         """First a delay, then a transition."""
         delayed = self._inside(state, self._delayed(state, zone))
-        for taken in self.transitions(state) if delayed is not None else ():
+        if delayed is None:
+            return
+        for taken in self.transitions(state):
             locations, values = list(state[0]), list(state[1])
             after = constrain_all(delayed, (c for _, edge in taken for c in edge.clocks))
             for process, edge in taken:

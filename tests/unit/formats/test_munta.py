@@ -22,6 +22,7 @@ from tachk.formats.munta.proof import MuntaProof, munta_proof
 from tachk.formats.munta.weakened import weakened
 from tachk.formats.munta.writer import MuntaModel, to_munta
 from tachk.loading.load import load_model
+from tests.differential.munta_reading import Reading
 
 LIFT = """\
 chan ask;
@@ -305,3 +306,30 @@ property q : A[] n < 2;
 """
     with pytest.raises(UnsupportedError, match="read what another receiver may have written"):
         exported(text)
+
+
+COUNTER = """\
+int n = -1;
+process P() { clock x; init location a { to a { guard x >= 1 && n < 3; assign n = n + 1, x = 0; } } }
+system P;
+property q : A[] n < 5;
+"""
+
+
+def test_a_proof_tells_only_the_values_that_variables_take() -> None:
+    proof = proof_of(COUNTER)
+    assert isinstance(proof, MuntaProof)
+    document = json.loads(proof.model)
+    assert document["vars"] == "n[0:4]"
+    assert "outside" not in proof.model
+    assert len(edges(document["automata"][0])) == 4
+
+
+def test_a_value_that_was_not_told_is_asked_for() -> None:
+    model = load_model(Source("model.ta", COUNTER))
+    written = to_munta(model.network, model.queries[0], {0: (-1, 1)}).network
+    assert written.formula == "E<> P.outside"
+    process = json.loads(written.text())["automata"][0]
+    assert edges(process)[-1] == (0, 1, "n == 2 && P_x >= 1", "", "P_x = 0")
+    reading = Reading(written.text(), written.renaming())
+    assert reading.is_reached()

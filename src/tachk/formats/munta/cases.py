@@ -100,15 +100,17 @@ class CaseFinder:
     """Attributes:
     unknown: the cells whose content differs between states; all others always have what they begin with.
     sizes: how many locations each process has.
+    ranges: of each cell, what it may hold.
     """
 
     layout: CellLayout
     unknown: frozenset[int]
     sizes: tuple[int, ...]
+    ranges: tuple[tuple[int, int], ...]
 
     def range_of(self, cell: int) -> tuple[int, int]:
         """What a condition on a cell, or on the location of a process, can be about."""
-        return self.layout.ranges[cell] if cell >= 0 else (0, self.sizes[-1 - cell] - 1)
+        return self.ranges[cell] if cell >= 0 else (0, self.sizes[-1 - cell] - 1)
 
     def find(self, outcome: Callable[[Environment, Contents], T | None]) -> list[Case[T]]:
         """The cases that have an outcome. Where the expression has a run-time error there is none.
@@ -159,16 +161,26 @@ class CaseFinder:
         return Environment(self.layout, values, locations), values
 
 
-def case_finder(model: PreparedNetwork) -> CaseFinder:
-    """A finder of cases for a network. What no edge writes, and meta variables, have what they begin with."""
+def case_finder(model: PreparedNetwork, ranges: Mapping[int, tuple[int, int]] | None = None) -> CaseFinder:
+    """A finder of cases for a network. What no edge writes, and meta variables, have what they begin with.
+
+    Args:
+        ranges: smaller ones than those declared.
+    """
     layout = model.layout
+    smaller = ranges or {}
     unknown = {
         cell
         for variable in _written(model.network)
         for cell in range(layout.first[variable], layout.first[variable] + cell_count(variable.type))
         if not layout.meta[cell] and layout.ranges[cell][0] != layout.ranges[cell][1]
     }
-    return CaseFinder(layout, frozenset(unknown), tuple(len(p.locations) for p in model.network.processes))
+    return CaseFinder(
+        layout,
+        frozenset(unknown),
+        tuple(len(p.locations) for p in model.network.processes),
+        tuple(smaller.get(cell, declared) for cell, declared in enumerate(layout.ranges)),
+    )
 
 
 def _written(network: Network) -> set[Any]:

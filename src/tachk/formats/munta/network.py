@@ -50,6 +50,12 @@ class MuntaProcess:
     edges: list[MuntaEdge] = field(default_factory=list)
     added: tuple[int, ...] = ()
 
+    def added_location(self, name: str) -> int:
+        """The number of a new location."""
+        self.locations.append(Names(self.locations).fresh(name))
+        self.invariants.append(())
+        return len(self.locations) - 1
+
     def used(self) -> list[int]:
         """The locations that Munta may know: those that have an edge."""
         ends = {end for edge in self.edges for end in (edge.source, edge.target)}

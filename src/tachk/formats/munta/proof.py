@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
+import numpy as np
+
+from tachk.certify.certificate import Block
 from tachk.engines.options import Limits, Options
 from tachk.formats.munta.actions import refused
 from tachk.formats.munta.certificate import certificate_of
 from tachk.formats.munta.weakened import Weakening, weakened
-from tachk.formats.munta.writer import to_munta
+from tachk.formats.munta.writer import is_deadlock, to_munta
 from tachk.formats.network_json.digest import digest
 from tachk.model.network import Network
 from tachk.model.query import Query
@@ -47,14 +51,25 @@ def munta_proof(
         UnsupportedError: E0803, with the place of what Munta cannot say.
     """
     whole, weakenings = weakened(observed(network, query.observer))
-    munta = to_munta(whole, query)
-    if munta.asks_deadlock and any(weakening.of_time for weakening in weakenings):
-        first = next(weakening for weakening in weakenings if weakening.of_time)
-        raise refused("invariants that depend on variables", first.span, "make several locations of it")
+    if query.target is not None and is_deadlock(query.target):
+        for weakening in weakenings:
+            if weakening.of_time:
+                raise refused("invariants that depend on variables", weakening.span, "make several locations of it")
     proof = find_proof(whole, digest(whole), replace(query, observer=None), options, limits)
     if isinstance(proof, str):
         given_up = "".join(f"\n{weakening.span}: for Munta, {weakening.text}" for weakening in weakenings)
         return proof + given_up
+    if query.target is not None and is_deadlock(query.target):
+        munta = to_munta(whole, query)
+    else:
+        munta = to_munta(whole, query, _ranges(proof.blocks(), len(whole.processes)))
     certificate = certificate_of(munta.network, proof.blocks(), len(proof.header.clocks))
     text, renaming = munta.network.text(), munta.network.renaming()
     return MuntaProof(text, renaming, certificate, munta.asks_deadlock, proof.states, proof.zones, weakenings)
+
+
+def _ranges(blocks: Iterable[Block], processes: int) -> dict[int, tuple[int, int]]:
+    """What the cells hold in a set of states."""
+    found = [(block.discretes.min(axis=0), block.discretes.max(axis=0)) for block in blocks]
+    low, high = (np.array(ends)[:, processes:] for ends in zip(*found, strict=True))
+    return {cell: (int(low[:, cell].min()), int(high[:, cell].max())) for cell in range(low.shape[1])}

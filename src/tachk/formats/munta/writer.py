@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from tachk.diagnostics.span import Span
@@ -48,8 +48,11 @@ class MuntaModel:
     asks_deadlock: bool
 
 
-def to_munta(network: Network, query: Query) -> MuntaModel:
+def to_munta(network: Network, query: Query, ranges: Mapping[int, tuple[int, int]] | None = None) -> MuntaModel:
     """The network, with the observer of the query if it has one, and the question for a state that decides the query.
+
+    Args:
+        ranges: for some cells a part of their range. The question is then also for whether they ever leave it.
 
     Raises UnsupportedError: E0803, with the place of what Munta cannot say.
     """
@@ -60,7 +63,8 @@ def to_munta(network: Network, query: Query) -> MuntaModel:
             "for Munta, runs never end and never wait for ever; only A[] and E<> mean the same",
         )
     _check_features(network)
-    return _Writer(prepare(network)).run(query.target, query.span)
+    model = prepare(network)
+    return _Writer(model, case_finder(model, ranges)).run(query.target, query.span)
 
 
 def _check_features(network: Network) -> None:
@@ -87,19 +91,20 @@ def is_deadlock(predicate: Expression) -> bool:
 @dataclass(slots=True)
 class _Writer:
     model: PreparedNetwork
+    finder: CaseFinder
     names: Names = field(default_factory=lambda: Names({"true", "none", IMPOSSIBLE[:-1]}))
     broadcast: list[str] = field(default_factory=list)
+    outside: dict[int, int] = field(default_factory=dict)
 
     @property
     def layout(self) -> CellLayout:
         return self.model.layout
 
     def run(self, target: Expression, span: Span) -> MuntaModel:
-        finder = case_finder(self.model)
-        processes = self._processes(finder)
-        self._synchronise(ActionFinder(self.model, finder), processes)
+        processes = self._processes()
+        self._synchronise(ActionFinder(self.model, self.finder), processes)
         asks_deadlock = is_deadlock(target)
-        formula = FALSE if asks_deadlock else FormulaFinder(finder).formula(target)
+        formula = FALSE if asks_deadlock else FormulaFinder(self.finder).formula(target)
         reached = self._goals(formula, processes, span) if has_clocks(formula) else []
         if has_clocks(formula):
             formula = FALSE
@@ -108,19 +113,22 @@ class _Writer:
         self._complete(formula, processes)
         add_ceilings(processes)
         places = tuple(tuple(process.used()) for process in processes)
-        variables = self._variables(formula, processes, finder)
+        variables = self._variables(formula, processes)
         names = {
             (number, place): f"{process.name}.{process.locations[place]}"
             for number, process in enumerate(processes)
             for place in places[number]
         }
-        text = " || ".join(names[end] for end in reached if end in names) or written(formula, names, variables)
-        network = MuntaNetwork(tuple(processes), variables, tuple(self.broadcast), f"E<> {text}", places)
+        reached += self.outside.items()
+        asked = [names[end] for end in reached if end in names]
+        if formula != FALSE or not asked:
+            asked.append(written(formula, names, variables))
+        network = MuntaNetwork(tuple(processes), variables, tuple(self.broadcast), f"E<> {' || '.join(asked)}", places)
         return MuntaModel(network, asks_deadlock)
 
     # ---- processes --------------------------------------------------------------------------------------------------
 
-    def _processes(self, finder: CaseFinder) -> list[MuntaProcess]:
+    def _processes(self) -> list[MuntaProcess]:
         found = []
         for process in self.model.network.processes:
             own = Names()
@@ -128,7 +136,10 @@ class _Writer:
                 MuntaProcess(
                     self.names.fresh(process.name),
                     [own.fresh(location.name) for location in process.locations],
-                    [constant_invariant(location.invariant, location.span, finder) for location in process.locations],
+                    [
+                        constant_invariant(location.invariant, location.span, self.finder)
+                        for location in process.locations
+                    ],
                     {n for n, location in enumerate(process.locations) if location.urgent or location.committed},
                     {n for n, location in enumerate(process.locations) if location.committed},
                     process.initial,
@@ -142,7 +153,7 @@ class _Writer:
         actions = [action for number in range(len(processes)) for action in finder.actions(number)]
         for action in actions:
             if action.direction is None:
-                processes[action.participant.process].edges += self._edges(action, action.cases, "")
+                self._add(processes, action, action.cases, "")
         channels = {case.outcome.channel for action in actions for case in action.cases} - {None}
         for channel in sorted(c for c in channels if c is not None):
             senders = [a for a in actions if a.direction is Direction.SEND and a.over(channel)]
@@ -159,7 +170,7 @@ class _Writer:
                 name = self._channel_name(channel)
                 for action in senders + receivers:
                     label = name + ("!" if action.direction is Direction.SEND else "?")
-                    processes[action.participant.process].edges += self._edges(action, _over(action, channel), label)
+                    self._add(processes, action, _over(action, channel), label)
 
     def _span(self, channel: int) -> Span:
         cell = self.layout.channel_cells[channel]
@@ -199,10 +210,10 @@ class _Writer:
             name = self._channel_name(channel)
             self.broadcast.append(name)
             for sender, case in sendings:
-                processes[sender.participant.process].edges += self._edges(sender, [case], f"{name}!")
+                self._add(processes, sender, [case], f"{name}!")
             for receiver in receivers:
                 cases = finder.hearing(receiver, channel, said)
-                processes[receiver.participant.process].edges += self._edges(receiver, cases, f"{name}?")
+                self._add(processes, receiver, cases, f"{name}?")
 
     def _join(
         self,
@@ -222,19 +233,32 @@ class _Writer:
                 cases = finder.together(sender, receiver, channel)
                 if cases:
                     name = self._channel_name(channel)
-                    processes[one].edges += self._edges(sender, cases, f"{name}!")
+                    self._add(processes, sender, cases, f"{name}!")
                     processes[other].edges.append(MuntaEdge(receiver.source, receiver.target, label=f"{name}?"))
 
     def _channel_name(self, channel: int) -> str:
         return self.names.fresh(self.layout.names[self.layout.channel_cells[channel]])
 
-    def _edges(self, action: Action, cases: Iterable[Case[Effect]], label: str) -> Iterator[MuntaEdge]:
+    def _add(
+        self, processes: Sequence[MuntaProcess], action: Action, cases: Iterable[Case[Effect]], label: str
+    ) -> None:
+        """Adds an edge for each case and alternative. It leads to a location of its own if a cell leaves its range."""
+        number = action.participant.process
         for case in cases:
             writes = tuple((cell, value) for cell, value in case.outcome.writes if not self.layout.meta[cell])
-            for clocks in case.outcome.guard:
-                yield MuntaEdge(
-                    action.source, action.target, case.conditions, clocks, label, writes, case.outcome.resets
-                )
+            target = action.target
+            if any(not low <= value <= high for cell, value in writes for low, high in [self.finder.range_of(cell)]):
+                target, writes = self._outside(number, processes[number]), ()
+            processes[number].edges += (
+                MuntaEdge(action.source, target, case.conditions, clocks, label, writes, case.outcome.resets)
+                for clocks in case.outcome.guard
+            )
+
+    def _outside(self, number: int, process: MuntaProcess) -> int:
+        """A location of a process that means: a cell has left its range."""
+        if number not in self.outside:
+            self.outside[number] = process.added_location("outside")
+        return self.outside[number]
 
     # ---- the question -----------------------------------------------------------------------------------------------
 
@@ -250,7 +274,9 @@ class _Writer:
         for number in sorted({-1 - cell for cell in cells_in(formula) if cell < 0}):
             process = processes[number]
             process.edges = [
-                replace(e, writes=(*e.writes, (-1 - number, e.target))) if e.source != e.target else e
+                replace(e, writes=(*e.writes, (-1 - number, e.target)))
+                if e.source != e.target and e.target != self.outside.get(number)
+                else e
                 for e in process.edges
             ]
         watch = MuntaProcess(self.names.fresh("Goal"), ["watching", "reached"], [(), ()], set(), set(), 0, added=(0,))
@@ -258,9 +284,7 @@ class _Writer:
         reached = [(len(processes), 1)]
         for number, process in enumerate(processes):
             if process.committed:
-                place = len(process.locations)
-                process.locations.append(Names(process.locations).fresh("reached"))
-                process.invariants.append(())
+                place = process.added_location("reached")
                 reached.append((number, place))
                 process.edges += [
                     MuntaEdge(source, place, conditions, clocks)
@@ -294,7 +318,7 @@ class _Writer:
                 MuntaEdge(first.initial, first.initial, label=IMPOSSIBLE, writes=((cell, self.layout.initial[cell]),))
             )
 
-    def _variables(self, formula: Formula, processes: Sequence[MuntaProcess], finder: CaseFinder) -> Variables:
+    def _variables(self, formula: Formula, processes: Sequence[MuntaProcess]) -> Variables:
         edges = [edge for process in processes for edge in process.edges]
         read = {c.cell for edge in edges for c in edge.conditions} | {cell for cell in cells_in(formula) if cell >= 0}
         constraints = [c for edge in edges for c in edge.clocks]
@@ -308,7 +332,7 @@ class _Writer:
             {c: self.names.fresh(self.layout.names[c] if c >= 0 else f"at {processes[-1 - c].name}") for c in cells},
             {clock: self.names.fresh(self.layout.names[self.layout.clock_cells[clock - 1]]) for clock in clocks},
             {c: self.layout.initial[c] if c >= 0 else initial[-1 - c] for c in cells},
-            {c: finder.range_of(c) for c in cells},
+            {c: self.finder.range_of(c) for c in cells},
         )
 
 
