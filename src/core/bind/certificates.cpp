@@ -34,6 +34,39 @@ std::span<const std::int64_t> span_of(const Column& column) { return {column.dat
 
 std::vector<std::int64_t> widened(const std::vector<std::int32_t>& numbers) { return {numbers.begin(), numbers.end()}; }
 
+void bind_closed_set(nb::module_& m) {
+  nb::class_<tachk::ClosedSet>(m, "ClosedSet", "The check that a set of symbolic states is closed.")
+      .def(nb::new_([](const std::vector<std::int64_t>& image, bool inevitable) {
+             const auto claim = inevitable ? tachk::Claim::inevitable : tachk::Claim::unreachable;
+             tachk::Program program = tachk::decode_program(image);
+             if (inevitable && program.goals.empty()) throw std::invalid_argument("nothing to meet");
+             return std::make_unique<tachk::ClosedSet>(std::move(program), claim);
+           }),
+           nb::arg("image"), nb::kw_only(), nb::arg("inevitable"))
+      .def(
+          "add",
+          [](tachk::ClosedSet& self, const Column& changes, const Column& positions, const Column& differences,
+             const Column& zones, const Column& ranks, const Column& shapes, const Column& constraints,
+             const Column& places, const Column& bounds) {
+            self.add({span_of(changes), span_of(positions), span_of(differences), span_of(zones), span_of(ranks),
+                      span_of(shapes), span_of(constraints), span_of(places), span_of(bounds)});
+          },
+          nb::arg("changes"), nb::arg("positions"), nb::arg("differences"), nb::arg("zones"), nb::arg("ranks"),
+          nb::arg("shapes"), nb::arg("constraints"), nb::arg("places"), nb::arg("bounds"),
+          "Adds the columns of a block of a certificate.")
+      .def("check", &tachk::ClosedSet::check, nb::arg("states"), nb::call_guard<nb::gil_scoped_release>(),
+           "Checks so many more discrete states; whether there is nothing left to check.")
+      .def(
+          "objection",
+          [](const tachk::ClosedSet& self) {
+            const auto& found = self.objection();
+            using Told = std::tuple<std::string, std::vector<std::int32_t>, std::size_t, std::vector<std::uint32_t>>;
+            return found ? std::optional(Told{found->reason, found->discrete, found->zone, found->edges})
+                         : std::nullopt;
+          },
+          "(reason, discrete state, number of the zone, edges of the action), or None.");
+}
+
 }  // namespace
 
 void bind_certificates(nb::module_& m) {
@@ -69,34 +102,5 @@ void bind_certificates(nb::module_& m) {
           "(explored, stored, transitions, bytes)")
       .def("cover", &tachk::CoverSearch::cover, nb::rv_policy::reference_internal,
            "What covers all that can be reached, of a finished search.");
-  nb::class_<tachk::ClosedSet>(m, "ClosedSet", "The check that a set of symbolic states is closed.")
-      .def(nb::new_([](const std::vector<std::int64_t>& image, bool inevitable) {
-             const auto claim = inevitable ? tachk::Claim::inevitable : tachk::Claim::unreachable;
-             tachk::Program program = tachk::decode_program(image);
-             if (inevitable && program.goals.empty()) throw std::invalid_argument("nothing to meet");
-             return std::make_unique<tachk::ClosedSet>(std::move(program), claim);
-           }),
-           nb::arg("image"), nb::kw_only(), nb::arg("inevitable"))
-      .def(
-          "add",
-          [](tachk::ClosedSet& self, const Column& changes, const Column& positions, const Column& differences,
-             const Column& zones, const Column& ranks, const Column& shapes, const Column& constraints,
-             const Column& places, const Column& bounds) {
-            self.add({span_of(changes), span_of(positions), span_of(differences), span_of(zones), span_of(ranks),
-                      span_of(shapes), span_of(constraints), span_of(places), span_of(bounds)});
-          },
-          nb::arg("changes"), nb::arg("positions"), nb::arg("differences"), nb::arg("zones"), nb::arg("ranks"),
-          nb::arg("shapes"), nb::arg("constraints"), nb::arg("places"), nb::arg("bounds"),
-          "Adds the columns of a block of a certificate.")
-      .def("check", &tachk::ClosedSet::check, nb::arg("states"), nb::call_guard<nb::gil_scoped_release>(),
-           "Checks so many more discrete states; whether there is nothing left to check.")
-      .def(
-          "objection",
-          [](const tachk::ClosedSet& self) {
-            const auto& found = self.objection();
-            using Told = std::tuple<std::string, std::vector<std::int32_t>, std::size_t, std::vector<std::uint32_t>>;
-            return found ? std::optional(Told{found->reason, found->discrete, found->zone, found->edges})
-                         : std::nullopt;
-          },
-          "(reason, discrete state, number of the zone, edges of the action), or None.");
+  bind_closed_set(m);
 }

@@ -171,14 +171,14 @@ def listeners(
     committed = _committed(model, discrete)
     free = model.channels[channel][0].broadcast or not any(committed) or committed[sender.process]
     return tuple(
-        tuple(p for p in model.instances[process][location] if _may_hear(model, p, channel))
+        tuple(p for p in model.instances[process][location] if may_hear(model, p, channel))
         if process != sender.process and (free or committed[process])
         else ()
         for process, location in enumerate(discrete.locations)
     )
 
 
-def _may_hear(model: PreparedNetwork, participant: Participant, channel: int) -> bool:
+def may_hear(model: PreparedNetwork, participant: Participant, channel: int) -> bool:
     synchronisation = model.edge(participant).synchronisation
     if synchronisation is None or synchronisation.direction is Direction.SEND:
         return False

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from random import Random
@@ -111,6 +112,13 @@ def test_all_proofs_about_the_five_automata_are_accepted(
             assert check_proof(loaded.network, query, certificate, checker) is None
 
 
+def tightened(random: Random, proof: Proof) -> Iterator[Block]:
+    """The blocks with some of the constraints a bit tighter."""
+    for block in proof.blocks():
+        changes = np.array([random.choice([0, 0, 0, 1, 2]) for _ in block.bounds], np.int64)
+        yield replace(block, bounds=block.bounds - changes)
+
+
 SHAPES = [
     Shape(),
     Shape(priorities=True, clocks=2),
@@ -130,6 +138,8 @@ def test_random_networks(seed: int) -> None:
         assert isinstance(proof, Proof) is (verdict.answer is Answer.FAILS)
         if isinstance(proof, Proof) and proof.zones <= 150:
             assert judged(case.network, query, written(proof)) is None
+            with suppress(MalformedCertificateError):  # of an empty zone
+                judged(case.network, query, written(proof, tightened(Random(seed), proof)))
 
 
 LIVE_SHAPES = [
@@ -339,6 +349,19 @@ def test_a_closed_set_proves_nothing_about_a_state_that_is_in_it() -> None:
     certificate = written(proved(loaded.network, mutual_exclusion))
     found = judged(loaded.network, enter, certificate)
     assert found is not None and found.reason == "some state of the zone is one that must not be reached"
+
+
+def test_a_discrete_state_without_zones_covers_nothing() -> None:
+    """Not even where the zones of the state told after it would."""
+    network, query = fischer()
+    proof = proved(network, query)
+    (block,) = proof.blocks()
+    assert (block.zones == 1).all()
+    for group in range(1, proof.states):
+        (less,) = blocks_without(proof, group)
+        zones = np.insert(less.zones, group, 0)
+        emptied = replace(less, discretes=block.discretes, zones=zones)
+        assert judged(network, query, written(proof, iter([emptied]))) is not None
 
 
 LATER = """
