@@ -1,18 +1,22 @@
 """`tachk time` gives the closed forms of the Micro XRCE-DDS models by itself."""
 
+from pathlib import Path
+
 import pytest
 
 import tachk
 from tachk.cli.main import app
 from tachk.resources import data_root
 
-PUBLICATION = data_root() / "models" / "micro_xrce_dds" / "publication.ta"
+MODELS = data_root() / "models" / "micro_xrce_dds"
+PUBLICATION = MODELS / "publication.ta"
+FIVE_AUTOMATA = MODELS / "delayed.ta"
 REARMED, DOUBLING = 1, 2
 ALONE = {"MESSAGES": 1, "SPIN": 1000, "PACE": 0}
 
 
-def worst(start: str | None, end: str, **constants: int) -> int | None:
-    times = tachk.load(PUBLICATION, **constants).time(start, end, best=False, trace=False)
+def worst(start: str | None, end: str, system: Path = PUBLICATION, **constants: int) -> int | None:
+    times = tachk.load(system, **constants).time(start, end, best=False, trace=False)
     assert times.worst is not None and times.waiting is not None
     assert not times.worst.strict
     assert times.waiting.value == times.worst.value  # it always comes in that time
@@ -55,3 +59,31 @@ def test_run_slices_shorter_than_the_heartbeat_let_the_agent_wait_for_ever(capsy
         ["2", "1", "2", "-", "-", "for ever"],
         ["2", "2", "2", "-", "5", "5"],
     ]
+
+
+@pytest.mark.parametrize(("losses", "expected"), list(enumerate([8, 116, 224, 332, 440])))
+def test_a_reliable_publish_blocks_that_long_among_the_five_automata(losses: int, expected: int) -> None:
+    constants = {**ALONE, "DELAY": 4, "CLIENT_HEARTBEAT": 100, "AGENT_HEARTBEAT": 200, "DEAD": 30_000, "LOSSES": losses}
+    assert worst(None, "acked == MESSAGES", FIVE_AUTOMATA, **constants) == expected
+
+
+@pytest.mark.parametrize(("messages", "losses", "expected"), [(1, 0, 1), (1, 2, 9), (2, 0, 5), (2, 1, 9), (3, 0, 9)])
+def test_the_last_delivery_among_the_five_automata(messages: int, losses: int, expected: int) -> None:
+    """(N - 1) max(PACE, SPIN) + K (HBC + 2 D) + D with SPIN = 4, HBC = 2, D = 1."""
+    constants = {"MESSAGES": messages, "LOSSES": losses}
+    assert worst(None, "written == MESSAGES", FIVE_AUTOMATA, **constants) == expected
+
+
+@pytest.mark.parametrize(("losses", "expected"), [(1, 3), (2, 5)])
+def test_a_loss_is_detected_among_the_five_automata(losses: int, expected: int) -> None:
+    assert worst("loss.lost", "!loss.lost", FIVE_AUTOMATA, LOSSES=losses) == expected
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "longest"), [(None, "written == MESSAGES", 2), ("loss.lost", "!loss.lost", 2)]
+)
+def test_nothing_repairs_a_loss_with_slices_that_are_too_short(start: str | None, end: str, longest: int) -> None:
+    """Whether the client waits for ever is proved beside clocks that count up to 100."""
+    times = tachk.load(MODELS / "client_3_0.ta", MESSAGES=2).time(start, end, best=False, trace=False)
+    assert times.reason == "" and times.worst is not None
+    assert times.worst.value == longest and times.may_wait_for_ever
