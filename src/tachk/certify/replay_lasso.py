@@ -16,7 +16,7 @@ from tachk.semantics.avoidance import recurring
 from tachk.semantics.discrete import PreparedNetwork, may_delay, stopped_clocks
 from tachk.semantics.repetition import sight
 from tachk.semantics.step import StepError, deadlocked, delay, satisfies, telling_moments
-from tachk.semantics.timed_trace import Ending, TimedState, TimedTrace
+from tachk.semantics.timed_trace import Due, Ending, TimedState, TimedTrace
 
 
 def replay_lasso(
@@ -27,7 +27,7 @@ def replay_lasso(
     again: Sequence[Expression] = (),
     ends: Expression | None = None,
     diverges: bool = False,
-) -> None:
+) -> Due | None:
     """Checks that a trace is a run of the model that avoids a goal for ever: from a moment on at which the trigger
     holds, or (None) from its beginning on.
 
@@ -37,23 +37,25 @@ def replay_lasso(
         diverges: each round of a loop takes time. That is not looked at where delays differ from round to round: they
             may grow shorter and shorter.
 
-    Raises ReplayError otherwise.
+    Returns from where on the goal is awaited, if there is a trigger. Raises ReplayError otherwise.
     """
     replay(model, trace)
     last = len(trace.steps)
     try:
-        _check_goal(model, trace, goal, trigger)
+        due = _check_goal(model, trace, goal, trigger)
         _check_ending(model, trace, goal)
         _check_recurring(model, trace, again, ends)
         if diverges:
             _check_time(trace)
     except (StepError, EvaluationFault) as error:
         raise ReplayError(last, str(error)) from error
+    return due
 
 
-def _check_goal(model: PreparedNetwork, trace: TimedTrace, goal: Expression, trigger: Expression | None) -> None:
+def _check_goal(model: PreparedNetwork, trace: TimedTrace, goal: Expression, trigger: Expression | None) -> Due | None:
     """The obligation begins, and from then on the goal is not met."""
     due = trigger is None
+    since: Due | None = None
     met_at, looped = 0, trace.loop_start is None
     for number, state in _moments(model, trace, [goal] if trigger is None else [goal, trigger]):
         if trace.loop_start is not None and number > trace.loop_start and not looped:
@@ -67,10 +69,12 @@ def _check_goal(model: PreparedNetwork, trace: TimedTrace, goal: Expression, tri
             due, met_at = False, number
         elif trigger is not None and not due:
             due = satisfies(model, state, trigger)
+            since = Due(number if state is trace.states[number] else number - 1, state.time) if due else None
     if trace.loop_start is not None and met_at > trace.loop_start:
         raise ReplayError(met_at, "the loop meets the goal that it should avoid")
     if not due:
         raise ReplayError(len(trace.steps), "the run never has to meet the goal, or meets it last")
+    return since
 
 
 def _moments(

@@ -159,9 +159,10 @@ _ZENO_ONLY = "only runs with infinitely many transitions in finite time would gi
 
 _INEXACT = "the stopwatches make the search inexact, and the run it found may not be possible"
 
-_NO_DELAYS = "a run that shows it was found, but there was no time to find its delays"
+NO_DELAYS = "a run that shows it was found, but there was no time to find its delays"
 
-_SECONDS_FOR_DELAYS = 30.0
+SECONDS_FOR_DELAYS = 30.0
+"""How long the delays of a run that was found are looked for, whatever the limits."""
 
 
 def _of_outcome(query: Query, outcome: LivenessOutcome) -> Verdict:
@@ -188,13 +189,13 @@ def _shown(model: PreparedNetwork, verdict: Verdict, searched: _Searched, limits
     Raises InternalError if there is none although the search is exact.
     """
     outcome = searched.outcome
-    seconds = _SECONDS_FOR_DELAYS if limits.seconds is None else min(limits.seconds, _SECONDS_FOR_DELAYS)
+    seconds = SECONDS_FOR_DELAYS if limits.seconds is None else min(limits.seconds, SECONDS_FOR_DELAYS)
     problem = "it has no delays"
     try:
         with time_limit(seconds):
             run = _judged(model, verdict.query, searched)
     except OutOfTimeError:
-        return replace(verdict, notes=(*verdict.notes, _NO_DELAYS)) if outcome.exact else verdict
+        return replace(verdict, notes=(*verdict.notes, NO_DELAYS)) if outcome.exact else verdict
     except ReplayError as error:
         run, problem = None, str(error)
     if run is not None:
@@ -212,12 +213,12 @@ def _judged(model: PreparedNetwork, query: Query, searched: _Searched) -> TimedT
     run = lasso(whole, searched.outcome.run, obligation)
     if run is None:
         return None
-    replay_lasso(whole, run, obligation.goal, obligation.trigger, obligation.again, obligation.ends)
+    due = replay_lasso(whole, run, obligation.goal, obligation.trigger, obligation.again, obligation.ends)
     if beating is not None:
         run = beating.run_alone(run)
         asked = obligation.goal, obligation.trigger, query.again, obligation.ends
-        replay_lasso(model, run, *asked, diverges=not _has_shown(query, run))
-    return run
+        due = replay_lasso(model, run, *asked, diverges=not _has_shown(query, run))
+    return replace(run, due=due)
 
 
 def answers_of(query: Query) -> tuple[Answer, Answer]:

@@ -60,7 +60,10 @@ def without_observer(network: Network, trace: TimedTrace) -> tuple[TimedTrace, t
     moves: list[ObserverMove] = []
     waited = Fraction(0)
     loop_start: int | None = None
+    due = trace.due
     for number, step in enumerate(trace.steps):
+        if trace.due is not None and number == trace.due.steps:
+            due = replace(trace.due, steps=len(steps))
         if number == trace.loop_start:
             if waited:
                 steps.append(TimedStep(waited, None, own(trace.states[number])))
@@ -76,7 +79,7 @@ def without_observer(network: Network, trace: TimedTrace) -> tuple[TimedTrace, t
         waited = Fraction(0)
     if waited:
         steps.append(TimedStep(waited, None, own(trace.steps[-1].state)))
-    return TimedTrace(own(trace.initial), tuple(steps), trace.ending, loop_start), tuple(moves)
+    return TimedTrace(own(trace.initial), tuple(steps), trace.ending, loop_start, due), tuple(moves)
 
 
 def fault_without_observer(network: Network, fault: RunTimeFault) -> RunTimeFault:

@@ -15,6 +15,7 @@ from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.verdict import Extreme, Extremes, Verdict
 from tachk.report.record import NotRead, RunRecord
 from tachk.report.run.trace_view import Event, Move, Snapshot, TraceView, ViewStep, view_event, view_path, view_trace
+from tachk.semantics.timed_trace import Due
 from tachk.words import Direction
 
 Json = Mapping[str, "Json"] | Sequence["Json"] | str | int | float | bool | None
@@ -106,10 +107,15 @@ def verdict_to_json(network: Network, verdict: Verdict, every_step: bool = False
         else trace_to_json(_told(view_trace(network, verdict.trace), every_step)),
         "ending": None if verdict.trace is None else verdict.trace.ending.value,
         "loop_start": None if verdict.trace is None else verdict.trace.loop_start,
+        "due": None if verdict.trace is None or verdict.trace.due is None else _due(verdict.trace.due),
         "fault": None if verdict.fault is None else _fault(network, verdict.fault),
         "observer": _observer(verdict),
         "values": [_values(network, found, every_step) for found in verdict.extremes],
     }
+
+
+def _due(due: Due) -> dict[str, Json]:
+    return {"state": due.steps, "time": str(due.time)}
 
 
 def _values(network: Network, found: Extremes, every_step: bool) -> dict[str, Json]:

@@ -16,7 +16,7 @@ from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.render import render
 from tachk.engines.outcome import RunTimeFault
 from tachk.model.network import Network
-from tachk.model.query import Observer
+from tachk.model.query import Observer, Query
 from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.extreme_text import value_lines, value_shown
@@ -26,7 +26,8 @@ from tachk.report.run.telling import Ends, Telling
 from tachk.report.run.trace_summary import news_line
 from tachk.report.run.trace_text import event_lines, print_trace
 from tachk.report.run.trace_view import view_event, view_path, view_trace
-from tachk.semantics.timed_trace import Ending, TimedTrace
+from tachk.semantics.timed_trace import Due, Ending, TimedTrace
+from tachk.words import QueryKind
 
 _CONSTANTS_SHOWN = 8
 _FAULT_ENDS = Ends(10, 30)
@@ -86,6 +87,8 @@ def _print_evidence(network: Network, verdict: Verdict, trace: TimedTrace, conso
     console.print(Text(_trace_title(network, verdict), style="bold"))
     if verdict.query.observer is not None:
         console.print(_observer_line(verdict, verdict.query.observer, network.time_unit), soft_wrap=True)
+    if trace.due is not None and verdict.query.kind is QueryKind.LEADS_TO:
+        console.print(_due_line(verdict.query, trace.due, network.time_unit), soft_wrap=True)
     news = news_line(view, network.time_unit)
     if news:
         console.print(Text(f"  {news}", style="italic"), soft_wrap=True)
@@ -276,6 +279,17 @@ def _trace_title(network: Network, verdict: Verdict) -> str:
             return f"{told}, {again} for ever:" if first else f"{told}, which repeat{'s' * (steps == 1)} for ever:"
         case never:
             assert_never(never)
+
+
+def _due_line(query: Query, due: Due, time_unit: str) -> Text:
+    """Where the obligation of ``-->`` begins that the run does not meet."""
+    assert query.predicate is not None
+    (awaited,) = query.operands
+    begins, ends = (" ".join(side.span.text.split()) for side in (query.predicate, awaited))
+    behind = f"after step {due.steps}" if due.steps else "before the first step"
+    in_time = "" if query.deadline is None else " in time"
+    when = duration(due.time, time_unit)
+    return Text(f"  From {when} on, {behind}: `{begins}` was true, and `{ends}` never follows{in_time}", style="italic")
 
 
 def _observer_line(verdict: Verdict, observer: Observer, time_unit: str) -> Text:

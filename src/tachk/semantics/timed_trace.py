@@ -77,15 +77,30 @@ class Ending(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
+class Due:
+    """A moment of a run, from which on something is awaited.
+
+    Attributes:
+        steps: how many steps come before it; it may lie within the delay of the next one.
+        time: since the start of the run.
+    """
+
+    steps: int
+    time: Fraction
+
+
+@dataclass(frozen=True, slots=True)
 class TimedTrace:
     """Attributes:
     loop_start: with a PERIODIC or RECURRENT ending, how many steps come before the loop; else None.
+    due: in a run against ``-->``, from where on the right side is awaited and never comes; else None.
     """
 
     initial: TimedState
     steps: tuple[TimedStep, ...]
     ending: Ending = Ending.OPEN
     loop_start: int | None = None
+    due: Due | None = None
 
     @property
     def path(self) -> tuple[Transition, ...]:

@@ -6,6 +6,7 @@ import pytest
 
 from tachk.engines.options import NEVER, Limits, Options
 from tachk.model.fault import RuntimeErrorKind
+from tachk.properties import liveness
 from tachk.properties.verdict import Answer
 
 ROUNDS = """\
@@ -75,3 +76,27 @@ def test_a_goal_that_fails_to_have_a_value_is_an_error(verdicts) -> None:
     found = verdicts("int t[3]; " + ROUNDS + "property met : A<> t[n] == 1;")
     assert found["met"].fault is not None
     assert found["met"].fault.kind is RuntimeErrorKind.INDEX
+
+
+def test_an_answer_stands_where_there_is_no_time_to_find_delays(verdicts, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(liveness, "SECONDS_FOR_DELAYS", 0.0)
+    found = verdicts(
+        ROUNDS + "property met : A<> n == 60; property stays : E[] n < 60; property answered : P.a --> n == 60;"
+    )
+    answers = {"met": Answer.FAILS, "stays": Answer.HOLDS, "answered": Answer.FAILS}
+    assert {name: verdict.answer for name, verdict in found.items()} == answers
+    for verdict in found.values():
+        assert verdict.exact and verdict.trace is None
+        assert verdict.notes == (liveness.NO_DELAYS,)
+
+
+def test_without_delays_a_run_along_which_clocks_stop_proves_nothing(verdicts, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = """\
+process P() { clock x; init location a { invariant x' == 0; to b; } location b; }
+system P;
+property met : A<> P.b;
+"""
+    assert verdicts(text)["met"].answer is Answer.FAILS
+    monkeypatch.setattr(liveness, "SECONDS_FOR_DELAYS", 0.0)
+    verdict = verdicts(text)["met"]
+    assert verdict.answer is Answer.UNKNOWN and verdict.trace is None and not verdict.exact

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from html import escape
 
 import pytest
 
@@ -146,3 +147,38 @@ def test_a_formula_without_deadline_says_since_when_it_waits(formula: str, line:
     loaded = load_model(Source("machine.ta", source))
     (verdict,) = verify(loaded.network, loaded.queries)
     assert evidence_text(loaded.network, verdict).splitlines()[1] == f"  {line}"
+
+
+def against(query: str) -> RunRecord:
+    """What `tachk verify` says of a query that fails, with its run."""
+    text = MODEL.format(busy=WORKS).replace("A<> Machine.Repaired", query)
+    loaded = load_model(Source("machine.ta", text))
+    return RunRecord("machine.ta", loaded.network, tuple(verify(loaded.network, loaded.queries)))
+
+
+@pytest.mark.parametrize(
+    ("query", "state", "time"),
+    [
+        ("Machine.Off --> Machine.Repaired", 0, "0"),
+        ("Machine.Idle --> Machine.Repaired", 1, "4"),
+        ("Machine.Idle --> Machine.Busy && x > 2", 1, "4"),
+        ("Machine.Idle -->[<= 4] Machine.Busy", 1, "4"),
+        ("Machine.Off && x >= 3 --> Machine.Repaired", 0, "3"),
+    ],
+)
+def test_where_the_obligation_begins_that_is_not_met(query: str, state: int, time: str) -> None:
+    record = against(query)
+    (verdict,) = record.verdicts
+    said = verdict_to_json(record.network, verdict)
+    assert said["due"] == {"state": state, "time": time}
+    place = f"after step {state}" if state else "before the first step"
+    line = told(record).splitlines()[1]
+    assert line.startswith(f"  From {time} on, {place}: `{query.split(' --')[0]}` was true, and `")
+    assert line.endswith("` never follows in time" if "<=" in query else "` never follows")
+    assert escape(line.strip()) in run_to_html(record)
+
+
+def test_only_runs_against_leads_to_have_an_obligation_that_begins() -> None:
+    record = checked(WORKS)
+    assert verdict_to_json(record.network, record.verdicts[0])["due"] is None
+    assert "never follows" not in told(record)
