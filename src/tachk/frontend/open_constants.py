@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from dataclasses import field
 
 from tachk.diagnostics.span import Span
+from tachk.logic.bound_directions import Easier
 from tachk.model.expressions import Variable
 from tachk.records import dataclass
 
@@ -20,12 +21,16 @@ class OpenConstants:
     """Attributes:
     names: of global constants that are to stay open.
     variables: those that were declared so far, by name.
-    needed: where elaboration needed the value of one, by name; the first place of each.
+    needed: where elaboration needed the value of one, by name; the first place of each. Bounds of properties are left
+        out.
+    in_bounds: what more of one does to a property of whose bounds it is a part, by name, each with a place: whether
+        the property is true more often; None: this is not known.
     """
 
     names: frozenset[str] = frozenset()
     variables: dict[str, Variable] = field(default_factory=dict)
     needed: dict[str, Span] = field(default_factory=dict)
+    in_bounds: dict[str, dict[Easier, Span]] = field(default_factory=dict)
 
     def among(self, variables: Iterable[Variable]) -> list[str]:
         """The names of the open constants among variables."""
@@ -38,3 +43,7 @@ class OpenConstants:
         """Elaboration computes something from these variables."""
         for name in self.among(read):
             self.needed.setdefault(name, span)
+
+    def in_bound(self, name: str, easier: Easier, span: Span) -> None:
+        """A property has a bound that depends on one."""
+        self.in_bounds.setdefault(name, {}).setdefault(easier, span)

@@ -23,6 +23,10 @@ monotone only if
 - all occurrences agree about the direction. A comparison in the query counts as it is in the states that are looked
   for.
 
+A constant that occurs only in bounds of the property moves nothing in the network. It is monotone where the formula is
+true of more runs with more of it, or of fewer (`tachk.logic.bound_directions`): a *lower* one in the sense above if
+there are fewer violations with more of it. This holds for deadlines of ``A<>`` and ``-->``, too.
+
 ``x == e`` is both bounds at once. Everything else (data, indices, ranges, sizes, calls of functions, rates) is no
 bound. What is not known to be monotone is not an error: its values are tried one by one.
 """
@@ -116,6 +120,8 @@ _Limits = Mapping[Variable, tuple[int, int]]
 def _bound(network: Network, query: Query, constants: OpenConstants, name: str, limits: _Limits) -> Bound | NoBound:
     if name in constants.needed:
         return NoBound("the structure of the model depends on it", constants.needed[name])
+    if name in constants.in_bounds:
+        return _in_bounds_only(network, query, constants, name, limits)
     if query.target is None or analysis_of(query) is not Analysis.REACHABILITY:
         return NoBound(f"{query.kind.value} depends on what is not possible", query.span)
     if query.observer is not None and query.observer.endings:
@@ -140,6 +146,32 @@ def _bound(network: Network, query: Query, constants: OpenConstants, name: str, 
             f"here it is a{'n' if first is Bound.LOWER else ''} {_opposite(first).value} bound, {both}", against
         )
     return first
+
+
+def _in_bounds_only(
+    network: Network, query: Query, constants: OpenConstants, name: str, limits: _Limits
+) -> Bound | NoBound:
+    """Of a constant that bounds a property and nothing else: whatever the runs of the network are, the formula is true
+    of more of them or of fewer."""
+    directions = constants.in_bounds[name]
+    if query.observer is not None and query.observer.endings:
+        return NoBound("the formula speaks of what happens eventually", query.span)
+    if None in directions:
+        return NoBound("it is not known what more of it does to the formula", directions[None])
+    if len(directions) > 1:
+        return NoBound("here the formula is true more often with less of it, elsewhere with more", directions[False])
+    occurrences = _Occurrences(constants.variables[name], limits)
+    asked = [each for each in (query.predicate, *query.operands) if each is not None]
+    if query.observer is not None:
+        asked += process_expressions(query.observer.process)
+    try:
+        for expression in (e for process in network.processes for e in process_expressions(process)):
+            occurrences.refuse(expression, "the model uses it as well as a bound of the property")
+        for expression in asked:
+            occurrences.refuse(expression, "the property uses it as well as one of its bounds")
+    except _Other as other:
+        return other.finding
+    return Bound.LOWER if True in directions else Bound.UPPER
 
 
 def _opposite(bound: Bound) -> Bound:

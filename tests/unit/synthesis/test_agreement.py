@@ -86,3 +86,38 @@ def test_the_random_models_have_what_can_go_wrong() -> None:
     assert sum(bound in (Bound.UPPER, Bound.LOWER) for bound in bounds) >= 15
     assert sum(bound not in tuple(Bound) for bound in bounds) >= 15
     assert evidence == set(Evidence)
+
+
+TWO_STEPS = """
+const int P = 1; const int Q = 1;
+process M() {{
+    clock x;
+    init location A {{ invariant x <= 3; to B {{ guard x >= 1; assign x = 0; }} }}
+    location B {{ invariant x <= 2; to A {{ guard x > 1; assign x = 0; }} to C {{ guard x == 2; assign x = 0; }} }}
+    location C {{ invariant x <= 1; to A {{ assign x = 0; }} }}
+}}
+system M;
+property p : {formula};
+"""
+
+
+@pytest.mark.parametrize(
+    "formula",
+    [
+        "G (M.A -> F[0, P] M.B)",
+        "G (M.A -> F[P, 4 + Q] M.B)",
+        "G (rise(M.B) -> G[0, P] (M.B || F[0, Q] M.C))",
+        "G (M.A && !F[0, P] M.C -> F[0, Q] M.B)",
+        "G (M.C -> (M.C U[0, P] M.A))",
+        "G (M.C -> O[0, P] M.B)",
+        "A<>[<= P] M.B",
+        "M.A -->[< P] M.B",
+    ],
+)
+def test_bounds_of_properties_against_enumeration(formula: str) -> None:
+    """The direction in which an answer stands for others is the one in which it does not change."""
+    model = loads(TWO_STEPS.format(formula=formula))
+    inferred = model.synthesize(over="P=0..4,Q=0..2", property="p").region
+    tried = model.synthesize(over="P=0..4,Q=0..2", property="p", infer=False, reuse=False).region
+    assert [cell.answer for cell in inferred.cells] == [cell.answer for cell in tried.cells]
+    assert any(cell.evidence is Evidence.IMPLIED for cell in inferred.cells)

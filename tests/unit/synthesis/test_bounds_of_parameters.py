@@ -145,7 +145,6 @@ def test_bounds_of_clocks_are_monotone(where: dict[str, str], bound: Bound) -> N
         {"edge": "guard x <= P;", "query": "G (one.a -> F one.z)"},
         {"query": "A[] one.z imply x == P"},
         {"query": "A[] n <= P"},
-        {"query": "F[0, P] one.z"},
         {"query": "G (n < P -> F[0, 3] one.z)"},
         {"declarations": "chan priority c < b;", "edge": "guard x <= P; sync c!;", "other": "sync c?;"},
     ],
@@ -180,3 +179,38 @@ def test_the_place_of_what_is_in_the_way_is_told() -> None:
 def test_constants_are_told_apart() -> None:
     assert found(edge="guard x <= P && x >= S;", name="S") is Bound.LOWER
     assert found(edge="guard x <= P && x >= S;", name="P") is Bound.UPPER
+
+
+@pytest.mark.parametrize(
+    ("query", "bound"),
+    [
+        ("G (one.a -> F[0, P] one.z)", Bound.LOWER),
+        ("G (one.a -> F[P, 20] one.z)", Bound.UPPER),
+        ("G (one.a -> G[0, P] two.a)", Bound.UPPER),
+        ("G (F[0, P] one.z -> two.a)", Bound.UPPER),
+        ("G (one.a -> F[0, 20 - 2 * P] one.z)", Bound.UPPER),
+        ("G (one.a -> (two.a U[0, P] one.z))", Bound.LOWER),
+        ("G (one.a && G[0, S] two.a -> F[0, P] one.z)", Bound.LOWER),
+        ("A<>[<= P] one.z", Bound.LOWER),
+        ("one.a -->[< P] one.z", Bound.LOWER),
+    ],
+)
+def test_bounds_of_the_property_are_monotone_where_nothing_else_has_them(query: str, bound: Bound) -> None:
+    assert found(query=query) is bound
+
+
+@pytest.mark.parametrize(
+    "where",
+    [
+        {"query": "G (one.a -> F[0, P] one.z) && G (two.a -> G[0, P] one.a)"},
+        {"query": "G (one.a -> F[P, 2 * P] one.z)"},
+        {"query": "G (one.a -> F[0, P * S] one.z)"},
+        {"query": "G (one.a -> F[0, T] one.z)", "declarations": "const int T = 12 - P;"},
+        {"query": "G (one.a -> F[0, P] one.z)", "edge": "guard x >= P;"},
+        {"query": "G (one.a && n < P -> F[0, P] one.z)"},
+        {"query": "A<>[<= P] n == P"},
+        {"query": "one.a -->[<= P] one.z", "edge": "guard n < P;"},
+    ],
+)
+def test_bounds_of_the_property_that_count_otherwise_are_not(where: dict[str, str]) -> None:
+    assert isinstance(found(**where), NoBound)
