@@ -4,42 +4,33 @@ A process with a clock c stands beside the model. ``A<>[<= t] q`` is ``A<> (q an
 sets: a run violates it exactly if q does not hold at any moment up to t, however it goes on, and a run that ends, stops
 time or does infinitely much before t without q violates it too.
 
-For ``p -->[<= t] q`` the process may at any moment with p set its clock and watch from then on. Once it watches and q
-holds, nobody may act any more; so the states in which it watches and q does not hold are those that have not seen q
-since p, and ``watching and not q --> q and c <= t`` is the question. That the process can set its clock whenever p
-holds is why models with committed locations or priorities are refused: there others may have to act first.
+For ``p -->[<= t] q`` every action is there twice: one copy sets the clock as well, and leaves a mark until the next
+action. A run may set it whenever a state is entered, or never again. So the obligations are those of the marked states:
+``mark and p and not q --> q and c <= t``. Setting the clock is part of an action of the model, so that nothing happens
+earlier, later or instead; committed locations and priorities stay what they are.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import Progress
-from tachk.model.expressions import (
-    BOOL,
-    Assign,
-    Binary,
-    Constant,
-    Expression,
-    LocationTest,
-    Reference,
-    Unary,
-    Variable,
-    VariableKind,
-)
-from tachk.model.network import Edge, Location, Network, Process
+from tachk.model.connectives import both, negation
+from tachk.model.expressions import BOOL, Binary, Constant, Expression, Reference, Variable, VariableKind
+from tachk.model.network import Location, Network, Process
 from tachk.model.query import Query
 from tachk.model.traversal import clock_in
 from tachk.model.types import ClockType
-from tachk.operators import BinaryOperator, UnaryOperator
+from tachk.operators import BinaryOperator
 from tachk.properties import liveness
 from tachk.properties.observed import fault_without_observer, without_observer
 from tachk.properties.plan import Search, Task
 from tachk.properties.verdict import Verdict
+from tachk.reduction.beats import DoubledNetwork, with_beginnings
 from tachk.semantics.discrete import PreparedNetwork, prepare
-from tachk.words import Direction, QueryKind
+from tachk.words import QueryKind
 
 NAME = "Deadline"
 
@@ -50,20 +41,37 @@ def answer(
     """The verdicts about the tasks of a search, by number; each has a deadline."""
     verdicts = {}
     for task in search.tasks:
-        network, query = with_deadline(model.network, task.query)
-        alone = replace(search, tasks=(Task(task.number, query),))
-        found = liveness.answer(prepare(network), alone, options, limits, progress, trace)[task.number]
-        verdicts[task.number] = _told(network, replace(found, query=task.query))
+        deadlined = with_deadline(model.network, task.query)
+        alone = replace(search, tasks=(Task(task.number, deadlined.query),))
+        found = liveness.answer(prepare(deadlined.network), alone, options, limits, progress, trace)[task.number]
+        verdicts[task.number] = deadlined.told(replace(found, query=task.query))
     return verdicts
 
 
-def _told(network: Network, verdict: Verdict) -> Verdict:
-    """The verdict with its run, and the error that ended it, told of the model alone."""
-    if verdict.fault is not None:
-        verdict = replace(verdict, fault=fault_without_observer(network, verdict.fault))
-    if verdict.trace is not None:
-        verdict = replace(verdict, trace=without_observer(network, verdict.trace)[0])
-    return verdict
+@dataclass(frozen=True, slots=True)
+class Deadlined:
+    """Attributes:
+    network: with a clock that measures.
+    query: without a deadline, and with the same meaning there.
+    doubled: the network, if its actions are there twice; else it has one more process.
+    """
+
+    network: Network
+    query: Query
+    doubled: DoubledNetwork | None = None
+
+    def told(self, verdict: Verdict) -> Verdict:
+        """The verdict with its run, and the error that ended it, told of the model alone."""
+        fault, trace = verdict.fault, verdict.trace
+        if fault is not None and self.doubled is not None:
+            fault = liveness.fault_alone(fault, self.doubled)
+        elif fault is not None:
+            fault = fault_without_observer(self.network, fault)
+        if trace is not None and self.doubled is not None:
+            trace = self.doubled.run_alone(trace)
+        elif trace is not None:
+            trace, _ = without_observer(self.network, trace)
+        return replace(verdict, fault=fault, trace=trace)
 
 
 def check_deadline(network: Network, query: Query) -> None:
@@ -72,56 +80,28 @@ def check_deadline(network: Network, query: Query) -> None:
         return
     assert query.predicate is not None
     clock = clock_in(query.predicate) or clock_in(query.operands[0])
-    committed = any(location.committed for process in network.processes for location in process.locations)
     if clock is not None:
-        reason, span = "that look at a clock", clock.span
-    elif committed:
-        reason, span = "in models with committed locations", query.span
-    elif network.has_priorities:
-        reason, span = "in models with priorities of channels or processes", query.span
-    else:
-        return
-    message = f"queries with `-->[<= t]` are not checked {reason}"
-    raise UnsupportedError(Diagnostic("E0720", message, span, "the formula G (p -> F[0, t] q) asks nearly the same"))
+        message = "queries with `-->[<= t]` are not checked that look at a clock"
+        remedy = "let a location or a variable of the model tell when the clock is there"
+        raise UnsupportedError(Diagnostic("E0720", message, clock.span, remedy))
 
 
-def with_deadline(network: Network, query: Query) -> tuple[Network, Query]:
-    """A network with one more process, and the query without a deadline that means the same there."""
+def with_deadline(network: Network, query: Query) -> Deadlined:
+    """A network with a clock more, and the query without a deadline that means the same there."""
     deadline = query.deadline
     assert deadline is not None and query.predicate is not None
-    clock = Variable(f"{NAME}.time", ClockType(), VariableKind.LOCAL, (0,))
     operator = BinaryOperator.LESS if deadline.strict else BinaryOperator.LESS_EQUAL
-    in_time = Binary(operator, Reference(clock), Constant(deadline.bound), BOOL)
+
+    def in_time(clock: Expression, condition: Expression) -> Expression:
+        return both(condition, Binary(operator, clock, Constant(deadline.bound), BOOL))
+
     plain = replace(query, deadline=None)
     if query.kind is QueryKind.EVENTUALLY:
+        clock = Variable(f"{NAME}.time", ClockType(), VariableKind.LOCAL, (0,))
         observer = Process(NAME, NAME, (Location("Running"),), (), variables=(clock,))
-        target = _both(query.predicate, in_time)
-        return replace(network, processes=(*network.processes, observer)), replace(plain, predicate=target)
+        observed = replace(network, processes=(*network.processes, observer))
+        return Deadlined(observed, replace(plain, predicate=in_time(Reference(clock), query.predicate)))
     (awaited,) = query.operands
-    watching = LocationTest(len(network.processes), 1)
-    begin = Edge(0, 1, guard=query.predicate, updates=(Assign(Reference(clock), Constant(0), clock.type),))
-    observer = Process(NAME, NAME, (Location("Idle"), Location("Watching")), (begin,), variables=(clock,))
-    free = _not(_both(watching, awaited))
-    processes = [_held(process, free) for process in network.processes]
-    return replace(network, processes=(*processes, observer)), replace(
-        plain, predicate=_both(watching, _not(awaited)), operands=(_both(awaited, in_time),)
-    )
-
-
-def _held(process: Process, free: Expression) -> Process:
-    """The process, which begins something only where that is allowed."""
-    edges = []
-    for edge in process.edges:
-        if edge.synchronisation is None or edge.synchronisation.direction is Direction.SEND:
-            edges.append(replace(edge, guard=free if edge.guard is None else _both(free, edge.guard)))
-        else:
-            edges.append(edge)
-    return replace(process, edges=tuple(edges))
-
-
-def _both(left: Expression, right: Expression) -> Expression:
-    return Binary(BinaryOperator.AND, left, right, BOOL)
-
-
-def _not(condition: Expression) -> Expression:
-    return Unary(UnaryOperator.NOT, condition, BOOL)
+    doubled, since = with_beginnings(network, f"{NAME}.time")
+    begins = both(both(doubled.mark, query.predicate), negation(awaited))
+    return Deadlined(doubled.network, replace(plain, predicate=begins, operands=(in_time(since, awaited),)), doubled)

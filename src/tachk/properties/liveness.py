@@ -99,7 +99,7 @@ def _of_network(
         return not_begun(query, TIME_LIMIT)
     outcome = searched.outcome
     if outcome.fault is not None:
-        outcome = replace(outcome, fault=explain(model, _fault_alone(outcome.fault, searched.beating), limits.seconds))
+        outcome = replace(outcome, fault=explain(model, fault_alone(outcome.fault, searched.beating), limits.seconds))
     verdict = _of_outcome(query, outcome)
     if outcome.run is not None and (trace or not outcome.exact):
         verdict = _shown(model, verdict, searched, limits.after(time.monotonic() - started))
@@ -108,12 +108,13 @@ def _of_network(
     return verdict
 
 
-def _fault_alone(fault: RunTimeFault, beating: DoubledNetwork | None) -> RunTimeFault:
-    """An error of the network with beats, told of the network alone."""
-    if beating is None:
+def fault_alone(fault: RunTimeFault, doubled: DoubledNetwork | None) -> RunTimeFault:
+    """An error of a network in which actions are there twice, told of the network alone."""
+    if doubled is None:
         return fault
-    failed = None if fault.transition is None else beating.without_copies(fault.transition)
-    return replace(fault, path=tuple(map(beating.without_copies, fault.path)), transition=failed)
+    failed = None if fault.transition is None else doubled.without_copies(fault.transition)
+    run = None if fault.run is None else doubled.run_alone(fault.run)
+    return replace(fault, path=tuple(map(doubled.without_copies, fault.path)), transition=failed, run=run)
 
 
 def _searched(

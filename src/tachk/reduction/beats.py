@@ -1,4 +1,4 @@
-"""Networks with a clock more that shows whether time diverges, and their runs as those of the network alone.
+"""Networks with a clock more that actions set, and their runs as those of the network alone.
 
 Every action is decided by one edge: an internal one, or the one that sends. Each of these edges is there twice, with
 the same priority, so that what is possible, what is urgent, and where nothing is possible stay as they are. The guards
@@ -56,7 +56,7 @@ class DoubledNetwork:
             TimedStep(step.delay, step.transition and self.without_copies(step.transition), self._own(step.state))
             for step in trace.steps
         )
-        return TimedTrace(self._own(trace.initial), steps, trace.ending, trace.loop_start)
+        return TimedTrace(self._own(trace.initial), steps, trace.ending, trace.loop_start, trace.due)
 
     def _own(self, state: TimedState) -> TimedState:
         layout = cell_layout(self.network)
@@ -109,6 +109,19 @@ def with_a_start(network: Network, lasting: Collection[tuple[int, int]]) -> Doub
         return (edge if _is_urgent(edge) else replace(edge, guard=both(edge.guard, either(before, soon)))), copy
 
     return _doubled(network, edges_for, since, started)
+
+
+def with_beginnings(network: Network, name: str) -> tuple[DoubledNetwork, Expression]:
+    """The network with a clock that any action sets, or does not: then `mark` is true until the next action, and at the
+    start of the run. Second the clock, which is called ``name``."""
+    since = _clock(name)
+    begun = Variable(f"{name} begins", IntType(0, 1), VariableKind.LOCAL, (1,))
+
+    def edges_for(_process: int, _number: int, edge: Edge) -> tuple[Edge, Edge | None]:
+        plain = replace(edge, updates=(*edge.updates, _set(begun, 0)))
+        return plain, replace(edge, updates=(*edge.updates, _set(since, 0), _set(begun, 1)))
+
+    return _doubled(network, edges_for, since, begun), Reference(since)
 
 
 def _doubled(

@@ -23,7 +23,7 @@ from tachk.semantics.step import StepError, delay, initial_state, satisfies, suc
 from tachk.testing import Case, Shape, random_case
 from tachk.words import QueryKind
 
-SMALL = Shape(processes=2, locations=3, clocks=1, constant=3, committed=False, deadlocks=False)
+SMALL = Shape(processes=2, locations=3, clocks=1, constant=3, deadlocks=False)
 
 Verdicts = Callable[..., dict[str, Verdict]]
 Answers = Callable[..., dict[str, str]]
@@ -103,12 +103,46 @@ def test_the_run_is_one_of_the_model_alone(verdicts: Verdicts) -> None:
     assert verdict.query.text == "P.Off -->[<= 3] P.On"
 
 
-def test_committed_locations_and_clocks_are_refused(verdicts: Verdicts) -> None:
-    committed = LAMP.replace("location On", "committed location On")
-    refused = verdicts(committed + "property q : P.Off -->[<= 3] P.On;")["q"].unsupported
-    assert refused is not None and refused.code == "E0720"
+def test_clocks_are_refused(verdicts: Verdicts) -> None:
     clock = verdicts(LAMP + "property q : P.x > 3 -->[<= 3] P.On;")["q"].unsupported
-    assert clock is not None and clock.span.text == "P.x"
+    assert clock is not None and clock.code == "E0720" and clock.span.text == "P.x"
+
+
+def test_what_is_committed_is_met_and_awaited_at_once(answers: Answers) -> None:
+    text = """
+    process P() {
+        clock x;
+        init committed location A { to B; }
+        location B { invariant x <= 3; to C { guard x >= 2; assign x = 0; } }
+        committed location C { to D; to Lost; }
+        location D { invariant x <= 1; to B { guard x >= 1; assign x = 0; } }
+        location Lost;
+    }
+    process Q() { clock y; init location L { invariant y <= 1; to L { guard y >= 1; assign y = 0; } } }
+    system P, Q;
+    property from_start : P.A -->[<= 3] P.C;
+    property sooner : P.A -->[< 3] P.C;
+    property at_once : P.B -->[<= 3] P.C;
+    property within : P.C -->[<= 0] P.D;
+    property round : P.D -->[<= 4] P.C;
+    """
+    expected = {"from_start": "holds", "sooner": "fails", "at_once": "holds", "within": "fails", "round": "holds"}
+    assert answers(text) == expected
+
+
+def test_priorities_decide_how_soon(answers: Answers) -> None:
+    text = """
+    chan low, high; chan priority low < high;
+    process P() { clock x; init location A { invariant x <= 4; to B { guard x >= 1; sync low!; } } location B; }
+    process R() { clock x; init location M { invariant x <= 4; to N { guard x >= 2; sync high!; } } location N; }
+    process Q() { init location L { to L { sync low?; } to L { sync high?; } } }
+    system P, Q, R;
+    property first : P.A -->[<= 4] P.B || R.N;
+    property sooner : P.A -->[< 4] P.B || R.N;
+    property too : R.M -->[<= 4] R.N;
+    property low_later : P.A -->[< 4] P.B;
+    """
+    assert answers(text) == {"first": "holds", "sooner": "fails", "too": "holds", "low_later": "fails"}
 
 
 @pytest.mark.parametrize("query", ["E[][<= 3] P.On", "E<>[<= 3] P.On", "A<>[<= P.x] P.On", "A<>[<= 0 - 1] P.On"])
@@ -135,10 +169,11 @@ def test_the_region_oracle_contradicts_no_answer() -> None:
         for query, verdict in zip(queries, found, strict=True):
             if verdict.answer is Answer.UNKNOWN:
                 continue
-            network, plain = with_deadline(case.network, query)
-            avoided = plain.avoided
+            deadlined = with_deadline(case.network, query)
+            avoided = deadlined.query.avoided
             assert avoided is not None
-            outcome = check_by_regions(network, Obligation(avoided, plain.begins), Limits(states=800))
+            obligation = Obligation(avoided, deadlined.query.begins)
+            outcome = check_by_regions(deadlined.network, obligation, Limits(states=800))
             if outcome.status is LivenessStatus.UNDECIDED:
                 continue
             assert (outcome.status is LivenessStatus.FOUND) == (verdict.answer is Answer.FAILS), f"seed {seed}"
