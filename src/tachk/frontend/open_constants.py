@@ -9,11 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import field
+from typing import TYPE_CHECKING
 
 from tachk.diagnostics.span import Span
-from tachk.logic.bound_directions import Easier
 from tachk.model.expressions import Variable
 from tachk.records import dataclass
+
+if TYPE_CHECKING:
+    from tachk.logic.bound_directions import Easier
 
 
 @dataclass(slots=True)

@@ -12,7 +12,6 @@ from tachk.frontend.expressions.typed_expressions import condition, expression, 
 from tachk.frontend.expressions.typing import describe, is_integral
 from tachk.frontend.findings import Findings
 from tachk.frontend.queries.expectations import claim
-from tachk.frontend.queries.formula_durations import bound_value
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
 from tachk.model.expressions import Binary, Constant, Deadlock, Expression, Unary
 from tachk.model.network import Signal
@@ -100,6 +99,8 @@ def _deadline(node: ast.Deadline, scope: Scope, context: Context) -> Deadline | 
     if bound is None:
         return None
     if context.open_constants.among(context.effects_of([bound]).reads):
+        from tachk.frontend.queries.formula_durations import bound_value
+
         value = bound_value(node.bound, [True], "a deadline", scope, context)
         return None if value is None else Deadline(value, node.strict)
     if not isinstance(bound, Constant):
