@@ -243,3 +243,20 @@ def test_some_functions_go_wrong_and_most_do_not() -> None:
         base, _ = lower(network)
         outcomes += [isinstance(evaluated(network, base, function, pair), int) for pair in PAIRS[::3]]
     assert 0.3 < sum(outcomes) / len(outcomes) < 0.98
+
+
+@pytest.mark.parametrize(
+    ("name", "function"),
+    [("round", "round"), ("floor", "floor"), ("ceil", "ceil"), ("trunc", "trunc"), ("fabs", "fabs")],
+)
+def test_the_core_computes_what_the_library_of_c_does(name: str, function: str) -> None:
+    """Also of halves, which random numbers seldom are."""
+    halves_of = [n / 2 for n in range(-7, 8)]
+    expected = [int(c_function(function, number) or 0) for number in halves_of]
+    table = ", ".join(map(str, expected))
+    found = tachk.loads(
+        f"const int EXPECTED[15] = {{ {table} }}; int n = -7;\n"
+        f"int f(int k) {{ double d = k; d /= 2; return fint({name}(d)); }}\n"
+        "process P() { init location s { to s { guard n < 7; assign n++; } } } system P;"
+    ).verify("A[] f(n) == EXPECTED[n + 7]")
+    assert found[0].answer is tachk.Answer.HOLDS

@@ -405,6 +405,23 @@ def test_rows_that_are_looked_over_while_they_are_judged(row: int, change: str, 
         assert isinstance(trace.instants, FloatTimes) and trace.instants.checked
 
 
+@pytest.mark.parametrize("row", [1, 500, 1023, 1024, ROWS - 2])
+@pytest.mark.parametrize(
+    ("formula", "truth"),
+    [
+        ("G x < 0.75", "true"),
+        ("F x > 0.75", "false"),
+        ("G (x > 0.75 -> F[0, 1] y > 9)", "true"),
+        ("G !rise(x > 0.75)", "true"),
+    ],
+)
+def test_of_rows_at_one_instant_the_last_counts_while_they_are_judged(row: int, formula: str, truth: str) -> None:
+    arrays = plain_rows()
+    arrays["x"][9], arrays["x"][row] = 0.5, 1.0
+    arrays["time"][row + 1 :] -= 0.25
+    assert tachk.monitor(formula, arrays)[0].truth.name == truth.upper()
+
+
 @pytest.mark.parametrize(
     ("formula", "truth"),
     [("G (x <= 7)", "true"), ("G (x < 7)", "false"), ("F (x >= 7)", "true"), ("F (x > 7)", "false")],

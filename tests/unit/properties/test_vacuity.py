@@ -198,3 +198,12 @@ def test_a_constant_is_no_trigger() -> None:
     query = Query("q", QueryKind.INVARIANTLY, Binary(BinaryOperator.IMPLY, Constant(0), Constant(1), BOOL))
     (verdict,) = verify(tachk.loads(MODEL).network, [query])
     assert verdict.notes == ()
+
+
+def test_a_search_does_not_go_on_for_a_trigger() -> None:
+    text = """int[0,1000] n;
+    process P() { init location s { to s { guard n < 1000; assign n++; } } }
+    system P; property p : A[] (P.s imply n <= 3) && (n == 990 imply P.s);"""
+    (verdict,) = tachk.loads(text).verify()
+    assert verdict.answer is tachk.Answer.FAILS
+    assert verdict.statistics.states_stored < 50
