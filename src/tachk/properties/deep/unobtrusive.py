@@ -14,6 +14,7 @@ a run avoids a goal for ever does not depend on them.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import product
@@ -45,15 +46,23 @@ def without_unobtrusive(network: Network, targets: list[Expression]) -> Network:
 
     Processes and variables keep their numbers. Run-time errors of what is left out are not looked for.
     """
+    left_out = bystanders(network, targets)
+    if not left_out:
+        return network
     known = known_values(network, [])
-    kept: set[int] = set()
+    writers = _writers(network)
+    kept = {number for number in left_out if not _never_hinders(network.processes[number], known, writers)}
     while left_out := bystanders(network, targets, kept):
-        noticed = {number for number in left_out if not _never_hinders(network, number, known)}
-        noticed = noticed or _for_ever(network, left_out, known)
+        noticed = _for_ever(network, left_out, known)
         if not noticed:
             return only_with(network, targets, kept)
         kept |= noticed
     return network
+
+
+def _writers(network: Network) -> Counter[Variable]:
+    """How many processes may write a variable."""
+    return Counter(v for process in network.processes for v in written_variables(list(process_expressions(process))))
 
 
 def _for_ever(network: Network, left_out: set[int], known: Known) -> set[int]:
@@ -63,8 +72,7 @@ def _for_ever(network: Network, left_out: set[int], known: Known) -> set[int]:
     return {step.process for step in suspicious(frozenset(steps_of(alone, known)))}
 
 
-def _never_hinders(network: Network, number: int, known: Known) -> bool:
-    process = network.processes[number]
+def _never_hinders(process: Process, known: Known, writers: Counter[Variable]) -> bool:
     ends = [_ends(location, known) for location in process.locations]
     certain = [end for end in ends if end is not None]
     if len(certain) < len(ends) or any(location.rates for location in process.locations):
@@ -72,8 +80,8 @@ def _never_hinders(network: Network, number: int, known: Known) -> bool:
     if any(bound < 0 for bound in certain[process.initial].values()):
         return False
     clocks = {variable for end in certain for clock in end for variable in roots(clock)}
-    others = (e for n, other in enumerate(network.processes) if n != number for e in process_expressions(other))
-    if not clocks.isdisjoint(written_variables(list(others))):
+    own = written_variables(list(process_expressions(process)))
+    if any(writers[clock] > (clock in own) for clock in clocks):
         return False
     return all(_lets_happen(edge, certain, known) for edge in process.edges) and all(
         _goes_on(process, source, certain, known) for source in range(len(process.locations))
