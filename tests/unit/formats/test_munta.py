@@ -333,3 +333,20 @@ def test_a_value_that_was_not_told_is_asked_for() -> None:
     assert edges(process)[-1] == (0, 1, "n == 2 && P_x >= 1", "", "P_x = 0")
     reading = Reading(written.text(), written.renaming())
     assert reading.is_reached()
+
+
+def test_a_value_that_an_invariant_keeps_out_is_not_asked_for() -> None:
+    text = """\
+int[0, 3] n;
+process P() {
+    clock x;
+    init location a { to b { guard x > 4; assign n = 2; } to a { guard n < 1; assign n = 1; } }
+    location b { invariant x <= 3; to a; }
+}
+system P;
+property q : A[] n < 2;
+"""
+    proof = proof_of(text)
+    assert isinstance(proof, MuntaProof)
+    assert json.loads(proof.model)["automata"][0]["nodes"][-1] == {"id": 2, "name": "outside", "invariant": "P_x <= 3"}
+    assert Reading(proof.model, proof.renaming).is_proof(proof.certificate)

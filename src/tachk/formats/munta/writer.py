@@ -94,7 +94,7 @@ class _Writer:
     finder: CaseFinder
     names: Names = field(default_factory=lambda: Names({"true", "none", IMPOSSIBLE[:-1]}))
     broadcast: list[str] = field(default_factory=list)
-    outside: dict[int, int] = field(default_factory=dict)
+    outside: dict[tuple[int, int], int] = field(default_factory=dict)
 
     @property
     def layout(self) -> CellLayout:
@@ -119,7 +119,7 @@ class _Writer:
             for number, process in enumerate(processes)
             for place in places[number]
         }
-        reached += self.outside.items()
+        reached += [(number, place) for (number, _), place in self.outside.items()]
         asked = [names[end] for end in reached if end in names]
         if formula != FALSE or not asked:
             asked.append(written(formula, names, variables))
@@ -248,17 +248,19 @@ class _Writer:
             writes = tuple((cell, value) for cell, value in case.outcome.writes if not self.layout.meta[cell])
             target = action.target
             if any(not low <= value <= high for cell, value in writes for low, high in [self.finder.range_of(cell)]):
-                target, writes = self._outside(number, processes[number]), ()
+                target, writes = self._outside(number, processes[number], target), ()
             processes[number].edges += (
                 MuntaEdge(action.source, target, case.conditions, clocks, label, writes, case.outcome.resets)
                 for clocks in case.outcome.guard
             )
 
-    def _outside(self, number: int, process: MuntaProcess) -> int:
-        """A location of a process that means: a cell has left its range."""
-        if number not in self.outside:
-            self.outside[number] = process.added_location("outside")
-        return self.outside[number]
+    def _outside(self, number: int, process: MuntaProcess, target: int) -> int:
+        """A location of a process that means: a cell has left its range on the way to a location. It has the invariant
+        of that location, for without it more edges could be taken."""
+        if (number, target) not in self.outside:
+            self.outside[number, target] = process.added_location("outside")
+            process.invariants[-1] = process.invariants[target]
+        return self.outside[number, target]
 
     # ---- the question -----------------------------------------------------------------------------------------------
 
@@ -275,7 +277,7 @@ class _Writer:
             process = processes[number]
             process.edges = [
                 replace(e, writes=(*e.writes, (-1 - number, e.target)))
-                if e.source != e.target and e.target != self.outside.get(number)
+                if e.source != e.target and e.target < self.finder.sizes[number]
                 else e
                 for e in process.edges
             ]
