@@ -79,6 +79,15 @@ def test_a_run_that_ends_is_found_behind_a_loop_that_does_not_count() -> None:
     assert verdict.answer is Answer.FAILS and verdict.trace is not None and verdict.trace.ending is Ending.STUCK
 
 
+def test_what_is_stuck_in_a_widened_zone_only_is_not_stuck() -> None:
+    model = process(
+        "init location a { invariant x <= 2; to a; to b { guard x >= 2; } }"
+        "urgent location b { to c { guard x >= 1; } } location c;"
+    )
+    assert not holds(model, "A<> P.c", non_zeno=False)
+    assert holds(model, "A<> P.c")
+
+
 def test_where_only_zeno_runs_lead_on_nothing_is_left_to_violate() -> None:
     model = process("init location a { invariant x <= 3; to a; } location b;")
     (verdict, *_) = verdicts(model, "A<> P.b")
@@ -120,6 +129,14 @@ def test_urgent_steps_alone_take_no_time() -> None:
     """
     assert not holds(model, "A<> false", non_zeno=False)
     assert holds(model, "A<> false")
+    late = model.replace(
+        "init location a { to a { sync now!; } }",
+        """clock x;
+        init location b { invariant x <= 2; to a { guard x >= 2; } }
+        location a { to a { sync now!; } }""",
+        1,
+    )
+    assert holds(late, "A<> false")
 
 
 def test_formulas_without_deadline_speak_of_the_same_runs() -> None:

@@ -206,6 +206,44 @@ def test_a_loop_that_recurs_from_elsewhere_does_not_recur_from_here() -> None:
         replay_lasso(model, replace(once, ending=Ending.RECURRENT, loop_start=0), b.reached.expression, None)
 
 
+def test_a_loop_that_has_to_take_time_takes_some() -> None:
+    network = NetworkBuilder()
+    x = network.clock("x")
+    process = network.process("P")
+    a, b = process.location("A"), process.location("B")
+    process.edge(a, a, updates=[x.assign(0)])
+    model = prepare(network.build())
+    once = concretise(model, LOOP.loop)
+    assert once is not None and once.states[-1].time == 0
+    still = replace(once, ending=Ending.PERIODIC, loop_start=0)
+    replay_lasso(model, still, b.reached.expression, None)
+    with pytest.raises(ReplayError, match="takes no time"):
+        replay_lasso(model, still, b.reached.expression, None, diverges=True)
+    taking = found(network, LOOP, b.reached)
+    assert taking is not None
+    replay_lasso(model, taking, b.reached.expression, None, diverges=True)
+
+
+def test_a_loop_meets_what_it_has_to_meet_and_a_run_ends_where_it_may() -> None:
+    network = NetworkBuilder()
+    process = network.process("P")
+    a, b, c = process.location("A"), process.location("B"), process.location("C")
+    process.edge(a, b)
+    process.edge(b, b)
+    model = prepare(network.build())
+    trace = found(network, AvoidingRun(RunEnd.LOOP, (step(0),), 0, (step(1),)), c.reached)
+    assert trace is not None
+    never = c.reached.expression
+    replay_lasso(model, trace, never, None, again=[b.reached.expression])
+    with pytest.raises(ReplayError, match="has to meet again and again"):
+        replay_lasso(model, trace, never, None, again=[b.reached.expression, a.reached.expression])
+    waiting = found(network, AvoidingRun(RunEnd.IDLE, (step(0),), 0), c.reached)
+    assert waiting is not None
+    replay_lasso(model, waiting, never, None, ends=b.reached.expression)
+    with pytest.raises(ReplayError, match="ends where it may not"):
+        replay_lasso(model, waiting, never, None, ends=a.reached.expression)
+
+
 def _tampered(trace: TimedTrace) -> dict[str, TimedTrace]:
     """Lies about a periodic run."""
     last = trace.steps[-1]

@@ -131,6 +131,12 @@ property Assumed : (G (P.W -> F P.Q)) -> F P.Q;
             id="is elsewhere for no time",
         ),
         pytest.param(
+            """init location A { invariant x <= 1; to A { guard x >= 1; assign x = 0; } to Q { guard x >= 1; } }
+            urgent location Q { to A { assign x = 0; } } location W;""",
+            {"Leaves", "Assumed"},
+            id="is elsewhere for no time, with others able to act",
+        ),
+        pytest.param(
             """init location A { invariant x <= 1; to W { guard x >= 1; assign x = 0; } to Q; }
             location W { invariant x <= 1; to A { guard x >= 1; assign x = 0; } } location Q;""",
             {"Settles", "Leaves", "Fair"},
