@@ -27,9 +27,11 @@ VARIANTS = (Options(subsumption=False), Options(pack_clocks=0, chunk_words=1))
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_the_search_finds_what_the_oracles_find(shape: str) -> None:
+def test_the_search_finds_what_the_oracles_find(shape: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With short beats, and with long ones."""
     decided = set()
     for seed in range(100, 112):
+        monkeypatch.setattr("tachk.properties.liveness._SHORT_BEATS", 2000 if seed % 2 else 0)
         random = Random(seed)
         case = random_case(random, SHAPES[shape])
         for obligation in random_obligations(random, case, 1):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import assert_never
 
@@ -34,6 +35,7 @@ from tachk.properties.unexamined import unexamined
 from tachk.properties.vacuity import never_begins
 from tachk.properties.verdict import Answer, Verdict
 from tachk.reduction.beats import DoubledNetwork, with_beats
+from tachk.semantics.clock_constants import clock_constants
 from tachk.semantics.discrete import PreparedNetwork, prepare
 from tachk.semantics.timed_trace import TimedTrace
 from tachk.time_limit import OutOfTimeError, time_limit
@@ -132,16 +134,51 @@ def _searched(
     ends = first.run is not None and first.run.end is not RunEnd.LOOP
     if first.run is None or not (query.again or (query.non_zeno and not ends)):
         return _Searched(first, obligation)
-    beating = with_beats(model.network) if query.non_zeno else None
-    if beating is not None:
-        obligation = replace(obligation, again=(*query.again, _counted(model.network, query, beating)))
-    network = model.network if beating is None else beating.network
-    anywhere = Constant(1, BOOL) if query.ends is None else query.ends
-    with time_limit(limits.after(time.monotonic() - started).seconds):
-        program, goals = lower_recurrence(network, avoided, anywhere, begins, obligation.again)
+    if not query.non_zeno:
+        second = _recurring(model.network, obligation, options, limits.after(time.monotonic() - started), progress)
+        return _Searched(_after(first, second), obligation)
+    searched = _Searched(first, obligation)
+    for length, states in _beats(model.network, obligation, limits):
+        beating = with_beats(model.network, length)
+        counting = replace(obligation, again=(*query.again, _counted(model.network, query, beating)))
+        left = replace(limits, states=states).after(time.monotonic() - started)
+        second = _recurring(beating.network, counting, options, left, progress)
+        searched = _Searched(_after(searched.outcome, second), counting, beating)
+        if second.reason != _STATE_LIMIT:
+            break
+    return searched
+
+
+def _after(first: LivenessOutcome, second: LivenessOutcome) -> LivenessOutcome:
+    """The second outcome, with the work of both."""
+    return replace(second, statistics=first.statistics.then(second.statistics))
+
+
+def _recurring(
+    network: Network, obligation: Obligation, options: Options, limits: Limits, progress: Progress | None
+) -> LivenessOutcome:
+    started = time.monotonic()
+    ends = Constant(1, BOOL) if obligation.ends is None else obligation.ends
+    with time_limit(limits.seconds):
+        program, goals = lower_recurrence(network, obligation.goal, ends, obligation.trigger, obligation.again)
     left = limits.after(time.monotonic() - started)
-    second = find_recurring_run(program, goals, begins is not None, options, left, progress)
-    return _Searched(replace(second, statistics=first.statistics.then(second.statistics)), obligation, beating)
+    return find_recurring_run(program, goals, obligation.trigger is not None, options, left, progress)
+
+
+_STATE_LIMIT = "state limit"
+
+_SHORT_BEATS = 2000
+"""How many states the search with the shortest beats may store: it finds short loops soon. That there is none takes
+many times fewer states where a beat is as long as anything that the network waits for."""
+
+
+def _beats(network: Network, obligation: Obligation, limits: Limits) -> Iterator[tuple[int, int | None]]:
+    """How long a beat is to be, and how many states may be stored then."""
+    predicates = [one for one in (obligation.goal, obligation.trigger) if one is not None]
+    longest = max(clock_constants(network, predicates).maximum, default=0)
+    if longest > 1 and (limits.states is None or limits.states > _SHORT_BEATS):
+        yield 1, _SHORT_BEATS
+    yield max(longest, 1), limits.states
 
 
 def _counted(network: Network, query: Query, beating: DoubledNetwork) -> Expression:

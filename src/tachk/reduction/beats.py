@@ -66,21 +66,21 @@ class DoubledNetwork:
         )
 
 
-def with_beats(network: Network) -> DoubledNetwork:
-    """The network with a beat at every action that comes at least one time unit after the last beat.
+def with_beats(network: Network, length: int = 1) -> DoubledNetwork:
+    """The network with a beat at every action that comes at least so many time units after the last beat.
 
     A run with infinitely many actions has infinitely many beats exactly if time diverges in it. `mark` holds behind an
     action that is one. Actions over urgent channels are none: no time has passed right before them.
     """
     since, beat = _clock("time since the last beat"), _flag("beat")
-    one = Constant(1)
+    limit = Constant(length)
 
     def edges_for(_process: int, _number: int, edge: Edge) -> tuple[Edge, Edge | None]:
         plain = replace(edge, updates=(*edge.updates, _set(beat, 0)))
         if _is_urgent(edge):
             return plain, None
-        early = both(edge.guard, Binary(BinaryOperator.LESS, Reference(since), one, BOOL))
-        late = both(edge.guard, Binary(BinaryOperator.GREATER_EQUAL, Reference(since), one, BOOL))
+        early = both(edge.guard, Binary(BinaryOperator.LESS, Reference(since), limit, BOOL))
+        late = both(edge.guard, Binary(BinaryOperator.GREATER_EQUAL, Reference(since), limit, BOOL))
         return replace(plain, guard=early), replace(
             edge, guard=late, updates=(*edge.updates, _set(since, 0), _set(beat, 1))
         )
