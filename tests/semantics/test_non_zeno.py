@@ -154,6 +154,13 @@ def test_with_a_deadline_only_its_runs_count() -> None:
     assert verdicts(model, "P.a -->[<= 5] P.b")[0].unsupported is not None
 
 
+def test_long_beats_decide_where_short_ones_take_too_many_states(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = process(WAITING.format(loop="{ guard x < 1; assign x = 0; }"))
+    monkeypatch.setattr("tachk.properties.liveness._SHORT_BEATS", 0)
+    assert not holds(model, "A<> P.b")
+    assert holds(process(WAITING.format(loop=";")), "A<> P.b")
+
+
 def test_it_makes_no_difference_for_single_states() -> None:
     model = process("init location a { invariant x <= 3; to a; } location b;")
     for query in ("E<> P.a", "A[] P.a", "sup: P.x", "G P.a"):
