@@ -127,78 +127,109 @@ class _Aligned(c.Construct):  # type: ignore[misc]
         c.stream_write(stream, bytes(missing), missing, path)
 
 
-@cache
-def payloads(little: bool) -> Mapping[Kind, Any]:
-    """What a submessage of each kind carries, in one of the two byte orders."""
-    u16, u32, i16, i32 = (
-        (c.Int16ul, c.Int32ul, c.Int16sl, c.Int32sl) if little else (c.Int16ub, c.Int32ub, c.Int16sb, c.Int32sb)
-    )
-    length = c.FocusedSeq("length", _Aligned(4), "length" / u32)
-    text = _Text(c.Prefixed(length, c.GreedyBytes))
-    octets = c.Prefixed(length, c.GreedyBytes)
-    request = c.Struct("request" / c.Bytes(2), "object" / c.Bytes(2))
-    result = c.Struct("status" / c.Int8ub, "implementation" / c.Int8ub)
-    properties = c.PrefixedArray(length, c.Struct("name" / text, "value" / text))
-    moment = c.Struct("seconds" / i32, "nanoseconds" / u32)
-    peer = c.Struct("cookie" / c.Const(COOKIE), "version" / c.Bytes(2), "vendor" / c.Bytes(2))
-    given = c.Flag
-    client = c.Struct(
-        "peer" / peer,
+class _Ordered:
+    """What has more than one byte, in one of the two orders."""
+
+    def __init__(self, little: bool) -> None:
+        self.u16, self.u32 = (c.Int16ul, c.Int32ul) if little else (c.Int16ub, c.Int32ub)
+        self.i16, self.i32 = (c.Int16sl, c.Int32sl) if little else (c.Int16sb, c.Int32sb)
+        length = c.FocusedSeq("length", _Aligned(4), "length" / self.u32)
+        self.text = _Text(c.Prefixed(length, c.GreedyBytes))
+        self.octets = c.Prefixed(length, c.GreedyBytes)
+        self.properties = c.PrefixedArray(length, c.Struct("name" / self.text, "value" / self.text))
+        self.moment = c.Struct("seconds" / self.i32, "nanoseconds" / self.u32)
+
+
+_PEER = c.Struct("cookie" / c.Const(COOKIE), "version" / c.Bytes(2), "vendor" / c.Bytes(2))
+_REQUEST = c.Struct("request" / c.Bytes(2), "object" / c.Bytes(2))
+_RESULT = c.Struct("status" / c.Int8ub, "implementation" / c.Int8ub)
+
+
+def _client(order: _Ordered) -> Any:
+    return c.Struct(
+        "peer" / _PEER,
         "key" / c.Bytes(4),
         "session" / c.Int8ub,
-        "has_properties" / given,
-        "properties" / c.If(c.this.has_properties, properties),
+        "has_properties" / c.Flag,
+        "properties" / c.If(c.this.has_properties, order.properties),
         "_mtu" / _Aligned(2),
-        "mtu" / u16,
+        "mtu" / order.u16,
     )
-    agent = c.Struct("peer" / peer, "has_properties" / given, "properties" / c.If(c.this.has_properties, properties))
+
+
+def _agent(order: _Ordered) -> Any:
+    return c.Struct(
+        "peer" / _PEER,
+        "has_properties" / c.Flag,
+        "properties" / c.If(c.this.has_properties, order.properties),
+    )
+
+
+def _object(order: _Ordered) -> Any:
+    """What an object is to be, or is: ObjectVariant."""
+    forms = {_REFERENCE: order.text, _XML: order.text, _BINARY: order.octets}
     described = c.Struct(
         "format" / c.Int8ub,
-        "description" / c.Switch(c.this.format, {_REFERENCE: text, _XML: text, _BINARY: octets}, default=c.Error),
+        "description" / c.Switch(c.this.format, forms, default=c.Error),
     )
     owned = c.Struct(
         "description" / described,
         "_domain" / c.If(lambda context: context._.kind == _PARTICIPANT, _Aligned(2)),
-        "domain" / c.If(lambda context: context._.kind == _PARTICIPANT, i16),
+        "domain" / c.If(lambda context: context._.kind == _PARTICIPANT, order.i16),
         "owner" / c.If(lambda context: context._.kind != _PARTICIPANT and context._.kind not in _ALONE, c.Bytes(2)),
     )
-    variant = c.Struct(
+    return c.Struct(
         "kind" / c.OneOf(c.Int8ub, OBJECT_KINDS),
-        "what" / c.Switch(c.this.kind, {_AGENT: agent, _CLIENT: client}, default=owned),
+        "what" / c.Switch(c.this.kind, {_AGENT: _agent(order), _CLIENT: _client(order)}, default=owned),
     )
+
+
+def _information(order: _Ordered) -> Any:
+    return c.Struct(
+        "base" / _REQUEST,
+        "result" / _RESULT,
+        "has_configuration" / c.Flag,
+        "configuration" / c.If(c.this.has_configuration, _object(order)),
+        "has_activity" / c.Flag,
+        "activity" / c.If(c.this.has_activity, c.GreedyBytes),
+    )
+
+
+def _read(order: _Ordered) -> Any:
     control = c.Struct(
         "_control" / _Aligned(2),
-        "max_samples" / u16,
-        "max_elapsed_time" / u16,
-        "max_bytes_per_second" / u16,
-        "min_pace_period" / u16,
+        "max_samples" / order.u16,
+        "max_elapsed_time" / order.u16,
+        "max_bytes_per_second" / order.u16,
+        "min_pace_period" / order.u16,
     )
-    carried = c.Struct("base" / request, "sample" / c.GreedyBytes)
+    return c.Struct(
+        "base" / _REQUEST,
+        "preferred_stream" / c.Int8ub,
+        "format" / c.Int8ub,
+        "has_filter" / c.Flag,
+        "filter" / c.If(c.this.has_filter, order.text),
+        "has_control" / c.Flag,
+        "control" / c.If(c.this.has_control, control),
+    )
+
+
+@cache
+def payloads(little: bool) -> Mapping[Kind, Any]:
+    """What a submessage of each kind carries, in one of the two byte orders."""
+    order = _Ordered(little)
+    u16, moment = order.u16, order.moment
+    carried = c.Struct("base" / _REQUEST, "sample" / c.GreedyBytes)
     return {
-        Kind.CREATE_CLIENT: client,
-        Kind.CREATE: c.Struct("base" / request, "new" / variant),
-        Kind.GET_INFO: c.Struct("base" / request, "mask" / u32),
-        Kind.DELETE: c.Struct("base" / request),
-        Kind.STATUS_AGENT: c.Struct("result" / result, "agent" / agent),
-        Kind.STATUS: c.Struct("base" / request, "result" / result),
-        Kind.INFO: c.Struct(
-            "base" / request,
-            "result" / result,
-            "has_configuration" / given,
-            "configuration" / c.If(c.this.has_configuration, variant),
-            "has_activity" / given,
-            "activity" / c.If(c.this.has_activity, c.GreedyBytes),
-        ),
+        Kind.CREATE_CLIENT: _client(order),
+        Kind.CREATE: c.Struct("base" / _REQUEST, "new" / _object(order)),
+        Kind.GET_INFO: c.Struct("base" / _REQUEST, "mask" / order.u32),
+        Kind.DELETE: c.Struct("base" / _REQUEST),
+        Kind.STATUS_AGENT: c.Struct("result" / _RESULT, "agent" / _agent(order)),
+        Kind.STATUS: c.Struct("base" / _REQUEST, "result" / _RESULT),
+        Kind.INFO: _information(order),
         Kind.WRITE_DATA: carried,
-        Kind.READ_DATA: c.Struct(
-            "base" / request,
-            "preferred_stream" / c.Int8ub,
-            "format" / c.Int8ub,
-            "has_filter" / given,
-            "filter" / c.If(c.this.has_filter, text),
-            "has_control" / given,
-            "control" / c.If(c.this.has_control, control),
-        ),
+        Kind.READ_DATA: _read(order),
         Kind.DATA: carried,
         Kind.ACKNACK: c.Struct("first" / u16, "bitmap" / c.Int16ub, "subject" / c.Int8ub),
         Kind.HEARTBEAT: c.Struct("first" / u16, "last" / u16, "subject" / c.Int8ub),
