@@ -32,3 +32,9 @@ def test_the_longest_sleep_follows_from_the_dead_time() -> None:
 def test_a_pull_subscriber_lingers_longer_the_more_can_be_lost(losses: int, linger: int, expected: str) -> None:
     found = answer("NIWS", SUBSCRIPTION=PULL, AGENT_HEARTBEAT=1, DEAD=6, SLEEP=10, LINGER=linger, LOSSES=losses)
     assert found == expected
+
+
+def test_with_two_losses_the_silence_before_the_sleep_is_longer_than_the_lingering() -> None:
+    """LINGER + SLEEP + 3 HBA = 5 < DEAD, but the Agent has missed the last answer of the client: q = 4."""
+    constants = {"MESSAGES": 2, "KEEP": 2, "LINGER": 1, "SLEEP": 1, "AGENT_HEARTBEAT": 1, "DEAD": 6}
+    assert answer("ECRA", LOSSES=2, **constants) == "fails"
