@@ -66,6 +66,7 @@ REASONS = {
         "compiler/intervals.possible_cells",
         "frontend/dropped.is_harmless",
         "frontend/expressions/typing.value_range",
+        "logic/bound_directions.directions_in",
         "semantics/clock_constants.interval",
         "semantics/discrete._is_the_same_everywhere",
     },
