@@ -8,11 +8,10 @@ OBSERVER_CODES: dict[str, Explanation] = {
     "E0730": Explanation(
         "no observer for this formula",
         "A temporal property is checked by an automaton beside the model that reaches a bad location exactly if the "
-        "formula can be violated. There is none for a formula that only a run without end can violate, such as F q "
-        "without a window, and tachk has none for some nestings of operators. docs/logic.md lists the formulas "
-        "that have one.",
-        "property p : G(P.a -> F P.b);",
-        "property p : G(P.a -> F[0,10] P.b);",
+        "formula can be violated, or stays in certain locations for ever exactly if a run without end violates it. "
+        "tachk has none for some nestings of operators. docs/logic.md lists the formulas that have one.",
+        "property p : G(rise(H[0,3] P.a) -> P.b);",
+        "property p : G(H[0,3] P.a -> P.b);",
     ),
     "E0731": Explanation(
         "clock in a temporal formula",
