@@ -18,6 +18,7 @@ from tachk.time_limit import check_time
 from tachk.words import Direction
 
 _ACTIONS = 2000
+_COMPARISONS = 500
 """More different ways in which a step can be made are refused."""
 
 
@@ -160,11 +161,17 @@ def unblocked(found: Sequence[Action]) -> Formula:
 # ---- some moment from now on ----------------------------------------------------------------------------------------
 
 
+class TooManyComparisonsError(Exception):
+    """A formula that takes too long to be freed of a moment."""
+
+
 def sometimes(formula: Formula, moment: z3.ArithRef, first: z3.ArithRef) -> Formula:
     """Whether a formula about clocks holds at some moment from a first one on, without the moment.
 
     Its truth changes only where the moment makes the two sides of a comparison equal, so that these moments, and those
     just behind them, stand for all others (Loos and Weispfenning 1993, virtual substitution).
+
+    Raises TooManyComparisonsError.
     """
     if isinstance(formula, bool):
         return formula
@@ -221,37 +228,51 @@ _COMPARED = (z3.Z3_OP_LT, z3.Z3_OP_LE, z3.Z3_OP_GT, z3.Z3_OP_GE, z3.Z3_OP_EQ, z3
 
 def _comparisons(whole: z3.ExprRef, moment: z3.ArithRef) -> list[z3.BoolRef]:
     """The comparisons of real numbers that mention the moment."""
-    found: dict[int, z3.BoolRef] = {}
+    mentioning = _mentioning(whole, moment)
+    found: list[z3.BoolRef] = []
+    for current in _parts(whole):
+        if z3.is_app(current) and current.decl().kind() in _COMPARED and z3.is_real(current.arg(0)):
+            if current.get_id() in mentioning:
+                found.append(current)
+    return found
+
+
+def _parts(whole: z3.ExprRef) -> Iterator[z3.ExprRef]:
+    """The formula and all that it consists of, each once: what is shared is told once."""
     seen: set[int] = set()
     pending = [whole]
     while pending:
         current = pending.pop()
-        if current.get_id() in seen:
-            continue
-        seen.add(current.get_id())
-        if z3.is_app(current) and current.decl().kind() in _COMPARED and z3.is_real(current.arg(0)):
-            if _mentions(current, moment):
-                found[current.get_id()] = current
-        else:
+        if current.get_id() not in seen:
+            seen.add(current.get_id())
+            yield current
             pending.extend(current.children())
-    return list(found.values())
 
 
-def _mentions(whole: z3.ExprRef, moment: z3.ArithRef) -> bool:
-    pending = [whole]
+def _mentioning(whole: z3.ExprRef, moment: z3.ArithRef) -> set[int]:
+    """The ids of the parts of a formula in which the moment occurs."""
+    above: dict[int, list[int]] = {}
+    for part in _parts(whole):
+        for child in part.children():
+            above.setdefault(child.get_id(), []).append(part.get_id())
+    found = {moment.get_id()}
+    pending = [moment.get_id()]
     while pending:
-        current = pending.pop()
-        if current.eq(moment):
-            return True
-        pending.extend(current.children())
-    return False
+        for parent in above.get(pending.pop(), ()):
+            if parent not in found:
+                found.add(parent)
+                pending.append(parent)
+    return found
 
 
 def _without_choices(whole: z3.BoolRef, moment: z3.ArithRef) -> z3.BoolRef:
     """The formula with ``If`` between real numbers taken out of comparisons that mention the moment."""
     while True:
         replaced = []
-        for comparison in _comparisons(whole, moment):
+        comparisons = _comparisons(whole, moment)
+        if len(comparisons) > _COMPARISONS:
+            raise TooManyComparisonsError
+        for comparison in comparisons:
             choice = _choice(comparison)
             if choice is not None:
                 test, then, otherwise = choice.children()
@@ -266,10 +287,5 @@ def _without_choices(whole: z3.BoolRef, moment: z3.ArithRef) -> z3.BoolRef:
 
 def _choice(comparison: z3.BoolRef) -> z3.ExprRef | None:
     """An ``If`` between real numbers inside a comparison, the outermost one."""
-    pending = [*comparison.children()]
-    while pending:
-        current = pending.pop()
-        if z3.is_app(current) and current.decl().kind() == z3.Z3_OP_ITE and z3.is_real(current):
-            return current
-        pending.extend(current.children())
-    return None
+    choices = (p for p in _parts(comparison) if z3.is_app(p) and p.decl().kind() == z3.Z3_OP_ITE and z3.is_real(p))
+    return next(choices, None)

@@ -14,7 +14,7 @@ from itertools import combinations
 
 import z3
 
-from tachk.engines.smt.actions import Action, Instance, actions, sometimes, unblocked
+from tachk.engines.smt.actions import Action, Instance, TooManyComparisonsError, actions, sometimes, unblocked
 from tachk.engines.smt.conditions import certain, guard
 from tachk.engines.smt.evaluator import PossibleFault, refused
 from tachk.engines.smt.frame import ClocksOf, Frame, fresh_frame, machine_of, participants
@@ -335,7 +335,11 @@ class _Encoder:
         invariant, _ = later._invariant(ClocksOf(later.frame, self.stopped, moment))
         waits = disj(moment == self.frame.left, self._time_may_pass())
         acts = any_of([*(a.possible for a in later._actions()), *(fault.condition for fault in later.faults)])
-        return neg(sometimes(all_of([invariant, waits, acts]), moment, self.frame.left))
+        try:
+            return neg(sometimes(all_of([invariant, waits, acts]), moment, self.frame.left))
+        except TooManyComparisonsError:
+            what = "deadlock where what is possible later depends on clocks in too many ways"
+            raise refused(what, self.network.processes[0].span) from None
 
     # ---- the step ----------------------------------------------------------------------------------------------------
 
