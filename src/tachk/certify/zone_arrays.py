@@ -107,7 +107,3 @@ def including(outer: Numbers, of_outer: Numbers, inner: Numbers, of_inner: Numbe
 
 def as_zones(zones: Numbers) -> list[Zone]:
     return [Zone(zone.shape[0], tuple(zone.ravel().tolist())) for zone in zones]
-
-
-def as_array(zones: Iterable[Zone], dimension: int) -> Numbers:
-    return np.array([zone.bounds for zone in zones], np.int64).reshape(-1, dimension, dimension)

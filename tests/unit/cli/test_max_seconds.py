@@ -60,6 +60,7 @@ COMMAND_LINES = (
     "plot p m.csv -o out.svg",
     "explain m.ta",
     "certify m.ta m.cert",
+    "decode m.pcap",
 )
 
 ASKING_MUCH = "requirements r.stl"
@@ -73,6 +74,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "m.csv").write_text("time,p\n0,1\n1,0\n")
     (tmp_path / "r.stl").write_text("G (p -> F[0,3] q)\n")
     (tmp_path / "m.cert").write_bytes(b"")
+    (tmp_path / "m.pcap").write_bytes(bytes.fromhex("d4c3b2a1 02000400 00000000 00000000 ffff0000 65000000"))
     return tmp_path
 
 
@@ -159,6 +161,7 @@ def test_reading_a_trace_ends(tmp_path: Path, looks: Iterator[int]) -> None:
     (tmp_path / "m.csv").write_text("time,p\n0,1\n1,0\n")
     (tmp_path / "r.stl").write_text("G (p -> F[0,3] q)\n")
     (tmp_path / "m.cert").write_bytes(b"")
+    (tmp_path / "m.pcap").write_bytes(bytes.fromhex("d4c3b2a1 02000400 00000000 00000000 ffff0000 65000000"))
     with pytest.raises(OutOfTimeError), time_limit(50):
         open_trace(str(tmp_path / "m.vcd")).read()
     for text in ("p", "F[0,1] p"):

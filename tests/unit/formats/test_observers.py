@@ -111,7 +111,7 @@ def test_what_cannot_be_repeated_stays_a_comment_with_the_reason() -> None:
     P1 = P(1); P2(const int[0, 1] k) = P(k);
     property array : G(P1.a[0] == 1);
     property partial : G P2(0).A;
-    property endless : F G P1.A;
+    property nested : G (rise(H[0, 3] P1.A) -> P1.A);
     system P1, P2;
     """
     found = exported(model, ExportFormat.QUERIES)
@@ -119,7 +119,7 @@ def test_what_cannot_be_repeated_stays_a_comment_with_the_reason() -> None:
     reasons = [step.text for step in found.steps if "stays a comment" in step.text]
     assert "`array` stays a comment: `P1.a` is neither a location nor a variable of one number" in reasons
     assert any(reason.startswith("`partial` stays a comment") for reason in reasons)
-    assert "`endless` stays a comment: tachk does not check it" in reasons
+    assert "`nested` stays a comment: tachk does not check it" in reasons
 
 
 def test_a_model_that_is_not_checked_whole_gets_no_observers() -> None:

@@ -26,7 +26,8 @@ def first(text: str) -> Verdict:
 def test_every_kind_has_a_code() -> None:
     kinds = list(RuntimeErrorKind)
     span = load_model(Source("m.ta", "process P() { init location a; }\nsystem P;")).document.span
-    assert [diagnostic_of(RunTimeFault(kind, span, (), None)).code for kind in kinds] == list(RUN_TIME_CODES)
+    codes = [diagnostic_of(RunTimeFault(kind, span, (), None)).code for kind in kinds]
+    assert sorted(codes) == list(RUN_TIME_CODES)
 
 
 @pytest.mark.parametrize("code", [code for code in RUN_TIME_CODES if RUN_TIME_CODES[code].bad])

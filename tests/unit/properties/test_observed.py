@@ -124,7 +124,7 @@ def test_priorities_refuse_temporal_properties_only(verdicts: Verdicts) -> None:
 @pytest.mark.parametrize(
     ("formula", "code", "place"),
     [
-        ("F G Door.Open", "E0730", "F G Door.Open"),
+        ("G (rise(H[0, 3] Door.Open) -> Door.Open)", "E0730", "H[0, 3] Door.Open"),
         ("G(Door.x > 2 -> Door.Open)", "E0731", "Door.x"),
         ("G(global > 2 -> Door.Open)", "E0731", "global"),
     ],
