@@ -9,10 +9,9 @@ from construct import Container
 
 from tachk.records import dataclass
 from tachk.xrce import wire
-from tachk.xrce.datagrams import datagrams
-from tachk.xrce.messages import Endpoint, MessageReader
-from tachk.xrce.packets import CaptureError, read_packets
-from tachk.xrce.submessages import MALFORMED, Submessages, parsed, submessages
+from tachk.xrce.messages import Endpoint
+from tachk.xrce.reading import CaptureReading
+from tachk.xrce.submessages import MALFORMED, Submessages, parsed
 from tachk.xrce.wire import Kind
 
 DEFAULT_PORT: Final = 8888
@@ -66,18 +65,12 @@ def decode(stream: BinaryIO, ports: Iterable[int] = (DEFAULT_PORT,)) -> Iterator
         stream: a pcap or pcapng file, or a pipe from a running capture.
         ports: UDP and TCP ports of Agents, or of relays that clients take for the Agent.
     """
-    reader = MessageReader(ports)
-    time, packet = 0, 0
-    try:
-        for packets in read_packets(stream):
-            time, packet = int(packets.times[-1]), packets.first + len(packets.times) - 1
-            yield from events(submessages(reader.read(datagrams(packets))), reader.endpoints)
-        yield from events(submessages(reader.close()), reader.endpoints)
-    except CaptureError as error:
-        if not packet:
-            raise
-        yield from events(submessages(reader.close()), reader.endpoints)
-        yield Event(packet + 1, 0, time, None, None, False, None, None, None, None, {}, str(error))
+    reading = CaptureReading(stream, ports)
+    for found in reading.pieces():
+        yield from events(found, reading.endpoints)
+    if reading.problem:
+        number, time = reading.packets + 1, reading.time
+        yield Event(number, 0, time, None, None, False, None, None, None, None, {}, reading.problem)
 
 
 def events(found: Submessages, endpoints: list[Endpoint]) -> Iterator[Event]:

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from tachk.records import dataclass
 from tachk.xrce import wire
-from tachk.xrce.datagrams import datagrams
-from tachk.xrce.messages import Endpoint, MessageReader
-from tachk.xrce.packets import CaptureError, Numbers, read_packets
-from tachk.xrce.submessages import Submessages, submessages
+from tachk.xrce.messages import Endpoint
+from tachk.xrce.packets import Numbers
+from tachk.xrce.reading import CaptureReading
+from tachk.xrce.submessages import Submessages
 from tachk.xrce.wire import Kind
 
 SIGNALS: Final = ("sent", "acknowledged", "outstanding", "missing", "heartbeats", "repetitions")
@@ -71,18 +71,11 @@ class Streams:
 
 def read_streams(stream: BinaryIO, ports: Iterable[int]) -> Streams:
     """What a capture says of the reliable streams of clients. Raises CaptureError for what is no capture."""
-    reader = MessageReader(ports)
+    reading = CaptureReading(stream, ports)
     follower = _Follower()
-    problem = ""
-    try:
-        for packets in read_packets(stream):
-            follower.push(submessages(reader.read(datagrams(packets))))
-    except CaptureError as error:
-        if not follower.times:
-            raise
-        problem = str(error)
-    follower.push(submessages(reader.close()))
-    return follower.streams(reader.endpoints, problem)
+    for found in reading.pieces():
+        follower.push(found)
+    return follower.streams(reading.endpoints, reading.problem)
 
 
 class _Stream:
