@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib import import_module
 from random import Random
 
 import click
 
-from tachk.cli.main import COMMANDS
+from tachk.cli.main import COMMANDS, load_command
 from tests.fuzz.inputs import (
     CSV,
     FORMULAS,
@@ -89,7 +88,7 @@ def random_command(random: Random) -> Case:
         if random.random() < 0.3:
             random.shuffle(words)
         return Case((name, *words), _files(), SMALL_QUERIES.encode())
-    command = import_module(f"tachk.cli.commands.{name.replace('-', '_')}").command
+    command = load_command(name)
     words: list[str] = []
     parameters = [parameter for parameter in command.params if isinstance(parameter, click.Option)]
     chosen = random.sample(parameters, min(len(parameters), random.choice((0, 1, 1, 2, 3, 5))))

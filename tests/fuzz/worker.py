@@ -54,7 +54,7 @@ def prepare(warming: Iterable[Case] = ()) -> None:
     The cases must start no thread, which no child would have.
     """
     for name in main.COMMANDS:
-        import_module(f"tachk.cli.commands.{name.replace('-', '_')}")
+        main.load_command(name)
     for name in (
         *_HEAVY,
         "tachk.api",

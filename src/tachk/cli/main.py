@@ -36,11 +36,22 @@ COMMANDS = (
     "completion",
     "verifyta",
 )
-"""In the order of the help. The command NAME is `tachk.cli.commands.NAME.command`."""
+"""In the order of the help."""
+
+_ABOUT_PACKETS = frozenset({"decode"})
+"""Their modules are in a folder of their own."""
 
 
 COMPLETION_VARIABLE = "_TACHK_COMPLETE"
 """With this in the environment click answers what a shell asks when it completes a line."""
+
+
+def load_command(name: str) -> click.Command:
+    """The command of a name: `tachk.cli.commands.NAME.command`, or in the folder `packets`."""
+    folder = "packets." if name in _ABOUT_PACKETS else ""
+    command = import_module(f"tachk.cli.commands.{folder}{name.replace('-', '_')}").command
+    assert isinstance(command, click.Command)
+    return command
 
 
 class _Commands(click.Group):
@@ -50,11 +61,7 @@ class _Commands(click.Group):
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name not in COMMANDS:
-            return None
-        command = import_module(f"tachk.cli.commands.{cmd_name.replace('-', '_')}").command
-        assert isinstance(command, click.Command)
-        return command
+        return load_command(cmd_name) if cmd_name in COMMANDS else None
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

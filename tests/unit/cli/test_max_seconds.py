@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from importlib import import_module
 from itertools import count
 from pathlib import Path
 
@@ -14,7 +13,7 @@ import pytest
 from tachk import time_limit as module
 from tachk.cli.actions.check import run_check
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.main import COMMANDS, app
+from tachk.cli.main import COMMANDS, app, load_command
 from tachk.cli.reporting import ReportForm
 from tachk.diagnostics.span import Source
 from tachk.drawing.placement.template import place_template
@@ -94,7 +93,7 @@ def run(line: str) -> int:
 
 @pytest.mark.parametrize("name", sorted({*COMMANDS} - WITHOUT))
 def test_a_command_that_reads_files_has_the_option(name: str) -> None:
-    command = import_module(f"tachk.cli.commands.{name}").command
+    command = load_command(name)
     assert isinstance(command, click.Command)
     assert "--max-seconds" in [option for parameter in command.params for option in parameter.opts]
     assert any(line.split()[0] == name for line in (*COMMAND_LINES, ASKING_MUCH))
