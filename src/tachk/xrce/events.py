@@ -11,6 +11,7 @@ from tachk.records import dataclass
 from tachk.xrce import wire
 from tachk.xrce.messages import Endpoint
 from tachk.xrce.reading import CaptureReading
+from tachk.xrce.serial_line import NOBODY, SerialReading
 from tachk.xrce.submessages import MALFORMED, Submessages, parsed
 from tachk.xrce.wire import Kind
 
@@ -28,7 +29,7 @@ class Event:
         packet: the number of its packet in the capture, from 1.
         place: how many events come before it in its message.
         time: nanoseconds since the epoch.
-        client, agent: who talks; None where the file ends.
+        client, agent: who talks; None where the file ends, or a frame of a serial line before it says so.
         to_agent: whether the client sent it.
         kind: None if it is malformed.
         session, stream, sequence: as in the header of its message; None where there is no header.
@@ -65,7 +66,21 @@ def decode(stream: BinaryIO, ports: Iterable[int] = (DEFAULT_PORT,)) -> Iterator
         stream: a pcap or pcapng file, or a pipe from a running capture.
         ports: UDP and TCP ports of Agents, or of relays that clients take for the Agent.
     """
-    reading = CaptureReading(stream, ports)
+    return _decoded(CaptureReading(stream, ports))
+
+
+def decode_serial(stream: BinaryIO) -> Iterator[Event]:
+    """The events on a serial line, in eProsima's framing. Frames that a receiver would drop are malformed events.
+
+    Raises CaptureError for a file without bytes.
+
+    Args:
+        stream: the bytes of the line, or a pcap or pcapng file whose packets hold them.
+    """
+    return _decoded(SerialReading(stream))
+
+
+def _decoded(reading: CaptureReading | SerialReading) -> Iterator[Event]:
     for found in reading.pieces():
         yield from events(found, reading.endpoints)
     if reading.problem:
@@ -89,8 +104,8 @@ def events(found: Submessages, endpoints: list[Endpoint]) -> Iterator[Event]:
             packet,
             place,
             time,
-            endpoints[client],
-            endpoints[agent],
+            None if client == NOBODY else endpoints[client],
+            None if agent == NOBODY else endpoints[agent],
             to_agent,
             kind,
             None if session < 0 else session,

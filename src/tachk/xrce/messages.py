@@ -5,7 +5,8 @@ UDP carries one message a datagram. TCP carries two bytes of length, little-endi
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import field
 from ipaddress import IPv6Address
 
 import numpy as np
@@ -42,6 +43,7 @@ class Messages:
         to_agent: whether the client sent it.
         starts, sizes: where it is in ``octets``.
         missing: how many bytes of it were not captured, or lost.
+        problems: by entry, why its receiver drops it; such an entry has no bytes.
     """
 
     octets: Octets
@@ -53,6 +55,7 @@ class Messages:
     starts: Numbers
     sizes: Numbers
     missing: Numbers
+    problems: Mapping[int, str] = field(default_factory=dict)
 
 
 class MessageReader:

@@ -191,7 +191,9 @@ class _Walk:
             missing, there = int(messages.missing[message]), int(messages.sizes[message])
             left = int(ends[entry] - at[entry])
             stated = int(self.byte(at[entry : entry + 1])[0])
-            if missing:
+            if message in messages.problems:
+                problem = messages.problems[message]
+            elif missing:
                 problem = f"{missing} of {there + missing} bytes of the message were not captured"
             elif headless[entry]:
                 problem = f"a message has a header of 4 or 8 bytes, this one has {there} bytes"

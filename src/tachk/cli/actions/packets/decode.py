@@ -13,16 +13,20 @@ from tachk.diagnostics.diagnostic import UsageError
 from tachk.records import dataclass
 from tachk.report.packets.json import event_to_json
 from tachk.report.packets.text import event_to_text
-from tachk.xrce.events import decode
+from tachk.xrce.events import decode, decode_serial
 from tachk.xrce.packets import CaptureError
 
 
 @dataclass(frozen=True, slots=True)
 class Decoding:
-    """``form``: text or jsonl."""
+    """Attributes:
+    serial: the file holds the bytes of a serial line.
+    form: text or jsonl.
+    """
 
     file: Path
     ports: tuple[int, ...]
+    serial: bool
     form: str
     output: Path | None
 
@@ -37,7 +41,7 @@ def run_decode(decoding: Decoding) -> ExitStatus:
     ):
         start = None
         try:
-            for event in decode(stream, decoding.ports):
+            for event in decode_serial(stream) if decoding.serial else decode(stream, decoding.ports):
                 start = event.time if start is None else start
                 found += 1
                 if decoding.form == "text":
@@ -46,9 +50,10 @@ def run_decode(decoding: Decoding) -> ExitStatus:
                     print(json.dumps(event_to_json(event), ensure_ascii=False), file=out, flush=is_input)
         except CaptureError as error:
             raise UsageError(
-                f"{decoding.file}: {error}", "tcpdump -i any -w FILE.pcap udp port 8888 makes a capture"
+                f"{decoding.file}: {error}",
+                "tcpdump -i any -w FILE.pcap udp port 8888 makes a capture; --serial reads the bytes of a serial line",
             ) from None
-    if not found:
+    if not found and not decoding.serial:
         ports = ", ".join(map(str, decoding.ports))
         print(f"no packet to or from port {ports}; give the port of the Agent with --port", file=sys.stderr)
     return ExitStatus.AS_EXPECTED

@@ -22,6 +22,11 @@ from tachk.cli import options
     help="A UDP or TCP port of an Agent, or of a relay that clients take for one. Can be given several times.",
 )
 @click.option(
+    "--serial",
+    is_flag=True,
+    help="FILE holds the bytes of a serial line, with eProsima's framing: alone, or as the packets of a capture.",
+)
+@click.option(
     "form", "--format", type=click.Choice(["text", "jsonl"]), default="text", show_default=True, help="Form of a line."
 )
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the lines to a file.")

@@ -1,0 +1,114 @@
+"""Messages on serial lines: eProsima's framing, after HDLC (ISO/IEC 13239), with a CRC.
+
+A frame is 0x7E, address of the sender, address of the receiver, length, message, CRC. Behind the first byte every 0x7E
+and 0x7D is written as 0x7D and the byte with bit 5 inverted. Length and CRC are little-endian, and count or cover the
+message as it was before that. The Agent has address 0.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from tachk.records import dataclass
+
+_BEGIN: Final = 0x7E
+_ESCAPE: Final = 0x7D
+_INVERTED: Final = 0x20
+AGENT_ADDRESS: Final = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """Attributes:
+    sender, receiver: addresses; None where the frame ends before.
+    message: what it carries, as far as it came.
+    problem: why it would be dropped; empty if it would not.
+    """
+
+    sender: int | None
+    receiver: int | None
+    message: bytes
+    problem: str = ""
+
+
+class FrameReader:
+    """Finds the frames in the bytes of one direction of a line, whatever pieces they come in."""
+
+    def __init__(self) -> None:
+        self._plain: bytearray | None = None
+        """What has come of the frame, without escapes; None between frames."""
+        self._escaped = False
+        self._between = 0
+
+    def push(self, octets: bytes) -> list[Frame]:
+        """The frames that these bytes complete. What lies between frames is told when the next frame begins."""
+        found = []
+        for octet in octets:
+            if octet == _BEGIN:
+                found += self.close()
+                self._plain = bytearray()
+            elif self._plain is None:
+                self._between += 1
+            elif octet == _ESCAPE:
+                self._escaped = True
+            else:
+                self._plain.append(octet ^ _INVERTED if self._escaped else octet)
+                self._escaped = False
+                if len(self._plain) >= 6 and len(self._plain) == 6 + _size(self._plain):
+                    found.append(_whole(self._plain))
+                    self._plain = None
+        return found
+
+    def close(self) -> list[Frame]:
+        """What has begun and not ended: a frame, or bytes that belong to none."""
+        found = [_cut(self._plain)] if self._plain else []
+        if self._between:
+            found.append(Frame(None, None, b"", f"{self._between} bytes belong to no frame"))
+        self._plain, self._escaped, self._between = None, False, 0
+        return found
+
+
+def framed(sender: int, receiver: int, message: bytes) -> bytes:
+    """A frame."""
+    size = len(message).to_bytes(2, "little")
+    plain = bytes((sender, receiver)) + size + message + crc16(message).to_bytes(2, "little")
+    escaped = b"".join(
+        bytes((_ESCAPE, octet ^ _INVERTED)) if octet in (_BEGIN, _ESCAPE) else bytes((octet,)) for octet in plain
+    )
+    return bytes((_BEGIN,)) + escaped
+
+
+def crc16(message: bytes) -> int:
+    """CRC-16/ARC: polynomial 0x8005, reflected, from 0."""
+    crc = 0
+    for octet in message:
+        crc = crc >> 8 ^ _TABLE[(crc ^ octet) & 0xFF]
+    return crc
+
+
+def _entry(index: int) -> int:
+    for _ in range(8):
+        index = index >> 1 ^ 0xA001 if index & 1 else index >> 1
+    return index
+
+
+_TABLE: Final = tuple(map(_entry, range(256)))
+
+
+def _size(plain: bytearray) -> int:
+    return int.from_bytes(plain[2:4], "little")
+
+
+def _whole(plain: bytearray) -> Frame:
+    message = bytes(plain[4:-2])
+    stated, found = int.from_bytes(plain[-2:], "little"), crc16(message)
+    problem = "" if stated == found else f"the CRC of a frame is {stated:#06x}, but should be {found:#06x}"
+    return Frame(plain[0], plain[1], message, problem)
+
+
+def _cut(plain: bytearray) -> Frame:
+    if len(plain) < 4:
+        return Frame(None, None, b"", f"a frame ends after {len(plain)} bytes, inside its header")
+    size = _size(plain)
+    message = bytes(plain[4 : 4 + size])
+    return Frame(plain[0], plain[1], message, f"of a frame with {size} bytes only {len(message)} came")
