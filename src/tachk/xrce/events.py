@@ -121,7 +121,7 @@ def _fields(found: Submessages, entry: int, kind: Kind) -> dict[str, Value]:
     told: dict[str, Value] = {}
     if found.request[entry] >= 0:
         told |= {"request": int(found.request[entry]), "object": f"{int(found.object[entry]):04X}"}
-    content = parsed(found, entry)
+    content = found.contents.get(entry) or parsed(found, entry)
     match kind:
         case Kind.CREATE_CLIENT:
             return _peer(content.peer) | {

@@ -73,6 +73,7 @@ class Submessages:
         subject: which stream an ACKNACK or a HEARTBEAT is about.
         request, object: ids.
         problems: by entry, why it is MALFORMED.
+        contents: by entry, what has an inner structure, as `tachk.xrce.wire` declares it.
     """
 
     messages: Messages
@@ -92,6 +93,7 @@ class Submessages:
     request: Numbers
     object: Numbers
     problems: dict[int, str]
+    contents: dict[int, construct.Container]
 
 
 def submessages(messages: Messages) -> Submessages:
@@ -178,6 +180,7 @@ class _Walk:
             np.where(has_request, self.big(start), NOTHING),
             np.where(has_request, self.big(start + 2), NOTHING),
             {},
+            {},
         )
         self.explain(found, at, size, ends, headless)
         self.look_inside(found)
@@ -213,7 +216,7 @@ class _Walk:
         for entry in np.flatnonzero(np.isin(found.kind, _STRUCTURED)).tolist():
             kind = Kind(int(found.kind[entry]))
             try:
-                parsed(found, entry)
+                found.contents[entry] = parsed(found, entry)
             except construct.ConstructError as error:
                 found.kind[entry] = MALFORMED
                 found.problems[entry] = f"{kind.name} is damaged: {_reason(error)}"
