@@ -68,16 +68,6 @@ class FrameReader:
         return found
 
 
-def framed(sender: int, receiver: int, message: bytes) -> bytes:
-    """A frame."""
-    size = len(message).to_bytes(2, "little")
-    plain = bytes((sender, receiver)) + size + message + crc16(message).to_bytes(2, "little")
-    escaped = b"".join(
-        bytes((_ESCAPE, octet ^ _INVERTED)) if octet in (_BEGIN, _ESCAPE) else bytes((octet,)) for octet in plain
-    )
-    return bytes((_BEGIN,)) + escaped
-
-
 def crc16(message: bytes) -> int:
     """CRC-16/ARC: polynomial 0x8005, reflected, from 0."""
     crc = 0

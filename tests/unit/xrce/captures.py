@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from tachk.xrce.serial_framing import crc16
+
 RECORDED = Path(__file__).resolve().parents[4] / "shared" / "captures"
 """Captures of real clients and Agents, beside a working copy of the developers; they are not part of the project."""
 
@@ -68,6 +70,12 @@ def pcapng(packets: list[bytes], link: int = 101, order: str = "<", resolution: 
         header = struct.pack(order + "IIIII", 0, ticks >> 32, ticks & 0xFFFFFFFF, len(packet), len(packet))
         blocks.append(block(6, header + packet + bytes(-len(packet) % 4), order))
     return b"".join(blocks)
+
+
+def framed(sender: int, receiver: int, message: bytes) -> bytes:
+    """A frame of a serial line."""
+    plain = bytes((sender, receiver)) + struct.pack("<H", len(message)) + message + struct.pack("<H", crc16(message))
+    return b"\x7e" + plain.replace(b"\x7d", b"\x7d\x5d").replace(b"\x7e", b"\x7d\x5e")
 
 
 def block(kind: int, body: bytes, order: str = "<") -> bytes:

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from tachk.cli.main import app
 from tachk.xrce.events import Event, decode_serial
 from tachk.xrce.packets import CaptureError
-from tachk.xrce.serial_framing import Frame, FrameReader, crc16, framed
+from tachk.xrce.serial_framing import Frame, FrameReader, crc16
 from tachk.xrce.wire import Kind
-from tests.unit.xrce.captures import ACKNACK, HEARTBEAT, WRITE_DATA, pcap
+from tests.unit.xrce.captures import ACKNACK, HEARTBEAT, WRITE_DATA, framed, pcap
 
 PING = bytes.fromhex("8000000002010800000AFFFD02000000")
 
