@@ -177,9 +177,9 @@ int main() {
   test_extents(5, 100, 6000);
   test_extents(16, 1000, 4000);
   for (const int dimension : {3, 6, 8, 9, 17, 33}) {
-    test_zones(dimension, Width::narrow, 390, 4000, true);
-    test_zones(dimension, Width::wide, 30000, 4000, true);
-    test_zones(dimension, Width::wide, 300, 2000, false);
+    test_zones(dimension, Width::narrow, 390, 2500, true);
+    test_zones(dimension, Width::wide, 30000, 2500, true);
+    test_zones(dimension, Width::wide, 300, 1500, false);
   }
   std::puts("long antichains are those of a plain list");
 }
