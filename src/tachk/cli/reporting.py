@@ -57,3 +57,14 @@ class Reporting:
     form: ReportForm = ReportForm.TEXT
     output: Path | None = None
     quiet: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class ViolationReporting:
+    """What `tachk monitor` tells beside the verdicts.
+
+    Attributes:
+        all_violations: each, not only the first of each formula.
+    """
+
+    all_violations: bool = False

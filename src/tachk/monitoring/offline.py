@@ -20,7 +20,7 @@ from tachk.monitoring.compiler import ticks_needed
 from tachk.monitoring.formulas import NamedFormula, check_order, in_trace_units, read_formulas
 from tachk.monitoring.line_compiler import line_findings
 from tachk.monitoring.reading import Reading, reading_of
-from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, TimeRobustness
+from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, TimeRobustness, cell_time
 from tachk.report.monitor.text import print_monitor
 from tachk.runtime.conventions import Ending, Interpolation
 from tachk.runtime.core_monitor import (
@@ -322,11 +322,11 @@ class MonitorReport(Sequence[MonitorVerdict]):
         truths = {verdict.truth for verdict in self.record.verdicts}
         return next(t for t in (Truth.FALSE, Truth.UNDETERMINED, Truth.TRUE) if t in truths)
 
-    def to_dict(self) -> dict[str, Json]:
-        """The record as docs/schema/monitor.schema.json describes it."""
+    def to_dict(self, all_violations: bool = False) -> dict[str, Json]:
+        """The record as docs/schema/monitor.schema.json describes it, its violations counted or listed."""
         from tachk.report.monitor.json import monitor_to_json
 
-        return monitor_to_json(self.record)
+        return monitor_to_json(self.record, all_violations)
 
     def to_rows(self) -> list[Mapping[str, str | float | bool | None]]:
         """One flat dictionary for each verdict: what `pandas.DataFrame` takes. Instants are in the trace's unit."""
@@ -360,6 +360,28 @@ class MonitorReport(Sequence[MonitorVerdict]):
             )
         return rows
 
+    def violation_rows(self) -> list[Mapping[str, str | float | None]]:
+        """One flat dictionary for each violation of each formula, in the order of time: what `pandas.DataFrame` takes.
+        Instants are in the trace's unit."""
+        trace = self.record.trace
+        rows: list[Mapping[str, str | float | None]] = []
+        for verdict in self.record.verdicts:
+            for finding in verdict.violations if verdict.measured is Truth.FALSE else ():
+                triggered, deadline = finding.triggered, finding.deadline
+                rows.append(
+                    {
+                        "trace": trace.name,
+                        "name": verdict.name,
+                        "violated": finding.formula,
+                        "from": float(trace.clock(cell_time(finding.cell))),
+                        "until": float(trace.clock((finding.last + 1) // 2)),
+                        "triggered_from": None if triggered is None else float(trace.clock(cell_time(triggered[0]))),
+                        "deadline": None if deadline is None else float(trace.clock(cell_time(deadline))),
+                        "blamed": ", ".join(reason.text for reason in finding.blamed),
+                    }
+                )
+        return rows
+
     def plot(
         self, path: str | os.PathLike[str] | None = None, begin: float | None = None, end: float | None = None
     ) -> Plot:
@@ -382,10 +404,10 @@ class MonitorReport(Sequence[MonitorVerdict]):
             plot_record(self.record, Path(path), span)
         return Plot(self.record, span)
 
-    def to_text(self) -> str:
-        """What `tachk monitor` prints."""
+    def to_text(self, all_violations: bool = False) -> str:
+        """What `tachk monitor` prints, with ``--all-violations`` or without."""
         out = StringIO()
-        print_monitor(self.record, Console(file=out, width=1000, highlight=False))
+        print_monitor(self.record, Console(file=out, width=1000, highlight=False), all_violations)
         return out.getvalue()
 
     def __str__(self) -> str:

@@ -35,6 +35,31 @@ class Truth(IntEnum):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Runs:
+    """Stretches of cells that do not touch, ascending: the first and the last cell of each."""
+
+    first: NDArray[np.int64]
+    last: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+    def meets(self, other: Runs) -> NDArray[np.bool_]:
+        """Of each stretch, whether one of the others has a cell with it in common."""
+        place = np.searchsorted(other.last, self.first)
+        found = place < len(other)
+        found[found] = other.first[place[found]] <= self.last[found]
+        return found
+
+    def around(self, cell: int) -> tuple[int, int] | None:
+        """The stretch that holds a cell."""
+        place = int(np.searchsorted(self.last, cell))
+        if place == len(self) or self.first[place] > cell:
+            return None
+        return int(self.first[place]), int(self.last[place])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class NodeSignal:
     """Attributes:
     starts: the first cell of each piece, ascending, the first one 0; neighbours may have the same value.
@@ -87,6 +112,15 @@ class NodeSignal:
         ends = [start - 1 for start in starts[1:]] + [self.cells - 1]
         values = self.values[kept].tolist()
         return [(start, end, Truth(value)) for start, end, value in zip(starts, ends, values, strict=True)]
+
+    def runs(self, value: Truth, begin: int, end: int) -> Runs:
+        """The longest stretches of one value within the cells ``begin .. end`` (inclusive) of the trace."""
+        same = self.values == value
+        first = self.starts[same & ~np.concatenate(([False], same[:-1]))]
+        ends = np.append(self.starts[1:] - 1, self.cells - 1)
+        last = ends[same & ~np.concatenate((same[1:], [False]))]
+        kept = (first <= end) & (last >= begin)
+        return Runs(np.maximum(first[kept], begin), np.minimum(last[kept], end))
 
     def _piece(self, cell: int) -> int:
         return int(np.searchsorted(self.starts, cell, side="right")) - 1

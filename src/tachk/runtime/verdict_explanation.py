@@ -40,6 +40,7 @@ class Finding:
     """The first instant at which a formula is violated, or at which its verdict hangs.
 
     Attributes:
+        formula: what has to be true, such as ``p -> q`` in ``G (p -> q)``.
         cell: the instant; for ``G (p -> ...)`` that of the trigger.
         last: the last cell of the stretch in which it is so, the first being ``cell``.
         trigger: why the condition that asks for the response is true, if the formula has that form.
@@ -50,6 +51,7 @@ class Finding:
         blamed: the innermost subformulas to blame, with the cells at which they are.
     """
 
+    formula: str
     cell: int
     last: int
     trigger: Reason | None
@@ -97,24 +99,31 @@ class Explainer:
         return self._found[value]
 
     def _find(self, value: Truth) -> Finding:
-        node, cell = self._body(len(self.program.nodes) - 1, value)
+        node, cell, end = self._body(len(self.program.nodes) - 1, value)
         if self.signal(node).at(cell) is not value:
             raise changed_trace()
-        trigger, response = self._trigger(node, cell)
+        trigger, _ = self._triggered(node, cell)
+        triggered = None if trigger is None else self.signal(trigger).run(cell)
+        finding = self.explained(node, (cell, min(self.signal(node).run(cell)[1], end)), triggered, value)
+        if value is not Truth.FALSE:
+            return finding
+        return replace(finding, decided=self._certain(finding.response, finding.trigger))
+
+    def explained(
+        self, node: int, stretch: tuple[int, int], triggered: tuple[int, int] | None, value: Truth
+    ) -> Finding:
+        """What makes a node false, or leaves it open, without when that became certain.
+
+        Args:
+            stretch: the first and the last cell in which it is so.
+            triggered: those in which the trigger is true, if the node has one.
+        """
+        cell, last = stretch
+        trigger, response = self._triggered(node, cell)
         cause = None if trigger is None else self.reason(trigger, cell, Truth.TRUE)
         reason = self.reason(node if response is None else response, cell, value)
-        blamed = tuple(_leaves(reason))
-        last = self.signal(node).run(cell)[1]
-        return Finding(
-            cell,
-            last,
-            cause,
-            None if trigger is None else self.signal(trigger).run(cell),
-            reason,
-            _deadline(reason),
-            self._certain(reason, cause) if value is Truth.FALSE else None,
-            blamed,
-        )
+        text = self.program.nodes[node].text
+        return Finding(text, cell, last, cause, triggered, reason, _deadline(reason), None, tuple(_leaves(reason)))
 
     def reason(self, node: int, cell: int, value: Truth) -> Reason:
         """Why a node has its value in a cell. The value must be the one that it has."""
@@ -139,36 +148,55 @@ class Explainer:
 
     # ---- the shape of the whole ----
 
-    def _body(self, node: int, value: Truth) -> tuple[int, int]:
-        """Goes from the whole down conjunctions and G to what has the value first, and where."""
-        cell = 0
+    def _body(self, node: int, value: Truth) -> tuple[int, int, int]:
+        """Goes from the whole down conjunctions and G to what has the value first, where, and up to where it is
+        asked for."""
+        cell = end = 0
         while True:
             current = self.program.nodes[node]
             if current.kind is NodeKind.AND:
                 parts = (o for o in current.operands if self.signal(o).at(cell) is value)
                 part = next(parts, None)
                 if part is None:
-                    return node, cell
+                    return node, cell, end
                 node = part
             elif current.kind is NodeKind.ALWAYS:
-                first, last = self._window(current, cell)
+                first, last = self.window(current, cell)
                 found = self.signal(current.operands[0]).first(value, first, self.cells - 1 if last is None else last)
                 if found is None:
-                    return node, cell
-                node, cell = current.operands[0], found
+                    return node, cell, end
+                node, cell, end = current.operands[0], found, self._furthest(current, end)
             else:
-                return node, cell
+                return node, cell, end
 
-    def _trigger(self, node: int, cell: int) -> tuple[int | None, int | None]:
+    def obligations(self) -> Iterator[tuple[int, int, int]]:
+        """What has to be true for the whole to be: nodes that are neither conjunctions nor G, each with the first and
+        the last cell at which it has to be."""
+        pending = [(len(self.program.nodes) - 1, 0, 0)]
+        while pending:
+            node, first, last = pending.pop()
+            current = self.program.nodes[node]
+            if current.kind is NodeKind.AND:
+                pending += [(operand, first, last) for operand in reversed(current.operands)]
+            elif (
+                current.kind is NodeKind.ALWAYS and not _empty(current) and self.window(current, first)[0] < self.cells
+            ):
+                # The windows of neighbouring cells overlap or touch, so together they have no gap.
+                pending.append((current.operands[0], self.window(current, first)[0], self._furthest(current, last)))
+            else:
+                yield node, first, last
+
+    def _furthest(self, node: MonitorNode, cell: int) -> int:
+        """The last cell of the trace that a G speaks about in a cell."""
+        last = self.window(node, cell)[1]
+        return self.cells - 1 if last is None else min(last, self.cells - 1)
+
+    def _triggered(self, node: int, cell: int) -> tuple[int | None, int | None]:
         """The trigger and the response of ``trigger -> response``, where the trigger is true."""
-        current = self.program.nodes[node]
-        if current.kind is not NodeKind.OR or len(current.operands) != 2:
+        trigger = trigger_of(self.program, node)
+        if trigger is None or self.signal(trigger).at(cell) is not Truth.TRUE:
             return None, None
-        negated, response = current.operands
-        if self.program.nodes[negated].kind is not NodeKind.NOT:
-            return None, None
-        trigger = self.program.nodes[negated].operands[0]
-        return (trigger, response) if self.signal(trigger).at(cell) is Truth.TRUE else (None, None)
+        return trigger, self.program.nodes[node].operands[1]
 
     # ---- one step down ----
 
@@ -198,7 +226,7 @@ class Explainer:
         self, node: MonitorNode, cell: int, value: Truth
     ) -> tuple[list[Reason], tuple[int, int | None] | None]:
         """The operand where it is decisive: nowhere for an F that is false, at one instant for a G that is."""
-        window = self._window(node, cell)
+        window = self.window(node, cell)
         universal = node.kind in (NodeKind.ALWAYS, NodeKind.HISTORICALLY)
         decisive = Truth.FALSE if universal else Truth.TRUE
         if value is not decisive and value is not Truth.UNDETERMINED:
@@ -213,7 +241,7 @@ class Explainer:
         self, node: MonitorNode, cell: int, value: Truth
     ) -> tuple[list[Reason], tuple[int, int | None] | None]:
         """A false until: the left operand where it fails too early; nothing where the right one never came."""
-        window = self._window(node, cell)
+        window = self.window(node, cell)
         left, right = node.operands
         end = self.cells - 1 if window[1] is None else window[1]
         match value:
@@ -226,7 +254,7 @@ class Explainer:
             case _:
                 return [], window
 
-    def _window(self, node: MonitorNode, cell: int) -> tuple[int, int | None]:
+    def window(self, node: MonitorNode, cell: int) -> tuple[int, int | None]:
         """The cells that a temporal operator speaks about; see docs/logic.md for open bounds."""
         odd = cell % 2
         low = 2 * node.lower + (0 if odd or node.lower_closed else 1)
@@ -265,6 +293,20 @@ class Explainer:
         return False
 
 
+def _empty(node: MonitorNode) -> bool:
+    """Whether the window of an operator has no instant, as that of ``G(2, 2)``."""
+    return node.lower == node.upper and not (node.lower_closed and node.upper_closed)
+
+
+def trigger_of(program: MonitorProgram, node: int) -> int | None:
+    """The trigger, if a node has the form ``trigger -> response``."""
+    current = program.nodes[node]
+    if current.kind is not NodeKind.OR or len(current.operands) != 2:
+        return None
+    negated = program.nodes[current.operands[0]]
+    return negated.operands[0] if negated.kind is NodeKind.NOT else None
+
+
 def never_triggered(program: MonitorProgram) -> tuple[MonitorProgram, ...]:
     """For a formula ``G (trigger -> ...)``, or several of them, the formulas ``G !trigger``; if all of them are true,
     the formula is true for the reason only that nothing is ever asked for."""
@@ -277,12 +319,9 @@ def _triggers(program: MonitorProgram, node: int) -> Iterator[MonitorProgram]:
         for operand in current.operands:
             yield from _triggers(program, operand)
     elif current.kind is NodeKind.ALWAYS:
-        body = program.nodes[current.operands[0]]
-        if body.kind is NodeKind.OR and len(body.operands) == 2:
-            negated = body.operands[0]
-            if program.nodes[negated].kind is NodeKind.NOT:
-                nodes = (*program.nodes[: negated + 1], replace(current, operands=(negated,)))
-                yield replace(program, nodes=nodes)
+        if trigger_of(program, current.operands[0]) is not None:
+            negated = program.nodes[current.operands[0]].operands[0]
+            yield replace(program, nodes=(*program.nodes[: negated + 1], replace(current, operands=(negated,))))
 
 
 def horizon(program: MonitorProgram) -> int:

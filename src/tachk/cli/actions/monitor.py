@@ -10,7 +10,7 @@ from tachk.cli.actions.judged import Judged, exit_status
 from tachk.cli.actions.row_by_row import RowByRow
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.reporting import ReportForm, Reporting
+from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
 from tachk.cli.terminal import console
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.monitoring.offline import Judging, judge
@@ -20,7 +20,11 @@ from tachk.runtime.conventions import Interpolation
 
 
 def run_monitor(
-    judged: Judged, judging: Judging = Judging(), rows: RowByRow = RowByRow(), reporting: Reporting = Reporting()
+    judged: Judged,
+    judging: Judging = Judging(),
+    rows: RowByRow = RowByRow(),
+    told: ViolationReporting = ViolationReporting(),
+    reporting: Reporting = Reporting(),
 ) -> ExitStatus:
     """Judges a trace, whole or row by row."""
     formulas = judged.formulas()
@@ -39,22 +43,22 @@ def run_monitor(
     record = judge(formulas, judged.recording(), judging, source)
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None:
-            _write(record, reporting.form, out)
+            _write(record, reporting.form, out, told.all_violations)
     return exit_status({verdict.truth for verdict in record.verdicts})
 
 
-def _write(record: MonitorRecord, form: ReportForm, out: TextIO) -> None:
+def _write(record: MonitorRecord, form: ReportForm, out: TextIO, all_violations: bool) -> None:
     match form:
         case ReportForm.TEXT:
-            print_monitor(record, console(out))
+            print_monitor(record, console(out), all_violations)
         case ReportForm.JSON:
             from tachk.report.monitor.json import monitor_to_json
 
-            json.dump(monitor_to_json(record), out, indent=2)
+            json.dump(monitor_to_json(record, all_violations), out, indent=2)
             out.write("\n")
         case ReportForm.JUNIT:
             from tachk.report.monitor.junit import monitor_to_junit
 
-            out.write(monitor_to_junit(record))
+            out.write(monitor_to_junit(record, all_violations))
         case _:
             raise UsageError(f"unknown format {form}")

@@ -34,6 +34,7 @@ from tachk.runtime.conventions import Ending
     is_flag=True,
     help="Also compute how far each column can at least be shifted in time without changing a verdict.",
 )
+@click.option("--all-violations", is_flag=True, help="Tell all violations, not only the first of each formula.")
 @click.option("--online", is_flag=True, help="Read the trace row by row, with bounded memory.")
 @click.option("--follow", is_flag=True, help="At the end of the file, wait for further rows.")
 @click.option(
@@ -53,8 +54,8 @@ def command(seconds: float | None, **given: Any) -> None:
     from tachk.cli.actions.judged import Judged
     from tachk.cli.actions.monitor import run_monitor
     from tachk.cli.actions.row_by_row import RowByRow
-    from tachk.cli.reporting import Reporting
+    from tachk.cli.reporting import Reporting, ViolationReporting
     from tachk.monitoring.offline import Judging
 
-    arguments = options.distributed(given, Judged, Judging, RowByRow, Reporting)
+    arguments = options.distributed(given, Judged, Judging, RowByRow, ViolationReporting, Reporting)
     options.finish(lambda: run_monitor(*arguments), seconds)

@@ -10,11 +10,15 @@ from tachk.report.monitor.words import explain_verdict
 from tachk.report.quantity import decimal
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Trace
-from tachk.runtime.verdict_explanation import Reason
+from tachk.runtime.verdict_explanation import Finding, Reason
 
 
-def monitor_to_json(record: MonitorRecord) -> dict[str, Json]:
-    """The record as a dictionary for `json.dumps`. Instants are exact strings such as ``"12.5"`` or ``"7/3"``."""
+def monitor_to_json(record: MonitorRecord, all_violations: bool = False) -> dict[str, Json]:
+    """The record as a dictionary for `json.dumps`. Instants are exact strings such as ``"12.5"`` or ``"7/3"``.
+
+    Args:
+        all_violations: list them; else they are counted only.
+    """
     trace = record.trace
     return {
         "trace": trace.name,
@@ -24,11 +28,11 @@ def monitor_to_json(record: MonitorRecord) -> dict[str, Json]:
         "unit": trace.unit or None,
         "interpolation": trace.interpolation.value,
         "pending_counts_as": record.ending.value,
-        "results": [verdict_to_json(record, verdict) for verdict in record.verdicts],
+        "results": [verdict_to_json(record, verdict, all_violations) for verdict in record.verdicts],
     }
 
 
-def verdict_to_json(record: MonitorRecord, verdict: MonitorVerdict) -> dict[str, Json]:
+def verdict_to_json(record: MonitorRecord, verdict: MonitorVerdict, all_violations: bool = False) -> dict[str, Json]:
     """One verdict."""
     return {
         "name": verdict.name,
@@ -42,6 +46,33 @@ def verdict_to_json(record: MonitorRecord, verdict: MonitorVerdict) -> dict[str,
         "time_robustness": _time_robustness(verdict),
         "vacuous": verdict.vacuous,
         "finding": finding_to_json(record, verdict),
+        "violations": _violations(record.trace, verdict, all_violations),
+    }
+
+
+def _violations(trace: Trace, verdict: MonitorVerdict, listed: bool) -> dict[str, Json]:
+    if verdict.measured is Truth.TRUE and not listed:
+        return {"count": 0, "triggers": None, "listed": None}
+    violations = verdict.violations
+    triggers = violations.triggers
+    return {
+        "count": len(violations),
+        "triggers": None
+        if triggers is None
+        else {"total": triggers.total, "violated": triggers.violated, "pending": triggers.pending},
+        "listed": [violation_to_json(trace, verdict, finding) for finding in violations] if listed else None,
+    }
+
+
+def violation_to_json(trace: Trace, verdict: MonitorVerdict, finding: Finding) -> dict[str, Json]:
+    """One violation, among many."""
+    return {
+        "formula": finding.formula,
+        "from": exact(trace, finding.cell),
+        "until": exact(trace, 2 * ((finding.last + 1) // 2)),
+        "triggered_from": None if finding.triggered is None else exact(trace, finding.triggered[0]),
+        "deadline": None if finding.deadline is None else exact(trace, finding.deadline),
+        "blamed": [_blamed(trace, verdict, reason) for reason in finding.blamed],
     }
 
 

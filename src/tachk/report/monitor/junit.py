@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from xml.etree import ElementTree
 
 from tachk.report.junit_report import clean
-from tachk.report.monitor.record import MonitorRecord
+from tachk.report.monitor.record import MonitorRecord, MonitorVerdict
 from tachk.report.monitor.text import answer_text
-from tachk.report.monitor.words import explain_verdict
+from tachk.report.monitor.words import count_violations, explain_finding, explain_verdict
 from tachk.runtime.node_signal import Truth
 
 
-def monitor_to_junit(record: MonitorRecord) -> str:
-    """One suite for the trace, one case for each formula: false is a failure, undetermined an error."""
+def monitor_to_junit(record: MonitorRecord, all_violations: bool = False) -> str:
+    """One suite for the trace, one case for each formula: false is a failure, undetermined an error.
+
+    Args:
+        all_violations: tell the story of each, not only of the first.
+    """
     truths = [verdict.truth for verdict in record.verdicts]
     suites = ElementTree.Element("testsuites")
     suite = ElementTree.SubElement(
@@ -32,6 +37,18 @@ def monitor_to_junit(record: MonitorRecord) -> str:
         if verdict.truth is not Truth.TRUE:
             kind = "failure" if verdict.truth is Truth.FALSE else "error"
             element = ElementTree.SubElement(case, kind, message=clean(answer_text(verdict)), type=kind)
-            element.text = clean("\n".join((verdict.formula, *explain_verdict(record, verdict))))
+            element.text = clean("\n".join((verdict.formula, *_story(record, verdict, all_violations))))
     ElementTree.indent(suites)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(suites, encoding="unicode") + "\n"
+
+
+def _story(record: MonitorRecord, verdict: MonitorVerdict, all_violations: bool) -> Iterator[str]:
+    violations = verdict.violations
+    if all_violations and len(violations):
+        for finding in violations:
+            yield from explain_finding(record, verdict, finding)
+    else:
+        yield from explain_verdict(record, verdict)
+    line = count_violations(violations)
+    if line:
+        yield line

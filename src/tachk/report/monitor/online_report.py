@@ -66,6 +66,7 @@ def _verdict_to_json(verdict: OnlineVerdict) -> dict[str, Json]:
         "time_robustness": None,
         "vacuous": False,
         "finding": None if story is None else finding_to_json(story, story.verdicts[0]),
+        "violations": None,
     }
 
 

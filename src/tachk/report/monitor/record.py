@@ -11,6 +11,7 @@ from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Trace
 from tachk.runtime.verdict_explanation import Explainer, Finding
+from tachk.runtime.violations import Violations, violations_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +65,11 @@ class MonitorVerdict:
         changed the arrays of the trace meanwhile, so that they no longer have this verdict.
         """
         return self.explainer.finding(self.measured)
+
+    @property
+    def violations(self) -> Violations:
+        """All violations, and how many triggers asked in vain. Looked for each time it is asked for."""
+        return violations_of(self.explainer)
 
     def __repr__(self) -> str:
         return f"<MonitorVerdict {self.name}: {self.truth.word}, {self.formula}>"

@@ -8,17 +8,22 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, clock_text
-from tachk.report.monitor.words import explain_verdict
+from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, cell_text, clock_text
+from tachk.report.monitor.words import count_violations, explain_verdict, seen_values
 from tachk.report.quantity import grouped
 from tachk.runtime.conventions import Ending, Interpolation
 from tachk.runtime.node_signal import Truth
+from tachk.runtime.violations import Violations
 
 STYLES = {Truth.TRUE: "green", Truth.FALSE: "red", Truth.UNDETERMINED: "yellow"}
 
 
-def print_monitor(record: MonitorRecord, console: Console) -> None:
-    """Prints the verdicts on one trace."""
+def print_monitor(record: MonitorRecord, console: Console, all_violations: bool = False) -> None:
+    """Prints the verdicts on one trace.
+
+    Args:
+        all_violations: also a table of them, for each formula.
+    """
     trace = record.trace
     rows = f"{grouped(trace.rows)} {'row' if trace.rows == 1 else 'rows'}"
     console.print(Text(f"{trace.name}: {rows}, from {clock_text(trace, 0)} to {clock_text(trace, trace.end)}"))
@@ -36,8 +41,45 @@ def print_monitor(record: MonitorRecord, console: Console) -> None:
                 console.print(Text(f"  {verdict.sentence}", style="dim"))
             for line in lines:
                 console.print(Text(f"  {line}"))
+            _print_violations(record, verdict, console, all_violations)
     console.print()
     console.print(_summary(record))
+
+
+def _print_violations(record: MonitorRecord, verdict: MonitorVerdict, console: Console, listed: bool) -> None:
+    violations = verdict.violations
+    line = count_violations(violations)
+    if line:
+        console.print(Text(f"  {line}"))
+    if listed and len(violations):
+        console.print()
+        console.print(_violations_table(record, verdict, violations))
+
+
+def _violations_table(record: MonitorRecord, verdict: MonitorVerdict, violations: Violations) -> Table:
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), show_header=True, header_style="dim")
+    several = len(violations.parts) > 1
+    triggered = violations.triggers is not None
+    table.add_column("  violated at", no_wrap=True)
+    table.add_column("until", no_wrap=True)
+    if triggered:
+        table.add_column("trigger since", no_wrap=True)
+        table.add_column("deadline", no_wrap=True)
+    if several:
+        table.add_column("of", overflow="fold")
+    table.add_column("seen", overflow="fold")
+    trace = record.trace
+    for finding in violations:
+        last = (finding.last + 1) // 2
+        row = [f"  {cell_text(trace, finding.cell)}", clock_text(trace, last)]
+        if triggered:
+            row.append("" if finding.triggered is None else cell_text(trace, finding.triggered[0]))
+            row.append("" if finding.deadline is None else cell_text(trace, finding.deadline))
+        if several:
+            row.append(finding.formula)
+        row.append("; ".join(line.removeprefix("seen at ") for line in seen_values(trace, verdict, finding)))
+        table.add_row(*map(Text, row))
+    return table
 
 
 def answer_text(verdict: MonitorVerdict) -> str:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, cell_text, clock_text, value_text
+from tachk.report.quantity import grouped
 from tachk.runtime.monitor_program import NodeKind
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Trace
 from tachk.runtime.verdict_explanation import Finding, Reason
+from tachk.runtime.violations import Violations
 
 _COLUMNS_SHOWN = 8
 
@@ -16,18 +18,35 @@ _COLUMNS_SHOWN = 8
 def explain_verdict(record: MonitorRecord, verdict: MonitorVerdict) -> tuple[str, ...]:
     """The story of a verdict that is not true, a sentence a line."""
     finding = verdict.finding
-    if finding is None:
-        return ()
+    return () if finding is None else explain_finding(record, verdict, finding)
+
+
+def explain_finding(record: MonitorRecord, verdict: MonitorVerdict, finding: Finding) -> tuple[str, ...]:
+    """The story of one violation, or of what is pending."""
     trace = record.trace
     lines = [*_trigger(trace, finding), *_reason(trace, finding.response)]
     if verdict.measured is Truth.FALSE:
-        lines += _seen(trace, verdict, finding)
+        lines += seen_values(trace, verdict, finding)
         lines += _certain(trace, finding)
     else:
         lines.append(f"the trace ends at {clock_text(trace, trace.end)}, too early to tell")
         if verdict.presumably is not None:
             lines.append(f"if nothing changes any more it will be {verdict.presumably.word}")
     return tuple(lines)
+
+
+def count_violations(violations: Violations) -> str:
+    """How many there are, in a line; empty where there is one only, and no trigger."""
+    triggers, number = violations.triggers, len(violations)
+    stretches = f"{grouped(number)} {'violation' if number == 1 else 'violations'}"
+    if triggers is None:
+        return f"{stretches} in all" if number > 1 else ""
+    asked = f"{grouped(triggers.total)} {'trigger' if triggers.total == 1 else 'triggers'}"
+    told = [(triggers.violated, "violated"), (triggers.pending, "pending")]
+    (first, state), *others = [each for each in told if each[0]] or told
+    line = f"{grouped(first)} of {asked} {'is' if first == 1 else 'are'} {state}"
+    line += "".join(f", {grouped(more)} {state}" for more, state in others if more)
+    return line + (f"; {stretches} in all" if number != triggers.violated else "")
 
 
 def _trigger(trace: Trace, finding: Finding) -> Iterator[str]:
@@ -107,7 +126,8 @@ def _so_far(trace: Trace, first: int) -> str:
     return "yet" if first <= 2 * trace.end else "in time yet"
 
 
-def _seen(trace: Trace, verdict: MonitorVerdict, finding: Finding) -> Iterator[str]:
+def seen_values(trace: Trace, verdict: MonitorVerdict, finding: Finding) -> Iterator[str]:
+    """The values of columns that are to blame, a line for each instant."""
     for reason in finding.blamed:
         columns = verdict.explainer.columns(reason)[:_COLUMNS_SHOWN]
         cell = reason.cell if reason.window is None or reason.window[1] is None else reason.window[1]
