@@ -385,20 +385,7 @@ bool LivenessSearch::gets_stuck(const Path& actions, std::size_t begins) {
 // ---- how it is asked for --------------------------------------------------------------------------------------------
 
 Status LivenessSearch::run(std::uint64_t steps) {
-  if (fault_) return Status::fault;
-  try {
-    return search(steps);
-  } catch (const StateFault& fault) {
-    fault_ = LivenessFault{fault.kind, fault.position, path_so_far(), {}};
-    if (!fault.edges.empty()) fault_->path.push_back(fault.edges);
-  } catch (const ActionFault& fault) {
-    fault_ = LivenessFault{fault.kind, fault.position, path_so_far(), fault.edges};
-  } catch (const ModelFault& fault) {
-    fault_ = LivenessFault{fault.kind, fault.position, path_so_far(), {}};
-  } catch (const ConstantOverflow&) {
-    return Status::constant_limit;
-  }
-  return Status::fault;
+  return keeping_faults(fault_, [&] { return search(steps); }, [&] { return path_so_far(); });
 }
 
 std::uint64_t LivenessSearch::stored() const {

@@ -290,27 +290,16 @@ void RecurrenceSearch::found_loop(State entrance) {
 // ---- how it is asked for --------------------------------------------------------------------------------------------
 
 Status RecurrenceSearch::run(std::uint64_t steps) {
-  if (fault_) return Status::fault;
+  return keeping_faults(fault_, [&] { return search(steps); }, [&] { return path_so_far(); });
+}
+
+// The way to the state whose successors are being made.
+Path RecurrenceSearch::path_so_far() {
   std::size_t begins = 0;
-  const auto path_so_far = [&] {
-    if (beginnings_.reaching && beginnings_.reachable.node() != no_node)
-      return path_to(graph_, beginnings_.reachable.states(), 0, beginnings_.reachable.node());
-    if (beginnings_.origin != no_node) return path_to(graph_, beginnings_.reachable.states(), 0, beginnings_.origin);
-    return way_.expanded == no_node ? Path{} : path_to_state(way_.expanded, begins);
-  };
-  try {
-    return search(steps);
-  } catch (const StateFault& fault) {
-    fault_ = LivenessFault{fault.kind, fault.position, path_so_far(), {}};
-    if (!fault.edges.empty()) fault_->path.push_back(fault.edges);
-  } catch (const ActionFault& fault) {
-    fault_ = LivenessFault{fault.kind, fault.position, path_so_far(), fault.edges};
-  } catch (const ModelFault& fault) {
-    fault_ = LivenessFault{fault.kind, fault.position, path_so_far(), {}};
-  } catch (const ConstantOverflow&) {
-    return Status::constant_limit;
-  }
-  return Status::fault;
+  if (beginnings_.reaching && beginnings_.reachable.node() != no_node)
+    return path_to(graph_, beginnings_.reachable.states(), 0, beginnings_.reachable.node());
+  if (beginnings_.origin != no_node) return path_to(graph_, beginnings_.reachable.states(), 0, beginnings_.origin);
+  return way_.expanded == no_node ? Path{} : path_to_state(way_.expanded, begins);
 }
 
 std::uint64_t RecurrenceSearch::stored() const {

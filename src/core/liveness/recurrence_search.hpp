@@ -107,6 +107,7 @@ class RecurrenceSearch final {
   // marks; without marks to `target`. The state at its end.
   State go(State from, Marks wanted, State target, Path& path);
   Path path_to_state(State state, std::size_t& begins);
+  Path path_so_far();
 
   Options options_;
   Limits limits_;

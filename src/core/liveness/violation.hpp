@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
+#include "reachability/explorer.hpp"
 #include "symbolic/zone_graph.hpp"
 
 namespace tachk {
@@ -33,5 +35,24 @@ struct StateFault : ModelFault {
 
   Edges edges;
 };
+
+// What `search` comes to; a run-time error it meets is kept in `fault`, behind the path that `path_so_far` gives.
+template <typename Search, typename PathSoFar>
+Status keeping_faults(std::optional<LivenessFault>& fault, Search search, PathSoFar path_so_far) {
+  if (fault) return Status::fault;
+  try {
+    return search();
+  } catch (const StateFault& met) {
+    fault = LivenessFault{met.kind, met.position, path_so_far(), {}};
+    if (!met.edges.empty()) fault->path.push_back(met.edges);
+  } catch (const ActionFault& met) {
+    fault = LivenessFault{met.kind, met.position, path_so_far(), met.edges};
+  } catch (const ModelFault& met) {
+    fault = LivenessFault{met.kind, met.position, path_so_far(), {}};
+  } catch (const ConstantOverflow&) {
+    return Status::constant_limit;
+  }
+  return Status::fault;
+}
 
 }  // namespace tachk
