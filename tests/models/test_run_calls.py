@@ -1,0 +1,133 @@
+"""What recordings of the real client and Agent showed to be missing from the models of Micro XRCE-DDS."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import tachk
+from tachk.resources import data_root
+
+MODELS = data_root() / "models" / "micro_xrce_dds"
+LOOP = {"HEARTBEAT_LAW": 1, "CLIENT_HEARTBEAT": 2, "MESSAGES": 1, "PLACES": 3}
+DRIVER = """
+const int MESSAGES = {samples};
+const int HISTORY = 4;
+const int AGENT_WINDOW = {window};
+const int SUBSCRIPTION = {subscription};
+const int QUOTA = {samples};
+const int KEEP = {keep};
+const int PLACES = 1;
+const int LOSSES = 0;
+import "{models}/protocol.ta";
+import "{models}/../lib/messages.ta";
+import "{models}/proxy_subscriber.ta";
+
+int brought = 0;
+int sent_numbers[40];
+int sent_samples[40];
+int sends = 0;
+
+process Driver() {{
+    clock gap;
+    init location Start {{
+        to Start {{ guard brought < MESSAGES && gap >= 1; sync dds!; assign brought = brought + 1, gap = 0; }}
+        to Answered {{ guard brought == MESSAGES && gap >= 1; {answer} }}
+    }}
+    location Answered;
+}}
+
+process Recorder() {{
+    init location Listening {{
+        to Listening {{
+            sync send[SUB_DOWN][DATA]?;
+            assign sent_numbers[sends] = number, sent_samples[sends] = detail, sends = sends + 1;
+        }}
+    }}
+}}
+
+reader = ProxySubscriber();
+driver = Driver();
+recorder = Recorder();
+system driver, reader, recorder;
+property over : E<> {goal};
+"""
+
+
+def answer(system: str, name: str, **constants: int | bool) -> str:
+    model = tachk.load(MODELS / f"{system}.ta", **constants)
+    return model.verify(property=name, trace=False, limits=tachk.Limits(states=300_000))[name].answer.value
+
+
+@pytest.mark.parametrize(("slice_", "pause", "detected"), [(1, 3, 5), (2, 1, 4), (3, 2, 3), (1, 0, None)])
+def test_a_pause_between_run_calls_lets_the_heartbeat_out(slice_: int, pause: int, detected: int | None) -> None:
+    """A heartbeat due outside the run function is sent by the next call; calls that begin too closely starve it."""
+    settings = {**LOOP, "SPIN": slice_, "PAUSE": pause}
+    if detected is None:
+        assert answer("publication", "TMRK", REPAIR_BOUND=50, **settings) == "fails"
+    else:
+        assert answer("publication", "TMRK", REPAIR_BOUND=detected, **settings) == "holds"
+        assert answer("publication", "TMRK", REPAIR_BOUND=detected - 1, **settings) == "fails"
+
+
+def test_the_bitmap_of_an_acknack_has_sixteen_bits() -> None:
+    """With 16 messages outstanding the sum of 15 powers of two was out of range."""
+    constants = {"MESSAGES": 18, "KEEP": 18, "PLACES": 20, "LOSSES": 0, "SLEEP": 3, "SLEEPS": 1, "DEAD": 1000}
+    assert answer("client_3_0", "RMIO2_prefix", **constants) == "holds"
+
+
+def test_a_heartbeat_may_be_late_by_the_jitter() -> None:
+    """HBC + D = 3 without jitter, see test_publication.py."""
+    settings = {"MESSAGES": 1, "PLACES": 3, "CLIENT_JITTER": 1}
+    assert answer("publication", "TMRK", REPAIR_BOUND=4, **settings) == "holds"
+    assert answer("publication", "TMRK", REPAIR_BOUND=3, **settings) == "fails"
+
+
+def test_rounds_of_the_agent_may_be_late_by_the_jitter() -> None:
+    """LINGER + SLEEP + HBA = 7 < DEAD = 8 without jitter, see test_subscription.py."""
+    assert answer("subscription", "ECRA", AGENT_JITTER=1) == "fails"
+
+
+def test_a_client_that_sleeps_at_will_has_been_silent_for_longer() -> None:
+    """q + SLEEP + HBA < DEAD with q = LINGER = 2; at will, q grows up to the time between two samples."""
+    settings = {"PACE": 4, "MESSAGES": 2, "KEEP": 2, "PLACES": 4}
+    assert answer("subscription", "ECRA", **settings) == "holds"
+    assert answer("subscription", "ECRA", SLEEP_AT_WILL=True, **settings) == "fails"
+
+
+def test_what_waits_in_the_socket_is_not_lost() -> None:
+    """The Agent takes the client for dead in both cases; what waits in the socket makes the client speak."""
+    settings = {"SLEEP": 4, "PACE": 4, "MESSAGES": 2, "KEEP": 2, "PLACES": 4}
+    assert answer("subscription", "ECRA", **settings) == "fails"
+    assert answer("subscription", "ECRA", RADIO_ON=True, **settings) == "holds"
+    assert answer("subscription", "NIWS", RADIO_ON=True, **settings) == "holds"
+
+
+def reachable(directory: Path, goal: str, answer: str, **sizes: int) -> bool:
+    path = directory / "driver.ta"
+    settings = {"samples": 12, "window": 16, "keep": 12, "subscription": 0} | sizes
+    path.write_text(DRIVER.format(models=MODELS.as_posix(), goal=goal, answer=answer, **settings), encoding="utf-8")
+    return tachk.load(path).verify(trace=False)["over"].answer.value == "holds"
+
+
+NACK = "sync deliver[SUB_UP][ACKNACK]!; assign number = {first}, detail = {bitmap};"
+
+
+def test_the_agent_repeats_in_the_order_of_its_two_bytes(tmp_path: Path) -> None:
+    """Bits 0, 8, 1, 9, 2, 10, ...: as the captures h4 and h8 show it."""
+    goal = "driver.Answered && reader.Idle && sends == 18"
+    order = [1, 9, 2, 10, 3, 11]
+    exactly = " && ".join(f"sent_numbers[{12 + i}] == {number}" for i, number in enumerate(order))
+    nack = NACK.format(first=1, bitmap=0b111_0000_0111)
+    assert reachable(tmp_path, f"{goal} && {exactly}", nack)
+    assert not reachable(tmp_path, f"{goal} && !({exactly})", nack)
+
+
+def test_the_reading_thread_holds_one_sample_more_than_window_and_history(tmp_path: Path) -> None:
+    """Window 2, one held, one kept by the DataReader: of 6 samples 0, 1, 2 and the last survive."""
+    confirm = NACK.format(first=2, bitmap=0)
+    samples = "sent_samples[2] == 2 && sent_samples[3] == 5"
+    sizes = {"samples": 6, "window": 2, "keep": 1}
+    assert reachable(tmp_path, f"driver.Answered && sends == 4 && {samples}", confirm, **sizes)
+    assert not reachable(tmp_path, f"driver.Answered && sends == 4 && !({samples})", confirm, **sizes)
