@@ -1,5 +1,6 @@
 #include "certificates/network.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 
 namespace tachk::certificates {
@@ -14,6 +15,15 @@ Network::Network(Program given)
   for (const Process& process : program.processes) leaving_.emplace_back(process.locations.size());
   for (std::uint32_t number = 0; number < program.edges.size(); ++number)
     leaving_[program.edges[number].process][static_cast<std::size_t>(program.edges[number].source)].push_back(number);
+  listeners_.resize(program.channels.size());
+  for (std::size_t number = 0; number < program.channels.size(); ++number)
+    for (std::uint32_t p = 0; p < program.processes.size(); ++p)
+      if (std::any_of(program.edges.begin(), program.edges.end(), [&](const Edge& edge) {
+            return edge.process == p && !edge.sends && edge.may_name(static_cast<std::int32_t>(number));
+          }))
+        listeners_[number].push_back(p);
+  for (std::uint32_t slot = 0; slot < program.state_slots; ++slot)
+    if (program.slots[slot].meta) metas_.push_back(slot);
   for (const Channel& channel : program.channels) has_urgent_channels_ |= channel.urgent;
 }
 
@@ -43,12 +53,13 @@ bool Network::holds(const Condition& condition, Slots& slots, Constraints& const
   return true;
 }
 // The part of a zone where a guard holds, which is in `room` unless it is all of the zone; null if it is empty.
-const Zone* Network::where(const Edge& edge, Slots& slots, const Zone& zone, Zone& room) {
-  Constraints guard;
-  if (!holds(edge.guard, slots, guard)) return nullptr;
-  if (zone.lies_in(guard)) return &zone;
-  room = zone.within(guard);
-  return room.empty() ? nullptr : &room;
+const Zone* Network::where(const Edge& edge, Slots& slots, const Zone& zone, Part& room) {
+  room.guard.clear();
+  if (!holds(edge.guard, slots, room.guard)) return nullptr;
+  if (zone.lies_in(room.guard)) return &zone;
+  room.zone = zone;
+  room.zone.tighten(room.guard);
+  return room.zone.empty() ? nullptr : &room.zone;
 }
 std::int32_t Network::channel(const Edge& edge, Slots& slots) {
   if (edge.internal() || edge.channel_code == no_code) return edge.channel;
@@ -60,9 +71,17 @@ bool Network::hears(const Edge& edge, std::int32_t used, Slots& slots) {
 
 // ---- time -----------------------------------------------------------------------------------------------------------
 
-Situation Network::situation(Slots slots) {
-  while (slots.size() < program.slots.size()) slots.push_back(program.slots[slots.size()].initial);
-  Situation here{std::move(slots), true, {}, true, std::vector<bool>(n, false), false};
+Network::Slots Network::initial() const {
+  Slots slots;
+  for (const Slot& slot : program.slots) slots.push_back(slot.initial);
+  return slots;
+}
+
+void Network::describe(Situation& here) {
+  here.possible = here.waits = true;
+  here.stops = false;
+  here.limits.clear();
+  here.stands.assign(n, false);
   here.stands[0] = true;
   for (std::size_t p = 0; p < program.processes.size() && here.possible; ++p) {
     const Location& current = location(p, here.slots);
@@ -73,7 +92,6 @@ Situation Network::situation(Slots slots) {
         here.stands[stop.clock] = here.stops = true;
   }
   here.waits = here.waits && here.possible && !(has_urgent_channels_ && is_urgent(here.slots));
-  return here;
 }
 
 // Whether an urgent channel can be used; edges over one compare no clocks.
@@ -98,24 +116,29 @@ bool Network::is_urgent(Slots& slots) {
   return false;
 }
 
-Zone Network::later(const Situation& here, const Zone& zone) const {
-  if (zone.empty() || !here.waits) return zone;
-  Zone waited = zone;
-  waited.go_on(here.stands);
-  return waited.within(here.limits);
+void Network::wait(const Situation& here, Zone& zone) const {
+  if (zone.empty() || !here.waits) return;
+  zone.go_on(here.stands);
+  zone.tighten(here.limits);
+}
+Zone Network::later(const Situation& here, Zone zone) const {
+  wait(here, zone);
+  return zone;
 }
 
 // ---- steps ----------------------------------------------------------------------------------------------------------
 
-std::vector<Step> Network::steps(Situation& here, const Zone& zone) {
+std::span<Step> Network::steps(Situation& here, const Zone& zone, Steps& room) {
   find_steps(here, zone);
   if (program.has_priorities) hold_back_lower_priorities();
-  return std::exchange(steps_, {});
+  std::swap(steps_, room);
+  return room.found();
 }
 
 void Network::find_steps(Situation& here, const Zone& zone) {
+  steps_.clear();
   Slots& slots = here.slots;
-  Zone room;
+  Part room;
   bool committed = false;
   for (std::size_t p = 0; p < program.processes.size(); ++p) committed |= location(p, slots).committed;
   for (std::size_t p = 0; p < program.processes.size(); ++p)
@@ -137,8 +160,8 @@ void Network::find_steps(Situation& here, const Zone& zone) {
 }
 void Network::add_partner(Slots& slots, std::int32_t used, const Zone& zone, bool free) {
   const std::size_t sender = program.edges[taking_part[0]].process;
-  Zone room;
-  for (std::size_t q = 0; q < program.processes.size(); ++q)
+  Part room;
+  for (const std::size_t q : listeners_[static_cast<std::size_t>(used)])
     for (const std::uint32_t number : leaving(q, slots)) {
       const Edge& edge = program.edges[number];
       if (q == sender || edge.sends || !edge.may_name(used) || (!free && !location(q, slots).committed)) continue;
@@ -150,59 +173,68 @@ void Network::add_partner(Slots& slots, std::int32_t used, const Zone& zone, boo
     }
 }
 // A process that can hear a broadcast does, by any of its edges whose guard holds; else it stays out.
-void Network::add_receivers(Slots& slots, std::size_t q, std::int32_t used, const Zone& zone, bool free) {
-  for (; q < program.processes.size(); ++q) {
+void Network::add_receivers(Slots& slots, std::size_t listener, std::int32_t used, const Zone& zone, bool free) {
+  const auto& listeners = listeners_[static_cast<std::size_t>(used)];
+  for (; listener < listeners.size(); ++listener) {
+    const std::size_t q = listeners[listener];
     if (q == program.edges[taking_part[0]].process) continue;
     Zones staying{};
+    Part part;
     bool some = false;
     for (const std::uint32_t number : leaving(q, slots)) {
       const Edge& edge = program.edges[number];
-      Constraints guard;
-      if (edge.sends || !edge.may_name(used) || !holds(edge.guard, slots, guard)) continue;
-      const Zone guarded = zone.within(guard);
-      if (guarded.empty() || !hears(edge, used, slots)) continue;
+      if (edge.sends || !edge.may_name(used)) continue;
+      const Zone* guarded = where(edge, slots, zone, part);
+      if (guarded == nullptr || !hears(edge, used, slots)) continue;
       taking_part.push_back(number);
-      add_receivers(slots, q + 1, used, guarded, free || location(q, slots).committed);
+      add_receivers(slots, listener + 1, used, *guarded, free || location(q, slots).committed);
       taking_part.pop_back();
-      if (!std::exchange(some, true)) staying = {zone};
-      staying = without(staying, guard);
+      if (!std::exchange(some, true) && guarded != &zone) staying = {zone};
+      staying = without(staying, part.guard);
     }
     if (!some) continue;
-    for (const Zone& piece : staying) add_receivers(slots, q + 1, used, piece, free);
+    for (const Zone& piece : staying) add_receivers(slots, listener + 1, used, piece, free);
     return;
   }
   if (free) add_step(slots, zone, used);
 }
 void Network::add_step(const Slots& slots, const Zone& guarded, std::int32_t used) {
-  std::pair priority{used < 0 ? program.default_priority : program.channels[static_cast<std::size_t>(used)].priority,
-                     program.processes[program.edges[taking_part[0]].process].priority};
-  Slots target = slots;
-  std::vector<ClockReset> resets;
+  const std::pair priority{
+      used < 0 ? program.default_priority : program.channels[static_cast<std::size_t>(used)].priority,
+      program.processes[program.edges[taking_part[0]].process].priority};
+  Step& step = steps_.add();
+  step.edges = taking_part;
+  step.priority = priority;
+  step.resets.clear();
+  Slots& target = step.target.slots;
+  target = slots;
   SlotSet ignored;
   for (const std::uint32_t number : taking_part) {
     const Update& update = program.edges[number].update;
     for (const Update::Store& store : update.stores) target[store.slot] = store.value;
-    resets.insert(resets.end(), update.resets.begin(), update.resets.end());
-    if (update.code != no_code) machine_.update(update.code, target.data(), ignored, resets);
+    step.resets.insert(step.resets.end(), update.resets.begin(), update.resets.end());
+    if (update.code != no_code) machine_.update(update.code, target.data(), ignored, step.resets);
   }
   for (const std::uint32_t number : taking_part) {
     const Edge& edge = program.edges[number];
     target[edge.process] = edge.target;
-    priority.second = std::max(priority.second, program.processes[edge.process].priority);
+    step.priority.second = std::max(step.priority.second, program.processes[edge.process].priority);
   }
-  for (std::size_t slot = 0; slot < program.state_slots; ++slot)
-    if (program.slots[slot].meta) target[slot] = program.slots[slot].initial;
-  Situation there = situation(std::move(target));
-  if (there.possible) steps_.push_back({taking_part, guarded, std::move(there), std::move(resets), priority});
+  for (const std::uint32_t slot : metas_) target[slot] = program.slots[slot].initial;
+  describe(step.target);
+  if (step.target.possible)
+    step.guarded = guarded;
+  else
+    steps_.drop_last();
 }
 void Network::hold_back_lower_priorities() {
-  std::vector<Step> parts;
-  for (const Step& step : steps_) {
+  Steps parts;
+  for (const Step& step : steps_.found()) {
     Zones pieces{step.guarded};
-    for (const Step& other : steps_)
+    for (const Step& other : steps_.found())
       if (other.priority > step.priority)
         if (const Zone blocker = other.possible(); !blocker.empty()) pieces = without(pieces, blocker.constraints());
-    for (Zone& piece : pieces) (parts.emplace_back(step)).guarded = std::move(piece);
+    for (Zone& piece : pieces) (parts.add() = step).guarded = std::move(piece);
   }
   steps_ = std::move(parts);
 }
@@ -218,10 +250,10 @@ Zone Step::possible() const {
   }
   return zone;
 }
-Zone Step::reached() const {
-  Zone zone = guarded;
-  for (const ClockReset& reset : resets) zone.reset(reset);
-  return zone.within(target.limits);
+Zone& Step::reach() {
+  for (const ClockReset& reset : resets) guarded.reset(reset);
+  guarded.tighten(target.limits);
+  return guarded;
 }
 
 // ---- predicates -----------------------------------------------------------------------------------------------------
@@ -245,7 +277,7 @@ Zones Network::where(const Goal& goal, Situation& here, const Zone& zone, bool w
 Zones Network::stuck(Situation& here, const Zone& zone, bool widely) {
   Zones dead{zone};
   find_steps(here, later(here, zone));
-  for (const Step& step : std::exchange(steps_, {})) {
+  for (const Step& step : steps_.found()) {
     Zone alive = step.possible();
     if (alive.empty()) continue;
     if (here.waits && here.stops && !widely) return {};

@@ -3,7 +3,9 @@
 // extrapolated, and no option changes anything. What cannot be evaluated throws ModelFault.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -31,19 +33,36 @@ struct Step {
   std::pair<std::int32_t, std::int32_t> priority;
 
   Zone possible() const;  // where in the source it is: its resets lead into the invariant of the target
-  Zone reached() const;   // right after it
+  Zone& reach();          // makes of `guarded` what is reached right after it
+};
+
+// Steps in memory that has been that of others.
+class Steps {
+ public:
+  void clear() { count_ = 0; }
+  Step& add() {
+    if (count_ == all_.size()) all_.emplace_back();
+    return all_[count_++];
+  }
+  void drop_last() { --count_; }
+  std::span<Step> found() { return {all_.data(), count_}; }
+
+ private:
+  std::vector<Step> all_;
+  std::size_t count_ = 0;
 };
 
 class Network final {
  public:
   explicit Network(Program given);
 
-  // Of the first slots of a state; the others have their initial values.
-  Situation situation(std::vector<std::int32_t> slots);
-  // What a zone becomes by waiting; more than that, if clocks are stopped.
-  Zone later(const Situation& here, const Zone& zone) const;
+  std::vector<std::int32_t> initial() const;
+  // Makes a situation of its slots.
+  void describe(Situation& here);
+  // Makes of a zone what it becomes by waiting; more than that, if clocks are stopped.
+  void wait(const Situation& here, Zone& zone) const;
   // The steps from a zone; those that a higher priority forbids come without the part where it does, in several pieces.
-  std::vector<Step> steps(Situation& here, const Zone& zone);
+  std::span<Step> steps(Situation& here, const Zone& zone, Steps& room);
   // The parts of a zone where a goal holds. Where `deadlock` is asked for and clocks are stopped, it is perhaps more
   // than that, or less if not `widely`.
   Zones where(const Goal& goal, Situation& here, const Zone& zone, bool widely);
@@ -58,24 +77,31 @@ class Network final {
 
  private:
   using Slots = std::vector<std::int32_t>;
+  struct Part {
+    Constraints guard;
+    Zone zone;
+  };
 
   const Location& location(std::size_t process, const Slots& slots) const;
   const std::vector<std::uint32_t>& leaving(std::size_t process, const Slots& slots) const;
   bool holds(const Condition& condition, Slots& slots, Constraints& constraints);
-  const Zone* where(const Edge& edge, Slots& slots, const Zone& zone, Zone& room);
+  Zone later(const Situation& here, Zone zone) const;
+  const Zone* where(const Edge& edge, Slots& slots, const Zone& zone, Part& room);
   std::int32_t channel(const Edge& edge, Slots& slots);
   bool hears(const Edge& edge, std::int32_t used, Slots& slots);
   bool is_urgent(Slots& slots);
   void find_steps(Situation& here, const Zone& zone);
   void add_partner(Slots& slots, std::int32_t used, const Zone& zone, bool free);
-  void add_receivers(Slots& slots, std::size_t q, std::int32_t used, const Zone& zone, bool free);
+  void add_receivers(Slots& slots, std::size_t listener, std::int32_t used, const Zone& zone, bool free);
   void add_step(const Slots& slots, const Zone& guarded, std::int32_t used);
   void hold_back_lower_priorities();
 
   Machine machine_;
   std::vector<std::vector<std::vector<std::uint32_t>>> leaving_;  // of each process and location, the edges
+  std::vector<std::vector<std::uint32_t>> listeners_;             // of each channel, the processes that may receive
+  std::vector<std::uint32_t> metas_;
   bool has_urgent_channels_ = false;
-  std::vector<Step> steps_;  // under construction
+  Steps steps_;  // under construction
 };
 
 }  // namespace tachk::certificates

@@ -43,9 +43,12 @@ struct Zone {
       if (const Raw there = sum(at(i, atom.left), atom.raw); there < unbounded)
         for (std::size_t j = 0; j < n; ++j) at(i, j) = std::min(at(i, j), sum(there, at(atom.right, j)));
   }
+  void tighten(const Constraints& constraints) {
+    for (const Atom& atom : constraints) tighten(atom);
+  }
   Zone within(const Constraints& constraints) const {
     Zone part = *this;
-    for (const Atom& atom : constraints) part.tighten(atom);
+    part.tighten(constraints);
     return part;
   }
   Constraints constraints() const {

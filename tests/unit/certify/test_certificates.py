@@ -378,6 +378,22 @@ def test_a_discrete_state_without_zones_covers_nothing() -> None:
         assert judged(network, query, written(proof, iter([emptied]))) is not None
 
 
+FAR = """
+int[0, 1000] n;
+process P() { init location a { to a { guard n < 512; assign n = n + 256; } } }
+system P;
+property few : A[] n <= 512;
+"""
+
+
+def test_values_that_take_more_than_a_byte() -> None:
+    network, query = counter("few", FAR)
+    proof = proved(network, query)
+    assert proof.states == 3
+    for group in range(3):
+        assert judged(network, query, written(proof, blocks_without(proof, group))) is not None
+
+
 LATER = """
 clock x;
 process P() {
