@@ -95,7 +95,7 @@ class _Stream:
         self.missing = 0
 
     def message(self, number: int) -> None:
-        number = _near(number, self.sent)
+        number = near(number, self.sent)
         if number < self.sent:
             self.repetitions += 1
         self.sent = max(self.sent, number + 1)
@@ -103,12 +103,12 @@ class _Stream:
     def heartbeat(self, first: int, last: int) -> None:
         """The sender holds these: the last of them has been sent, even if the capture has not seen it."""
         self.heartbeats += 1
-        first, last = _near(first, self.sent), _near(last, self.sent)
+        first, last = near(first, self.sent), near(last, self.sent)
         if first <= last:
             self.sent = max(self.sent, last + 1)
 
     def acknack(self, first: int, bitmap: int) -> None:
-        self.acknowledged = _near(first, self.sent)
+        self.acknowledged = near(first, self.sent)
         self.arrived = max(self.arrived, self.acknowledged)
         self.missing = bitmap.bit_count()
 
@@ -122,7 +122,7 @@ class _Stream:
             self.values.append(values)
 
 
-def _near(number: int, reference: int) -> int:
+def near(number: int, reference: int) -> int:
     """The number with these last 16 bits that is nearest to another one."""
     return reference + (number - reference + _CYCLE // 2) % _CYCLE - _CYCLE // 2
 

@@ -1,0 +1,241 @@
+"""When HEARTBEATs leave: the law of a client's timer, its period, and the period of the Agent.
+
+A client has one of three laws. STEADY: the timer runs from the first unacknowledged message, from each HEARTBEAT and
+from each ACKNACK. REARMED: it starts again also at every message that leaves or comes in, and at every call of a run
+function, which no capture shows. DOUBLING: as STEADY, but each wait is twice the one before, until an ACKNACK comes. The
+law is the one by which HEARTBEATs come on time that would come at another time by the others.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from enum import StrEnum
+from itertools import pairwise
+from typing import Final
+
+from tachk.records import dataclass
+from tachk.xrce.measuring.conversation import Beat, Came, Conversation, Moment, Sent
+from tachk.xrce.measuring.quantity import Confidence, Place, Quantity, Sample, Unit, punctual, roundest, seen
+
+
+class HeartbeatLaw(StrEnum):
+    STEADY = "steady"
+    REARMED = "re-armed"
+    DOUBLING = "doubling"
+
+
+USUAL_PERIOD: Final = 100.0
+"""Milliseconds; UCLIENT_MIN_HEARTBEAT_TIME_INTERVAL of the client since 2.1. Assumed where no capture shows one."""
+
+_MILLISECOND: Final = 1e6
+_AT_ONCE: Final = 5.0
+"""Milliseconds."""
+
+_CLEARLY: Final = 1.25
+"""By how much two times have to differ to tell two laws apart."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wait:
+    """How long a client's HEARTBEAT had been awaited, in milliseconds.
+
+    Attributes:
+        activity: since something left or came in, or since messages were unacknowledged.
+        beat: since the HEARTBEAT before, or since messages were unacknowledged, or since the last ACKNACK.
+        previous: the same of the HEARTBEAT before, if no ACKNACK came between them.
+        places: packets at both ends.
+    """
+
+    activity: float
+    beat: float
+    previous: float | None
+    places: tuple[Place, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Starving:
+    """Milliseconds in which a client had unacknowledged messages and no HEARTBEAT left.
+
+    Attributes:
+        length: all of them.
+        gap: the longest part in which nothing left and nothing came in.
+        traffic: how far apart packets came in meanwhile that have nothing to do with the stream.
+        places: the packets at both ends.
+    """
+
+    length: float
+    gap: float
+    traffic: tuple[float, ...]
+    places: tuple[Place, ...]
+
+
+def waits(conversation: Conversation) -> Iterator[Wait]:
+    """Those of all HEARTBEATs that a client sends about a stream."""
+    activity: Moment | None = None
+    anchor: Moment | None = None
+    previous: float | None = None
+    for moment in conversation.moments:
+        match moment:
+            case Beat():
+                awaited = moment.unacknowledged and activity is not None and not _overdue(activity, moment)
+                if awaited and activity is not None and anchor is not None:
+                    places = tuple(dict.fromkeys(map(conversation.place, (anchor, activity, moment))))
+                    beat = _between(anchor, moment)
+                    yield Wait(_between(activity, moment), beat, previous, places)
+                    previous = beat
+                activity = anchor = moment
+            case Sent():
+                activity = moment
+                if anchor is None or (moment.unacknowledged == 1 and not moment.again):
+                    anchor, previous = moment, None
+            case Came(first=first):
+                activity = moment
+                if first is not None:
+                    anchor, previous = moment, None
+
+
+def _overdue(activity: Moment, beat: Beat) -> bool:
+    """Whether the timer had run out while the client was in no run function: then HEARTBEAT follows at once what the
+    next call sends first."""
+    return isinstance(activity, Sent) and _between(activity, beat) < _AT_ONCE
+
+
+def starvings(conversation: Conversation, period: float) -> Iterator[Starving]:
+    """Stretches longer than the period in which a client has unacknowledged messages and sends no HEARTBEAT, although no
+    ACKNACK comes.
+
+    What lasts until the end of the capture is none: the client may have ended.
+    """
+    start: Moment | None = None
+    inside: list[Moment] = []
+    for moment in conversation.moments:
+        answered = isinstance(moment, Came) and moment.first is not None
+        if start is not None and (isinstance(moment, Beat) or answered or moment.unacknowledged == 0):
+            times = [start.time, *(each.time for each in inside), moment.time]
+            length = (times[-1] - times[0]) / _MILLISECOND
+            if length > _CLEARLY * period:
+                gap = max(b - a for a, b in pairwise(times)) / _MILLISECOND
+                came = [each.time for each in inside if isinstance(each, Came) and each.first is None]
+                traffic = tuple((b - a) / _MILLISECOND for a, b in pairwise(came))
+                yield Starving(length, gap, traffic, (conversation.place(start), conversation.place(moment)))
+            start, inside = None, []
+        elif start is not None:
+            inside.append(moment)
+        if start is None and moment.unacknowledged:
+            start = moment
+
+
+def client_law(
+    found: Sequence[Wait], starved: Sequence[Starving], period: float
+) -> tuple[HeartbeatLaw | None, Quantity]:
+    """The law that HEARTBEATs follow, and the quantity that says how many of them tell so."""
+    votes: Counter[HeartbeatLaw] = Counter()
+    samples: dict[HeartbeatLaw, list[Sample]] = {law: [] for law in HeartbeatLaw}
+    for wait in found:
+        law = _vote(wait, period)
+        if law is not None:
+            votes[law] += 1
+            samples[law].append(Sample(wait.beat, wait.places))
+    silent = [one for one in starved if _is_unexplained(one, period)]
+    name, title = "client_heartbeat_law", "law of the client's HEARTBEATs"
+    if not votes and not silent:
+        missing = "no HEARTBEAT tells the laws apart: that takes other packets shortly before one"
+        return None, Quantity(name, title, Unit.MILLISECONDS, (), None, Confidence.NOT_ENOUGH, missing)
+    law = max(HeartbeatLaw, key=lambda each: votes[each]) if votes else HeartbeatLaw.REARMED
+    against = sum(votes.values()) - votes[law]
+    how = f"{law.value}: {votes[law]} HEARTBEATs tell so, {against} another law"
+    if silent:
+        how += f"; {len(silent)} times none came although messages were unacknowledged, for up to "
+        how += f"{max(one.length for one in silent):.0f} ms"
+        samples[HeartbeatLaw.REARMED] += [Sample(one.length, one.places) for one in silent]
+    confidence = Confidence.MEASURED if votes[law] > 1 else Confidence.ONE_SAMPLE
+    return law, Quantity(name, title, Unit.MILLISECONDS, tuple(samples[law]), None, confidence, how)
+
+
+def _vote(wait: Wait, period: float) -> HeartbeatLaw | None:
+    on_time = period * 0.9, period * _CLEARLY
+    if wait.previous is not None and 1.8 < wait.beat / max(wait.previous, 1e-3) < 2.2 and wait.activity == wait.beat:
+        return HeartbeatLaw.DOUBLING
+    if on_time[0] < wait.activity < on_time[1] and wait.beat > wait.activity * _CLEARLY:
+        return HeartbeatLaw.REARMED
+    if on_time[0] < wait.beat < on_time[1] and wait.activity * _CLEARLY < wait.beat:
+        return HeartbeatLaw.STEADY
+    return None
+
+
+def _is_unexplained(one: Starving, period: float) -> bool:
+    """Whether a timer that is not started again would have sent a HEARTBEAT."""
+    return one.length > 3 * period
+
+
+def client_period(found: Sequence[Wait], law: HeartbeatLaw | None) -> Quantity:
+    """How long a client waits for an ACKNACK."""
+    name, title = "client_heartbeat", "period of the client's HEARTBEATs"
+    since = [Sample(wait.beat if law is HeartbeatLaw.STEADY else wait.activity, wait.places) for wait in found]
+    if law is HeartbeatLaw.DOUBLING:
+        since = [sample for sample, wait in zip(since, found, strict=True) if wait.previous is None]
+        title = "first wait of the client's HEARTBEATs"
+    if not since:
+        return seen(name, title, (), "the client sends no HEARTBEAT with messages unacknowledged")
+    prompt = punctual(since)
+    if len(since) == 1 and since[0].value > 3 * USUAL_PERIOD:
+        how = "one HEARTBEAT, after a time in which the timer may have been started again and again"
+        return Quantity(name, title, Unit.MILLISECONDS, tuple(since), None, Confidence.BOUND, how)
+    value = roundest(min(s.value for s in prompt), _middle(prompt), len(prompt))
+    how = f"the roundest number near the {len(prompt)} shortest of {len(since)} waits"
+    confidence = Confidence.MEASURED if len(prompt) > 1 else Confidence.ONE_SAMPLE
+    return Quantity(name, title, Unit.MILLISECONDS, tuple(since), value, confidence, how)
+
+
+def agent_rounds(conversation: Conversation) -> tuple[list[Sample], list[Sample]]:
+    """Of the Agent's HEARTBEATs about a stream: the times between two with messages unacknowledged all the time, and
+    those from the first unacknowledged message to the first HEARTBEAT."""
+    between: list[Sample] = []
+    first: list[Sample] = []
+    anchor: Moment | None = None
+    for moment in conversation.moments:
+        if moment.unacknowledged == 0:
+            anchor = None
+        elif isinstance(moment, Beat):
+            if anchor is not None:
+                sample = Sample(_between(anchor, moment), (conversation.place(anchor), conversation.place(moment)))
+                (between if isinstance(anchor, Beat) else first).append(sample)
+            anchor = moment
+        elif anchor is None:
+            anchor = moment
+    return between, first
+
+
+_LEFT_OUT: Final = 2.5
+
+
+def agent_period(between: Sequence[Sample], first: Sequence[Sample]) -> tuple[Quantity, Quantity]:
+    """The period of the Agent's HEARTBEATs, and how long the first one waits: anything up to a period, because one
+    thread goes round all clients, whatever they do."""
+    name, title = "agent_heartbeat", "period of the Agent's HEARTBEATs"
+    phase = seen(
+        "agent_first_heartbeat",
+        "from the first unacknowledged message to the Agent's HEARTBEAT",
+        first,
+        "no HEARTBEAT of the Agent is the first after a message",
+    )
+    if not between:
+        how = "the Agent sends no two HEARTBEATs with messages unacknowledged all the time between them"
+        return seen(name, title, (), how), phase
+    between = [one for one in between if one.value < _LEFT_OUT * _middle(between)]
+    prompt = punctual(between)
+    middle = _middle(prompt)
+    value = roundest(sorted(s.value for s in prompt)[len(prompt) // 4], middle, len(prompt))
+    how = f"the roundest number near the median of {len(prompt)} of {len(between)} times"
+    confidence = Confidence.MEASURED if len(prompt) > 1 else Confidence.ONE_SAMPLE
+    return Quantity(name, title, Unit.MILLISECONDS, tuple(between), value, confidence, how), phase
+
+
+def _middle(samples: Sequence[Sample]) -> float:
+    values = sorted(sample.value for sample in samples)
+    return values[len(values) // 2]
+
+
+def _between(earlier: Moment, later: Moment) -> float:
+    return (later.time - earlier.time) / _MILLISECOND

@@ -1,0 +1,175 @@
+"""Silence: sleeping clients, and the Agent's idea of dead ones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+from tachk.records import dataclass
+from tachk.xrce.events import Event
+from tachk.xrce.measuring.conversation import Beat, Conversation
+from tachk.xrce.measuring.quantity import Confidence, Place, Quantity, Sample, Unit, roundest, seen
+from tachk.xrce.transmissions import Recording, Transmission
+from tachk.xrce.wire import Kind
+
+_MILLISECOND: Final = 1e6
+_SHORTEST_SLEEP: Final = 2e9
+"""Nanoseconds; a shorter silence is an outage of the link."""
+
+_AT_ONCE: Final = 20e6
+"""Nanoseconds within which a client that is awake answers."""
+
+UNLIMITED: Final = 0xFFFF
+
+
+@dataclass(frozen=True, slots=True)
+class Sleep:
+    """A time in which a client sends nothing although packets are sent to it.
+
+    Attributes:
+        link: the index of its link.
+        begin: when the first of them was sent, in nanoseconds since the epoch.
+        end: when the client sends again.
+        before: how much earlier it may have fallen asleep, in nanoseconds: it sent its last packet then.
+        ends_by_itself: whether the client speaks first when it wakes, with more than DELETE.
+        waking: the packet with which it wakes; None at the end of the capture.
+    """
+
+    link: int
+    begin: int
+    end: int
+    before: int
+    ends_by_itself: bool
+    first: int
+    waking: int | None
+
+
+def sleeps(recording: Recording) -> Iterator[Sleep]:
+    """The sleeping times of all clients, as far as their silence shows them."""
+    for link in range(len(recording.links)):
+        ours = [one for one in recording.transmissions if one.link == link]
+        spoken = [one for one in ours if one.to_agent]
+        heard = [one for one in ours if not one.to_agent]
+        for number, last in enumerate(spoken):
+            following = spoken[number + 1] if number + 1 < len(spoken) else None
+            found = _sleep(link, last, following, heard, recording.end)
+            if found is not None:
+                yield found
+
+
+def _sleep(
+    link: int, last: Transmission, waking: Transmission | None, heard: Sequence[Transmission], end: int
+) -> Sleep | None:
+    until = end if waking is None else waking.sent
+    if until - last.sent < _SHORTEST_SLEEP:
+        return None
+    unanswered = [
+        one
+        for one in heard
+        if last.sent < one.sent < until and _wants_answer(one) and (one.is_lost or until - one.arrived > _AT_ONCE)
+    ]
+    if len(unanswered) < 2 or until - unanswered[0].sent < _SHORTEST_SLEEP:
+        return None
+    begin = unanswered[0].sent
+    answers = any(0 <= until - arrival.time <= _AT_ONCE for one in heard for arrival in one.arrivals or ())
+    by_itself = waking is not None and not answers and not any(e.kind is Kind.DELETE for e in waking.events)
+    waking_packet = None if waking is None else waking.packet
+    return Sleep(link, begin, until, begin - last.sent, by_itself, unanswered[0].packet, waking_packet)
+
+
+def _wants_answer(one: Transmission) -> bool:
+    return any(event.is_reliable or event.kind is Kind.HEARTBEAT for event in one.events)
+
+
+def sleep_quantity(found: Sequence[tuple[str, Sleep]]) -> Quantity:
+    samples = tuple(
+        Sample(
+            (sleep.end - sleep.begin) / _MILLISECOND,
+            tuple(Place(file, packet) for packet in (sleep.first, sleep.waking) if packet is not None),
+        )
+        for file, sleep in found
+    )
+    name, title = "sleep", "silence of a client to which packets are sent"
+    if not samples:
+        return seen(name, title, (), "no client was silent for 2 s while packets were sent to it")
+    _, longest = max(found, key=lambda pair: pair[1].end - pair[1].begin)
+    length = longest.end - longest.begin
+    value = roundest(length / _MILLISECOND, (length + longest.before) / _MILLISECOND, 100)
+    how = "asleep or out of reach from the first packet without an answer to the next one of the client; the longest"
+    confidence = Confidence.MEASURED if len(samples) > 1 else Confidence.ONE_SAMPLE
+    return Quantity(name, title, Unit.MILLISECONDS, samples, value, confidence, how)
+
+
+def dead_time(found: Sequence[tuple[Conversation, Recording]], period: float | None) -> Quantity:
+    """After how long a silence of the client the Agent sends it no more HEARTBEATs."""
+    name, title = "dead_time", "silence after which the Agent gives up a client"
+    if period is None:
+        return seen(name, title, (), "the period of the Agent's HEARTBEATs is not known, so none can be missed")
+    bounds = [one for conversation, recording in found for one in _given_up(conversation, recording, period)]
+    if not bounds:
+        longest = [one for conversation, recording in found for one in _longest_silence(conversation, recording)]
+        if not longest:
+            return seen(name, title, (), "no client was silent with messages of the Agent unacknowledged")
+        most = max(longest, key=lambda sample: sample.value)
+        how = f"more than {most.value:.0f} ms: the Agent still sent a HEARTBEAT then"
+        return Quantity(name, title, Unit.MILLISECONDS, (most,), None, Confidence.BOUND, how)
+    low, high = max(low.value for low, _ in bounds), min(high.value for _, high in bounds)
+    how = f"the roundest number from the last HEARTBEAT ({low:.0f} ms) to the next that did not come ({high:.0f} ms)"
+    samples = tuple(sample for pair in bounds for sample in pair)
+    value = roundest(low, max(high, low), 100)
+    return Quantity(name, title, Unit.MILLISECONDS, samples, value, Confidence.MEASURED, how)
+
+
+def _given_up(conversation: Conversation, recording: Recording, period: float) -> Iterator[tuple[Sample, Sample]]:
+    """Silences at the last HEARTBEAT and at the one that should have been next."""
+    heard = _heard(conversation, recording)
+    beats = [moment for moment in conversation.moments if isinstance(moment, Beat) and moment.unacknowledged]
+    for number, beat in enumerate(beats):
+        before = [time for time, _ in heard if time <= beat.time]
+        following = beats[number + 1].time if number + 1 < len(beats) else conversation.end
+        spoken = min((time for time, _ in heard if time > beat.time), default=conversation.end)
+        missed = min(following, spoken) - beat.time
+        if before and missed > 3 * period * _MILLISECOND and beat.time - before[-1] > 10 * period * _MILLISECOND:
+            silence = (beat.time - before[-1]) / _MILLISECOND
+            place = (conversation.place(beat),)
+            yield Sample(silence, place), Sample(silence + period, place)
+
+
+def _longest_silence(conversation: Conversation, recording: Recording) -> Iterator[Sample]:
+    heard = _heard(conversation, recording)
+    for moment in conversation.moments:
+        before = [time for time, _ in heard if time <= moment.time]
+        if isinstance(moment, Beat) and moment.unacknowledged and before:
+            yield Sample((moment.time - before[-1]) / _MILLISECOND, (conversation.place(moment),))
+
+
+def _heard(conversation: Conversation, recording: Recording) -> list[tuple[int, Transmission]]:
+    """When the Agent heard the client."""
+    found = [
+        (one.arrived, one)
+        for one in recording.transmissions
+        if one.link == conversation.link and one.to_agent and not one.is_lost
+    ]
+    return sorted(found, key=lambda pair: pair[0])
+
+
+@dataclass(frozen=True, slots=True)
+class Asking:
+    """A READ_DATA: at most so many samples, UNLIMITED or None for one, and its packet."""
+
+    link: int
+    samples: int | None
+    packet: int
+
+
+def readings(recording: Recording) -> Iterator[Asking]:
+    """Every READ_DATA that a client sends, repetitions too."""
+    for one in recording.transmissions:
+        for event in one.events:
+            if one.to_agent and event.kind is Kind.READ_DATA:
+                yield Asking(one.link, _samples(event), one.packet)
+
+
+def _samples(event: Event) -> int | None:
+    value = event.fields["max_samples"]
+    return value if isinstance(value, int) else None

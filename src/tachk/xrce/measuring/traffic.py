@@ -1,0 +1,151 @@
+"""Round trips, repairs, pace and windows of streams; losses, copies, overtaking and delays of links."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
+from typing import Final
+
+from tachk.xrce.measuring.conversation import Came, Conversation, Sent
+from tachk.xrce.measuring.quantity import Confidence, Place, Quantity, Sample, Unit, seen
+from tachk.xrce.transmissions import Recording, Transmission
+from tachk.xrce.wire import Kind
+
+_MILLISECOND: Final = 1e6
+_AT_ONCE: Final = 5e6
+"""Nanoseconds within which a sender that has waited for room sends on."""
+
+
+def round_trips(conversation: Conversation) -> Iterator[Sample]:
+    """From a message that is sent once to the first ACKNACK that says that it has arrived."""
+    repeated = {moment.number for moment in conversation.moments if isinstance(moment, Sent) and moment.again}
+    waiting: list[Sent] = []
+    for moment in conversation.moments:
+        if isinstance(moment, Sent) and moment.number not in repeated:
+            waiting.append(moment)
+        elif isinstance(moment, Came) and moment.first is not None:
+            for sent in [each for each in waiting if each.number < moment.first]:
+                waiting.remove(sent)
+                places = conversation.place(sent), conversation.place(moment)
+                yield Sample((moment.time - sent.time) / _MILLISECOND, places)
+
+
+def repairs(conversation: Conversation) -> Iterator[Sample]:
+    """From a message that is lost to its first arrival; without a recording behind the loss, from a message that is
+    repeated to the ACKNACK that says that it has arrived."""
+    first: dict[int, Sent] = {}
+    for moment in conversation.moments:
+        if isinstance(moment, Sent):
+            if not moment.again:
+                first[moment.number] = moment
+            elif moment.number in first and moment.transmission.arrivals and first[moment.number].transmission.is_lost:
+                lost = first.pop(moment.number)
+                places = conversation.place(lost), conversation.place(moment)
+                yield Sample((moment.transmission.arrived - lost.time) / _MILLISECOND, places)
+        elif isinstance(moment, Came) and moment.first is not None:
+            yield from _acknowledged_late(conversation, first, moment, moment.first)
+
+
+def _acknowledged_late(conversation: Conversation, first: dict[int, Sent], came: Came, end: int) -> Iterator[Sample]:
+    repeated = {each.number for each in conversation.moments if isinstance(each, Sent) and each.again}
+    for number in [each for each in first if each < end]:
+        sent = first[number]
+        if sent.transmission.arrivals is None:
+            del first[number]
+            if number in repeated:
+                places = conversation.place(sent), conversation.place(came)
+                yield Sample((came.time - sent.time) / _MILLISECOND, places)
+
+
+def paces(conversation: Conversation) -> Iterator[Sample]:
+    """Between two samples that are written one after the other."""
+    for before, after in pairwise(writes(conversation)):
+        places = conversation.place(before), conversation.place(after)
+        yield Sample((after.time - before.time) / _MILLISECOND, places)
+
+
+def writes(conversation: Conversation) -> list[Sent]:
+    """Messages with WRITE_DATA or DATA, each when it is sent first."""
+    kinds = Kind.WRITE_DATA, Kind.DATA
+    return [
+        moment
+        for moment in conversation.moments
+        if isinstance(moment, Sent)
+        and not moment.again
+        and any(event.kind in kinds for event in moment.transmission.events)
+    ]
+
+
+def window(name: str, title: str, found: Sequence[Conversation]) -> Quantity:
+    """The most unacknowledged messages; that there may not be more shows where room is used as soon as it is there."""
+    most = max((m.unacknowledged for c in found for m in c.moments if isinstance(m, Sent)), default=0)
+    if not most:
+        return seen(name, title, (), "no message is sent", Unit.COUNT)
+    at_most = [
+        Sample(most, (c.place(m),))
+        for c in found
+        for m in c.moments
+        if isinstance(m, Sent) and m.unacknowledged == most
+    ]
+    full = [Sample(most, (c.place(a), c.place(b))) for c in found for a, b in _waited(c, most)]
+    if full:
+        how = f"{len(full)} times a new message left at once when an ACKNACK had made room"
+        return Quantity(name, title, Unit.COUNT, tuple(full), most, Confidence.MEASURED, how)
+    how = f"at least {most}: no sender was seen to wait for room"
+    return Quantity(name, title, Unit.COUNT, tuple(at_most[:1]), most, Confidence.BOUND, how)
+
+
+def _waited(conversation: Conversation, most: int) -> Iterator[tuple[Came, Sent]]:
+    for before, after in pairwise(conversation.moments):
+        if (
+            isinstance(before, Came)
+            and isinstance(after, Sent)
+            and not after.again
+            and before.before == most > before.unacknowledged
+            and after.time - before.time < _AT_ONCE
+        ):
+            yield before, after
+
+
+def losses(file: str, recording: Recording, to_agent: bool) -> Iterator[Sample]:
+    """The part of the messages that are lost, in percent, for each link; the packets are those that are."""
+    for link in range(len(recording.links)):
+        sent = [t for t in recording.transmissions if (t.link, t.to_agent) == (link, to_agent)]
+        known = [t for t in sent if t.arrivals is not None]
+        if known:
+            lost = [t for t in known if t.is_lost]
+            yield Sample(100 * len(lost) / len(known), tuple(Place(file, t.packet) for t in lost))
+
+
+def delays(file: str, recording: Recording) -> Iterator[Sample]:
+    """From one side of a relay to the other."""
+    for one in recording.transmissions:
+        for arrival in one.arrivals or ():
+            places = Place(file, one.packet), Place(file, arrival.packet)
+            yield Sample((arrival.time - one.sent) / _MILLISECOND, places)
+
+
+def copies(file: str, recording: Recording) -> Iterator[Sample]:
+    """Messages that arrive more than once, with how often."""
+    for one in recording.transmissions:
+        if one.arrivals is not None and len(one.arrivals) > 1:
+            yield Sample(len(one.arrivals), tuple(Place(file, arrival.packet) for arrival in one.arrivals))
+
+
+def overtakings(file: str, recording: Recording) -> Iterator[Sample]:
+    """Messages that arrive before one that was sent before them; how many milliseconds before."""
+    for one, late in _overtaken(recording.transmissions):
+        places = Place(file, one.packet), Place(file, late.packet)
+        yield Sample((late.arrived - one.arrived) / _MILLISECOND, places)
+
+
+def _overtaken(transmissions: Iterable[Transmission]) -> Iterator[tuple[Transmission, Transmission]]:
+    latest: dict[tuple[int, bool], Transmission] = {}
+    for one in transmissions:
+        if not one.arrivals:
+            continue
+        way = one.link, one.to_agent
+        if way in latest and latest[way].arrived > one.arrived:
+            yield one, latest[way]
+        else:
+            latest[way] = one

@@ -1,0 +1,282 @@
+"""Messages on their way: who sent each of them, when, and whether it arrived.
+
+Where a relay between a client and the Agent was recorded on both sides, a message that got through is in the capture
+twice, and one that was lost is there once. Elsewhere nobody knows.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import BinaryIO, Final
+
+from tachk.records import dataclass
+from tachk.xrce.datagrams import Datagrams, datagrams
+from tachk.xrce.events import DEFAULT_PORT, Event, events
+from tachk.xrce.messages import Endpoint
+from tachk.xrce.packets import CaptureError, read_packets
+from tachk.xrce.reading import CaptureReading
+from tachk.xrce.wire import COOKIE, Kind
+
+_LONGEST_RELAY: Final = 5_000_000_000
+"""Nanoseconds from a CREATE_CLIENT to its copy behind a relay."""
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """The way between a client and the Agent.
+
+    Attributes:
+        client: its endpoint, at the side of the client.
+        agent: the Agent's, at the side of the Agent.
+        key: of the client, as its CREATE_CLIENT says; empty if that is not in the capture.
+        relay: the endpoint that the client takes for the Agent where both sides of a relay are recorded.
+    """
+
+    client: Endpoint
+    agent: Endpoint
+    key: str
+    relay: Endpoint | None
+
+    @property
+    def name(self) -> str:
+        return f"client {self.key}" if self.key else f"client {self.client}"
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """``time`` in nanoseconds since the epoch, ``packet`` the number in the capture."""
+
+    time: int
+    packet: int
+
+
+@dataclass(frozen=True, slots=True)
+class Transmission:
+    """A message that was sent once.
+
+    Attributes:
+        link: the index of its link.
+        to_agent: whether the client sent it.
+        sent, packet: when it left its sender, in nanoseconds since the epoch, and in which packet.
+        arrivals: where it was seen behind the relay, several times if it was duplicated, never if it was lost; None if
+            nobody looked.
+        events: its submessages.
+    """
+
+    link: int
+    to_agent: bool
+    sent: int
+    packet: int
+    arrivals: tuple[Arrival, ...] | None
+    events: tuple[Event, ...]
+
+    @property
+    def is_lost(self) -> bool:
+        return self.arrivals == ()
+
+    @property
+    def arrived(self) -> int:
+        """When it came to its receiver, as far as is known; of a lost one when it was sent."""
+        return self.arrivals[0].time if self.arrivals else self.sent
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """Attributes:
+    links: in the order in which they began.
+    transmissions: in the order in which they were sent.
+    problem: why the capture ends too early; empty if it does not.
+    """
+
+    links: tuple[Link, ...]
+    transmissions: tuple[Transmission, ...]
+    problem: str = ""
+
+    @property
+    def begin(self) -> int:
+        return self.transmissions[0].sent if self.transmissions else 0
+
+    @property
+    def end(self) -> int:
+        return max((t.arrivals[-1].time if t.arrivals else t.sent for t in self.transmissions), default=0)
+
+
+def read_transmissions(path: Path, ports: Iterable[int] = ()) -> Recording:
+    """The messages of a capture, put together where a relay was recorded on both sides.
+
+    Args:
+        ports: of Agents and relays; without any 8888 and wherever a session is created.
+
+    Raises CaptureError for what is no capture, OSError for a file that cannot be read.
+    """
+    wanted = set(ports)
+    if not wanted:
+        with path.open("rb") as stream:
+            wanted = {DEFAULT_PORT, *session_ports(stream)}
+    with path.open("rb") as stream:
+        reading = CaptureReading(stream, wanted)
+        legs: dict[tuple[Endpoint, Endpoint], _Leg] = {}
+        for message in _messages(reading):
+            legs.setdefault((message.client, message.agent), _Leg(message.client, message.agent)).add(message)
+        return _recording(list(legs.values()), reading.problem)
+
+
+def session_ports(stream: BinaryIO) -> set[int]:
+    """The ports to which CREATE_CLIENT is sent. Raises CaptureError for what is no capture."""
+    ports: set[int] = set()
+    any_packet = False
+    try:
+        for packets in read_packets(stream):
+            any_packet = True
+            ports |= _created(datagrams(packets))
+    except CaptureError:
+        if not any_packet:
+            raise
+    return ports
+
+
+def _created(found: Datagrams) -> set[int]:
+    ports = set()
+    for start, size, port in zip(
+        found.starts.tolist(), found.sizes.tolist(), found.destination_ports.tolist(), strict=True
+    ):
+        if port in ports or size < 20:
+            continue
+        octets = found.octets[start : start + 20].tobytes()
+        if any(octets[at] == Kind.CREATE_CLIENT and octets[at + 4 : at + 8] == COOKIE for at in (4, 6, 8, 10)):
+            ports.add(port)
+    return ports
+
+
+@dataclass(frozen=True, slots=True)
+class _Message:
+    """A message as one packet has it."""
+
+    client: Endpoint
+    agent: Endpoint
+    to_agent: bool
+    time: int
+    packet: int
+    octets: bytes
+    events: tuple[Event, ...]
+
+
+def _messages(reading: CaptureReading) -> Iterator[_Message]:
+    for found in reading.pieces():
+        messages = found.messages
+        of_message: dict[int, list[Event]] = defaultdict(list)
+        for number, event in zip(found.message.tolist(), events(found, reading.endpoints), strict=True):
+            of_message[number].append(event)
+        for number, inside in of_message.items():
+            first = inside[0]
+            start, size = int(messages.starts[number]), int(messages.sizes[number])
+            if first.client is not None and first.agent is not None:
+                octets = messages.octets[start : start + size].tobytes()
+                yield _Message(
+                    first.client, first.agent, first.to_agent, first.time, first.packet, octets, tuple(inside)
+                )
+
+
+class _Leg:
+    """What one capture point saw between two endpoints."""
+
+    def __init__(self, client: Endpoint, agent: Endpoint) -> None:
+        self.client = client
+        self.agent = agent
+        self.messages: list[_Message] = []
+
+    def add(self, message: _Message) -> None:
+        self.messages.append(message)
+
+    @cached_property
+    def creation(self) -> _Message | None:
+        """The first CREATE_CLIENT."""
+        return next(
+            (m for m in self.messages if m.to_agent and any(e.kind is Kind.CREATE_CLIENT for e in m.events)), None
+        )
+
+    @property
+    def key(self) -> str:
+        if self.creation is None:
+            return ""
+        return next(str(e.fields["key"]) for e in self.creation.events if e.kind is Kind.CREATE_CLIENT)
+
+    def is_before(self, other: _Leg) -> bool:
+        """Whether a relay hands on to the other leg what comes over this one."""
+        ours, theirs = self.creation, other.creation
+        return (
+            ours is not None
+            and theirs is not None
+            and self.agent != other.agent
+            and ours.octets == theirs.octets
+            and 0 <= theirs.time - ours.time < _LONGEST_RELAY
+        )
+
+
+def _recording(legs: Sequence[_Leg], problem: str) -> Recording:
+    left = list(legs)
+    links: list[Link] = []
+    sent: list[Transmission] = []
+    while left:
+        near = left.pop(0)
+        far = next((other for other in left if near.is_before(other)), None)
+        number = len(links)
+        if far is None:
+            links.append(Link(near.client, near.agent, near.key, None))
+            sent += [Transmission(number, m.to_agent, m.time, m.packet, None, m.events) for m in near.messages]
+            continue
+        left.remove(far)
+        links.append(Link(near.client, far.agent, near.key, near.agent))
+        for to_agent, (begin, end) in {True: (near, far), False: (far, near)}.items():
+            before, behind = ([m for m in leg.messages if m.to_agent == to_agent] for leg in (begin, end))
+            sent += _matched(number, before, behind)
+    return Recording(tuple(links), tuple(sorted(sent, key=lambda one: one.packet)), problem)
+
+
+def _matched(link: int, before: Sequence[_Message], behind: Sequence[_Message]) -> Iterator[Transmission]:
+    """Messages before a relay with those behind it that have the same bytes."""
+    entered: dict[bytes, list[int]] = defaultdict(list)
+    left: dict[bytes, list[_Message]] = defaultdict(list)
+    for number, message in enumerate(before):
+        entered[message.octets].append(number)
+    for message in behind:
+        left[message.octets].append(message)
+    arrivals: list[list[Arrival]] = [[] for _ in before]
+    for octets, numbers in entered.items():
+        for number, message in _equal_ones(before, numbers, left[octets]):
+            arrivals[number].append(Arrival(message.time, message.packet))
+    for message, found in zip(before, arrivals, strict=True):
+        seen = tuple(sorted(found, key=lambda arrival: arrival.packet))
+        yield Transmission(link, message.to_agent, message.time, message.packet, seen, message.events)
+
+
+def _equal_ones(
+    before: Sequence[_Message], numbers: Sequence[int], behind: Sequence[_Message]
+) -> Iterator[tuple[int, _Message]]:
+    """Which of some messages with the same bytes is which of those that came out.
+
+    Nothing tells them apart but the time. If there are not more than went in, the last that came out is the last that
+    had gone in, and so on, which makes the delays as short as they can be in this order. Else the first that came out
+    is the first that had gone in, and so on, and what is left are copies: each of the last that had gone in.
+    """
+    entered = [before[number].packet for number in numbers]
+    if len(behind) <= len(numbers):
+        free = len(numbers)
+        for message in reversed(behind):
+            free = min(bisect_left(entered, message.packet), free) - 1
+            if free < 0:
+                return
+            yield numbers[free], message
+        return
+    waiting = 0
+    for message in behind:
+        at = bisect_left(entered, message.packet)
+        if waiting < at:
+            yield numbers[waiting], message
+            waiting += 1
+        elif at:
+            yield numbers[at - 1], message
