@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from tachk.monitoring.offline import MonitorReport, monitor
     from tachk.monitoring.online import Monitor
     from tachk.runtime.node_signal import Truth
+    from tachk.xrce.measuring.measure import measure
 
 __version__ = "0.1.0"
 
@@ -59,6 +60,7 @@ __all__ = [
     "export",
     "load",
     "loads",
+    "measure",
     "monitor",
     "random_network",
 ]
@@ -68,6 +70,7 @@ _MONITORING = {
     "Monitor": "tachk.monitoring.online",
     "MonitorReport": "tachk.monitoring.offline",
     "Truth": "tachk.runtime.node_signal",
+    "measure": "tachk.xrce.measuring.measure",
     "monitor": "tachk.monitoring.offline",
 }
 

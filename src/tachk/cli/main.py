@@ -27,6 +27,7 @@ COMMANDS = (
     "diff",
     "draw",
     "decode",
+    "measure",
     "monitor",
     "plot",
     "explain",
@@ -38,7 +39,7 @@ COMMANDS = (
 )
 """In the order of the help."""
 
-_ABOUT_PACKETS = frozenset({"decode"})
+_ABOUT_PACKETS = frozenset({"decode", "measure"})
 """Their modules are in a folder of their own."""
 
 

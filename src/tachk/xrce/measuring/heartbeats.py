@@ -2,8 +2,8 @@
 
 A client has one of three laws. STEADY: the timer runs from the first unacknowledged message, from each HEARTBEAT and
 from each ACKNACK. REARMED: it starts again also at every message that leaves or comes in, and at every call of a run
-function, which no capture shows. DOUBLING: as STEADY, but each wait is twice the one before, until an ACKNACK comes. The
-law is the one by which HEARTBEATs come on time that would come at another time by the others.
+function, which no capture shows. DOUBLING: as STEADY, but each wait is twice the one before, until an ACKNACK comes.
+The law is the one by which HEARTBEATs come on time that would come at another time by the others.
 """
 
 from __future__ import annotations
@@ -102,8 +102,8 @@ def _overdue(activity: Moment, beat: Beat) -> bool:
 
 
 def starvings(conversation: Conversation, period: float) -> Iterator[Starving]:
-    """Stretches longer than the period in which a client has unacknowledged messages and sends no HEARTBEAT, although no
-    ACKNACK comes.
+    """Stretches longer than the period in which a client has unacknowledged messages, sends no HEARTBEAT and gets no
+    ACKNACK.
 
     What lasts until the end of the capture is none: the client may have ended.
     """
@@ -126,47 +126,52 @@ def starvings(conversation: Conversation, period: float) -> Iterator[Starving]:
             start = moment
 
 
-def client_law(
+def client_law(found: Sequence[Wait]) -> tuple[HeartbeatLaw | None, tuple[Wait, ...], int]:
+    """The law that most HEARTBEATs follow that tell laws apart, those that do, and how many follow another one."""
+    votes = [(_vote(wait, found), wait) for wait in found]
+    counted = Counter(law for law, _ in votes if law is not None)
+    if not counted:
+        return None, (), 0
+    law = max(HeartbeatLaw, key=lambda each: counted[each])
+    return law, tuple(wait for vote, wait in votes if vote is law), counted.total() - counted[law]
+
+
+def _vote(wait: Wait, found: Sequence[Wait]) -> HeartbeatLaw | None:
+    """The only law by which a HEARTBEAT comes on time. Where several periods are possible, the usual one counts."""
+    if wait.previous and 1.8 < wait.beat / wait.previous < 2.2 and wait.activity == wait.beat:
+        return HeartbeatLaw.DOUBLING
+    rearmed, steady = min(each.activity for each in found), min(each.beat for each in found)
+    if steady > rearmed * _CLEARLY and _is_near(rearmed, USUAL_PERIOD):
+        steady = rearmed
+    by_activity, by_beat = _is_near(wait.activity, rearmed), _is_near(wait.beat, steady)
+    if by_activity == by_beat:
+        return None
+    return HeartbeatLaw.REARMED if by_activity else HeartbeatLaw.STEADY
+
+
+def _is_near(time: float, period: float) -> bool:
+    return period / _CLEARLY < time < period * _CLEARLY
+
+
+def law_quantity(
     found: Sequence[Wait], starved: Sequence[Starving], period: float
 ) -> tuple[HeartbeatLaw | None, Quantity]:
-    """The law that HEARTBEATs follow, and the quantity that says how many of them tell so."""
-    votes: Counter[HeartbeatLaw] = Counter()
-    samples: dict[HeartbeatLaw, list[Sample]] = {law: [] for law in HeartbeatLaw}
-    for wait in found:
-        law = _vote(wait, period)
-        if law is not None:
-            votes[law] += 1
-            samples[law].append(Sample(wait.beat, wait.places))
-    silent = [one for one in starved if _is_unexplained(one, period)]
-    name, title = "client_heartbeat_law", "law of the client's HEARTBEATs"
-    if not votes and not silent:
+    """The law of a client, and what says so: HEARTBEATs, or that none came for longer than any other law allows."""
+    law, following, against = client_law(found)
+    silent = [one for one in starved if one.length > 3 * period]
+    name, title = "client_heartbeat_law", "waits that tell the law of the client's HEARTBEATs"
+    if law is None and not silent:
         missing = "no HEARTBEAT tells the laws apart: that takes other packets shortly before one"
         return None, Quantity(name, title, Unit.MILLISECONDS, (), None, Confidence.NOT_ENOUGH, missing)
-    law = max(HeartbeatLaw, key=lambda each: votes[each]) if votes else HeartbeatLaw.REARMED
-    against = sum(votes.values()) - votes[law]
-    how = f"{law.value}: {votes[law]} HEARTBEATs tell so, {against} another law"
-    if silent:
-        how += f"; {len(silent)} times none came although messages were unacknowledged, for up to "
-        how += f"{max(one.length for one in silent):.0f} ms"
-        samples[HeartbeatLaw.REARMED] += [Sample(one.length, one.places) for one in silent]
-    confidence = Confidence.MEASURED if votes[law] > 1 else Confidence.ONE_SAMPLE
-    return law, Quantity(name, title, Unit.MILLISECONDS, tuple(samples[law]), None, confidence, how)
-
-
-def _vote(wait: Wait, period: float) -> HeartbeatLaw | None:
-    on_time = period * 0.9, period * _CLEARLY
-    if wait.previous is not None and 1.8 < wait.beat / max(wait.previous, 1e-3) < 2.2 and wait.activity == wait.beat:
-        return HeartbeatLaw.DOUBLING
-    if on_time[0] < wait.activity < on_time[1] and wait.beat > wait.activity * _CLEARLY:
-        return HeartbeatLaw.REARMED
-    if on_time[0] < wait.beat < on_time[1] and wait.activity * _CLEARLY < wait.beat:
-        return HeartbeatLaw.STEADY
-    return None
-
-
-def _is_unexplained(one: Starving, period: float) -> bool:
-    """Whether a timer that is not started again would have sent a HEARTBEAT."""
-    return one.length > 3 * period
+    law = law or HeartbeatLaw.REARMED
+    how = f"{law.value}; HEARTBEATs that tell so: {len(following)}, that tell another law: {against}"
+    samples = [Sample(wait.activity, wait.places) for wait in following]
+    if silent and law is HeartbeatLaw.REARMED:
+        longest = max(one.length for one in silent)
+        how += f"; messages were unacknowledged for up to {longest:.0f} ms, and none came"
+        samples += [Sample(one.length, one.places) for one in silent]
+    confidence = Confidence.MEASURED if len(samples) > 1 else Confidence.ONE_SAMPLE
+    return law, Quantity(name, title, Unit.MILLISECONDS, tuple(samples), None, confidence, how)
 
 
 def client_period(found: Sequence[Wait], law: HeartbeatLaw | None) -> Quantity:
@@ -183,7 +188,7 @@ def client_period(found: Sequence[Wait], law: HeartbeatLaw | None) -> Quantity:
         how = "one HEARTBEAT, after a time in which the timer may have been started again and again"
         return Quantity(name, title, Unit.MILLISECONDS, tuple(since), None, Confidence.BOUND, how)
     value = roundest(min(s.value for s in prompt), _middle(prompt), len(prompt))
-    how = f"the roundest number near the {len(prompt)} shortest of {len(since)} waits"
+    how = f"the roundest number near the shortest waits, {len(prompt)} of {len(since)}"
     confidence = Confidence.MEASURED if len(prompt) > 1 else Confidence.ONE_SAMPLE
     return Quantity(name, title, Unit.MILLISECONDS, tuple(since), value, confidence, how)
 
@@ -227,7 +232,7 @@ def agent_period(between: Sequence[Sample], first: Sequence[Sample]) -> tuple[Qu
     prompt = punctual(between)
     middle = _middle(prompt)
     value = roundest(sorted(s.value for s in prompt)[len(prompt) // 4], middle, len(prompt))
-    how = f"the roundest number near the median of {len(prompt)} of {len(between)} times"
+    how = f"the roundest number near the median of the shortest, {len(prompt)} of {len(between)}"
     confidence = Confidence.MEASURED if len(prompt) > 1 else Confidence.ONE_SAMPLE
     return Quantity(name, title, Unit.MILLISECONDS, tuple(between), value, confidence, how), phase
 

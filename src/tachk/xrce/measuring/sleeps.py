@@ -16,6 +16,8 @@ _MILLISECOND: Final = 1e6
 _SHORTEST_SLEEP: Final = 2e9
 """Nanoseconds; a shorter silence is an outage of the link."""
 
+_ANSWERS: Final = frozenset({Kind.ACKNACK, Kind.DELETE})
+
 _AT_ONCE: Final = 20e6
 """Nanoseconds within which a client that is awake answers."""
 
@@ -31,17 +33,22 @@ class Sleep:
         begin: when the first of them was sent, in nanoseconds since the epoch.
         end: when the client sends again.
         before: how much earlier it may have fallen asleep, in nanoseconds: it sent its last packet then.
-        ends_by_itself: whether the client speaks first when it wakes, with more than DELETE.
-        waking: the packet with which it wakes; None at the end of the capture.
+        speaks_first: whether the client says more than an answer when it ends, and more than that it leaves.
+        first: the first of those packets.
+        waking: the packet that ends the silence; None at the end of the capture.
     """
 
     link: int
     begin: int
     end: int
     before: int
-    ends_by_itself: bool
+    speaks_first: bool
     first: int
     waking: int | None
+
+    def covers(self, one: Transmission) -> bool:
+        """Whether a message was sent to the client during this time."""
+        return one.link == self.link and not one.to_agent and self.begin <= one.sent <= self.end
 
 
 def sleeps(recording: Recording) -> Iterator[Sleep]:
@@ -71,8 +78,7 @@ def _sleep(
     if len(unanswered) < 2 or until - unanswered[0].sent < _SHORTEST_SLEEP:
         return None
     begin = unanswered[0].sent
-    answers = any(0 <= until - arrival.time <= _AT_ONCE for one in heard for arrival in one.arrivals or ())
-    by_itself = waking is not None and not answers and not any(e.kind is Kind.DELETE for e in waking.events)
+    by_itself = waking is not None and any(event.kind not in _ANSWERS for event in waking.events)
     waking_packet = None if waking is None else waking.packet
     return Sleep(link, begin, until, begin - last.sent, by_itself, unanswered[0].packet, waking_packet)
 

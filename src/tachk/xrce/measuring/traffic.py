@@ -12,6 +12,7 @@ from tachk.xrce.transmissions import Recording, Transmission
 from tachk.xrce.wire import Kind
 
 _MILLISECOND: Final = 1e6
+_SMALLEST_HISTORY: Final = 4
 _AT_ONCE: Final = 5e6
 """Nanoseconds within which a sender that has waited for room sends on."""
 
@@ -76,8 +77,23 @@ def writes(conversation: Conversation) -> list[Sent]:
     ]
 
 
+def longest_unacknowledged(conversation: Conversation) -> int:
+    """For how long a sender had messages unacknowledged at a stretch, in nanoseconds."""
+    longest = 0
+    since: int | None = None
+    for moment in conversation.moments:
+        if not moment.unacknowledged:
+            since = None
+        elif since is None:
+            since = moment.time
+        else:
+            longest = max(longest, moment.time - since)
+    return longest
+
+
 def window(name: str, title: str, found: Sequence[Conversation]) -> Quantity:
-    """The most unacknowledged messages; that there may not be more shows where room is used as soon as it is there."""
+    """The most unacknowledged messages. That there may not be more shows where room is used as soon as it is there, and
+    by the number, which is a power of two."""
     most = max((m.unacknowledged for c in found for m in c.moments if isinstance(m, Sent)), default=0)
     if not most:
         return seen(name, title, (), "no message is sent", Unit.COUNT)
@@ -88,10 +104,10 @@ def window(name: str, title: str, found: Sequence[Conversation]) -> Quantity:
         if isinstance(m, Sent) and m.unacknowledged == most
     ]
     full = [Sample(most, (c.place(a), c.place(b))) for c in found for a, b in _waited(c, most)]
-    if full:
+    if len(full) > 1 and most >= _SMALLEST_HISTORY and most & (most - 1) == 0:
         how = f"{len(full)} times a new message left at once when an ACKNACK had made room"
         return Quantity(name, title, Unit.COUNT, tuple(full), most, Confidence.MEASURED, how)
-    how = f"at least {most}: no sender was seen to wait for room"
+    how = f"at least {most}: no sender was seen to wait for room again and again"
     return Quantity(name, title, Unit.COUNT, tuple(at_most[:1]), most, Confidence.BOUND, how)
 
 

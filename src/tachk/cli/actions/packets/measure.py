@@ -1,0 +1,57 @@
+"""`tachk measure`: the parameters of a DDS-XRCE system, from captures."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from tachk import api
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.records import dataclass
+from tachk.report.json_text import json_text
+from tachk.report.packets.measurement import ModelTime, measurement_to_json, measurement_to_text, settings_line
+from tachk.time_units import length_of
+from tachk.xrce.measuring.measure import measure
+
+
+@dataclass(frozen=True, slots=True)
+class Measuring:
+    """``form``: text, json or settings; ``model``: whose constants settings are, if any."""
+
+    files: tuple[Path, ...]
+    ports: tuple[int, ...]
+    model: str | None
+    form: str
+    output: Path | None
+
+
+def run_measure(measuring: Measuring) -> ExitStatus:
+    """Raises UsageError for a file that is no capture, and for a model without a unit of time."""
+    time = _time_of(measuring.model)
+    found = measure(*measuring.files, ports=measuring.ports)
+    for problem in found.problems:
+        print(f"warning: {problem}", file=sys.stderr)
+    with destination(measuring.output) as out:
+        match measuring.form:
+            case "json":
+                text = json_text(measurement_to_json(found, time))
+            case "settings":
+                text = settings_line(found, time) + "\n"
+            case _:
+                text = measurement_to_text(found, time)
+        print(text, end="", file=out)
+    return ExitStatus.AS_EXPECTED
+
+
+def _time_of(path: str | None) -> ModelTime:
+    if path is None:
+        return ModelTime()
+    network = api.load(path).network
+    unit = length_of(network.time_unit) if network.time_unit else None
+    if unit is None:
+        raise UsageError(
+            f"{path} does not say how long its unit of time is", "settings need that: time_unit = 1 ms; in the model"
+        )
+    return ModelTime(float(unit / 10**6), frozenset(name for name, _ in network.constants), path)

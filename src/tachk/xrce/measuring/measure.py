@@ -1,0 +1,207 @@
+"""All quantities of some captures, and the settings that they amount to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.records import dataclass
+from tachk.xrce.measuring import heartbeats, sleeps, traffic
+from tachk.xrce.measuring.conversation import Conversation, conversations
+from tachk.xrce.measuring.heartbeats import USUAL_PERIOD, HeartbeatLaw, Starving
+from tachk.xrce.measuring.quantity import Confidence, Quantity, Sample, Unit, seen
+from tachk.xrce.measuring.settings import Findings, Setting, settings
+from tachk.xrce.packets import CaptureError
+from tachk.xrce.transmissions import Recording, read_transmissions
+
+_NO_RELAY = "only a capture of both sides of a relay shows what is lost, copied or late"
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """Attributes:
+    files: the captures, together.
+    quantities: everything that was looked for, also what no capture shows.
+    settings: constants of a model of the protocol; see `tachk.xrce.measuring.settings`.
+    problems: which captures end too early, and why.
+    """
+
+    files: tuple[str, ...]
+    quantities: tuple[Quantity, ...]
+    settings: tuple[Setting, ...]
+    problems: tuple[str, ...] = ()
+
+    def quantity(self, name: str) -> Quantity:
+        """Raises KeyError."""
+        return {quantity.name: quantity for quantity in self.quantities}[name]
+
+    def definitions(self, milliseconds: float = 1.0) -> dict[str, int]:
+        """The settings as constants of a model whose unit of time has so many milliseconds; `tachk.load` takes them."""
+        return {setting.name: setting.in_units(milliseconds) for setting in self.settings}
+
+
+def measure(*files: str | Path, ports: Iterable[int] = ()) -> Measurement:
+    """What captures of DDS-XRCE say of the parameters of clients, Agents and networks.
+
+    Args:
+        files: pcap or pcapng captures of the same system; what they show is put together.
+        ports: of Agents, and of relays that were recorded on both sides; without any 8888 and wherever a session is
+            created.
+
+    Raises UsageError for what is no capture, OSError for a file that cannot be read.
+    """
+    wanted = tuple(ports)
+    recordings = tuple((Path(file).name, _read(Path(file), wanted)) for file in files)
+    return _Measuring(recordings).measured(tuple(map(str, files)))
+
+
+def _read(file: Path, ports: tuple[int, ...]) -> Recording:
+    try:
+        return read_transmissions(file, ports)
+    except CaptureError as error:
+        raise UsageError(f"{file}: {error}", "tcpdump -i any -w FILE.pcap udp port 8888 makes a capture") from None
+
+
+class _Measuring:
+    """The captures, cut into streams."""
+
+    def __init__(self, recordings: Sequence[tuple[str, Recording]]) -> None:
+        self.recordings = recordings
+        found = [(c, recording) for file, recording in recordings for c in conversations(file, recording)]
+        self.of_clients = [conversation for conversation, _ in found if conversation.from_client]
+        self.of_agents = [(c, recording) for c, recording in found if not c.from_client]
+
+    def measured(self, files: tuple[str, ...]) -> Measurement:
+        law, law_told, period, starved = self._client()
+        agent, phase = self._agent()
+        dead = sleeps.dead_time(self.of_agents, agent.value)
+        asleep = [(file, sleep) for file, recording in self.recordings for sleep in sleeps.sleeps(recording)]
+        slices, inbound = _run_slices(starved, period)
+        history = traffic.window("history", "window of the client", self.of_clients)
+        window = traffic.window("agent_window", "window of the Agent", [c for c, _ in self.of_agents])
+        quantities = (
+            law_told,
+            period,
+            slices,
+            inbound,
+            agent,
+            phase,
+            dead,
+            sleeps.sleep_quantity(asleep),
+            *self._streams(),
+            history,
+            window,
+            *self._network(),
+        )
+        readings = [asking for _, recording in self.recordings for asking in sleeps.readings(recording)]
+        known = {quantity.name: quantity for quantity in quantities}
+        dozing = tuple(sleep for _, sleep in asleep)
+        written, pace = self._publisher()
+        findings = Findings(known, law, dozing, tuple(readings), written, pace, self._lost(asleep))
+        problems = tuple(f"{file}: {recording.problem}" for file, recording in self.recordings if recording.problem)
+        return Measurement(files, quantities, settings(findings), problems)
+
+    def _publisher(self) -> tuple[int, Quantity]:
+        """How many samples the client writes that waits longest for an ACKNACK, and its pace."""
+        writers = [conversation for conversation in self.of_clients if traffic.writes(conversation)]
+        if not writers:
+            return 0, seen("pace", "", (), "")
+        chosen = max(writers, key=traffic.longest_unacknowledged)
+        return len(traffic.writes(chosen)), seen("pace", "", traffic.paces(chosen), "")
+
+    def _client(self) -> tuple[HeartbeatLaw | None, Quantity, Quantity, list[Starving]]:
+        found = [wait for conversation in self.of_clients for wait in heartbeats.waits(conversation)]
+        period = heartbeats.client_period(found, heartbeats.client_law(found)[0])
+        usual = period.value or USUAL_PERIOD
+        starved = [one for conversation in self.of_clients for one in heartbeats.starvings(conversation, usual)]
+        law, told = heartbeats.law_quantity(found, starved, usual)
+        return law, told, period, starved
+
+    def _agent(self) -> tuple[Quantity, Quantity]:
+        rounds = [heartbeats.agent_rounds(conversation) for conversation, _ in self.of_agents]
+        return heartbeats.agent_period(
+            [sample for between, _ in rounds for sample in between], [sample for _, first in rounds for sample in first]
+        )
+
+    def _streams(self) -> Iterator[Quantity]:
+        agents = [conversation for conversation, _ in self.of_agents]
+        sides = (("client", self.of_clients, "to_agent"), ("Agent", agents, "to_client"))
+        for who, found, _ in sides:
+            title = f"from a message of the {who} to its ACKNACK"
+            yield _of(f"{who.lower()}_round_trip", title, found, traffic.round_trips, "no message is acknowledged")
+        for who, found, way in sides:
+            title = f"from a lost message of the {who} to its arrival"
+            yield _of(f"repair_{way}", title, found, traffic.repairs, "no lost message is seen to arrive later")
+        title = "between two samples that a client writes"
+        yield _of("pace", title, self.of_clients, traffic.paces, "no client writes twice")
+
+    def _network(self) -> Iterator[Quantity]:
+        for to_agent, way, words in ((True, "to_agent", "to the Agent"), (False, "to_client", "to clients")):
+            samples = [s for file, recording in self.recordings for s in traffic.losses(file, recording, to_agent)]
+            loss = seen(f"loss_{way}", f"lost packets {words}, of each client", samples, _NO_RELAY, Unit.PERCENT)
+            yield self._together(loss, to_agent)
+        none = "no packet arrives {}" if any(link.relay for _, r in self.recordings for link in r.links) else _NO_RELAY
+        overtaking = "how much earlier a packet arrives than one that was sent before it"
+        never = none.format("before an older one")
+        for name, title, function, unit, missing in (
+            ("delay", "delay of a packet", traffic.delays, Unit.MILLISECONDS, _NO_RELAY),
+            ("copies", "arrivals of a packet that was copied", traffic.copies, Unit.COUNT, none.format("twice")),
+            ("overtaking", overtaking, traffic.overtakings, Unit.MILLISECONDS, never),
+        ):
+            samples = [sample for file, recording in self.recordings for sample in function(file, recording)]
+            yield seen(name, title, samples, missing, unit)
+
+    def _together(self, loss: Quantity, to_agent: bool) -> Quantity:
+        """The loss with all packets counted together."""
+        ours = [one for _, recording in self.recordings for one in recording.transmissions if one.to_agent == to_agent]
+        known = [one for one in ours if one.arrivals is not None]
+        if not known:
+            return loss
+        lost = sum(one.is_lost for one in known)
+        how = f"{lost} of {len(known)} packets came to a relay and not out of it"
+        return replace(loss, value=100 * lost / len(known), confidence=Confidence.MEASURED, how=how)
+
+    def _lost(self, asleep: Sequence[tuple[str, sleeps.Sleep]]) -> int | None:
+        """How many packets were lost on their way to somebody who was awake; None where that was not recorded."""
+        if not any(link.relay for _, recording in self.recordings for link in recording.links):
+            return None
+        return sum(
+            one.is_lost and not any(name == file and s.covers(one) for name, s in asleep)
+            for file, recording in self.recordings
+            for one in recording.transmissions
+        )
+
+
+def _of(
+    name: str,
+    title: str,
+    found: Sequence[Conversation],
+    function: Callable[[Conversation], Iterator[Sample]],
+    missing: str,
+) -> Quantity:
+    return seen(name, title, [sample for conversation in found for sample in function(conversation)], missing)
+
+
+def _run_slices(starved: Sequence[Starving], period: Quantity) -> tuple[Quantity, Quantity]:
+    """What is known of the run calls of the application, and of what starts the timer again from outside."""
+    known = period.value or USUAL_PERIOD
+    silent = [one for one in starved if one.gap > 3 * known]
+    busy = [one for one in starved if one.gap <= 3 * known and one.length > 3 * known and len(one.traffic) > 2]
+    name, title = "run_slice", "length of the calls of the run function"
+    if silent:
+        samples = tuple(Sample(one.gap, one.places) for one in silent)
+        how = (
+            f"shorter than {known:g} ms: for up to {max(s.value for s in samples):.0f} ms messages were "
+            "unacknowledged, nothing left or came in, and no HEARTBEAT was sent"
+        )
+        slices = Quantity(name, title, Unit.MILLISECONDS, samples, None, Confidence.BOUND, how)
+    elif period.value is not None:
+        how = f"at least {known:g} ms: HEARTBEATs came in time"
+        slices = Quantity(name, title, Unit.MILLISECONDS, period.samples, None, Confidence.BOUND, how)
+    else:
+        slices = seen(name, title, (), "no message was unacknowledged for long enough to tell")
+    inbound = [Sample(gap, one.places) for one in busy for gap in one.traffic]
+    missing = "no packets of other streams kept HEARTBEATs from being sent"
+    return slices, seen("traffic", "between packets that kept HEARTBEATs from being sent", inbound, missing)

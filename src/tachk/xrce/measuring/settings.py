@@ -1,0 +1,140 @@
+"""Measured quantities as constants of the models of the protocol: `client_3_0.ta` and its like."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Final
+
+from tachk.records import dataclass
+from tachk.xrce.measuring.heartbeats import USUAL_PERIOD, HeartbeatLaw
+from tachk.xrce.measuring.quantity import Confidence, Quantity
+from tachk.xrce.measuring.sleeps import UNLIMITED, Asking, Sleep
+
+_LAWS: Final = {HeartbeatLaw.STEADY: 0, HeartbeatLaw.REARMED: 1, HeartbeatLaw.DOUBLING: 2}
+_PUSH, _PULL, _PUSH_PING = 0, 1, 2
+_NO_STARVATION: Final = "no capture shows that run calls are shorter than the heartbeat: taken to be as long"
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A constant of a model.
+
+    Attributes:
+        name: of the constant.
+        value: a number, or milliseconds.
+        is_time: whether the value is in milliseconds.
+        confidence, how: as of a `Quantity`.
+    """
+
+    name: str
+    value: float
+    is_time: bool
+    confidence: Confidence
+    how: str
+
+    def in_units(self, milliseconds: float) -> int:
+        """The value as the constant of a model whose unit of time has so many milliseconds. A time that is not 0 is at
+        least one unit; between two units it is the nearer one."""
+        if not self.is_time:
+            return int(self.value)
+        return max(math.floor(self.value / milliseconds + 0.5), 1) if self.value else 0
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """What settings are made of.
+
+    Attributes:
+        quantities: by their names.
+        law: of the client's HEARTBEATs, where it is known.
+        sleeps: of all clients.
+        readings: every READ_DATA.
+        written: samples of the client that waits longest for an ACKNACK.
+        pace: of the same client.
+        lost: packets lost on their way to somebody awake; None where nobody looked.
+    """
+
+    quantities: Mapping[str, Quantity]
+    law: HeartbeatLaw | None
+    sleeps: tuple[Sleep, ...]
+    readings: tuple[Asking, ...]
+    written: int
+    pace: Quantity
+    lost: int | None
+
+
+def settings(found: Findings) -> tuple[Setting, ...]:
+    """The constants that captures say something about; what they say nothing about is left to the model."""
+    return (*_client(found), *_agent(found), *_network(found), *_subscriber(found))
+
+
+def _client(found: Findings) -> Iterator[Setting]:
+    if found.written:
+        yield Setting(
+            "MESSAGES",
+            found.written,
+            False,
+            Confidence.MEASURED,
+            "samples of the client that waits longest for an ACKNACK",
+        )
+    if found.law is not None:
+        told = found.quantities["client_heartbeat_law"]
+        yield Setting("HEARTBEAT_LAW", _LAWS[found.law], False, told.confidence, told.how)
+    period = found.quantities["client_heartbeat"]
+    yield from _time("CLIENT_HEARTBEAT", period)
+    yield from _time("PACE", found.pace)
+    yield _spin(found.quantities["run_slice"], period.value or USUAL_PERIOD)
+    yield from _time("TRAFFIC", found.quantities["traffic"])
+    yield from _count("HISTORY", found.quantities["history"])
+
+
+def _spin(slices: Quantity, period: float) -> Setting:
+    """Run calls: as long as a heartbeat unless HEARTBEATs have been missing."""
+    if slices.how.startswith("shorter"):
+        return Setting("SPIN", period / 2, True, slices.confidence, f"{slices.how}; half of it is taken")
+    if slices.confidence is Confidence.BOUND:
+        return Setting("SPIN", period, True, slices.confidence, slices.how)
+    return Setting("SPIN", period, True, Confidence.ASSUMED, _NO_STARVATION)
+
+
+def _agent(found: Findings) -> Iterator[Setting]:
+    yield from _time("AGENT_HEARTBEAT", found.quantities["agent_heartbeat"])
+    yield from _time("DEAD", found.quantities["dead_time"])
+    yield from _count("AGENT_WINDOW", found.quantities["agent_window"])
+
+
+def _network(found: Findings) -> Iterator[Setting]:
+    if found.lost is not None:
+        how = f"lost on the way to somebody awake: {found.lost}"
+        how += "; one, whichever it is, is what the model tries" if found.lost > 1 else ""
+        yield Setting("LOSSES", min(found.lost, 1), False, Confidence.MEASURED, how)
+
+
+def _subscriber(found: Findings) -> Iterator[Setting]:
+    limited = [asking for asking in found.readings if asking.samples not in (UNLIMITED, 0)]
+    spoken = any(sleep.speaks_first for sleep in found.sleeps)
+    if limited:
+        how = "READ_DATA asks for a number of samples"
+        yield Setting("SUBSCRIPTION", _PULL, False, Confidence.MEASURED, how)
+        samples = limited[0].samples
+        yield Setting("QUOTA", 1 if samples is None else samples, False, Confidence.MEASURED, how)
+    elif spoken:
+        how = "after its silence the client speaks first"
+        yield Setting("SUBSCRIPTION", _PUSH_PING, False, Confidence.MEASURED, how)
+    elif found.readings:
+        yield Setting("SUBSCRIPTION", _PUSH, False, Confidence.MEASURED, "READ_DATA asks without limit")
+    if found.readings and not limited:
+        sleep = found.quantities["sleep"]
+        yield Setting("SLEEPS", min(len(found.sleeps), 1), False, sleep.confidence, sleep.how)
+        yield from _time("SLEEP", sleep)
+
+
+def _time(name: str, quantity: Quantity) -> Iterator[Setting]:
+    if quantity.value is not None:
+        yield Setting(name, quantity.value, True, quantity.confidence, quantity.how)
+
+
+def _count(name: str, quantity: Quantity) -> Iterator[Setting]:
+    if quantity.value is not None and quantity.confidence is Confidence.MEASURED:
+        yield Setting(name, quantity.value, False, quantity.confidence, quantity.how)
