@@ -60,6 +60,7 @@ COMMAND_LINES = (
     "explain m.ta",
     "certify m.ta m.cert",
     "decode m.pcap",
+    "measure m.pcap",
 )
 
 ASKING_MUCH = "requirements r.stl"

@@ -13,6 +13,9 @@ from tachk.xrce.measuring.sleeps import UNLIMITED, Asking, Sleep
 
 _LAWS: Final = {HeartbeatLaw.STEADY: 0, HeartbeatLaw.REARMED: 1, HeartbeatLaw.DOUBLING: 2}
 _PUSH, _PULL, _PUSH_PING = 0, 1, 2
+_WINDOW: Final = 16
+"""Messages that the Agent has unacknowledged at most. For n that are missing it sends n(n+1)/2 repetitions."""
+
 _NO_STARVATION: Final = "no capture shows that run calls are shorter than the heartbeat: taken to be as long"
 
 
@@ -71,13 +74,11 @@ def settings(found: Findings) -> tuple[Setting, ...]:
 
 def _client(found: Findings) -> Iterator[Setting]:
     if found.written:
-        yield Setting(
-            "MESSAGES",
-            found.written,
-            False,
-            Confidence.MEASURED,
-            "samples of the client that waits longest for an ACKNACK",
-        )
+        how = "samples of the client that waits longest for an ACKNACK"
+        yield Setting("MESSAGES", found.written, False, Confidence.MEASURED, how)
+        missing = min(found.written, _WINDOW)
+        how = f"not measured; room for the {missing * (missing + 1) // 2} repetitions of {missing} missing messages"
+        yield Setting("PLACES", missing * (missing + 3) // 2, False, Confidence.ASSUMED, how)
     if found.law is not None:
         told = found.quantities["client_heartbeat_law"]
         yield Setting("HEARTBEAT_LAW", _LAWS[found.law], False, told.confidence, told.how)
