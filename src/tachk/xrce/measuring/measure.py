@@ -15,6 +15,7 @@ from tachk.xrce.measuring.quantity import Confidence, Quantity, Sample, Unit, se
 from tachk.xrce.measuring.settings import Findings, Setting, settings
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.transmissions import Recording, read_transmissions
+from tachk.xrce.wire import Kind
 
 _NO_RELAY = "only a capture of both sides of a relay shows what is lost, copied or late"
 
@@ -99,7 +100,8 @@ class _Measuring:
         known = {quantity.name: quantity for quantity in quantities}
         dozing = tuple(sleep for _, sleep in asleep)
         written, pace = self._publisher()
-        findings = Findings(known, law, dozing, tuple(readings), written, pace, self._lost(asleep))
+        again = sum(_created_again(recording) for _, recording in self.recordings)
+        findings = Findings(known, law, dozing, tuple(readings), written, pace, again, self._lost(asleep))
         problems = tuple(f"{file}: {recording.problem}" for file, recording in self.recordings if recording.problem)
         return Measurement(files, quantities, settings(findings), problems)
 
@@ -172,6 +174,20 @@ class _Measuring:
             for file, recording in self.recordings
             for one in recording.transmissions
         )
+
+
+def _created_again(recording: Recording) -> int:
+    """How often CREATE_CLIENT came to the Agent behind messages of the client's streams."""
+    times: dict[int, int] = {}
+    for one in recording.transmissions:
+        if one.to_agent and one.events[0].is_reliable and not one.is_lost:
+            times.setdefault(one.link, one.arrived)
+    return sum(
+        time > times[one.link]
+        for one in recording.transmissions
+        if one.to_agent and one.link in times and any(e.kind is Kind.CREATE_CLIENT for e in one.events)
+        for time in ([one.sent] if one.arrivals is None else [arrival.time for arrival in one.arrivals])
+    )
 
 
 def _of(

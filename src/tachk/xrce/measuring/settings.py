@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from statistics import median
 from typing import Final
 
 from tachk.records import dataclass
@@ -55,6 +57,7 @@ class Findings:
         readings: every READ_DATA.
         written: samples of the client that waits longest for an ACKNACK.
         pace: of the same client.
+        created_again: how often CREATE_CLIENT came to the Agent when the client had sent messages of its streams.
         lost: packets lost on their way to somebody awake; None where nobody looked.
     """
 
@@ -64,6 +67,7 @@ class Findings:
     readings: tuple[Asking, ...]
     written: int
     pace: Quantity
+    created_again: int
     lost: int | None
 
 
@@ -114,12 +118,17 @@ def _network(found: Findings) -> Iterator[Setting]:
 
 def _subscriber(found: Findings) -> Iterator[Setting]:
     limited = [asking for asking in found.readings if asking.samples not in (UNLIMITED, 0)]
+    copies = found.created_again
+    if copies:
+        how = f"CREATE_CLIENT reached the Agent again while messages were under way: {copies}"
+        yield Setting("DUPLICATES", 1, False, Confidence.MEASURED, how)
     spoken = any(sleep.speaks_first for sleep in found.sleeps)
     if limited:
         how = "READ_DATA asks for a number of samples"
         yield Setting("SUBSCRIPTION", _PULL, False, Confidence.MEASURED, how)
         samples = limited[0].samples
         yield Setting("QUOTA", 1 if samples is None else samples, False, Confidence.MEASURED, how)
+        yield from _pulling(limited)
     elif spoken:
         how = "after its silence the client speaks first"
         yield Setting("SUBSCRIPTION", _PUSH_PING, False, Confidence.MEASURED, how)
@@ -129,6 +138,16 @@ def _subscriber(found: Findings) -> Iterator[Setting]:
         sleep = found.quantities["sleep"]
         yield Setting("SLEEPS", min(len(found.sleeps), 1), False, sleep.confidence, sleep.how)
         yield from _time("SLEEP", sleep)
+
+
+def _pulling(limited: list[Asking]) -> Iterator[Setting]:
+    """A client that asks again and again sleeps between two READ_DATA."""
+    first = {(asking.link, asking.number): asking.time for asking in reversed(limited)}
+    times = [time for (link, _), time in reversed(first.items()) if link == limited[0].link]
+    yield Setting("SLEEPS", len(times) - 1, False, Confidence.MEASURED, "between two READ_DATA")
+    if len(times) > 1:
+        between = median((b - a) / 1e6 for a, b in pairwise(sorted(times)))
+        yield Setting("SLEEP", between, True, Confidence.MEASURED, "the median time between two READ_DATA")
 
 
 def _time(name: str, quantity: Quantity) -> Iterator[Setting]:

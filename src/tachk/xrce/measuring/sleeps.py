@@ -161,11 +161,17 @@ def _heard(conversation: Conversation, recording: Recording) -> list[tuple[int, 
 
 @dataclass(frozen=True, slots=True)
 class Asking:
-    """A READ_DATA: at most so many samples, UNLIMITED or None for one, and its packet."""
+    """A READ_DATA for at most so many samples, UNLIMITED or None for one.
+
+    Attributes:
+        number: of its message in its stream.
+        time: when it was sent, in nanoseconds since the epoch.
+    """
 
     link: int
     samples: int | None
-    packet: int
+    number: int | None
+    time: int
 
 
 def readings(recording: Recording) -> Iterator[Asking]:
@@ -173,7 +179,7 @@ def readings(recording: Recording) -> Iterator[Asking]:
     for one in recording.transmissions:
         for event in one.events:
             if one.to_agent and event.kind is Kind.READ_DATA:
-                yield Asking(one.link, _samples(event), one.packet)
+                yield Asking(one.link, _samples(event), event.sequence, one.sent)
 
 
 def _samples(event: Event) -> int | None:
