@@ -13,13 +13,16 @@ from tachk.syntax.formulas.printer import print_formula
 from tachk.testing.formulas import FormulaShape, MonitoringCase, monitoring_cases, random_monitoring_case
 from tachk.testing.monitor_input import always
 from tachk.testing.smaller_cases import describe
-from tachk.testing.violation_agreement import violation_problems
+from tachk.testing.violation_agreement import online_violation_problems, violation_problems
 
 SHAPES = (FormulaShape(depth=2), FormulaShape(depth=2, unbounded=False, rows=14, gap=2), FormulaShape(depth=1, grid=3))
 
 
 def check(case: MonitoringCase, refinement: int) -> None:
-    assert not violation_problems(case, refinement), f"{print_formula(case.formula)} on {describe(case.trace)}"
+    text = f"{print_formula(case.formula)} on {describe(case.trace)}"
+    assert not violation_problems(case, refinement), text
+    for seed in (0, 1):
+        assert not online_violation_problems(case, refinement, seed), text
 
 
 @pytest.mark.parametrize("pack", range(4))

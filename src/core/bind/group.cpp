@@ -41,10 +41,10 @@ nb::object python_int(int128 number) {
 
 struct Group {
   Group(std::vector<tachk::MonitorGroup::Watched> watched, const std::vector<std::string>& columns, bool quantitative,
-        const tachk::TickScale& scale_, std::int64_t reach, std::size_t most_kept, nb::object exact_,
-        nb::object truths_)
+        bool all_violations, const tachk::TickScale& scale_, std::int64_t reach, std::size_t most_kept,
+        nb::object exact_, nb::object truths_)
       : scale(scale_),
-        group(std::move(watched), columns.size(), quantitative, scale_, reach, most_kept),
+        group(std::move(watched), columns.size(), quantitative, all_violations, scale_, reach, most_kept),
         row(columns.size()),
         views(columns.size()),
         exact(std::move(exact_)),
@@ -189,8 +189,8 @@ struct Group {
 };
 
 std::unique_ptr<Group> make_group(const std::vector<nb::object>& programs, const std::vector<std::string>& columns,
-                                  bool quantitative, int decimals, std::int64_t parts, std::int64_t reach,
-                                  std::size_t most_kept, nb::object exact, nb::object truths) {
+                                  bool quantitative, bool all_violations, int decimals, std::int64_t parts,
+                                  std::int64_t reach, std::size_t most_kept, nb::object exact, nb::object truths) {
   std::vector<tachk::MonitorGroup::Watched> watched;
   for (const nb::object& program : programs) {
     tachk::MonitorGroup::Watched each{monitor_program_from(program), {}};
@@ -201,8 +201,9 @@ std::unique_ptr<Group> make_group(const std::vector<nb::object>& programs, const
     }
     watched.push_back(std::move(each));
   }
-  return std::make_unique<Group>(std::move(watched), columns, quantitative, tachk::TickScale(decimals, parts), reach,
-                                 most_kept, std::move(exact), std::move(truths));
+  return std::make_unique<Group>(std::move(watched), columns, quantitative, all_violations,
+                                 tachk::TickScale(decimals, parts), reach, most_kept, std::move(exact),
+                                 std::move(truths));
 }
 
 // First cell, cell after the last.
@@ -210,6 +211,13 @@ std::optional<std::pair<std::int64_t, std::int64_t>> violation_of(const Group& s
   const auto& violation = self.group.monitor(number).violation();
   if (!violation) return std::nullopt;
   return std::make_pair(violation->cells.first, violation->cells.end);
+}
+
+std::vector<std::pair<std::int64_t, std::int64_t>> pairs_of(const std::vector<tachk::Span>& spans) {
+  std::vector<std::pair<std::int64_t, std::int64_t>> pairs;
+  pairs.reserve(spans.size());
+  for (const tachk::Span& span : spans) pairs.emplace_back(span.first, span.end);
+  return pairs;
 }
 
 nb::tuple kept_rows(const Group& self) {
@@ -238,8 +246,8 @@ nb::tuple count_times(const Times& times, int usual, const WrittenTicks& ticks) 
 void bind_group(nb::module_& m) {
   nb::class_<Group>(m, "MonitorGroup")
       .def(nb::new_(&make_group), nb::kw_only(), nb::arg("programs"), nb::arg("columns"), nb::arg("quantitative"),
-           nb::arg("decimals"), nb::arg("parts"), nb::arg("reach"), nb::arg("most_kept"), nb::arg("exact"),
-           nb::arg("truths"))
+           nb::arg("all_violations"), nb::arg("decimals"), nb::arg("parts"), nb::arg("reach"), nb::arg("most_kept"),
+           nb::arg("exact"), nb::arg("truths"))
       .def("update", &Group::update, nb::arg("time"), nb::arg("values").none(), nb::arg("more"),
            "One row; the joint verdict, or None where there is a decision or a fault.")
       .def("push", &Group::push, nb::arg("times"), nb::arg("columns"), nb::arg("factor"), "Many rows, likewise.")
@@ -269,6 +277,13 @@ void bind_group(nb::module_& m) {
           "decided_at", [](const Group& self, std::size_t n) { return self.group.monitor(n).decided_at(); },
           nb::arg("number"))
       .def("violation", &violation_of, nb::arg("number"))
+      .def(
+          "take_violations",
+          [](Group& self, std::size_t n) { return pairs_of(self.group.monitor(n).take_violations()); },
+          nb::arg("number"), "(first cell, cell after the last) of those that have ended since the last call.")
+      .def(
+          "violated_since", [](const Group& self, std::size_t n) { return self.group.monitor(n).violated_since(); },
+          nb::arg("number"), "The first cell of a violation that has not ended.")
       .def(
           "finished", [](const Group& self, std::size_t n) { return self.group.monitor(n).finished(); },
           nb::arg("number"))

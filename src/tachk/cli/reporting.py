@@ -13,6 +13,7 @@ class ReportForm(StrEnum):
 
     TEXT = "text"
     JSON = "json"
+    JSONL = "jsonl"
     JUNIT = "junit"
     VERIFYTA = "verifyta"
     SARIF = "sarif"

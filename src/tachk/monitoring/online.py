@@ -21,7 +21,7 @@ from tachk.monitoring.compiler import ticks_needed
 from tachk.monitoring.formulas import NamedFormula, in_trace_units
 from tachk.monitoring.offline import Judging, counted, ending_of, formulas_of, selected, verdict_on
 from tachk.monitoring.reading import HeldValues
-from tachk.report.monitor.online_record import OnlineRecord, OnlineVerdict
+from tachk.report.monitor.online_record import OnlineRecord, OnlineVerdict, OnlineViolation
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict
 from tachk.runtime.monitor_group import RowFault, open_group
 from tachk.runtime.monitor_program import MonitorProgram
@@ -29,6 +29,7 @@ from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Ticks, Trace, Values
 from tachk.runtime.trace_arrays import held_values
 from tachk.runtime.trace_header import known_unit
+from tachk.runtime.violation_watch import ViolationWatch
 from tachk.syntax.formula import Formula
 from tachk.time_units import usual_decimals
 
@@ -70,6 +71,7 @@ class Monitor:
         decimals: int | None = None,
         end: str = "undetermined",
         robustness: bool = False,
+        all_violations: bool = False,
         select: Sequence[str] = (),
     ) -> None:
         """Args:
@@ -79,6 +81,7 @@ class Monitor:
                 default as many as make nanoseconds, at most 9.
             end: what counts where the trace ends too early to tell: ``"undetermined"``, ``"weak"``, ``"strong"``.
             robustness: keep bounds of the robustness too.
+            all_violations: go on after the first violation of a formula, see `take_violations`.
             select: the names of the formulas that are watched; none: all.
 
         Raises:
@@ -111,6 +114,7 @@ class Monitor:
                 parts=self._scale // 10**self.decimals,
                 exact=partial(_exact_tick, self._scale),
             )
+            self._watch = None if not all_violations else self._violation_watch(programs)
         except ValueError:
             raise UsageError(f"times cannot be counted in units of 1/{self._scale}", "allow fewer decimals") from None
         self._update = self._group.update
@@ -129,10 +133,14 @@ class Monitor:
         from that of the row before by too little to be counted. The monitor has then changed nothing.
         """
         truth = self._update(time, values, more)
-        if truth is not None:
-            return truth
-        self._refuse(time, lambda name: more.get(name) if values is None else dict(values).get(name, more.get(name)))
-        return self._look()
+        if truth is None:
+            self._refuse(
+                time, lambda name: more.get(name) if values is None else dict(values).get(name, more.get(name))
+            )
+            truth = self._look()
+        if self._watch is not None:
+            self._watch.update(time, values, more)
+        return truth
 
     def push(self, times: Ticks, columns: Mapping[str, Any], decimals: int) -> Truth:
         """Many rows at once, their times in units of ``10 ** -decimals``. Every column is given.
@@ -141,26 +149,27 @@ class Monitor:
         """
         factor = self._factors.get(decimals) or self._factor(decimals)
         truth = self._push(times, columns, factor)
-        if truth is not None:
-            return truth
-        fault, _, _ = self._group.fault()
-        if fault in (RowFault.NOT_A_VALUE, RowFault.NOT_A_TIME):
+        if truth is None and self._group.fault()[0] in (RowFault.NOT_A_VALUE, RowFault.NOT_A_TIME):
             times, columns = self._whole_numbers(times), self._held(columns, len(times))
             truth = self._push(times, columns, factor)
-            if truth is not None:
-                return truth
-        row = self._group.fault()[2]
-        self._refuse(Fraction(int(times[row]), 10**decimals) if len(times) else 0, lambda name: columns[name], row)
-        return self._look()
+        if truth is None:
+            row = self._group.fault()[2]
+            self._refuse(Fraction(int(times[row]), 10**decimals) if len(times) else 0, lambda name: columns[name], row)
+            truth = self._look()
+        if self._watch is not None:
+            self._watch.push(times, columns, factor)
+        return truth
 
     def advance(self, time: Time) -> Truth:
         """Nothing has changed before this time; something may still change at it. Raises UsageError."""
         self._check_begun()
         truth = self._group.advance(time)
-        if truth is not None:
-            return truth
-        self._refuse(time)
-        return self._look()
+        if truth is None:
+            self._refuse(time)
+            truth = self._look()
+        if self._watch is not None:
+            self._watch.advance(time)
+        return truth
 
     def finish(self, time: Time | None = None) -> tuple[OnlineVerdict, ...]:
         """The trace is over; it includes this time, or else ends with the last one given. Returns the verdicts."""
@@ -168,6 +177,8 @@ class Monitor:
         if self._group.finish(time) is None:
             self._refuse(time)
             self._look()
+        if self._watch is not None:
+            self._watch.finish(time)
         return self.verdicts
 
     # ---- what is known ----
@@ -190,6 +201,25 @@ class Monitor:
             raise UsageError("this monitor keeps no robustness", "open it with robustness=True")
         return tuple([self._group.robustness(number) for number in range(len(self._watched))])
 
+    def take_violations(self) -> tuple[OnlineViolation, ...]:
+        """What has become known since the last call: each violation when it begins and, once more, when it has ended.
+
+        Those of one part of a formula come in the order of time: a violation is told when what is before it is decided.
+        At the end of the trace all that `tachk.monitor` finds have been told. Raises UsageError without
+        ``all_violations=True``.
+        """
+        if self._watch is None:
+            raise UsageError("this monitor tells the first violation only", "open it with all_violations=True")
+        return tuple(
+            OnlineViolation(
+                self._watched[change.formula].named.name,
+                change.part,
+                self._clock(Fraction(change.first, 2)),
+                None if change.end is None else self._clock(change.end // 2),
+            )
+            for change in self._watch.take()
+        )
+
     @property
     def verdicts(self) -> tuple[OnlineVerdict, ...]:
         """One for each formula, in order."""
@@ -202,6 +232,11 @@ class Monitor:
         raise unknown_key(name, (watched.named.name for watched in self._watched))
 
     @property
+    def watches_violations(self) -> bool:
+        """Whether all violations are told."""
+        return self._watch is not None
+
+    @property
     def unit(self) -> str:
         return self._unit
 
@@ -210,15 +245,17 @@ class Monitor:
         """How many have been given."""
         return self._group.rows()
 
-    def record(self, name: str = "-") -> OnlineRecord:
+    def record(self, name: str = "-", violations: Sequence[OnlineViolation] | None = None) -> OnlineRecord:
         """Everything that is known now, for reports.
 
         Args:
             name: of the trace.
+            violations: those that have been taken and have ended; None: they are not known.
         """
         group = self._group
         begin, end = self._clock(0), self._clock(group.now())
-        return OnlineRecord(name, group.rows(), begin, end, self._unit, self._ending, self.verdicts)
+        known = None if violations is None else tuple(violations)
+        return OnlineRecord(name, group.rows(), begin, end, self._unit, self._ending, self.verdicts, known)
 
     @property
     def bytes_used(self) -> int:
@@ -337,8 +374,17 @@ class Monitor:
             watched.story,
         )
 
-    def _clock(self, tick: int) -> Fraction:
-        return Fraction(self._group.origin() + tick, self._scale)
+    def _violation_watch(self, programs: Sequence[MonitorProgram]) -> ViolationWatch:
+        return ViolationWatch(
+            programs,
+            self.columns,
+            decimals=self.decimals,
+            parts=self._scale // 10**self.decimals,
+            exact=partial(_exact_tick, self._scale),
+        )
+
+    def _clock(self, tick: int | Fraction) -> Fraction:
+        return Fraction(self._group.origin() + tick) / self._scale
 
     def _story(self, watched: _Watched) -> MonitorRecord | None:
         """The violation on the rows that are kept, if it is found there as the first one."""

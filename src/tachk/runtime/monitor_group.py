@@ -33,7 +33,8 @@ def open_group(
     programs: Sequence[MonitorProgram],
     columns: Sequence[str],
     *,
-    robustness: bool,
+    robustness: bool = False,
+    all_violations: bool = False,
     decimals: int,
     parts: int,
     exact: Callable[[Any], int],
@@ -43,6 +44,7 @@ def open_group(
     Args:
         columns: of a row, in the order in which faults number them.
         robustness: keep bounds of the robustness too.
+        all_violations: of a formula ``G f``, go on after the first one.
         decimals, parts: a unit of time has ``10 ** decimals * parts`` ticks.
         exact: counts a time that is neither int nor float in ticks, or raises.
 
@@ -52,6 +54,7 @@ def open_group(
         programs=programs,
         columns=columns,
         quantitative=robustness,
+        all_violations=all_violations,
         decimals=decimals,
         parts=parts,
         reach=max(horizon(program) + memory(program) for program in programs),

@@ -161,35 +161,14 @@ class Explainer:
                     return node, cell, end
                 node = part
             elif current.kind is NodeKind.ALWAYS:
-                first, last = self.window(current, cell)
+                first, last = window_of(current, cell)
                 found = self.signal(current.operands[0]).first(value, first, self.cells - 1 if last is None else last)
                 if found is None:
                     return node, cell, end
-                node, cell, end = current.operands[0], found, self._furthest(current, end)
+                end = self.cells - 1 if (furthest := window_of(current, end)[1]) is None else furthest
+                node, cell = current.operands[0], found
             else:
                 return node, cell, end
-
-    def obligations(self) -> Iterator[tuple[int, int, int]]:
-        """What has to be true for the whole to be: nodes that are neither conjunctions nor G, each with the first and
-        the last cell at which it has to be."""
-        pending = [(len(self.program.nodes) - 1, 0, 0)]
-        while pending:
-            node, first, last = pending.pop()
-            current = self.program.nodes[node]
-            if current.kind is NodeKind.AND:
-                pending += [(operand, first, last) for operand in reversed(current.operands)]
-            elif (
-                current.kind is NodeKind.ALWAYS and not _empty(current) and self.window(current, first)[0] < self.cells
-            ):
-                # The windows of neighbouring cells overlap or touch, so together they have no gap.
-                pending.append((current.operands[0], self.window(current, first)[0], self._furthest(current, last)))
-            else:
-                yield node, first, last
-
-    def _furthest(self, node: MonitorNode, cell: int) -> int:
-        """The last cell of the trace that a G speaks about in a cell."""
-        last = self.window(node, cell)[1]
-        return self.cells - 1 if last is None else min(last, self.cells - 1)
 
     def _triggered(self, node: int, cell: int) -> tuple[int | None, int | None]:
         """The trigger and the response of ``trigger -> response``, where the trigger is true."""
@@ -226,7 +205,7 @@ class Explainer:
         self, node: MonitorNode, cell: int, value: Truth
     ) -> tuple[list[Reason], tuple[int, int | None] | None]:
         """The operand where it is decisive: nowhere for an F that is false, at one instant for a G that is."""
-        window = self.window(node, cell)
+        window = window_of(node, cell)
         universal = node.kind in (NodeKind.ALWAYS, NodeKind.HISTORICALLY)
         decisive = Truth.FALSE if universal else Truth.TRUE
         if value is not decisive and value is not Truth.UNDETERMINED:
@@ -241,7 +220,7 @@ class Explainer:
         self, node: MonitorNode, cell: int, value: Truth
     ) -> tuple[list[Reason], tuple[int, int | None] | None]:
         """A false until: the left operand where it fails too early; nothing where the right one never came."""
-        window = self.window(node, cell)
+        window = window_of(node, cell)
         left, right = node.operands
         end = self.cells - 1 if window[1] is None else window[1]
         match value:
@@ -253,15 +232,6 @@ class Explainer:
                 return ([] if broken is None else [self.reason(left, broken, Truth.FALSE)]), window
             case _:
                 return [], window
-
-    def window(self, node: MonitorNode, cell: int) -> tuple[int, int | None]:
-        """The cells that a temporal operator speaks about; see docs/logic.md for open bounds."""
-        odd = cell % 2
-        low = 2 * node.lower + (0 if odd or node.lower_closed else 1)
-        high = None if node.upper == UNBOUNDED else 2 * node.upper - (0 if odd or node.upper_closed else 1)
-        if node.kind in (NodeKind.ONCE, NodeKind.HISTORICALLY, NodeKind.SINCE):
-            return (0 if high is None else max(cell - high, 0)), cell - low
-        return cell + low, None if high is None else cell + high
 
     def _certain(self, response: Reason, trigger: Reason | None) -> int | None:
         """The cell from which on the violation is certain."""
@@ -293,9 +263,14 @@ class Explainer:
         return False
 
 
-def _empty(node: MonitorNode) -> bool:
-    """Whether the window of an operator has no instant, as that of ``G(2, 2)``."""
-    return node.lower == node.upper and not (node.lower_closed and node.upper_closed)
+def window_of(node: MonitorNode, cell: int) -> tuple[int, int | None]:
+    """The cells that a temporal operator speaks about; see docs/logic.md for open bounds."""
+    odd = cell % 2
+    low = 2 * node.lower + (0 if odd or node.lower_closed else 1)
+    high = None if node.upper == UNBOUNDED else 2 * node.upper - (0 if odd or node.upper_closed else 1)
+    if node.kind in (NodeKind.ONCE, NodeKind.HISTORICALLY, NodeKind.SINCE):
+        return (0 if high is None else max(cell - high, 0)), cell - low
+    return cell + low, None if high is None else cell + high
 
 
 def trigger_of(program: MonitorProgram, node: int) -> int | None:

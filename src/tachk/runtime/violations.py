@@ -7,14 +7,28 @@ formula that asks for nothing at more than one instant has at most one.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import overload
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tachk.runtime.monitor_program import MonitorNode, MonitorProgram, NodeKind
 from tachk.runtime.node_signal import Runs, Truth
-from tachk.runtime.verdict_explanation import Explainer, Finding, trigger_of
+from tachk.runtime.verdict_explanation import Explainer, Finding, trigger_of, window_of
+
+
+@dataclass(frozen=True, slots=True)
+class Obligation:
+    """A node that is neither a conjunction nor a G, with the first and the last cell at which it has to be true.
+
+    Attributes:
+        last: None: without end.
+    """
+
+    node: int
+    first: int
+    last: int | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,14 +103,37 @@ class Violations(Sequence[Finding]):
 
 def violations_of(explainer: Explainer) -> Violations:
     """Looks for all of them, in time that grows with the trace and with their number only."""
-    parts = tuple(_part(explainer, *obligation) for obligation in explainer.obligations())
+    parts = tuple(_part(explainer, obligation) for obligation in obligations(explainer.program))
     firsts = np.concatenate([part.violated.first for part in parts])
     counts = [part.counts for part in parts if part.counts is not None]
     total = sum(counts, TriggerCounts(0, 0, 0)) if counts else None
     return Violations(total, explainer, parts, np.argsort(firsts, kind="stable"))
 
 
-def _part(explainer: Explainer, node: int, first: int, last: int) -> _Part:
+def obligations(program: MonitorProgram) -> Iterator[Obligation]:
+    """What has to be true for the whole to be, where the whole is made of conjunctions and G."""
+    pending = [Obligation(len(program.nodes) - 1, 0, 0)]
+    while pending:
+        asked = pending.pop()
+        current = program.nodes[asked.node]
+        if current.kind is NodeKind.AND:
+            pending += [replace(asked, node=operand) for operand in reversed(current.operands)]
+        elif current.kind is NodeKind.ALWAYS and not _empty(current):
+            # The windows of neighbouring cells overlap or touch, so together they have no gap.
+            last = None if asked.last is None else window_of(current, asked.last)[1]
+            pending.append(Obligation(current.operands[0], window_of(current, asked.first)[0], last))
+        else:
+            yield asked
+
+
+def _empty(node: MonitorNode) -> bool:
+    """Whether the window of an operator has no instant, as that of ``G(2, 2)``."""
+    return node.lower == node.upper and not (node.lower_closed and node.upper_closed)
+
+
+def _part(explainer: Explainer, asked: Obligation) -> _Part:
+    node, first = asked.node, asked.first
+    last = explainer.cells - 1 if asked.last is None else min(asked.last, explainer.cells - 1)
     signal = explainer.signal(node)
     violated = signal.runs(Truth.FALSE, first, last)
     trigger = trigger_of(explainer.program, node)

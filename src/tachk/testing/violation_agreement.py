@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
+from random import Random
 
 from tachk.monitoring.reading import HeldValues
+from tachk.runtime.violation_watch import ViolationWatch
 from tachk.runtime.violations import TriggerCounts, violations_of
 from tachk.syntax import formula as syntax
 from tachk.testing.exact_monitor import Window, satisfaction
 from tachk.testing.formulas import MonitoringCase
-from tachk.testing.monitor_input import MonitorInput, monitor_input
+from tachk.testing.monitor_input import MonitorInput, monitor_input, portions
 
 Stretch = tuple[int, int]
 
@@ -43,6 +45,46 @@ def violation_problems(case: MonitoringCase, refinement: int = 1) -> tuple[str, 
     return tuple(problems)
 
 
+def online_violation_problems(case: MonitoringCase, refinement: int, seed: int) -> tuple[str, ...]:
+    """Where the violations that are told while the trace comes in portions differ from those of the whole trace, or
+    one is told that does not begin there."""
+    given = monitor_input(case, refinement)
+    whole = [
+        (finding.formula, finding.cell, finding.last + 1)
+        for finding in violations_of(HeldValues().explainer(given.program, given.trace))
+    ]
+    watch = ViolationWatch(
+        [given.program],
+        given.program.columns,
+        decimals=0,
+        parts=given.trace.ticks_per_unit,
+        exact=lambda time: int(time * given.trace.ticks_per_unit),
+    )
+    begun: list[tuple[str, int]] = []
+    ended: list[tuple[str, int, int]] = []
+
+    def take() -> None:
+        for change in watch.take():
+            if change.end is None:
+                begun.append((change.part, change.first))
+            else:
+                ended.append((change.part, change.first, change.end))
+
+    for times, columns in portions(given, Random(seed)):
+        watch.push(times, dict(zip(given.program.columns, columns, strict=True)), 1)
+        take()
+    watch.finish(Fraction(given.trace.end, given.trace.ticks_per_unit) if seed % 2 else None)
+    take()
+    if seed % 2 == 0 and given.trace.end != int(given.trace.times[-1]):
+        return ()
+    problems = []
+    if sorted(ended) != sorted(whole):
+        problems.append(f"online {ended}, not {whole}")
+    if sorted(begun) != sorted((text, first) for text, first, _ in whole):
+        problems.append(f"begun {begun}, not {whole}")
+    return tuple(problems)
+
+
 def asked(
     formula: syntax.Formula, cells: frozenset[int], given: MonitorInput
 ) -> Iterator[tuple[syntax.Formula, frozenset[int]]]:
@@ -52,14 +94,15 @@ def asked(
             for operand in operands:
                 yield from asked(operand, cells, given)
         case syntax.Always(interval=interval, operand=operand):
+            point = interval.upper is not None and interval.upper.value == interval.lower.value
+            if point and not (interval.lower_closed and interval.upper_closed):
+                yield formula, cells  # nothing is asked for
+                return
             windows = [_window(interval, given.instant(cell)) for cell in cells]
             inside = frozenset(
                 cell for cell in range(2 * given.trace.end + 1) if any(_meets(w, cell, given) for w in windows)
             )
-            if inside:
-                yield from asked(operand, inside, given)
-            else:
-                yield formula, cells
+            yield from asked(operand, inside, given)
         case _:
             yield formula, cells
 

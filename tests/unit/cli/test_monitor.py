@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import io
+import json
 from pathlib import Path
 
+import jsonschema
 import pytest
 
 from tachk.cli.actions import monitor_online
@@ -12,7 +14,7 @@ from tachk.cli.actions.judged import Judged, exit_status
 from tachk.cli.actions.monitor import run_monitor
 from tachk.cli.actions.row_by_row import RowByRow
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.reporting import Reporting
+from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
 from tachk.diagnostics.diagnostic import InputError
 from tachk.monitoring.offline import Judging
 from tachk.runtime.conventions import Ending
@@ -123,3 +125,41 @@ def test_a_clock_that_shows_the_time_since_1970_in_nanoseconds(
     )
     assert run_monitor(Judged("G p", "-")) is ExitStatus.NOT_AS_EXPECTED
     assert "1772323202250000000 ns: p1 is false" in capsys.readouterr().out
+
+
+def test_events_come_as_json_lines(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = Path(__file__).parents[3] / "docs/schema"
+    names = ("monitor.schema.json", "monitor_event.schema.json")
+    monitor, event = (json.loads((folder / name).read_text()) for name in names)
+    schema = {**event, "$defs": monitor["$defs"]}
+    schema = json.loads(json.dumps(schema).replace("monitor.schema.json#", "#"))
+    feed(monkeypatch, ["time [s],p\n0,1\n2,0\n3,1\n", "5,1\n6,0\n"])
+    formulas = Judged("G p", "-")
+    told = ViolationReporting(all_violations=True)
+    assert run_monitor(formulas, told=told, reporting=Reporting(ReportForm.JSONL)) is ExitStatus.NOT_AS_EXPECTED
+    events = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    for each in events:
+        jsonschema.validate(each, schema)
+    assert [(each["event"], each.get("from"), each.get("until")) for each in events] == [
+        ("violation", "2", None),
+        ("verdict", None, None),
+        ("violation", "2", "3"),
+        ("violation", "6", None),
+        ("violation", "6", "6"),
+        ("end", None, None),
+    ]
+    assert events[1]["decided_at"] == "3"
+
+
+def test_it_can_stop_at_the_first_verdict_that_is_false(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    formulas = tmp_path / "two.stl"
+    formulas.write_text("first: G (p -> F[0, 3 s] q)\nsecond: G (q -> F[0, 100 s] p)\n")
+    lines = TEXT.splitlines(keepends=True)
+    pipe = feed(monkeypatch, [*lines, "30,0,0\n"])
+    status = run_monitor(Judged(str(formulas), "-"), Judging(Ending.WEAK), RowByRow(fail_fast=True))
+    assert status is ExitStatus.NOT_AS_EXPECTED
+    assert len(pipe.pieces) == 2
+    out = capsys.readouterr().out
+    assert "second  undetermined" in out  # the trace has not ended, so its end has no meaning yet

@@ -9,9 +9,11 @@ from typing import Any
 from xml.etree import ElementTree
 
 import jsonschema
+import numpy as np
 import pytest
 
 import tachk
+from tachk.diagnostics.diagnostic import UsageError
 from tachk.report.monitor.junit import monitor_to_junit
 from tachk.runtime.violations import TriggerCounts
 
@@ -109,3 +111,43 @@ def test_many_violations_are_counted_without_being_explained() -> None:
     violations = tachk.monitor("G (x < 0.5)", trace)[0].violations
     assert len(violations) == rows // 2
     assert math.isclose(violations[-1].cell, 2 * (rows - 1))
+
+
+def taken(monitor: tachk.Monitor) -> list[tuple[str, float, float | None]]:
+    return [
+        (each.name, float(each.since), None if each.until is None else float(each.until))
+        for each in monitor.take_violations()
+    ]
+
+
+def test_violations_are_told_row_by_row_when_they_begin_and_when_they_end() -> None:
+    monitor = tachk.Monitor(["G (x < 5)", "F[0, 2] (x < 0)"], all_violations=True)
+    assert monitor.update(10, x=1) is tachk.Truth.UNDETERMINED
+    monitor.update(11, x=6)
+    assert taken(monitor) == []
+    monitor.update(12, x=7)
+    assert taken(monitor) == [("p1", 11, None)]
+    monitor.update(13, x=1)
+    assert taken(monitor) == [("p2", 10, None)]
+    monitor.advance(14)
+    assert taken(monitor) == [("p1", 11, 13)]
+    monitor.update(15, x=8)
+    monitor.finish(20)
+    assert taken(monitor) == [("p1", 15, None), ("p1", 15, 20), ("p2", 10, 10)]
+
+
+def test_violations_of_arrays_are_those_of_the_whole_trace() -> None:
+    formulas = ["G (x < 7) && G[2, 9] (p -> F[0, 2] q)", "G (rise(p) -> F[0, 2] q)"]
+    monitor = tachk.Monitor(formulas, all_violations=True, decimals=0)
+    columns = {name: TRACE[name] for name in "pqx"}
+    monitor.push(np.array(TRACE["t"], np.int64), columns, 0)
+    monitor.finish()
+    ended = [(name, since, until) for name, since, until in taken(monitor) if until is not None]
+    rows = tachk.monitor(formulas, TRACE).violation_rows()
+    assert sorted(ended) == sorted((row["name"], row["from"], row["until"]) for row in rows)
+    assert len(ended) == 4
+
+
+def test_a_monitor_of_first_violations_has_no_others() -> None:
+    with pytest.raises(UsageError, match="first violation only"):
+        tachk.Monitor("G p").take_violations()

@@ -17,11 +17,11 @@ void drop(std::vector<Value>& values, std::size_t count) {
 
 }  // namespace
 
-MonitorGroup::MonitorGroup(std::vector<Watched> watched, std::size_t columns, bool quantitative, const TickScale& scale,
-                           std::int64_t reach, std::size_t most_kept)
+MonitorGroup::MonitorGroup(std::vector<Watched> watched, std::size_t columns, bool quantitative, bool all_violations,
+                           const TickScale& scale, std::int64_t reach, std::size_t most_kept)
     : held_{std::vector<double>(columns), false},
       row_(columns),
-      quantitative_(quantitative),
+      goes_on_(quantitative || all_violations),
       scale_(scale),
       open_(watched.size()) {
   kept_.columns.resize(columns);
@@ -29,7 +29,7 @@ MonitorGroup::MonitorGroup(std::vector<Watched> watched, std::size_t columns, bo
   kept_.most = most_kept;
   for (Watched& each : watched) {
     Member member;
-    member.monitor = std::make_unique<OnlineMonitor>(std::move(each.program), quantitative);
+    member.monitor = std::make_unique<OnlineMonitor>(std::move(each.program), quantitative, all_violations);
     member.places = std::move(each.places);
     member.columns.resize(member.places.size());
     watched_.push_back(std::move(member));
@@ -81,7 +81,7 @@ RowFault MonitorGroup::update(int128 tick, std::optional<double> time, std::span
   }
   decided_some_ = false;
   for (Member& member : watched_) {
-    if (member.decided && !quantitative_) continue;
+    if (member.decided && !goes_on_) continue;
     for (std::size_t n = 0; n < member.places.size(); ++n)
       member.columns[n] = {&held_.values[member.places[n]], nullptr};
     feed(member, {&progress_.now, member.columns.data(), 1});
@@ -122,7 +122,7 @@ RowFault MonitorGroup::push(const std::int64_t* times, std::int64_t factor, std:
   forget_rows();
   decided_some_ = false;
   for (Member& member : watched_) {
-    if (member.decided && !quantitative_) continue;
+    if (member.decided && !goes_on_) continue;
     for (std::size_t n = 0; n < member.places.size(); ++n) member.columns[n] = columns[member.places[n]];
     feed(member, {ticks, member.columns.data(), count});
   }
@@ -136,7 +136,7 @@ RowFault MonitorGroup::advance(int128 tick) {
   reach(tick);
   decided_some_ = false;
   for (Member& member : watched_) {
-    if (member.decided && !quantitative_) continue;
+    if (member.decided && !goes_on_) continue;
     member.monitor->advance(progress_.now);
     settle();
   }
@@ -153,7 +153,7 @@ RowFault MonitorGroup::finish(std::optional<int128> tick) {
   if (progress_.finished) return RowFault::none;
   progress_.finished = true;
   for (Member& member : watched_)
-    if (!member.decided || quantitative_) member.monitor->finish(progress_.now);
+    if (!member.decided || goes_on_) member.monitor->finish(progress_.now);
   settle();
   return RowFault::none;
 }

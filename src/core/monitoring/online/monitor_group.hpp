@@ -38,8 +38,8 @@ class MonitorGroup {
 
   // `reach`: so many ticks before the last row are looked at by an explanation; of rows before, at most `most_kept` are
   // kept in any case.
-  MonitorGroup(std::vector<Watched> watched, std::size_t columns, bool quantitative, const TickScale& scale,
-               std::int64_t reach, std::size_t most_kept);
+  MonitorGroup(std::vector<Watched> watched, std::size_t columns, bool quantitative, bool all_violations,
+               const TickScale& scale, std::int64_t reach, std::size_t most_kept);
   MonitorGroup(const MonitorGroup&) = delete;
   MonitorGroup& operator=(const MonitorGroup&) = delete;
 
@@ -125,7 +125,7 @@ class MonitorGroup {
   Held held_;
   std::vector<double> row_;
   std::vector<std::int64_t> ticks_;
-  bool quantitative_;
+  bool goes_on_;  // with formulas that are decided
   TickScale scale_;
   Kept kept_;
   Decision verdict_ = Decision::undetermined;

@@ -26,12 +26,12 @@ MonitorProgram validated(MonitorProgram program) {
 
 }  // namespace
 
-OnlineMonitor::OnlineMonitor(MonitorProgram program, bool quantitative)
+OnlineMonitor::OnlineMonitor(MonitorProgram program, bool quantitative, bool all_violations)
     : program_(validated(std::move(program))),
       graph_(make_online_graph(program_)),
       evaluator_(program_),
-      truth_(graph_),
-      earlier_{TruthEngine(graph_), {}, 0},
+      truth_(graph_, all_violations),
+      earlier_{TruthEngine(graph_, all_violations), {}, 0},
       last_values_(program_.columns) {
   for (std::size_t n = 0; n < graph_.nodes.size(); ++n) {
     const OnlineNode& node = graph_.nodes[n];

@@ -18,8 +18,9 @@ namespace tachk {
 
 class OnlineMonitor {
  public:
-  // `quantitative`: keep bounds of the robustness, too. Throws std::invalid_argument if the program is not valid.
-  OnlineMonitor(MonitorProgram program, bool quantitative);
+  // `quantitative`: keep bounds of the robustness, too. `all_violations`: of a formula G f, all of them.
+  // Throws std::invalid_argument if the program is not valid.
+  OnlineMonitor(MonitorProgram program, bool quantitative, bool all_violations = false);
   OnlineMonitor(const OnlineMonitor&) = delete;
   OnlineMonitor& operator=(const OnlineMonitor&) = delete;
 
@@ -38,6 +39,9 @@ class OnlineMonitor {
   std::optional<std::int64_t> decided_at() const { return decided_at_; }
   // Of a formula G f: where f does not hold. Cells count from `origin`.
   const std::optional<Violation>& violation() const { return truth_.violation(); }
+  // With `all_violations`: those that have ended since the last call, and where one has begun that has not ended.
+  std::vector<Span> take_violations() { return truth_.take_violations(); }
+  std::optional<Cell> violated_since() const { return truth_.violated_since(); }
   // Bounds of the robustness of every continuation; they never widen. Without `quantitative` those that the verdict
   // gives. At the end they are the narrowest, before they need not be.
   Range<Robustness> robustness();

@@ -23,7 +23,8 @@ Cell first_needed(Cell witness) { return is_instant(witness) ? witness + 1 : wit
 
 }  // namespace
 
-TruthEngine::TruthEngine(const OnlineGraph& graph) : graph_(&graph), states_(graph.nodes.size()) {
+TruthEngine::TruthEngine(const OnlineGraph& graph, bool all_violations)
+    : graph_(&graph), states_(graph.nodes.size()), all_violations_(all_violations) {
   if (graph.is_everywhere_ahead(graph.root)) guarded_ = !graph.nodes[graph.root.node].left;
   for (std::size_t n = 0; n < states_.size(); ++n) {
     const OnlineNode& node = graph.nodes[n];
@@ -312,14 +313,48 @@ void TruthEngine::conclude(Cell limit, bool finished) {
   const SpanSet& holds = cells(*guarded_, true);
   const SpanSet& fails = cells(*guarded_, false);
   guarded_open_ = holds.end_of_run(guarded_open_);
-  if (verdict_ == Decision::no && !fails.empty() && (!finished || fails[0].first <= limit)) {
+  if (verdict_ == Decision::no && !(violation_ && violation_->settled) && !fails.empty() &&
+      (!finished || fails[0].first <= limit)) {
     Violation found{fails[0], finished};
     if (finished) found.cells.end = std::min(found.cells.end, limit + 1);
     if (found.cells.first == guarded_open_)
       found.settled = finished || found.cells.end >= endless || holds.holds(found.cells.end);
     violation_ = found;
   }
-  settled_ = verdict_ == Decision::yes || (violation_ && violation_->settled);
+  if (all_violations_) {
+    collect(limit, finished);
+    settled_ = verdict_ == Decision::yes;
+  } else {
+    settled_ = verdict_ == Decision::yes || (violation_ && violation_->settled);
+  }
+}
+
+void TruthEngine::collect(Cell limit, bool finished) {
+  const SpanSet& holds = cells(*guarded_, true);
+  const SpanSet& fails = cells(*guarded_, false);
+  violated_since_.reset();
+  if (finished) {  // what is open stays open, and hides nothing behind it
+    for (std::size_t n = fails.find(guarded_open_); n < fails.size() && fails[n].first <= limit; ++n)
+      ended_.push_back({std::max(fails[n].first, guarded_open_), std::min(fails[n].end, limit + 1)});
+    return;
+  }
+  while (true) {
+    guarded_open_ = holds.end_of_run(guarded_open_);
+    const Cell end = fails.end_of_run(guarded_open_);
+    if (end == guarded_open_ || guarded_open_ > limit) return;  // behind the limit there may be no trace
+    if (end > limit + 1 || !holds.holds(end)) {
+      violated_since_ = guarded_open_;
+      return;
+    }
+    ended_.push_back({guarded_open_, end});
+    guarded_open_ = end;
+  }
+}
+
+std::vector<Span> TruthEngine::take_violations() {
+  std::vector<Span> taken;
+  taken.swap(ended_);
+  return taken;
 }
 
 void TruthEngine::forget() {

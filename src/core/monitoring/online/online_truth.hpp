@@ -25,7 +25,8 @@ struct Violation {
 
 class TruthEngine {
  public:
-  explicit TruthEngine(const OnlineGraph& graph);
+  // `all_violations`: of a formula G f, goes on after the first one, and keeps the others until they are taken.
+  explicit TruthEngine(const OnlineGraph& graph, bool all_violations = false);
 
   // Appends what is known of a leaf (kind `atom` or `change`) since the last step, in the order of time.
   void know(std::size_t leaf, Span cells, bool value);
@@ -34,6 +35,10 @@ class TruthEngine {
 
   Decision verdict() const { return verdict_; }
   const std::optional<Violation>& violation() const { return violation_; }
+  // The violations that have ended since the last call, and where one has begun that has not ended, in the order of
+  // time: one is told when all before it is decided. How the trace is cut into steps changes nothing.
+  std::vector<Span> take_violations();
+  std::optional<Cell> violated_since() const { return violated_since_; }
   // Nothing that follows can change verdict or violation.
   bool settled() const { return settled_; }
   // How many runs of cells it keeps.
@@ -69,6 +74,7 @@ class TruthEngine {
   void until_holds(const OnlineNode& node, State& state, const Span& run, Cell latest_witness);
   void since_holds(const OnlineNode& node, State& state, const Span& run);
   void conclude(Cell limit, bool finished);
+  void collect(Cell limit, bool finished);
   void forget();
   bool forgets_now();
   void ask(Operand operand, bool value) { states_[operand.node].asked[value != operand.negated ? 1 : 0] = true; }
@@ -83,9 +89,12 @@ class TruthEngine {
   int steps_ = 0;  // since something was forgotten
   std::vector<Span> scratch_[2];
   std::optional<Operand> guarded_;  // of a formula G f: f
-  Cell guarded_open_ = 0;           // f is decided true before
+  Cell guarded_open_ = 0;           // f is decided true before, or all its violations before are told
   Decision verdict_ = Decision::undetermined;
   std::optional<Violation> violation_;
+  bool all_violations_;
+  std::vector<Span> ended_;
+  std::optional<Cell> violated_since_;
   bool settled_ = false;
 };
 

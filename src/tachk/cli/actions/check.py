@@ -59,7 +59,7 @@ def run_check(
                 print(json.dumps(checks_to_sarif(checks), indent=2), file=out)
             case ReportForm.GITHUB:
                 out.writelines(f"{line}\n" for line in checks_to_github(checks))
-            case ReportForm.TEXT | ReportForm.JUNIT | ReportForm.VERIFYTA | ReportForm.CSV:
+            case ReportForm.TEXT | ReportForm.JSONL | ReportForm.JUNIT | ReportForm.VERIFYTA | ReportForm.CSV:
                 pass
     return worst(_status(check) for check in checks)
 

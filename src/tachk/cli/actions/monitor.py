@@ -28,7 +28,7 @@ def run_monitor(
 ) -> ExitStatus:
     """Judges a trace, whole or row by row."""
     formulas = judged.formulas()
-    if rows.online or rows.follow or judged.trace == "-":
+    if rows.online or rows.follow or rows.fail_fast or judged.trace == "-":
         if judging.interpolation is not Interpolation.CONSTANT:
             raise UsageError(
                 "--interpolation linear needs the whole trace: row by row the next row is not known",
@@ -38,7 +38,7 @@ def run_monitor(
             raise UsageError("--time-robustness needs the whole trace", "leave out --online and --follow")
         from tachk.cli.actions.monitor_online import run_online
 
-        return run_online(judged, formulas, judging, rows, reporting)
+        return run_online(judged, formulas, judging, rows, told, reporting)
     source = judged.formula if Path(judged.formula).suffix else ""
     record = judge(formulas, judged.recording(), judging, source)
     with destination(reporting.output, reporting.quiet) as out:
@@ -56,6 +56,11 @@ def _write(record: MonitorRecord, form: ReportForm, out: TextIO, all_violations:
 
             json.dump(monitor_to_json(record, all_violations), out, indent=2)
             out.write("\n")
+        case ReportForm.JSONL:
+            from tachk.report.monitor.event_lines import record_events
+
+            for event in record_events(record, all_violations):
+                out.write(json.dumps(event) + "\n")
         case ReportForm.JUNIT:
             from tachk.report.monitor.junit import monitor_to_junit
 

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import time
-from collections.abc import Iterator
 from io import BufferedReader
 from pathlib import Path
-from typing import cast
+from typing import TextIO, cast
 
 from tachk.cli.actions.judged import Judged, exit_status
+from tachk.cli.actions.monitoring.listeners import JsonListener, LineListener, Listener, TextListener
 from tachk.cli.actions.row_by_row import RowByRow
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.reporting import ReportForm, Reporting
+from tachk.cli.reporting import ReportForm, Reporting, ViolationReporting
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.monitoring.formulas import NamedFormula
 from tachk.monitoring.offline import Judging
 from tachk.monitoring.online import Monitor
-from tachk.report.monitor.online_record import OnlineVerdict
-from tachk.report.monitor.online_report import decided_to_text, online_to_json, online_to_text
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace_csv import CsvRecording, open_csv, open_csv_stream
 from tachk.runtime.trace_files import is_csv
@@ -56,7 +53,12 @@ class _GrowingFile:
 
 
 def run_online(
-    judged: Judged, formulas: tuple[NamedFormula, ...], judging: Judging, rows: RowByRow, reporting: Reporting
+    judged: Judged,
+    formulas: tuple[NamedFormula, ...],
+    judging: Judging,
+    rows: RowByRow,
+    told: ViolationReporting,
+    reporting: Reporting,
 ) -> ExitStatus:
     """Judges rows as they come, and says each verdict when it is decided. Ctrl-C ends the trace."""
     if reporting.form is ReportForm.JUNIT:
@@ -68,22 +70,30 @@ def run_online(
         decimals=rows.decimals,
         end=judging.ending,
         robustness=judging.robustness,
+        all_violations=told.all_violations,
     )
     with destination(reporting.output, reporting.quiet) as out:
-        live = out if reporting.form is ReportForm.TEXT else None
-        # A file that is there to its end is read to its end where bounds go on after the decision.
-        whole = judging.robustness and judged.trace != "-" and not rows.follow
-        for verdict in _decisions(monitor, recording, whole):
-            if live is not None:
-                live.write(decided_to_text(verdict, monitor.unit) + "\n")
-                live.flush()
-        verdicts = monitor.finish()
-        if out is not None and reporting.form is ReportForm.JSON:
-            json.dump(online_to_json(monitor.record(judged.trace)), out, indent=2)
-            out.write("\n")
-        elif out is not None:
-            out.write(online_to_text(monitor.record(judged.trace)))
+        listener = _listener(monitor, reporting.form, out, judged.trace)
+        # A file that is there to its end is read to its end where bounds or violations go on after the decision.
+        whole = told.all_violations or (judging.robustness and judged.trace != "-" and not rows.follow)
+        ended = _fed(monitor, recording, listener, whole and not rows.fail_fast, rows.fail_fast)
+        verdicts = monitor.finish() if ended else monitor.verdicts
+        if told.all_violations:
+            listener.hear(monitor.take_violations())
+        listener.end()
     return exit_status({verdict.truth for verdict in verdicts})
+
+
+def _listener(monitor: Monitor, form: ReportForm, out: TextIO | None, name: str) -> Listener:
+    match form:
+        case _ if out is None:
+            return Listener(monitor, name)
+        case ReportForm.JSON:
+            return JsonListener(monitor, name, out)
+        case ReportForm.JSONL:
+            return LineListener(monitor, name, out)
+        case _:
+            return TextListener(monitor, name, out)
 
 
 def _open(judged: Judged, rows: RowByRow) -> CsvRecording:
@@ -99,18 +109,23 @@ def _open(judged: Judged, rows: RowByRow) -> CsvRecording:
     return open_csv_stream(_GrowingFile(path), str(path), judged.time, judged.unit)
 
 
-def _decisions(monitor: Monitor, recording: CsvRecording, whole: bool) -> Iterator[OnlineVerdict]:
-    """Feeds the monitor until the rows end or, unless the whole is wanted, everything is decided; yields each verdict
-    when it is."""
+def _fed(monitor: Monitor, recording: CsvRecording, listener: Listener, whole: bool, fail_fast: bool) -> bool:
+    """Feeds the monitor until the rows end or, unless the whole is wanted, everything is decided; tells each verdict
+    when it is. False: it has stopped at a violation, before the trace has ended."""
     told: set[str] = set()
     try:
         for rows in recording.blocks(monitor.columns, monitor.decimals):
             monitor.push(rows.times, rows.columns, rows.decimals)
+            if monitor.watches_violations:
+                listener.hear(monitor.take_violations())
             for verdict in monitor.verdicts:
                 if verdict.measured is not Truth.UNDETERMINED and verdict.name not in told:
                     told.add(verdict.name)
-                    yield verdict
+                    listener.decided(verdict)
+            if fail_fast and monitor.truth is Truth.FALSE:
+                return False
             if monitor.decided and not whole:
-                return
+                break
     except KeyboardInterrupt:
-        return
+        pass
+    return True

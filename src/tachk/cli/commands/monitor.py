@@ -37,6 +37,7 @@ from tachk.runtime.conventions import Ending
 @click.option("--all-violations", is_flag=True, help="Tell all violations, not only the first of each formula.")
 @click.option("--online", is_flag=True, help="Read the trace row by row, with bounded memory.")
 @click.option("--follow", is_flag=True, help="At the end of the file, wait for further rows.")
+@click.option("--fail-fast", is_flag=True, help="Read row by row, and stop at the first verdict that is false.")
 @click.option(
     "--decimals",
     metavar="N",
@@ -44,7 +45,7 @@ from tachk.runtime.conventions import Ending
     help="Row by row: how many decimals times and bounds have; by default down to nanoseconds, at most 9.",
 )
 @options.max_seconds()
-@options.report(ReportForm.TEXT, ReportForm.JSON, ReportForm.JUNIT)
+@options.report(ReportForm.TEXT, ReportForm.JSON, ReportForm.JSONL, ReportForm.JUNIT)
 def command(seconds: float | None, **given: Any) -> None:
     """Check formulas, sentences or the properties of a model on a recorded trace.
 

@@ -35,10 +35,28 @@ class OnlineVerdict:
     story: MonitorRecord | None = field(default=None, repr=False)
 
 
+@dataclass(frozen=True, slots=True)
+class OnlineViolation:
+    """A violation on a trace that grows; instants as the clock of the trace shows them, between two ticks the middle.
+
+    Attributes:
+        name: of the formula.
+        violated: what has to be true, such as ``p -> q`` in ``G (p -> q)``.
+        since: from when on it is not.
+        until: when it is again, or the trace has ended; None: it goes on.
+    """
+
+    name: str
+    violated: str
+    since: Fraction
+    until: Fraction | None
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class OnlineRecord:
     """Attributes:
     begin, end: what the clock showed at the first row and shows now.
+    violations: those that have ended; None if they were not asked for.
     """
 
     trace: str
@@ -48,3 +66,4 @@ class OnlineRecord:
     unit: str
     ending: Ending
     verdicts: tuple[OnlineVerdict, ...]
+    violations: tuple[OnlineViolation, ...] | None = None

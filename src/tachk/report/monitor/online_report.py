@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from tachk.report.json_report import Json
 from tachk.report.monitor.json import finding_to_json, number
-from tachk.report.monitor.online_record import OnlineRecord, OnlineVerdict
+from tachk.report.monitor.online_record import OnlineRecord, OnlineVerdict, OnlineViolation
 from tachk.report.monitor.text import robustness_text
 from tachk.report.monitor.words import explain_verdict
 from tachk.report.quantity import decimal, grouped
@@ -18,6 +18,13 @@ def decided_to_text(verdict: OnlineVerdict, unit: str) -> str:
     """What is printed as soon as a verdict is decided."""
     at = "" if verdict.decided_at is None else f"{_time(verdict.decided_at, unit)}: "
     return "\n".join((f"{at}{verdict.name} is {verdict.measured.word}", *_details(verdict, unit))) + "\n"
+
+
+def violation_to_text(violation: OnlineViolation, unit: str) -> str:
+    """What is printed when a violation begins, and when it has ended."""
+    if violation.until is None:
+        return f"{violation.name} is violated from {_time(violation.since, unit)} on: `{violation.violated}`"
+    return f"{violation.name} was violated from {_time(violation.since, unit)} until {_time(violation.until, unit)}"
 
 
 def online_to_text(record: OnlineRecord) -> str:
@@ -48,11 +55,11 @@ def online_to_json(record: OnlineRecord) -> dict[str, Json]:
         "unit": record.unit or None,
         "interpolation": "constant",
         "pending_counts_as": record.ending.value,
-        "results": [_verdict_to_json(verdict) for verdict in record.verdicts],
+        "results": [_verdict_to_json(verdict, record) for verdict in record.verdicts],
     }
 
 
-def _verdict_to_json(verdict: OnlineVerdict) -> dict[str, Json]:
+def _verdict_to_json(verdict: OnlineVerdict, record: OnlineRecord) -> dict[str, Json]:
     story = verdict.story
     return {
         "name": verdict.name,
@@ -66,8 +73,26 @@ def _verdict_to_json(verdict: OnlineVerdict) -> dict[str, Json]:
         "time_robustness": None,
         "vacuous": False,
         "finding": None if story is None else finding_to_json(story, story.verdicts[0]),
-        "violations": None,
+        "violations": _violations(verdict, record),
     }
+
+
+def _violations(verdict: OnlineVerdict, record: OnlineRecord) -> dict[str, Json] | None:
+    if record.violations is None:
+        return None
+    own = sorted((each for each in record.violations if each.name == verdict.name), key=lambda each: each.since)
+    listed: list[Json] = [
+        {
+            "formula": violation.violated,
+            "from": decimal(violation.since, 18),
+            "until": None if violation.until is None else decimal(violation.until, 18),
+            "triggered_from": None,
+            "deadline": None,
+            "blamed": [],
+        }
+        for violation in own
+    ]
+    return {"count": len(own), "triggers": None, "listed": listed}
 
 
 _ORDER = (Truth.TRUE, Truth.FALSE, Truth.UNDETERMINED)

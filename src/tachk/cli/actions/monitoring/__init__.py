@@ -1,0 +1,1 @@
+"""What `tachk monitor` and its relatives tell while they read."""

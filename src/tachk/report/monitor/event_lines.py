@@ -1,0 +1,68 @@
+"""Verdicts and violations as JSON lines, a line for each event: docs/schema/monitor_event.schema.json."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from tachk.report.json_report import Json
+from tachk.report.monitor.json import exact, finding_to_json, number, verdict_to_json
+from tachk.report.monitor.online_record import OnlineRecord, OnlineVerdict, OnlineViolation
+from tachk.report.monitor.record import MonitorRecord
+from tachk.report.quantity import decimal
+from tachk.runtime.node_signal import Truth
+
+
+def record_events(record: MonitorRecord, all_violations: bool) -> Iterator[dict[str, Json]]:
+    """The events of a trace that has been judged as a whole."""
+    trace = record.trace
+    for verdict in record.verdicts:
+        if all_violations and verdict.measured is not Truth.TRUE:
+            for each in verdict.violations:
+                until = exact(trace, 2 * ((each.last + 1) // 2))
+                yield _violation(verdict.name, each.formula, exact(trace, each.cell), until)
+        told = verdict_to_json(record, verdict)
+        finding = verdict.finding
+        at = None if finding is None or finding.decided is None else exact(trace, finding.decided)
+        yield _verdict({key: told[key] for key in _VERDICT_KEYS}, at)
+    yield _end(trace.rows, exact(trace, 0), exact(trace, 2 * trace.end), trace.unit)
+
+
+def violation_event(violation: OnlineViolation) -> dict[str, Json]:
+    """A violation that begins, or has ended."""
+    until = None if violation.until is None else decimal(violation.until, 18)
+    return _violation(violation.name, violation.violated, decimal(violation.since, 18), until)
+
+
+def verdict_event(verdict: OnlineVerdict) -> dict[str, Json]:
+    """A verdict that has been decided, or that the end of the trace leaves open."""
+    story = verdict.story
+    told: dict[str, Json] = {
+        "name": verdict.name,
+        "title": verdict.title,
+        "formula": verdict.formula,
+        "verdict": verdict.truth.word,
+        "measured": verdict.measured.word,
+        "robustness": None if verdict.robustness is None else [number(value) for value in verdict.robustness],
+        "finding": None if story is None else finding_to_json(story, story.verdicts[0]),
+    }
+    return _verdict(told, None if verdict.decided_at is None else decimal(verdict.decided_at, 18))
+
+
+def end_event(record: OnlineRecord) -> dict[str, Json]:
+    """The last line."""
+    return _end(record.rows, decimal(record.begin, 18), decimal(record.end, 18), record.unit)
+
+
+_VERDICT_KEYS = ("name", "title", "formula", "verdict", "measured", "robustness", "finding")
+
+
+def _verdict(told: dict[str, Json], decided_at: str | None) -> dict[str, Json]:
+    return {"event": "verdict", **told, "decided_at": decided_at}
+
+
+def _violation(name: str, violated: str, since: str, until: str | None) -> dict[str, Json]:
+    return {"event": "violation", "name": name, "formula": violated, "from": since, "until": until}
+
+
+def _end(rows: int, begin: str, end: str, unit: str) -> dict[str, Json]:
+    return {"event": "end", "rows": rows, "begin": begin, "end": end, "unit": unit or None}
