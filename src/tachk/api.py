@@ -36,6 +36,7 @@ from tachk.syntax.source_files import read_source
 from tachk.time_limit import time_limit
 
 if TYPE_CHECKING:
+    from tachk.conformance.conform import Conformance
     from tachk.drawing.svg import Picture
     from tachk.engines.outcome import Statistics
     from tachk.properties.deep.findings import DeepCheck
@@ -58,6 +59,7 @@ __all__ = [
     "UnsupportedError",
     "UsageError",
     "Verdict",
+    "conform",
     "diff",
     "draw",
     "export",
@@ -89,6 +91,34 @@ def loads(text: str, /, **constants: int | bool | str) -> Model:
     Imports are relative to the current folder. Otherwise as `load`.
     """
     return Model(load_model(Source("<text>", text), constants), "<text>", tuple(constants))
+
+
+def conform(
+    model: Model | str | os.PathLike[str],
+    recording: str | os.PathLike[str],
+    tolerance: str | None = None,
+    late: str | None = None,
+    unit: str | None = None,
+    limits: Limits | None = None,
+) -> Conformance:
+    """Whether a recording of the real system is a run of a model, which says in ``recording { ... }`` how to read it.
+
+    Args:
+        recording: a file of events, see docs/conformance.md.
+        tolerance, late: durations such as ``"5ms"``, in place of what the model says; the tolerance ``"auto"`` finds
+            the least one.
+        unit: of the recorded times, where the file does not say it.
+        limits: of each search; the seconds are for all of them together.
+
+    Raises:
+        UsageError: the model says nothing of recordings, or the recording does not fit it.
+        UnsupportedError: the model has refusals.
+    """
+    from tachk.conformance.asking import conform_file
+
+    if not isinstance(model, Model):
+        model = load(model)
+    return conform_file(model.loaded, model.path, os.fspath(recording), tolerance, late, unit, limits or Limits())
 
 
 def diff(before: Model, after: Model) -> str:

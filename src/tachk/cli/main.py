@@ -28,6 +28,7 @@ COMMANDS = (
     "draw",
     "decode",
     "measure",
+    "conform",
     "monitor",
     "plot",
     "explain",

@@ -12,6 +12,7 @@ from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable
 from tachk.frontend.declarations.declarations import Declared, declare, set_channel_priorities
 from tachk.frontend.queries.queries import UncheckedQuery, elaborate_each, elaborate_properties, elaborate_signals
+from tachk.frontend.recordings import elaborate_recording
 from tachk.frontend.scope import Scope, TemplateSymbol
 from tachk.frontend.templates.impossible_edges import warn_of_impossible_edges
 from tachk.frontend.templates.instances import Instances
@@ -19,6 +20,7 @@ from tachk.frontend.templates.templates import warn_unreachable
 from tachk.model.metas import keep_lasting
 from tachk.model.network import Network
 from tachk.model.query import Query
+from tachk.model.recording import RecordingMap
 from tachk.syntax import ast
 
 
@@ -27,6 +29,7 @@ class Elaborated:
     """Attributes:
     network: incomplete where there are errors among the findings.
     scope: the names that queries may use.
+    recording: how recordings are held against the network.
     """
 
     network: Network
@@ -34,6 +37,7 @@ class Elaborated:
     unchecked: tuple[UncheckedQuery, ...]
     scope: Scope = field(repr=False)
     context: Context = field(repr=False)
+    recording: RecordingMap | None = None
 
 
 _Declaration = (
@@ -85,6 +89,7 @@ def elaborate(
     # Without a system line no process has a name that a property could mention.
     properties = (i for i in items if isinstance(i, ast.PropertyDeclaration) and line is not None)
     queries, unchecked = elaborate_properties(properties, scope, context)
+    recording = elaborate_recording(items, instances.processes, globals_, context)
     network = Network(
         tuple(instances.processes),
         (*declared.variables, *channels.hidden_variables()),
@@ -99,7 +104,7 @@ def elaborate(
         _warn_of_lasting(network, context)
     if not context.findings.has_errors:
         warn_of_impossible_edges(network, context)
-    return Elaborated(network, queries, unchecked, scope, context)
+    return Elaborated(network, queries, unchecked, scope, context, recording)
 
 
 def elaborate_each_property(

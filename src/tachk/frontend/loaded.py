@@ -19,6 +19,7 @@ from tachk.frontend.scope import Scope
 from tachk.model.expressions import Variable
 from tachk.model.network import Network
 from tachk.model.query import Query
+from tachk.model.recording import RecordingMap
 from tachk.syntax import ast
 from tachk.syntax.picture_layout import Layout
 from tachk.syntax.query_files import parse_each_query
@@ -39,6 +40,7 @@ class LoadedModel:
     items: of the document, each import replaced by what the file declares.
     scope: the names that queries may use.
     layout: the picture, if the file has one (UPPAAL's XML).
+    recording: how recordings of the real system are held against it.
     refusals: the constructs of the model that tachk does not check. Where there are any, what was elaborated is
         incomplete: no analysis may see it, so there is no `network`, while everything that concerns the text is there.
     """
@@ -54,6 +56,7 @@ class LoadedModel:
     layout: Layout | None = field(default=None, repr=False)
     refusals: tuple[Diagnostic, ...] = ()
     overrides: Mapping[str, ast.Expression] = field(default_factory=dict, repr=False)
+    recording: RecordingMap | None = field(default=None, repr=False)
 
     @property
     def network(self) -> Network:
@@ -144,6 +147,7 @@ def with_constants(
         context=context,
         refusals=refusals,
         overrides=overrides,
+        recording=result.recording,
     )
 
 

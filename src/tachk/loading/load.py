@@ -84,6 +84,7 @@ def load_model(
         context,
         refusals=refusals,
         overrides=overrides,
+        recording=result.recording,
     )
 
 

@@ -264,6 +264,8 @@ def _queries(
             queries.append(PlainQuery(name, formula, comment, expectation, conditional))
         if isinstance(item, ast.HideDeclaration):
             steps.append(Step("hide", item.span, "UPPAAL tells every process, also those that the model hides"))
+        if isinstance(item, ast.RecordingDeclaration):
+            steps.append(Step("recording", item.span, "UPPAAL holds no recordings against models"))
     return tuple(queries)
 
 

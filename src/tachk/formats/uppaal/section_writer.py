@@ -30,6 +30,7 @@ _BESIDE = (
     ast.PropertyDeclaration
     | ast.ExpectationDeclaration
     | ast.HideDeclaration
+    | ast.RecordingDeclaration
     | ast.SignalDeclaration
     | ast.TimeUnitDeclaration
     | ast.ImportDeclaration

@@ -17,16 +17,23 @@ from tachk.syntax.ast.declarations import (
     UpdateHook,
 )
 from tachk.syntax.ast.document import (
+    AllowanceClause,
     Comment,
     Document,
     GanttDeclaration,
+    HiddenClause,
     ImportDeclaration,
     Instantiation,
     Item,
     ProgressDeclaration,
     ProgressMeasure,
+    RecordedColumn,
+    RecordingClause,
+    RecordingDeclaration,
+    ReplacesClause,
     SystemLine,
     TimeUnitDeclaration,
+    VisibleClause,
 )
 from tachk.syntax.ast.expressions import (
     AssignmentExpression,
@@ -96,6 +103,7 @@ from tachk.syntax.ast.templates import (
 )
 
 __all__ = [
+    "AllowanceClause",
     "AssertStatement",
     "AssignmentExpression",
     "BinaryExpression",
@@ -126,6 +134,7 @@ __all__ = [
     "ForeignImport",
     "FunctionDeclaration",
     "GanttDeclaration",
+    "HiddenClause",
     "HideDeclaration",
     "Identifier",
     "IfStatement",
@@ -152,6 +161,10 @@ __all__ = [
     "QueryFormula",
     "RangeType",
     "RateExpression",
+    "RecordedColumn",
+    "RecordingClause",
+    "RecordingDeclaration",
+    "ReplacesClause",
     "ReturnStatement",
     "ScalarSetType",
     "SelectBinding",
@@ -171,5 +184,6 @@ __all__ = [
     "UncheckedFormula",
     "UpdateHook",
     "VariableDeclaration",
+    "VisibleClause",
     "WhileStatement",
 ]

@@ -66,6 +66,62 @@ class GanttDeclaration(Node):
     text: str
 
 
+@dataclass(frozen=True, slots=True)
+class ReplacesClause(Node):
+    """``replaces P, Q;``: the processes whose place a recording takes."""
+
+    names: tuple[Identifier, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedColumn(Node):
+    """``number`` or ``number = e``: a column of a recorded event and what it says; without ``e`` what has its name."""
+
+    name: Identifier
+    expression: Expression | None
+
+
+@dataclass(frozen=True, slots=True)
+class VisibleClause(Node):
+    """``visible send[l][k] as sent(link = l, kind = k, number) per l;``
+
+    Attributes:
+        channel: its indices are constants, or names for what the recording says.
+        per: the indices that events of one queue have in common.
+    """
+
+    channel: Expression
+    event: Identifier
+    columns: tuple[RecordedColumn, ...]
+    per: tuple[Identifier, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class HiddenClause(Node):
+    """``hidden write, call;``: channels on which what is replaced may do what it likes."""
+
+    channels: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class AllowanceClause(Node):
+    """``tolerance 5 ms;`` or ``late 20 ms;``; without a unit in units of the model, ``unit`` is empty then."""
+
+    word: str
+    amount: int
+    unit: str
+
+
+RecordingClause = ReplacesClause | VisibleClause | HiddenClause | AllowanceClause
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingDeclaration(Node):
+    """``recording { ... }``: how recordings of the real system are held against the model."""
+
+    clauses: tuple[RecordingClause, ...]
+
+
 Item = (
     Declaration
     | ImportDeclaration
@@ -78,6 +134,7 @@ Item = (
     | PropertyDeclaration
     | ExpectationDeclaration
     | HideDeclaration
+    | RecordingDeclaration
 )
 
 

@@ -200,12 +200,36 @@ class Builder(ExpressionBuilder, FormulaBuilder):
         )
 
     def expectation(self, children: Children) -> ast.ExpectationDeclaration:
-        names = tuple(child for child in children if isinstance(child, ast.Identifier))
-        return ast.ExpectationDeclaration(span_of(children), names, _outcome(children[-2]))
+        return ast.ExpectationDeclaration(span_of(children), _identifiers(children), _outcome(children[-2]))
 
     def hide(self, children: Children) -> ast.HideDeclaration:
-        names = tuple(child for child in children if isinstance(child, ast.Identifier))
-        return ast.HideDeclaration(span_of(children), names)
+        return ast.HideDeclaration(span_of(children), _identifiers(children))
+
+    # ---- recordings ----
+
+    def recording(self, children: Children) -> ast.RecordingDeclaration:
+        return ast.RecordingDeclaration(span_of(children), nodes(children[2:-1]))
+
+    def replaces(self, children: Children) -> ast.ReplacesClause:
+        return ast.ReplacesClause(span_of(children), _identifiers(children))
+
+    def visible(self, children: Children) -> ast.VisibleClause:
+        _, channel, _, event, _, columns, _, *rest = children
+        return ast.VisibleClause(span_of(children), channel, event, tuple(columns or ()), _identifiers(rest))
+
+    def hidden(self, children: Children) -> ast.HiddenClause:
+        return ast.HiddenClause(span_of(children), nodes(children))
+
+    def allowance(self, children: Children) -> ast.AllowanceClause:
+        word, amount, unit, _ = children
+        return ast.AllowanceClause(span_of(children), word.text, int(amount.text), "" if unit is None else unit.text)
+
+    def columns(self, children: Children) -> ListOf:
+        return ListOf(nodes(children))
+
+    def column(self, children: Children) -> ast.RecordedColumn:
+        name, _, expression = children
+        return ast.RecordedColumn(span_of(children), name, expression)
 
     # ---- templates ----
 
@@ -345,6 +369,10 @@ class Builder(ExpressionBuilder, FormulaBuilder):
 
     def synchronisation_fragment(self, children: Children) -> Any:
         return children[0]
+
+
+def _identifiers(children: Children) -> tuple[ast.Identifier, ...]:
+    return tuple(child for child in children if isinstance(child, ast.Identifier))
 
 
 def _embedded(children: Children, place: int) -> ast.Statement:

@@ -51,6 +51,14 @@ SPELLING = {
     "TO": "to",
     "UNCONTROLLABLE": "uncontrollable",
     "PROBABILITY": "probability",
+    "RECORDING": "recording",
+    "REPLACES": "replaces",
+    "VISIBLE": "visible",
+    "AS": "as",
+    "PER": "per",
+    "HIDDEN": "hidden",
+    "TOLERANCE": "tolerance",
+    "LATE": "late",
 }
 """How each contextual keyword is written."""
 
@@ -63,6 +71,7 @@ PATHS = {"AG": "A[]", "AF": "A<>", "EG": "E[]", "EF": "E<>"}
 """Path quantifiers as other tools write them."""
 
 _FLAGS = {"init": "INIT_FLAG", "urgent": "URGENT_FLAG", "committed": "COMMITTED_FLAG"}
+_CLAUSES = ("replaces", "visible", "hidden", "tolerance", "late")
 _OUTCOMES = ("holds", "fails")
 _ARROWS = ("->", "-u->")
 _OPENING = {"{", "(", "["}
@@ -76,6 +85,7 @@ class _Inside(Enum):
     PROCESS = auto()
     LOCATION = auto()
     EDGE = auto()
+    RECORDING = auto()
     OTHER = auto()
 
 
@@ -162,6 +172,8 @@ class _Resolver:
     def opened_by(self, before_process: bool) -> _Inside:
         if before_process and self.inside is _Inside.TOP:
             return _Inside.PROCESS
+        if self.output and self.output[-1].type == "RECORDING":
+            return _Inside.RECORDING
         keyword = self.output[-2] if len(self.output) > 1 and self.output[-1].type == "NAME" else None
         if keyword is not None and self.inside is _Inside.PROCESS:
             if keyword.type in ("LOCATION", "BRANCHPOINT"):
@@ -181,6 +193,10 @@ class _Resolver:
             return False
         if self.inside is _Inside.LOCATION:
             if word in ("to", "invariant", "exponential_rate") or (word == "uncontrollable" and self.text(1) == "to"):
+                token.type = word.upper()
+            return False
+        if self.inside is _Inside.RECORDING:
+            if word in _CLAUSES:
                 token.type = word.upper()
             return False
         if self.inside is _Inside.OTHER:
@@ -211,8 +227,8 @@ class _Resolver:
 
     def start_of_top_item(self, token: Token, following: str, third: str) -> bool:
         word = token.text
-        if word == "progress" and self.text(1) == "{":
-            token.type = "PROGRESS"
+        if word in ("progress", "recording") and self.text(1) == "{":
+            token.type = word.upper()
         elif word == "gantt" and self.text(1) == "{":
             token.type = "GANTT"
             self.output.append(token)
@@ -304,6 +320,11 @@ class _Resolver:
         last = self.output[-1]
         if token.text == "hybrid" and self.type(1) == "CLOCK":
             token.type = "HYBRID"
+        elif self.inside is _Inside.RECORDING:
+            if (token.text == "as" and (last.text == "]" or last.type == "NAME")) or (
+                token.text == "per" and last.text == ")"
+            ):
+                token.type = token.text.upper()
         elif token.text == "priority" and last.type == "CHAN" and self.type(1) == "NAME":
             token.type = "PRIORITY"
         elif last.text in (")", "else", "do") or last.type == "DO":

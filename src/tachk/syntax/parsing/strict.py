@@ -34,6 +34,8 @@ def _in_item(item: ast.Item) -> Iterator[tuple[str, Span]]:
             yield "an expectation", item.span
         case ast.HideDeclaration():
             yield "'hide'", item.span
+        case ast.RecordingDeclaration():
+            yield "'recording'", item.span
         case ast.Template():
             yield from _in_template(item)
         case _:

@@ -94,6 +94,8 @@ def line_nodes(node: Any) -> Iterator[Any]:
     match node:
         case ast.Document(items=items):
             yield from items
+        case ast.RecordingDeclaration(clauses=clauses):
+            yield from clauses
         case ast.Template():
             yield from (*node.declarations, *node.locations, *node.branchpoints, *node.edges)
         case ast.LocationDeclaration():
@@ -136,6 +138,7 @@ def _has_braces(node: Any) -> bool:
         node,
         ast.Document
         | ast.Template
+        | ast.RecordingDeclaration
         | ast.LocationDeclaration
         | ast.Branchpoint
         | ast.EdgeDeclaration

@@ -69,17 +69,47 @@ def write_item(writer: Writer, item: ast.Item) -> None:
         case ast.PropertyDeclaration():
             _write_property(writer, item)
         case ast.ExpectationDeclaration(names=names, expectation=expectation):
-            text = ", ".join(identifier.name for identifier in names)
             writer.begin(item)
-            writer.filled("expect", f"{text} {print_expected(expectation)};".split(" "))
+            writer.filled("expect", f"{_listed(names)} {print_expected(expectation)};".split(" "))
             writer.behind(item)
         case ast.HideDeclaration(names=names):
-            text = ", ".join(identifier.name for identifier in names)
             writer.begin(item)
-            writer.filled("hide", f"{text};".split(" "))
+            writer.filled("hide", f"{_listed(names)};".split(" "))
             writer.behind(item)
+        case ast.RecordingDeclaration(clauses=clauses):
+            writer.begin(item)
+            writer.open("recording {", item)
+            for clause in clauses:
+                writer.begin(clause)
+                writer.filled("", f"{_clause(clause)};".split(" "))
+                writer.behind(clause)
+            writer.close("}", item)
         case _:
             write_declaration(writer, item)
+
+
+def _clause(clause: ast.RecordingClause) -> str:
+    match clause:
+        case ast.ReplacesClause(names=names):
+            return f"replaces {_listed(names)}"
+        case ast.VisibleClause(channel=channel, event=event, columns=columns, per=per):
+            cells = ", ".join(map(_column, columns))
+            return f"visible {print_expression(channel)} as {event.name}({cells})" + (
+                f" per {_listed(per)}" if per else ""
+            )
+        case ast.HiddenClause(channels=channels):
+            return f"hidden {print_expressions(channels)}"
+        case ast.AllowanceClause(word=word, amount=amount, unit=unit):
+            return f"{word} {amount} {unit}".rstrip()
+
+
+def _column(column: ast.RecordedColumn) -> str:
+    said = "" if column.expression is None else f" = {print_expression(column.expression)}"
+    return column.name.name + said
+
+
+def _listed(names: Sequence[ast.Identifier]) -> str:
+    return ", ".join(identifier.name for identifier in names)
 
 
 def _measure(measure: ast.ProgressMeasure) -> str:

@@ -1,0 +1,1 @@
+"""`tachk conform`: a recording held against a model."""

@@ -1,0 +1,51 @@
+"""`tachk conform`."""
+
+from __future__ import annotations
+
+import json
+
+from tachk import api
+from tachk.cli.arguments import parse_definitions
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.guard import print_diagnostics
+from tachk.cli.reporting import ReportForm, Reporting
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.engines.options import Limits
+from tachk.records import dataclass
+from tachk.report.conformance.json import conformance_to_json
+from tachk.report.conformance.text import conformance_to_text
+
+
+@dataclass(frozen=True, slots=True)
+class Conforming:
+    """What is asked, as it was typed."""
+
+    model: str
+    recording: str
+    definitions: tuple[str, ...] = ()
+    tolerance: str | None = None
+    late: str | None = None
+    unit: str | None = None
+    states: int | None = None
+
+
+def run_conform(asked: Conforming, reporting: Reporting, seconds: float | None) -> ExitStatus:
+    """Holds a recording against a model, and reports."""
+    model = api.load(asked.model, **parse_definitions(asked.definitions))
+    print_diagnostics((*model.refusals, *model.warnings))
+    limits = Limits(states=asked.states, seconds=seconds)
+    found = api.conform(model, asked.recording, asked.tolerance, asked.late, asked.unit, limits)
+    with destination(reporting.output, reporting.quiet) as out:
+        if out is not None:
+            match reporting.form:
+                case ReportForm.TEXT:
+                    out.write(conformance_to_text(found, asked.model))
+                case ReportForm.JSON:
+                    json.dump(conformance_to_json(found, asked.model), out, indent=2)
+                    out.write("\n")
+                case _:
+                    raise UsageError(f"unknown format {reporting.form}")
+    if found.accepted is None:
+        return ExitStatus.UNKNOWN
+    return ExitStatus.AS_EXPECTED if found.accepted else ExitStatus.NOT_AS_EXPECTED

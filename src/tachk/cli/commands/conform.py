@@ -1,0 +1,43 @@
+"""The options of `tachk conform`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from tachk.cli import options
+from tachk.cli.reporting import ReportForm
+
+
+@click.command(name="conform", short_help="Ask whether a recording is a run of a model.")
+@click.argument("model", metavar="MODEL", type=click.Path(), help="A model with a `recording { ... }`.")
+@click.argument("recording", metavar="FILE", type=click.Path(), help="Recorded events: CSV, or JSON lines (.jsonl).")
+@options.definitions
+@click.option(
+    "--tolerance",
+    metavar="DURATION",
+    help="How much earlier or later than recorded something may have happened, such as 5ms; auto finds the least one. "
+    "Without it: as the model says.",
+)
+@click.option(
+    "--late",
+    metavar="DURATION",
+    help="How much later than it happens something may be recorded. By default as the model says.",
+)
+@click.option("--unit", metavar="UNIT", help="The unit of the recorded times, if the file does not say it: ms, s, ...")
+@click.option(
+    "states", "--max-states", metavar="N", type=options.Count(min=1), help="Stop a search after storing N states."
+)
+@options.max_seconds()
+@options.report(ReportForm.TEXT, ReportForm.JSON)
+def command(seconds: float | None, **given: Any) -> None:
+    """Ask whether a recording of the real system is a run of a model.
+
+    Exit status: 0 it is, 10 it is not, 20 undecided because a limit was hit, 2 bad input.
+    """
+    from tachk.cli.actions.conformance.conform import Conforming, run_conform
+    from tachk.cli.reporting import Reporting
+
+    arguments = options.distributed(given, Conforming, Reporting)
+    options.finish(lambda: run_conform(arguments[0], arguments[1], seconds), seconds)

@@ -1,0 +1,52 @@
+"""A file of recorded events is held against a model that has been read."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from time import monotonic
+
+from tachk.conformance.conform import Conformance, conform
+from tachk.conformance.event_tables import read_events
+from tachk.conformance.tolerances import duration, least
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.engines.options import Limits
+from tachk.frontend.loaded import LoadedModel
+from tachk.frontend.scope import ValueSymbol
+from tachk.model.expressions import Constant
+
+AUTO = "auto"
+
+
+def conform_file(
+    loaded: LoadedModel,
+    name: str,
+    recording: str,
+    tolerance: str | None,
+    late: str | None,
+    unit: str | None,
+    limits: Limits,
+) -> Conformance:
+    """As `tachk.api.conform`. Raises UsageError, UnsupportedError."""
+    network, mapping = loaded.network, loaded.recording
+    if mapping is None:
+        raise UsageError(
+            f"{name} does not say how recordings are read", "write `recording { visible channel as event(); }` into it"
+        )
+
+    def constant(name: str) -> int | None:
+        symbol = loaded.scope.lookup(name)
+        found = symbol.expression if isinstance(symbol, ValueSymbol) else None
+        return found.value if isinstance(found, Constant) else None
+
+    events = read_events(Path(recording), unit)
+    started = monotonic()
+    lateness = None if late is None else duration(late, network.time_unit)
+
+    def ask(allowed: Fraction | None) -> Conformance:
+        left = limits.after(monotonic() - started)
+        return conform(network, mapping, events, constant, allowed, lateness, limits=left)
+
+    if tolerance == AUTO:
+        return least(ask)
+    return ask(None if tolerance is None else duration(tolerance, network.time_unit))

@@ -1,0 +1,46 @@
+"""What a recording is: events with the times at which they were recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from tachk.records import dataclass
+
+Cell = int | str
+"""A number, or the name of a constant of the model; ``true`` and ``false`` are 1 and 0."""
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Attributes:
+    time: since the start of the recording, in its unit.
+    name: what kind of event it is.
+    cells: what it says, by column.
+    place: where it stands in the file, for messages: ``line 5``, ``packet 17``.
+    after: the number of an event, from 0, that must have happened before: that a message was sent, if this is its
+        arrival. None if there is none.
+    """
+
+    time: Fraction
+    name: str
+    cells: Mapping[str, Cell]
+    place: str
+    after: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """Attributes:
+    source: the name of the file.
+    events: in the order in which they were recorded; times do not decrease.
+    unit: nanoseconds of a unit of the times; None: they are in units of the model.
+    start: the time at which the system was started; None: shortly before the first event.
+    end: until when was recorded.
+    """
+
+    source: str
+    events: tuple[Event, ...]
+    unit: Fraction | None
+    start: Fraction | None
+    end: Fraction

@@ -1,0 +1,264 @@
+"""Which synchronisations of a model recorded events are, and when they may have happened.
+
+Nobody records in one order what happens in several places, so events are in queues: within a queue they happen in their
+recorded order, across queues as their times allow.
+
+An event of the model that is recorded at t has happened in [t - late, t + tolerance]: what leaves a program is seen a
+little later. An event from outside that is recorded at t happens to the model in [t - tolerance, t + late]. Times are
+rounded outwards to whole units of the model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from fractions import Fraction
+from itertools import product
+from math import ceil, floor
+
+from tachk.conformance.events import Event, Recording
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.model.expressions import Constant, Expression, Index, Reference, Variable
+from tachk.model.network import Network, Process
+from tachk.model.recording import RecordingMap, VisibleEvents
+from tachk.model.types import ArrayType, IntType, ScalarType
+from tachk.records import dataclass
+from tachk.time_units import length_of
+from tachk.words import Direction
+
+Constants = Callable[[str], int | None]
+"""The value of a constant of the model, by its name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Queue:
+    """Events that happen in their recorded order.
+
+    Attributes:
+        visible: what they are.
+        outputs: the model does them; otherwise they come from outside.
+        common: the values of the indices that its events have in common.
+        events: the numbers of its events in the recording.
+        values: for each event what its columns say; None where a cell is empty.
+        earliest, latest: for each event between which times it happens; neither decreases.
+        needed: for each event, how many events of another queue must have happened before: (queue, how many), if any.
+    """
+
+    visible: VisibleEvents
+    outputs: bool
+    common: Mapping[Variable, int]
+    events: tuple[int, ...]
+    values: tuple[tuple[int | None, ...], ...]
+    earliest: tuple[int, ...]
+    latest: tuple[int, ...]
+    needed: tuple[tuple[int, int] | None, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """What messages call it."""
+        common = ", ".join(f"{variable.name} = {value}" for variable, value in self.common.items())
+        return f"{self.visible.event}({common})" if common else self.visible.event
+
+
+@dataclass(frozen=True, slots=True)
+class Queues:
+    """Attributes:
+    quiet_until: what happens until then has been recorded.
+    horizon: no event happens later.
+    other: how many events of the recording are of no visible kind.
+    origin: the time of the recording at which the model starts.
+    scale: units of the model in a unit of the recording.
+    """
+
+    queues: tuple[Queue, ...]
+    quiet_until: int
+    horizon: int
+    other: int
+    origin: Fraction
+    scale: Fraction
+
+
+def make_queues(
+    network: Network,
+    mapping: RecordingMap,
+    recording: Recording,
+    constants: Constants,
+    tolerance: Fraction,
+    late: Fraction,
+) -> Queues:
+    """The queues of a recording. Raises UsageError for an event that says what is none of the model's."""
+    scale = _scale(network, recording)
+    first = recording.events[0].time if recording.events else Fraction(0)
+    spread = max(tolerance, late)
+    origin = first - spread / scale if recording.start is None else recording.start
+    kept = [p for number, p in enumerate(network.processes) if number not in mapping.replaced]
+    reader = _Reader(mapping, recording, constants)
+    entries = reader.entries()
+    place = {event: (number, position) for number, e in enumerate(entries) for position, (event, _) in enumerate(e[2])}
+    queues = []
+    for visible, common, found in entries:
+        outputs = _is_output(visible, kept)
+        before, behind = (late, tolerance) if outputs else (tolerance, late)
+        times = [(recording.events[number].time - origin) * scale for number, _ in found]
+        needed = [recording.events[number].after for number, _ in found]
+        queues.append(
+            Queue(
+                visible,
+                outputs,
+                common,
+                tuple(number for number, _ in found),
+                tuple(values for _, values in found),
+                tuple(_rising(max(floor(time - before), 0) for time in times)),
+                tuple(reversed([-t for t in _rising(-ceil(time + behind) for time in reversed(times))])),
+                tuple(None if n is None or n not in place else (place[n][0], place[n][1] + 1) for n in needed),
+            )
+        )
+    quiet = max(floor((recording.end - origin) * scale - late), 0)
+    horizon = max([quiet, *(queue.latest[-1] for queue in queues if queue.latest)]) + 1
+    return Queues(tuple(queues), quiet, horizon, reader.other, origin, scale)
+
+
+def _scale(network: Network, recording: Recording) -> Fraction:
+    """Units of the model in a unit of the recording."""
+    if recording.unit is None:
+        return Fraction(1)
+    length = length_of(network.time_unit) if network.time_unit else None
+    if length is None:
+        raise UsageError(
+            f"the times of {recording.source} have a unit, but the model does not say how long its time unit is",
+            "write `time_unit = 1 ms;` into the model",
+        )
+    return recording.unit / length
+
+
+def _rising(values: Iterator[int]) -> Iterator[int]:
+    """Each value, or the largest one before it if that is larger."""
+    largest: int | None = None
+    for value in values:
+        largest = value if largest is None else max(largest, value)
+        yield largest
+
+
+def _is_output(visible: VisibleEvents, kept: Sequence[Process]) -> bool:
+    """Whether what is left of the model sends these events, and not what is outside."""
+    variable = channel_variable(visible.channel)
+    return any(
+        edge.synchronisation is not None
+        and edge.synchronisation.direction is Direction.SEND
+        and channel_variable(edge.synchronisation.channel) is variable
+        for process in kept
+        for edge in process.edges
+    )
+
+
+def channel_variable(channel: Expression) -> Variable:
+    while isinstance(channel, Index):
+        channel = channel.base
+    assert isinstance(channel, Reference)
+    return channel.variable
+
+
+def index_range(type_: IntType | ScalarType) -> range:
+    return range(type_.low, type_.high + 1) if isinstance(type_, IntType) else range(type_.size)
+
+
+_Values = tuple[int | None, ...]
+_Entry = tuple[VisibleEvents, dict[Variable, int], list[tuple[int, _Values]]]
+
+
+class _Reader:
+    """Sorts the events of a recording into queues."""
+
+    def __init__(self, mapping: RecordingMap, recording: Recording, constants: Constants) -> None:
+        self.mapping = mapping
+        self.recording = recording
+        self.constants = constants
+        self.other = 0
+
+    def entries(self) -> list[_Entry]:
+        entries: dict[tuple[int, tuple[int, ...]], _Entry] = {}
+        for number, visible in enumerate(self.mapping.visible):
+            for values in product(*(index_range(index_type(v)) for v in visible.per)):
+                entries[number, values] = (visible, dict(zip(visible.per, values, strict=True)), [])
+        named: dict[str, list[int]] = {}
+        for number, visible in enumerate(self.mapping.visible):
+            named.setdefault(visible.event, []).append(number)
+        for position, event in enumerate(self.recording.events):
+            if event.name not in named:
+                self.other += 1
+                continue
+            number, said = self._clause(event, named[event.name])
+            visible = self.mapping.visible[number]
+            indices = self._indices(visible, said)
+            entries[number, tuple(indices[v] for v in visible.per)][2].append((position, said))
+        return list(entries.values())
+
+    def _clause(self, event: Event, numbers: Sequence[int]) -> tuple[int, _Values]:
+        """The clause that the event belongs to, and what its columns say."""
+        misses: list[str] = []
+        for number in numbers:
+            visible = self.mapping.visible[number]
+            values = tuple(self._value(event, name) for name, _ in visible.columns)
+            miss = self._miss(event, visible, values)
+            if miss is None:
+                return number, values
+            misses.append(miss)
+        raise UsageError(f"{self.recording.source}, {event.place}: {misses[0]}")
+
+    def _miss(self, event: Event, visible: VisibleEvents, values: _Values) -> str | None:
+        """Why an event cannot be one of a clause; None if it can."""
+        known = dict(zip((name for name, _ in visible.columns), values, strict=True))
+        for name, expression in visible.columns:
+            value = known[name]
+            match expression:
+                case Constant(wanted):
+                    if value is not None and value != wanted:
+                        return f"no event `{event.name}` of the model has {name} = {event.cells[name]}"
+                case Reference(variable) if variable in visible.indices:
+                    if value is None:
+                        return f"the event does not say its {name}"
+                    if value not in index_range(index_type(variable)):
+                        return f"{name} = {event.cells[name]} is outside the range of `{variable.name}`"
+                case _:
+                    pass
+        return None
+
+    def _value(self, event: Event, name: str) -> int | None:
+        cell = event.cells.get(name, "")
+        if isinstance(cell, int):
+            return int(cell)
+        text = cell.strip()
+        if not text:
+            return None
+        if text in ("true", "false"):
+            return int(text == "true")
+        value = self.constants(text)
+        if value is None:
+            try:
+                return int(text, 0)
+            except ValueError:
+                raise UsageError(
+                    f"{self.recording.source}, {event.place}: {name} is `{text}`, which is neither a number nor a "
+                    "constant of the model"
+                ) from None
+        return value
+
+    @staticmethod
+    def _indices(visible: VisibleEvents, values: _Values) -> dict[Variable, int]:
+        found: dict[Variable, int] = {}
+        for (_, expression), value in zip(visible.columns, values, strict=True):
+            if isinstance(expression, Reference) and expression.variable in visible.indices and value is not None:
+                found[expression.variable] = value
+        return found
+
+
+def index_type(variable: Variable) -> IntType | ScalarType:
+    assert isinstance(variable.type, IntType | ScalarType)
+    return variable.type
+
+
+def element(channel: Expression, indices: Sequence[Expression]) -> Expression:
+    """The channel with these indices."""
+    for index in indices:
+        assert isinstance(channel.type, ArrayType)
+        channel = Index(channel, index, channel.type.element)
+    return channel

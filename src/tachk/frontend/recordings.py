@@ -1,0 +1,183 @@
+"""What a ``recording { ... }`` of a model says: names resolved, everything checked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from fractions import Fraction
+
+from tachk.diagnostics.diagnostic import Label
+from tachk.diagnostics.suggestion import did_you_mean
+from tachk.frontend.context import Context
+from tachk.frontend.expressions.typed_expressions import expression
+from tachk.frontend.expressions.typing import is_integral
+from tachk.frontend.scope import Scope, ValueSymbol
+from tachk.model.expressions import Constant, Expression, Reference, Variable, VariableKind
+from tachk.model.network import Process
+from tachk.model.recording import RecordingMap, VisibleEvents
+from tachk.model.types import ArrayType, ChannelType, element_type
+from tachk.syntax import ast
+from tachk.time_units import NANOSECONDS, length_of
+
+
+def elaborate_recording(
+    items: Iterable[ast.Item], processes: Sequence[Process], scope: Scope, context: Context
+) -> RecordingMap | None:
+    """The recording of a model; None if it has none, or where it is wrong."""
+    found = [item for item in items if isinstance(item, ast.RecordingDeclaration)]
+    if not found:
+        return None
+    for other in found[1:]:
+        label = Label(found[0].span, "the first one")
+        context.findings.add("E0450", other.span, "a second `recording`", "join the two", (label,))
+    return _Reader(processes, scope, context).recording(found[0])
+
+
+class _Reader:
+    def __init__(self, processes: Sequence[Process], scope: Scope, context: Context) -> None:
+        self.processes = processes
+        self.scope = scope
+        self.context = context
+
+    def recording(self, node: ast.RecordingDeclaration) -> RecordingMap | None:
+        replaced: set[int] = set()
+        visible: list[VisibleEvents | None] = []
+        hidden: list[Expression | None] = []
+        allowances: dict[str, Fraction] = {}
+        for clause in node.clauses:
+            match clause:
+                case ast.ReplacesClause(names=names):
+                    replaced.update(number for name in names for number in self._processes(name))
+                case ast.VisibleClause():
+                    visible.append(self._visible(clause))
+                case ast.HiddenClause(channels=channels):
+                    hidden += [self._hidden(channel) for channel in channels]
+                case ast.AllowanceClause(word=word):
+                    if word in allowances:
+                        self.context.error("E0450", clause.span, f"a second `{word}`", "keep one of the two")
+                    allowances[word] = self._units(clause)
+        if not node.clauses or not visible:
+            self.context.error(
+                "E0451", node.span, "this `recording` says nothing that is visible", "visible c[i] as event(i);"
+            )
+        if None in visible or None in hidden:
+            return None
+        return RecordingMap(
+            frozenset(replaced),
+            tuple(each for each in visible if each is not None),
+            tuple(each for each in hidden if each is not None),
+            allowances.get("tolerance", Fraction(0)),
+            allowances.get("late"),
+            node.span,
+        )
+
+    def _processes(self, name: ast.Identifier) -> list[int]:
+        """The numbers of the processes with a name, or made from a template with that name."""
+        found = [n for n, p in enumerate(self.processes) if name.name in (p.name, p.name.partition("(")[0])]
+        if not found:
+            known = [p.name.partition("(")[0] for p in self.processes]
+            help_ = did_you_mean(name.name, known) or "name a process of the system line"
+            self.context.error("E0452", name.span, f"there is no process `{name.name}` to replace", help_)
+        return found
+
+    def _units(self, clause: ast.AllowanceClause) -> Fraction:
+        """How long this is in units of the model."""
+        if not clause.unit:
+            return Fraction(clause.amount)
+        length = NANOSECONDS.get(clause.unit)
+        unit = length_of(self.context.time_unit) if self.context.time_unit else None
+        if length is None:
+            help_ = did_you_mean(clause.unit, NANOSECONDS) or f"one of {', '.join(NANOSECONDS)}"
+            self.context.error("E0453", clause.span, f"`{clause.unit}` is no unit of time", help_)
+        elif unit is None:
+            help_ = "write `time_unit = 1 ms;`, or leave out the unit"
+            self.context.error("E0453", clause.span, "the model does not say how long its time unit is", help_)
+        else:
+            return clause.amount * length / unit
+        return Fraction(0)
+
+    # ---- channels ---------------------------------------------------------------------------------------------------
+
+    def _hidden(self, node: ast.Expression) -> Expression | None:
+        channel = expression(node, self.scope, self.context)
+        return channel if channel is None or self._is_channel(channel, node) else None
+
+    def _is_channel(self, value: Expression, node: ast.Expression) -> bool:
+        if isinstance(element_type(value.type), ChannelType):
+            return True
+        self.context.error("E0301", node.span, "this is not a channel", "name a channel that processes synchronise on")
+        return False
+
+    def _visible(self, clause: ast.VisibleClause) -> VisibleEvents | None:
+        node: ast.Expression = clause.channel
+        written: list[ast.Expression] = []
+        while isinstance(node, ast.IndexExpression):
+            written.insert(0, node.index)
+            node = node.base
+        channel = expression(node, self.scope, self.context)
+        if channel is None or not self._is_channel(channel, node):
+            return None
+        type_, names = channel.type, Scope(self.scope, "the recording")
+        indices: list[Constant | Variable] = []
+        for index in written:
+            if not isinstance(type_, ArrayType):
+                self.context.error("E0454", index.span, "this is one index too many", "leave it out")
+                return None
+            found = self._index(index, type_, names)
+            if found is None:
+                return None
+            indices.append(found)
+            type_ = type_.element
+        if isinstance(type_, ArrayType):
+            message = "this is an array of channels: it needs an index"
+            self.context.error("E0454", clause.channel.span, message, "write a name that the event tells, as in c[i]")
+            return None
+        columns = [self._column(column, names) for column in clause.columns]
+        per = [self._common(name, indices) for name in clause.per]
+        if None in columns or None in per:
+            return None
+        told = {c[1].variable for c in columns if c and isinstance(c[1], Reference)}
+        for index, variable in zip(written, indices, strict=True):
+            if isinstance(variable, Variable) and variable not in told:
+                help_ = f"write `{clause.event.name}({variable.name}, ...)`, or a constant for it"
+                self.context.error("E0455", index.span, f"no column of the event tells `{variable.name}`", help_)
+                return None
+        return VisibleEvents(
+            channel,
+            tuple(indices),
+            clause.event.name,
+            tuple(c for c in columns if c is not None),
+            tuple(v for v in per if v is not None),
+            clause.span,
+        )
+
+    def _index(self, node: ast.Expression, type_: ArrayType, names: Scope) -> Constant | Variable | None:
+        if isinstance(node, ast.NameExpression) and self.scope.lookup(node.name) is None:
+            variable = Variable(node.name, type_.index, VariableKind.BOUND, span=node.span)
+            symbol = ValueSymbol(Reference(variable), False, "index", node.span)
+            names.declare(ast.Identifier(node.span, node.name), symbol, self.context.findings)
+            return variable
+        value = expression(node, self.scope, self.context)
+        if value is None or isinstance(value, Constant):
+            return value
+        help_ = "write a constant, or a new name for what the event tells"
+        self.context.error("E0454", node.span, "the index of a visible channel must not change", help_)
+        return None
+
+    def _common(self, name: ast.Identifier, indices: Sequence[Constant | Variable]) -> Variable | None:
+        known: Callable[[], list[Variable]] = lambda: [i for i in indices if isinstance(i, Variable)]  # noqa: E731
+        for variable in known():
+            if variable.name == name.name:
+                return variable
+        help_ = did_you_mean(name.name, [v.name for v in known()]) or "name an index of the channel"
+        self.context.error("E0454", name.span, f"`{name.name}` is no index of this channel", help_)
+        return None
+
+    def _column(self, node: ast.RecordedColumn, names: Scope) -> tuple[str, Expression] | None:
+        written = node.expression or ast.NameExpression(node.name.span, node.name.name)
+        value = expression(written, names, self.context)
+        if value is None:
+            return None
+        if not is_integral(value.type):
+            self.context.error("E0301", written.span, "a column tells a number or a truth value", None)
+            return None
+        return (node.name.name, value) if self.context.require_pure(value, "a column") else None

@@ -1,0 +1,48 @@
+"""How recordings of a real system are held against a network: what a ``recording { ... }`` of a model says."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from tachk.diagnostics.span import NOWHERE, Span
+from tachk.model.expressions import Constant, Expression, Variable
+from tachk.records import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class VisibleEvents:
+    """Synchronisations that a recording shows, all of them, and nothing else as these.
+
+    Attributes:
+        channel: the channel, or the array of channels.
+        indices: for each dimension of the array a constant, or a variable that stands for what the recording says.
+        event: the name of these events in the recording.
+        columns: what a recorded event says, by name: an expression of the indices, and of what variables hold at the
+            end of the step.
+        per: the indices that the events of a queue have in common. The events of a queue happen in their recorded
+            order, those of different queues as their times allow.
+    """
+
+    channel: Expression
+    indices: tuple[Constant | Variable, ...]
+    event: str
+    columns: tuple[tuple[str, Expression], ...]
+    per: tuple[Variable, ...] = ()
+    span: Span = NOWHERE
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingMap:
+    """Attributes:
+    replaced: the numbers of the processes whose place the recording takes.
+    hidden: channels, or arrays of channels, on which what is replaced may synchronise whenever it likes.
+    tolerance: how much earlier or later than recorded something may have happened, in units of the model.
+    late: how much later than it happens something may be recorded; None: as much as the tolerance.
+    """
+
+    replaced: frozenset[int]
+    visible: tuple[VisibleEvents, ...]
+    hidden: tuple[Expression, ...]
+    tolerance: Fraction
+    late: Fraction | None
+    span: Span = NOWHERE

@@ -1,0 +1,1 @@
+"""What `tachk conform` tells: `words` (what events and moments are called), `text`, `json`."""

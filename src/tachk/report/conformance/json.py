@@ -1,0 +1,56 @@
+"""The machine form of what `tachk conform` found, as docs/schema/conform.schema.json describes it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tachk.conformance.conform import Conformance
+from tachk.conformance.events import Event
+
+
+def conformance_to_json(found: Conformance, model: str) -> dict[str, Any]:
+    """One object. Times are those of the recording."""
+    recording = found.recording
+    return {
+        "model": model,
+        "recording": recording.source,
+        "accepted": found.accepted,
+        "reason": found.reason,
+        "tolerance": float(found.tolerance),
+        "late": float(found.late),
+        "time_unit": found.following.network.time_unit,
+        "events": len(recording.events) - found.queues.other,
+        "other_events": found.queues.other,
+        "states": found.statistics.states_stored,
+        "seconds": found.statistics.seconds,
+        "refusal": _refusal(found),
+    }
+
+
+def _refusal(found: Conformance) -> dict[str, Any] | None:
+    refusal = found.refusal
+    if refusal is None:
+        return None
+    event = None if refusal.event is None else _event(found.recording.events[refusal.event])
+    return {
+        "happened": sum(refusal.happened),
+        "event": event,
+        "state": refusal.state,
+        "allowed": [
+            {
+                "event": offer.name,
+                "cells": dict(offer.cells),
+                "earliest": _time(found, offer.earliest),
+                "latest": None if offer.latest is None else _time(found, offer.latest),
+            }
+            for offer in refusal.offers
+        ],
+    }
+
+
+def _event(event: Event) -> dict[str, Any]:
+    return {"place": event.place, "time": float(event.time), "event": event.name, "cells": dict(event.cells)}
+
+
+def _time(found: Conformance, units: int) -> float:
+    return float(units / found.queues.scale + found.queues.origin)

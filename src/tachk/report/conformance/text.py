@@ -1,0 +1,64 @@
+"""What a person reads about a recording that was held against a model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+
+from tachk.conformance.conform import Conformance
+from tachk.report.conformance.words import event_text, moment
+from tachk.report.quantity import grouped
+
+
+def conformance_to_text(found: Conformance, model: str) -> str:
+    """The answer, and where the recording leaves the model."""
+    return "\n".join(_lines(found, model)) + "\n"
+
+
+def _lines(found: Conformance, model: str) -> Iterator[str]:
+    recording = found.recording
+    count = len(recording.events) - found.queues.other
+    yield f"{recording.source}: {grouped(count)} {'event' if count == 1 else 'events'} of {model}"
+    if found.queues.other:
+        yield f"{grouped(found.queues.other)} others are of no kind that the model speaks of"
+    unit = found.following.network.time_unit
+    allowed = f"tolerance {_units(found.tolerance, unit)}, late {_units(found.late, unit)}"
+    match found.accepted:
+        case True:
+            yield f"a run of the model, with {allowed}"
+        case False:
+            yield f"not a run of the model, with {allowed}"
+            yield from _refusal(found)
+        case None:
+            yield f"undecided, with {allowed}: {found.reason}"
+            yield from _refusal(found)
+    yield f"{grouped(found.statistics.states_stored)} states in {found.statistics.seconds:.2f} s"
+
+
+def _refusal(found: Conformance) -> Iterator[str]:
+    refusal = found.refusal
+    if refusal is None:
+        return
+    happened = sum(refusal.happened)
+    yield f"the longest run goes along with {grouped(happened)} of them"
+    if refusal.event is None:
+        yield "after the last event the model does something that was not recorded"
+        return
+    event = found.recording.events[refusal.event]
+    yield f"it leaves the model at {event.place}, at {float(event.time):g}: {event_text(event)}"
+    if refusal.state:
+        yield f"  there the model is in {refusal.state}"
+    for offer in refusal.offers:
+        window = f"from {moment(found, offer.earliest)}"
+        if offer.latest is not None:
+            window += f" to {moment(found, offer.latest)}"
+        yield f"  the model allows {offer.text}, {window}"
+    if not refusal.offers:
+        yield "  the model allows no event there"
+
+
+def _units(amount: Fraction, unit: str) -> str:
+    """An amount of units of the model."""
+    number, _, name = unit.rpartition(" ")
+    value = amount * Fraction(number or 1)
+    return f"{float(value):g} {name}".rstrip()

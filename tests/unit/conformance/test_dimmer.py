@@ -1,0 +1,123 @@
+"""A lamp, its button and recordings of both."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import jsonschema
+import pytest
+from click.testing import CliRunner
+
+import tachk
+from tachk.cli.main import app
+
+ROOT = Path(__file__).parents[3]
+MODEL = ROOT / "examples/dimmer/dimmer.ta"
+SCHEMA = json.loads((ROOT / "docs/schema/conform.schema.json").read_text(encoding="utf-8"))
+
+
+def accepted(tmp_path: Path, rows: str, **given: str) -> bool | None:
+    file = tmp_path / "events.csv"
+    file.write_text(f"time,event,on,level\n{rows}", encoding="utf-8")
+    return tachk.conform(MODEL, file, **given).accepted
+
+
+def test_run_of_the_model(tmp_path: Path) -> None:
+    found = tachk.conform(MODEL, ROOT / "examples/dimmer/pressed.csv")
+    assert found.accepted
+    assert found.run is not None
+    assert sum(step.transition is not None for step in found.run.steps) == 5
+
+
+@pytest.mark.parametrize(
+    ("rows", "expected"),
+    [
+        ("2,press,,\n6,light,1,7\n", True),
+        ("2,press,,\n6,light,1,8\n", False),  # another content
+        ("2,press,,\n6,light,1,\n", True),  # an empty cell is not compared
+        ("2,press,,\n6,light,0,0\n", False),  # another channel of the array
+        ("6,light,1,7\n", False),  # without a cause
+        ("2,press,,\n20,other,,\n", False),  # silence where there must be none
+        ("2,press,,\n7,other,,\n", True),  # it may still come
+        ("2,press,,\n9,light,1,7\n", True),  # pressed at 3 at the latest, on at 8 at the earliest
+        ("2,press,,\n10,light,1,7\n", False),
+    ],
+)
+def test_small_recordings(tmp_path: Path, rows: str, expected: bool) -> None:
+    assert accepted(tmp_path, rows) is expected
+
+
+def test_least_tolerance(tmp_path: Path) -> None:
+    rows = "2,press,,\n6,light,1,7\n40,light,0,0\n"
+    least = tachk.conform(MODEL, _written(tmp_path, rows), tolerance="auto").tolerance
+    assert accepted(tmp_path, rows, tolerance=str(least))
+    assert not accepted(tmp_path, rows, tolerance=str(least - 1))
+
+
+def _written(tmp_path: Path, rows: str) -> Path:
+    file = tmp_path / "events.csv"
+    file.write_text(f"time,event,on,level\n{rows}", encoding="utf-8")
+    return file
+
+
+def test_what_the_model_allows() -> None:
+    found = tachk.conform(MODEL, ROOT / "examples/dimmer/too_soon.csv")
+    assert found.accepted is False
+    assert found.refusal is not None
+    assert found.recording.events[found.refusal.event or 0].place == "line 4"
+    assert [(offer.cells, offer.earliest, offer.latest) for offer in found.refusal.offers] == [
+        ((("on", 0), ("level", 0)), 55, 108)
+    ]
+
+
+def test_order_of_what_was_sent_and_what_arrives(tmp_path: Path) -> None:
+    """A press may not happen before the light of the row that it names."""
+    rows = ["0,press,,,,", "4,light,1,7,a,", "60,light,0,0,b,", "60,press,,,,b", "63,light,1,7,,"]
+    file = tmp_path / "events.csv"
+    file.write_text("time,event,on,level,id,after\n" + "\n".join(rows), encoding="utf-8")
+    found = tachk.conform(MODEL, file)
+    assert found.accepted
+    assert found.run is not None
+    order = [len(step.transition.participants) for step in found.run.steps if step.transition is not None]
+    assert len(order) == 5
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ("2,light,3,7\n", "line 2: on = 3 is outside"),
+        ("2,light,on,7\n", "`on`, which is neither"),
+        ("2,press\n", "2 cells"),
+        ("x,press,,\n", "is no time"),
+        ("3,press,,\n2,press,,\n", "backwards"),
+    ],
+)
+def test_wrong_files(tmp_path: Path, rows: str, message: str) -> None:
+    with pytest.raises(tachk.UsageError, match=message):
+        accepted(tmp_path, rows)
+
+
+def test_limit(tmp_path: Path) -> None:
+    found = CliRunner().invoke(
+        app, ["conform", str(MODEL), str(ROOT / "examples/dimmer/pressed.csv"), "--max-states", "2"]
+    )
+    assert found.exit_code == 20
+
+
+@pytest.mark.parametrize(("file", "status"), [("pressed.csv", 0), ("too_soon.csv", 10)])
+def test_json(file: str, status: int) -> None:
+    arguments = ["conform", str(MODEL), str(ROOT / "examples/dimmer" / file), "--format", "json"]
+    found = CliRunner().invoke(app, arguments)
+    assert found.exit_code == status
+    jsonschema.validate(json.loads(found.stdout), SCHEMA)
+
+
+def test_json_lines(tmp_path: Path) -> None:
+    file = tmp_path / "events.jsonl"
+    file.write_text('{"time": 2, "event": "press"}\n{"time": 6, "event": "light", "on": true, "level": 7}\n')
+    assert tachk.conform(MODEL, file).accepted
+
+
+def test_formatter_keeps_the_block() -> None:
+    assert CliRunner().invoke(app, ["fmt", "--check", str(MODEL)]).exit_code == 0
