@@ -16,7 +16,7 @@ may be larger than what is reachable, and how they were found does not matter. Z
 are those of `tachk.semantics.symbolic`, the meaning of the model, and nothing of an engine or a compiler is used.
 
 This module looks at one discrete state after the other, by the symbolic semantics. `tachk.certify.sweep` looks at all
-of them together first, and settles most of those without rank.
+of them together first, and settles nearly all of those without rank.
 """
 
 from __future__ import annotations
@@ -140,10 +140,9 @@ class _Check:
         """The discrete states that a look at all of them together has not settled, each with its zones and ranks."""
         avoided = [one for one in (self.bad, self.begins) if one is not None]
         stops = any(location.rates for process in self.model.network.processes for location in process.locations)
-        plain = not (self.model.has_priorities or stops or any(map(asks_deadlock, avoided)))
         for ranked, elements in enumerate(self.sets):
             rows = list(range(len(elements.states)))
-            if plain and not ranked and len(rows):
+            if not stops and not ranked and len(rows):
                 rows = np.flatnonzero(~Sweep(self.model, avoided, elements).fine).tolist()
             for row in rows:
                 numbers = elements.states[row].tolist()

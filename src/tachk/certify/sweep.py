@@ -1,8 +1,8 @@
 """A quick way through most of a certificate: the elements of the rank 0 of all discrete states together.
 
 What is found in order here need not be looked at again. What is out of the ordinary is left to whoever looks at one
-discrete state after the other (`tachk.certify.closed_set`): those who hear a broadcast or use an urgent channel under a
-clock guard, run-time errors, and all that seems wrong.
+discrete state after the other (`tachk.certify.closed_set`): urgent channels under a clock guard, run-time errors, and
+all that seems wrong.
 
 The rules are those of `tachk.semantics`, written for sets of discrete states, which are rows of an array: locations,
 then cells. An expression is evaluated by the reference evaluator, once for all rows that agree in what it reads.
@@ -22,6 +22,7 @@ from tachk.certify.zone_arrays import including, reached_from, upper_bounds, wit
 from tachk.model.evaluate import Environment, execute
 from tachk.model.expressions import Binary, Expression, Unary
 from tachk.model.fault import EvaluationFault
+from tachk.model.traversal import asks_deadlock
 from tachk.operators import BinaryOperator, UnaryOperator
 from tachk.semantics.constraints import (
     TRUE,
@@ -31,6 +32,7 @@ from tachk.semantics.constraints import (
     conjunction,
     disjunctive,
 )
+from tachk.semantics.dbm import complement, constrain_all, down, intersect, undo_reset, universe
 from tachk.semantics.discrete import PreparedNetwork, bind_selects, channel_named, may_hear
 from tachk.semantics.timed_trace import Participant
 from tachk.time_limit import check_time
@@ -76,16 +78,22 @@ class Sweep:
         self.processes = len(model.network.processes)
         self.fine = np.ones(len(self.states), bool)
         self.conjunctions: dict[Conjunction, int] = {}
+        self.bounds = upper_bounds((), model.dimension)
+        self.hearing: dict[int, list[tuple[int, list[tuple[int, list[Participant]]]]]] = {}
         self._note_locations()
         self.limits = self._limits(self.states)
         self.fine[self.limits == _FAULTY] = False
         self._cut_elements()
-        for predicate in avoided:
-            for part, negated in alternatives(predicate):
-                self._look_for(part, negated)
+        self.alive = np.zeros(len(self.shapes), bool)
+        parts = [part for predicate in avoided for part in alternatives(predicate)]
+        self.asks_deadlock = any(asks_deadlock(part) for part, _ in parts)
+        for part, negated in parts:
+            self._look_for(part, negated, dead=False)
         for rows, participants, guard in list(self._transitions()):
             check_time()
             self._follow(rows, participants, guard)
+        for part, negated in parts if self.asks_deadlock else ():
+            self._look_for(part, negated, dead=True)
 
     # ---- discrete states ---------------------------------------------------------------------------------------------
 
@@ -192,43 +200,60 @@ class Sweep:
             elif found[0]:
                 yield part, *found
 
-    def _hearing(self, q: int, channel: int) -> Iterator[tuple[int, list[Participant]]]:
-        for location, participants in enumerate(self.model.instances[q]):
-            if hearing := [p for p in participants if may_hear(self.model, p, channel)]:
-                yield location, hearing
+    def _hearing(self, channel: int) -> list[tuple[int, list[tuple[int, list[Participant]]]]]:
+        """The processes that may hear a channel, with the locations where they do and the edges."""
+        if channel not in self.hearing:
+            of_processes = [
+                (
+                    q,
+                    [
+                        (location, hearing)
+                        for location, participants in enumerate(by_location)
+                        if (hearing := [p for p in participants if may_hear(self.model, p, channel)])
+                    ],
+                )
+                for q, by_location in enumerate(self.model.instances)
+            ]
+            self.hearing[channel] = [of_process for of_process in of_processes if of_process[1]]
+        return self.hearing[channel]
 
     def _partners(
         self, rows: Numbers, _: int, channel: int, sender: tuple[Participant, ...], guard: Disjunction
     ) -> Iterator[tuple[Numbers, tuple[Participant, ...], Disjunction]]:
         p = sender[0].process
-        for q in (q for q in range(self.processes) if q != p):
+        for q, by_location in self._hearing(channel):
             free = rows[self.free[rows] | self.committed[rows, p] | self.committed[rows, q]]
-            for location, hearing in self._hearing(q, channel):
+            for location, hearing in by_location if q != p else ():
                 for receiver in hearing:
                     for part, also, named in self._offers(free[self.states[free, q] == location], receiver):
                         if named == channel:
                             yield part, (*sender, receiver), conjunction(guard, also)
 
     def _receivers(
-        self, rows: Numbers, q: int, channel: int, chosen: tuple[Participant, ...], guard: Disjunction
+        self, rows: Numbers, listener: int, channel: int, chosen: tuple[Participant, ...], guard: Disjunction
     ) -> Iterator[tuple[Numbers, tuple[Participant, ...], Disjunction]]:
-        """Each process from number q on that can hear a broadcast does, by one of its edges."""
-        if q == self.processes or not len(rows):
+        """Each process that can hear a broadcast does, by one of its edges, from the listener of that number on."""
+        if listener == len(self._hearing(channel)) or not len(rows):
             joined = np.count_nonzero(self.committed[rows][:, [p.process for p in chosen]], axis=1) > 0
             yield rows[self.free[rows] | joined], chosen, guard
             return
-        abstains = np.ones(len(rows), bool)
-        for location, hearing in self._hearing(q, channel) if q != chosen[0].process else ():
+        staying = [(rows, guard)]
+        q, by_location = self._hearing(channel)[listener]
+        for location, hearing in by_location if q != chosen[0].process else ():
             here = rows[self.states[rows, q] == location]
             for receiver in hearing:
                 for part, also, named in self._offers(here, receiver):
                     if named != channel:
                         continue
-                    if also != TRUE:
-                        self.fine[part] = False
-                    abstains[np.isin(rows, part)] = False
-                    yield from self._receivers(part, q + 1, channel, (*chosen, receiver), conjunction(guard, also))
-        yield from self._receivers(rows[abstains], q + 1, channel, chosen, guard)
+                    joint = conjunction(guard, also)
+                    yield from self._receivers(part, listener + 1, channel, (*chosen, receiver), joint)
+                    hears = np.zeros(len(self.states), bool)
+                    hears[part] = True
+                    denied = [(all_[hears[all_]], conjunction(out, complemented(also))) for all_, out in staying]
+                    staying = [(all_[~hears[all_]], out) for all_, out in staying] + denied
+                    staying = [(some, out) for some, out in staying if len(some) and out]
+        for some, out in staying:
+            yield from self._receivers(some, listener + 1, channel, chosen, out)
 
     # ---- zones -------------------------------------------------------------------------------------------------------
 
@@ -241,22 +266,37 @@ class Sweep:
         self.source = _places(len(found), left)[inverse]
 
     def _bounds(self, limits: Numbers) -> Numbers:
-        return upper_bounds(self.conjunctions, self.model.dimension)[limits]
+        if len(self.bounds) < len(self.conjunctions):
+            self.bounds = upper_bounds(self.conjunctions, self.model.dimension)
+        return self.bounds[limits]
 
-    def _elements(self, rows: Numbers) -> tuple[Numbers, Numbers]:
-        """The sources of the elements of some rows, with the places of these among the rows."""
+    def _elements(self, rows: Numbers) -> tuple[Numbers, Numbers, Numbers]:
+        """The elements of some rows that are not empty, their sources, and the places of these among the rows."""
         places = np.repeat(np.arange(len(rows)), self.counts[rows])
-        found = self.source[ragged(self.first, rows)]
-        return found[found >= 0], places[found >= 0]
+        elements = ragged(self.first, rows)
+        some = self.source[elements] >= 0
+        return elements[some], self.source[elements[some]], places[some]
 
-    def _look_for(self, predicate: Expression, negated: bool) -> None:
-        """Rows with valuations that satisfy a predicate, or where it cannot be evaluated, are not fine."""
+    def _look_for(self, predicate: Expression, negated: bool, dead: bool) -> None:
+        """Rows with valuations that satisfy a predicate, or where it cannot be evaluated, are not fine.
+
+        Args:
+            dead: what ``deadlock`` is; true: in those elements that are not known to be alive.
+        """
         rows = np.flatnonzero(self.limits >= 0)
-        for part, parts in self._by_reads(self.states, rows, lambda scratch: disjunctive(predicate, scratch, negated)):
+
+        def truth(scratch: Environment) -> Disjunction:
+            scratch.deadlock = lambda: dead
+            return disjunctive(predicate, scratch, negated)
+
+        for part, parts in self._by_reads(self.states, rows, truth):
             if parts is None:
                 self.fine[part] = False
             for constraints in parts or ():
-                sources, places = self._elements(part)
+                elements, sources, places = self._elements(part)
+                if dead:
+                    doubtful = ~self.alive[elements]
+                    sources, places = sources[doubtful], places[doubtful]
                 found, inverse = np.unique(sources, return_inverse=True)
                 left, _ = within(self.sources[found], constraints)
                 self.fine[part[places[np.isin(inverse, left)]]] = False
@@ -288,15 +328,36 @@ class Sweep:
             there = self.elements.find(targets)
             limits, waits = self.limits[there], self.waits[there]
             lost = np.flatnonzero(there == _MISSING)
-            limits[lost], waits[lost] = self._limits(targets[lost]), False
+            if len(lost):
+                limits[lost], waits[lost] = self._limits(targets[lost]), False
             self.fine[part[limits == _FAULTY]] = False
             for constraints in guard:
                 self._cover(part, constraints, resets, there, limits, waits)
+                if self.asks_deadlock:
+                    self._enliven(part, constraints, resets, limits)
+
+    def _enliven(self, rows: Numbers, guard: Conjunction, resets: dict[int, int], limits: Numbers) -> None:
+        """Elements are alive if a transition is possible from all of their valuations, now or later."""
+        known = list(self.conjunctions)
+        for group in groups_of(np.column_stack((self.limits[rows], limits, self.waits[rows]))):
+            row, limit = rows[group[0]], limits[group[0]]
+            if limit < 0:
+                continue
+            free = universe(self.model.dimension)
+            domain = constrain_all(free, (*known[self.limits[row]], *guard))
+            target = constrain_all(free, known[limit])
+            before = target and undo_reset(target, tuple(resets.items()))
+            domain = intersect(domain, before) if domain and before else None
+            if domain is not None:
+                past = np.reshape((down(domain) if self.waits[row] else domain).bounds, (1, *self.zones.shape[1:]))
+                elements, sources, _ = self._elements(rows[group])
+                alive = including(past, np.zeros(len(sources), np.int64), self.sources, sources)
+                self.alive[elements[alive]] = True
 
     def _cover(
         self, rows: Numbers, guard: Conjunction, resets: dict[int, int], there: Numbers, limits: Numbers, waits: Truths
     ) -> None:
-        sources, places = self._elements(rows)
+        _, sources, places = self._elements(rows)
         possible = limits[places] >= 0
         sources, places = sources[possible], places[possible]
         known = len(self.conjunctions)
@@ -320,6 +381,14 @@ class Sweep:
             self.fine[rows[last]] = False
             more = ~inside & ~last
             numbers, rows, there, element = numbers[more], rows[more], there[more], element[more] + 1
+
+
+def complemented(condition: Disjunction) -> Disjunction:
+    """Where a condition does not hold."""
+    denied = TRUE
+    for constraints in condition:
+        denied = conjunction(denied, [(complement(constraint),) for constraint in constraints])
+    return denied
 
 
 def alternatives(predicate: Expression, negated: bool = False) -> Iterator[tuple[Expression, bool]]:
@@ -353,6 +422,6 @@ def groups_of(table: Numbers) -> list[Numbers]:
         if span * width > 1 << 62:
             number = np.unique(number, return_inverse=True)[1]
             span = int(number.max()) + 1
-        number, span = number * width + (column - low), span * width
+        number, span = number * width + (column.astype(np.int64) - low), span * width
     order = np.argsort(number, kind="stable")
     return np.split(order, np.flatnonzero(np.diff(number[order])) + 1)

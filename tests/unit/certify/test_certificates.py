@@ -394,6 +394,51 @@ def test_values_that_take_more_than_a_byte() -> None:
         assert judged(network, query, written(proof, blocks_without(proof, group))) is not None
 
 
+TOLD = """
+clock x;
+broadcast chan tell;
+process Sender() {
+    init location a { invariant x <= 5; to b { sync tell!; assign x = 0; } }
+    location b { }
+}
+process Receiver() {
+    init location deaf { to heard { guard x >= 3; sync tell?; } }
+    location heard { }
+}
+system Sender, Receiver;
+property soon : A[] Sender.a imply x <= 5;
+"""
+
+
+def test_who_hears_a_broadcast_under_a_clock_guard_may_also_stay_out() -> None:
+    network, query = counter("soon", TOLD)
+    proof = proved(network, query)
+    assert proof.states == 3
+    for group in range(3):
+        assert judged(network, query, written(proof, blocks_without(proof, group))) is not None
+
+
+STUCK = """
+clock x;
+process P() {
+    init location a { invariant x <= 5; to b { guard x <= 3; } }
+    location b { invariant x <= 9; to a { guard x >= 7; assign x = 0; } }
+}
+system P;
+property bounded : A[] x <= 9;
+property goes_on : A[] !deadlock;
+"""
+
+
+@pytest.mark.parametrize(("guard", "is_stuck"), [("guard x <= 3;", True), ("guard x >= 3;", False), ("", False)])
+def test_a_state_is_stuck_where_nothing_is_possible_later(guard: str, is_stuck: bool) -> None:
+    loaded = tachk.loads(STUCK.replace("guard x <= 3;", guard))
+    bounded, goes_on = loaded.properties
+    certificate = written(proved(loaded.network, bounded))
+    assert judged(loaded.network, bounded, certificate) is None
+    assert (judged(loaded.network, goes_on, certificate) is not None) is is_stuck
+
+
 LATER = """
 clock x;
 process P() {
