@@ -1,17 +1,23 @@
-"""Captures of packets as traces: what reliable streams of DDS-XRCE have sent, acknowledged and lost, over time.
+"""Captures of packets as traces: what DDS-XRCE streams have sent, acknowledged and lost, over time.
 
 The columns of a client are named after its key, or its port where the capture does not hold its CREATE_CLIENT:
 ``client_AAAABBBB.to_agent.outstanding``; a stream other than 80 is named: ``to_agent_81``. Where one client is seen
 at several ports of an Agent, because a relay was recorded on both sides, ``_at_9001`` follows its name.
+
+The columns of all clients together have the names that the properties in queries/micro_xrce_dds.ta use.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
+from typing import Final
+
+import numpy as np
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.trace import Trace, Values
@@ -19,19 +25,32 @@ from tachk.runtime.trace_header import no_such_column
 from tachk.time_units import NANOSECONDS
 from tachk.xrce.events import DEFAULT_PORT
 from tachk.xrce.packets import CaptureError
-from tachk.xrce.streams import SIGNALS, StreamHistory, Streams, read_streams
+from tachk.xrce.signals.following import SITUATION
+from tachk.xrce.signals.recorded import ClientHistory, Recorded, StreamHistory, read_recorded
+from tachk.xrce.signals.samples import TooManyUnread
+from tachk.xrce.streams import SIGNALS
 from tachk.xrce.wire import FIRST_RELIABLE_STREAM
 
 _UNIT = "s"
 
+PROPERTIES: Final = {
+    **{name: (name, False) for name in SITUATION},
+    "tenthAtAgent": ("allToAgent", False),
+    "tenthAtClient": ("allToClient", False),
+    "marked": ("lost", True),
+    "noticed": ("missing", True),
+    "caughtUp": ("behind", True),
+}
+"""What the properties of the reliable stream are about, as one of the `SITUATION`, and whether it is negated."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PacketRecording:
-    """``signals``: where each column comes from."""
+    """``signals``: what gives the values of each column."""
 
     name: str
-    streams: Streams
-    signals: dict[str, tuple[StreamHistory, str]]
+    recorded: Recorded
+    signals: dict[str, Callable[[], Values]]
     unit: str = _UNIT
 
     @property
@@ -43,21 +62,17 @@ class PacketRecording:
         for column in wanted:
             if column not in self.signals:
                 raise no_such_column(column, self.columns, self.name)
-        times = self.streams.times
+        times = self.recorded.times
         start = int(times[0])
         return Trace(
             self.name,
             times - start,
-            {column: self._values(column) for column in self.columns if column in wanted},
+            {column: self.signals[column]() for column in self.columns if column in wanted},
             int(times[-1]) - start,
             NANOSECONDS[_UNIT],
             _UNIT,
             Fraction(0),
         )
-
-    def _values(self, column: str) -> Values:
-        history, signal = self.signals[column]
-        return history.signal(signal, len(self.streams.times)).astype(float)
 
 
 def open_packets(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> PacketRecording:
@@ -72,29 +87,54 @@ def open_packets(path: Path, time: str | None, unit: str | None, ports: Sequence
         raise UsageError("a capture has its own times: it takes neither a time column nor a unit")
     try:
         with path.open("rb") as stream:
-            streams = read_streams(stream, ports or (DEFAULT_PORT,))
-    except CaptureError as error:
+            recorded = read_recorded(stream, ports or (DEFAULT_PORT,))
+    except (CaptureError, TooManyUnread) as error:
         raise UsageError(f"{path}: {error}") from None
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
-    if streams.problem:
-        raise UsageError(f"{path}: {streams.problem}", f"tachk decode {path} tells what comes before")
-    if not len(streams.times):
+    if recorded.problem:
+        raise UsageError(f"{path}: {recorded.problem}", f"tachk decode {path} tells what comes before")
+    if not len(recorded.times):
         asked = ", ".join(map(str, ports or (DEFAULT_PORT,)))
         raise UsageError(f"{path} has no packet to or from port {asked}", "give the port of the Agent with --port")
-    return PacketRecording(str(path), streams, dict(_signals(streams)))
+    return PacketRecording(str(path), recorded, dict(_signals(recorded)))
 
 
-def _signals(streams: Streams) -> Iterator[tuple[str, tuple[StreamHistory, str]]]:
-    seen = Counter(name for name, _ in {(_client(history), history.agent.port) for history in streams.histories})
-    for history in streams.histories:
-        client = _client(history)
-        place = f"_at_{history.agent.port}" if seen[client] > 1 else ""
-        way = "to_agent" if history.to_agent else "from_agent"
-        other = "" if history.stream == FIRST_RELIABLE_STREAM else f"_{history.stream:02X}"
+def _signals(recorded: Recorded) -> Iterator[tuple[str, Callable[[], Values]]]:
+    count = len(recorded.times)
+    seen = Counter(name for name, _ in {(_name(one), one.agent.port) for one in recorded.clients})
+
+    def place(one: StreamHistory | ClientHistory) -> str:
+        return _name(one) + (f"_at_{one.agent.port}" if seen[_name(one)] > 1 else "")
+
+    for history in recorded.streams:
         for signal in SIGNALS:
-            yield f"{client}{place}.{way}{other}.{signal}", (history, signal)
+            yield (
+                column_of(place(history), history.to_agent, history.stream, signal),
+                partial(_values, history, signal, count),
+            )
+    for client in recorded.clients:
+        yield f"{place(client)}.asleep", partial(_flag, client.changes.spread, 0, count, False)
+    yield "unconfirmed.Open", lambda: recorded.observed.open(count).astype(np.uint8)
+    yield "unconfirmed.Idle", lambda: recorded.observed.idle(count).astype(np.uint8)
+    for name, (signal, negated) in PROPERTIES.items():
+        yield name, partial(_flag, recorded.situation.spread, SITUATION.index(signal), count, negated)
 
 
-def _client(history: StreamHistory) -> str:
-    return f"client_{history.key or history.client.port}"
+def column_of(client: str, to_agent: bool, stream: int, signal: str) -> str:
+    """The name of a column."""
+    way = "to_agent" if to_agent else "from_agent"
+    other = "" if stream == FIRST_RELIABLE_STREAM else f"_{stream:02X}"
+    return f"{client}.{way}{other}.{signal}"
+
+
+def _values(history: StreamHistory, signal: str, count: int) -> Values:
+    return history.signal(signal, count).astype(np.uint8 if signal == "confirmed" else float)
+
+
+def _flag(spread: Callable[[int, int], np.ndarray], signal: int, count: int, negated: bool) -> Values:
+    return (spread(signal, count) != negated).astype(np.uint8)
+
+
+def _name(one: StreamHistory | ClientHistory) -> str:
+    return f"client_{one.key or one.client.port}"

@@ -1,125 +1,34 @@
-"""What a capture says of reliable streams: numbers sent, acknowledged and missing, from messages alone.
+"""Reliable streams: numbers sent, acknowledged and missing, as the packets at one place show them.
 
 Numbers have 16 bits on the wire and go round; here they go on. They begin again where a session is created.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import BinaryIO, Final
+from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
-from tachk.records import dataclass
-from tachk.xrce import wire
-from tachk.xrce.messages import Endpoint
-from tachk.xrce.packets import Numbers
-from tachk.xrce.reading import CaptureReading
-from tachk.xrce.submessages import Submessages
-from tachk.xrce.wire import Kind
-
-SIGNALS: Final = ("sent", "acknowledged", "outstanding", "missing", "heartbeats", "repetitions")
+SIGNALS: Final = (
+    "sent",
+    "acknowledged",
+    "outstanding",
+    "missing",
+    "heartbeats",
+    "repetitions",
+    "delivered",
+    "repaired",
+    "confirmed",
+)
 """Of a stream: how many messages have been sent, how many the last ACKNACK says have arrived without gap, how many no
 ACKNACK has said that of, how many the last ACKNACK says are missing, how many HEARTBEATs and how many repetitions have
-been sent."""
+been sent, how many messages have arrived in order, how many had been named as missing and arrived later, and whether
+all that were sent have arrived."""
 
 _CYCLE: Final = 1 << 16
+_MOST_KEPT: Final = 1 << 12
+"""Messages of which the content is kept until they are acknowledged; no window is nearly as large."""
 
-
-@dataclass(frozen=True, slots=True)
-class StreamHistory:
-    """One direction of a reliable stream.
-
-    Attributes:
-        client, agent: who talks.
-        key: of the client, as its CREATE_CLIENT says; empty if that is not in the capture.
-        to_agent: whether the client sends.
-        stream: its id.
-        rows: where in `Streams.times` something changed.
-        values: for each of these, the `SIGNALS` from then on.
-    """
-
-    client: Endpoint
-    agent: Endpoint
-    key: str
-    to_agent: bool
-    stream: int
-    rows: Numbers
-    values: NDArray[np.int64]
-
-    def signal(self, name: str, count: int) -> Numbers:
-        """One of the `SIGNALS` in each of so many rows; 0 before anything is known."""
-        values = np.concatenate([[0], self.values[:, SIGNALS.index(name)]])
-        return values[np.searchsorted(self.rows, np.arange(count), side="right")]
-
-
-@dataclass(frozen=True, slots=True)
-class Streams:
-    """Attributes:
-    times: nanoseconds since the epoch, one for each message to or from an Agent, not decreasing.
-    packets: the number of its packet in the capture.
-    histories: of each stream and direction, in the order in which they began.
-    problem: why the capture ends too early; empty if it does not.
-    """
-
-    times: Numbers
-    packets: Numbers
-    histories: tuple[StreamHistory, ...]
-    problem: str = ""
-
-
-def read_streams(stream: BinaryIO, ports: Iterable[int]) -> Streams:
-    """What a capture says of the reliable streams of clients. Raises CaptureError for what is no capture."""
-    reading = CaptureReading(stream, ports)
-    follower = _Follower()
-    for found in reading.pieces():
-        follower.push(found)
-    return follower.streams(reading.endpoints, reading.problem)
-
-
-class _Stream:
-    """What is known of one direction of a stream."""
-
-    def __init__(self) -> None:
-        self.rows: list[int] = []
-        self.values: list[tuple[int, ...]] = []
-        self.heartbeats = 0
-        self.repetitions = 0
-        self.restart()
-
-    def restart(self) -> None:
-        self.sent = 0
-        self.acknowledged = 0
-        self.arrived = 0
-        self.missing = 0
-
-    def message(self, number: int) -> None:
-        number = near(number, self.sent)
-        if number < self.sent:
-            self.repetitions += 1
-        self.sent = max(self.sent, number + 1)
-
-    def heartbeat(self, first: int, last: int) -> None:
-        """The sender holds these: the last of them has been sent, even if the capture has not seen it."""
-        self.heartbeats += 1
-        first, last = near(first, self.sent), near(last, self.sent)
-        if first <= last:
-            self.sent = max(self.sent, last + 1)
-
-    def acknack(self, first: int, bitmap: int) -> None:
-        self.acknowledged = near(first, self.sent)
-        self.arrived = max(self.arrived, self.acknowledged)
-        self.missing = bitmap.bit_count()
-
-    def note(self, row: int) -> None:
-        outstanding = max(self.sent - self.arrived, 0)
-        values = (self.sent, self.acknowledged, outstanding, self.missing, self.heartbeats, self.repetitions)
-        if self.rows and self.rows[-1] == row:
-            self.values[-1] = values
-        else:
-            self.rows.append(row)
-            self.values.append(values)
+Item = tuple[object, ...]
+"""What a submessage carries, to be compared."""
 
 
 def near(number: int, reference: int) -> int:
@@ -127,83 +36,114 @@ def near(number: int, reference: int) -> int:
     return reference + (number - reference + _CYCLE // 2) % _CYCLE - _CYCLE // 2
 
 
-_Way = tuple[int, int, bool, int]
-"""Client, Agent, whether the client sends, stream."""
+class StreamState:
+    """What is known of one direction of a stream.
 
+    Attributes:
+        sent: messages that have been sent, as far as is known.
+        acknowledged: the number up to which the last ACKNACK has all.
+        arrived: the number up to which all have arrived. Unlike the one above it never goes back, and no ACKNACK of
+            messages that nobody has sent counts.
+        missing: how many the last ACKNACK names.
+        contents: of the messages that have been seen here and not arrived yet, by number and place.
+    """
 
-class _Follower:
-    """Follows all streams, message by message."""
+    __slots__ = (
+        "_begun",
+        "_named",
+        "_seen",
+        "acknowledged",
+        "arrived",
+        "contents",
+        "heartbeats",
+        "missing",
+        "repaired",
+        "repetitions",
+        "sent",
+    )
 
     def __init__(self) -> None:
-        self.times: list[Numbers] = []
-        self.packets: list[Numbers] = []
-        self._rows = 0
-        self._latest = 0
-        self._streams: dict[_Way, _Stream] = {}
-        self._keys: dict[tuple[int, int], str] = {}
+        self.heartbeats = self.repetitions = self.repaired = 0
+        self.restart(0)
+        self._begun = False
 
-    def push(self, found: Submessages) -> None:
-        messages = found.messages
-        if not len(messages.times):
-            return
-        times = np.maximum(np.maximum.accumulate(messages.times), self._latest)
-        self._latest = int(times[-1])
-        self.times.append(times)
-        self.packets.append(messages.packets)
-        begins = (found.stream >= wire.FIRST_RELIABLE_STREAM) & (found.place == 0) & (found.kind >= 0)
-        told = np.isin(found.kind, (Kind.ACKNACK, Kind.HEARTBEAT, Kind.CREATE_CLIENT))
-        chosen = np.flatnonzero(begins | told)
-        message = found.message[chosen]
-        of_message = (messages.clients, messages.agents, messages.to_agent)
-        of_submessage = (found.kind, found.stream, found.sequence, found.first, found.last, found.bitmap, found.subject)
-        rows = zip(
-            chosen.tolist(),
-            (message + self._rows).tolist(),
-            begins[chosen].tolist(),
-            *(column[message].tolist() for column in of_message),
-            *(column[chosen].tolist() for column in of_submessage),
-            strict=True,
-        )
-        for entry, row, begun, client, agent, to_agent, kind, stream, number, first, last, bitmap, subject in rows:
-            if begun:
-                self._stream((client, agent, to_agent, stream)).message(number)
-                self._stream((client, agent, to_agent, stream)).note(row)
-            if kind == Kind.HEARTBEAT:
-                held = self._stream((client, agent, to_agent, subject))
-                held.heartbeat(first, last)
-                held.note(row)
-            elif kind == Kind.ACKNACK:
-                acknowledged = self._stream((client, agent, not to_agent, subject))
-                acknowledged.acknack(first, bitmap)
-                acknowledged.note(row)
-            elif kind == Kind.CREATE_CLIENT:
-                self._created(client, agent, found.messages.octets[found.starts[entry] + 8 :][:4].tobytes(), row)
-        self._rows += len(times)
+    def restart(self, number: int) -> None:
+        """All before this number has arrived, and nothing else has been sent."""
+        self.sent = self.acknowledged = self.arrived = number
+        self.missing = 0
+        self._seen: set[int] = set()
+        self._named: set[int] = set()
+        self.contents: dict[int, dict[int, Item]] = {}
+        self._begun = True
 
-    def _stream(self, way: _Way) -> _Stream:
-        return self._streams.setdefault(way, _Stream())
+    def message(self, number: int) -> int:
+        """A message has been seen. Returns its number, counted on."""
+        if not self._begun:
+            self.restart(number)
+        number = near(number, self.sent)
+        if number < self.arrived or number in self._seen:
+            self.repetitions += 1
+        else:
+            self._seen.add(number)
+        self.sent = max(self.sent, number + 1)
+        return number
 
-    def _created(self, client: int, agent: int, key: bytes, row: int) -> None:
-        self._keys[client, agent] = key.hex().upper()
-        for way, stream in self._streams.items():
-            if way[:2] == (client, agent):
-                stream.restart()
-                stream.note(row)
+    def carries(self, number: int, place: int, item: Item) -> bool:
+        """Notes what a message carries. Returns whether it carried something else before."""
+        if number < self.arrived:
+            return False
+        content = self.contents.setdefault(number, {})
+        if len(self.contents) > _MOST_KEPT:
+            del self.contents[next(iter(self.contents))]
+        return content.setdefault(place, item) != item
 
-    def streams(self, endpoints: list[Endpoint], problem: str) -> Streams:
-        histories = tuple(
-            StreamHistory(
-                endpoints[client],
-                endpoints[agent],
-                self._keys.get((client, agent), ""),
-                to_agent,
-                stream,
-                np.array(followed.rows, np.int64),
-                np.array(followed.values, np.int64).reshape(-1, len(SIGNALS)),
+    def heartbeat(self, first: int, last: int) -> None:
+        """The sender holds these: the last of them has been sent, even if it has not been seen."""
+        self.heartbeats += 1
+        if not self._begun:
+            self.restart(first)
+        first, last = near(first, self.sent), near(last, self.sent)
+        if first <= last:
+            self.sent = max(self.sent, last + 1)
+
+    def acknack(self, first: int, bitmap: int) -> range:
+        """The receiver lacks this number, and others. Returns the numbers that have arrived now."""
+        if not self._begun:
+            self.restart(first)
+        before, self.acknowledged = self.arrived, near(first, self.sent)
+        self.missing = bitmap.bit_count()
+        if before < self.acknowledged <= self.sent:
+            self.arrived = self.acknowledged
+            if self._named:
+                self.repaired += sum(number < self.arrived for number in self._named)
+                self._named = {number for number in self._named if number >= self.arrived}
+            self._seen.difference_update(range(before, self.arrived))
+        if bitmap:
+            self._named.update(
+                self.acknowledged + bit
+                for bit in range(16)
+                if bitmap >> bit & 1 and self.acknowledged + bit >= self.arrived
             )
-            for (client, agent, to_agent, stream), followed in self._streams.items()
+        return range(before, self.arrived)
+
+    def lacks(self, first: int, behind: int) -> bool:
+        """Whether a message from the first to before the last number has not been seen here nor named as missing."""
+        first = max(first, self.arrived)
+        return first < behind and not all(
+            number in self._seen or number in self._named for number in range(first, behind)
         )
-        nothing = np.zeros(0, np.int64)
-        return Streams(
-            np.concatenate([nothing, *self.times]), np.concatenate([nothing, *self.packets]), histories, problem
+
+    def values(self) -> tuple[int, ...]:
+        """The `SIGNALS` now."""
+        outstanding = max(self.sent - self.arrived, 0)
+        return (
+            self.sent,
+            self.acknowledged,
+            outstanding,
+            self.missing,
+            self.heartbeats,
+            self.repetitions,
+            self.arrived,
+            self.repaired,
+            not outstanding,
         )

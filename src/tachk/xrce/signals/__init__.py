@@ -1,0 +1,1 @@
+"""What captures show of clients, streams and samples over time."""

@@ -1,0 +1,154 @@
+"""Clients, the places where their packets were captured, and their streams.
+
+Where both sides of a relay are in a capture, a client is seen at two ports. The side on which its CREATE_CLIENT came
+first is that of the client. What a client knows is taken from its side, what the Agent knows from the Agent's.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Final
+
+from tachk.records import dataclass
+from tachk.xrce.signals.changes import ChangeLog
+from tachk.xrce.streams import SIGNALS, StreamState
+
+NEVER: Final = 1 << 62
+
+Way = tuple[bool, int]
+"""Whether the client sends, and the id of the stream."""
+
+
+class Side:
+    """A client at one port of an Agent, or of a relay.
+
+    Attributes:
+        client_endpoint, agent_endpoint: their numbers.
+        owner: whose packets they are.
+        heard: when the client sent something last.
+        asked: when it was first sent, while asleep, what it would have to answer; None before.
+        asleep: the client has been silent for long.
+        disturbed: it has been asked while asleep, and has not answered.
+        ended: it has closed its session.
+        sleep_log: changes of ``asleep``.
+    """
+
+    def __init__(self, client_endpoint: int, agent_endpoint: int, time: int) -> None:
+        self.client_endpoint = client_endpoint
+        self.agent_endpoint = agent_endpoint
+        self.owner = Client("", [self])
+        self.heard = time
+        self.asked: int | None = None
+        self.asleep = self.disturbed = self.ended = False
+        self.sleep_log = ChangeLog(1)
+        self.streams: dict[Way, tuple[StreamState, ChangeLog]] = {}
+
+    def due(self, silence: int, answer: int) -> int:
+        """When it counts as asleep, or as disturbed, if nothing comes before.
+
+        Args:
+            silence: how long a client that is awake is silent at most.
+            answer: how long it takes at most to answer.
+        """
+        if self.ended or self.disturbed or (self.asleep and self.asked is None):
+            return NEVER
+        return self.heard + silence if self.asked is None else self.asked + answer
+
+    def woken(self, time: int, row: int) -> None:
+        """It has sent something, or is no longer there."""
+        self.heard, self.asked = time, None
+        if self.asleep:
+            self.asleep = self.disturbed = False
+            self.sleep_log.note(row, (0,))
+
+    def stream(self, way: Way) -> tuple[StreamState, ChangeLog]:
+        """What is known here of a stream, and where its changes are noted."""
+        if way not in self.streams:
+            self.streams[way] = StreamState(), ChangeLog(len(SIGNALS))
+        return self.streams[way]
+
+
+@dataclass(frozen=True, slots=True)
+class Wait:
+    """``number``: of the first message that waits; it was sent in this row, at this time."""
+
+    number: int
+    row: int
+    time: int
+
+
+class Transfer:
+    """A stream in one direction between its two ends.
+
+    Attributes:
+        reached: the number up to which all has arrived. It stays where the receiver alone begins anew.
+        open: something that was sent has not arrived: of the client's messages at the Agent; of the Agent's messages
+            as far as the Agent has heard.
+        lost: something that was sent has not come to the other end, and that end has not named it as missing.
+        waiting: where and when the Agent sent what is not confirmed; each for the messages before a number.
+    """
+
+    __slots__ = ("lost", "open", "reached", "receiver", "sender", "to_agent", "waiting")
+
+    def __init__(self, sender: StreamState, receiver: StreamState, to_agent: bool) -> None:
+        self.sender, self.receiver, self.to_agent = sender, receiver, to_agent
+        self.reached = 0
+        self.open = self.lost = False
+        self.waiting: deque[tuple[int, Wait]] = deque()
+
+    def restart(self) -> None:
+        """The sender begins anew."""
+        self.reached = 0
+        self.waiting.clear()
+
+    def confirmed(self, row: int, time: int) -> Wait | None:
+        """Notes when the Agent's messages were sent. Returns the longest wait that has ended now."""
+        if self.to_agent:
+            return None
+        sent, arrived = self.sender.sent, self.sender.arrived
+        longest = None
+        while self.waiting and self.waiting[0][1].number < arrived:
+            wait = self.waiting[0][1]
+            longest = longest or wait
+            if self.waiting[0][0] > arrived:
+                self.waiting[0] = (self.waiting[0][0], Wait(arrived, wait.row, wait.time))
+                break
+            self.waiting.popleft()
+        known = max(self.waiting[-1][0] if self.waiting else 0, arrived)
+        if sent > known:
+            self.waiting.append((sent, Wait(known, row, time)))
+        return longest
+
+    def look(self) -> tuple[int, int]:
+        """Looks again. Returns by how much the numbers of open and of lost transfers change."""
+        was_open, was_lost = self.open, self.lost
+        self.reached = max(self.reached, self.receiver.arrived)
+        sent = self.sender.sent
+        self.open = (self.reached if self.to_agent else self.sender.arrived) < sent
+        self.lost = self.reached < sent and self.receiver.lacks(self.reached, sent)
+        return self.open - was_open, self.lost - was_lost
+
+
+class Client:
+    """Attributes:
+    key: as its CREATE_CLIENT says; empty if that is not in the capture.
+    sides: where it is seen, its own side first.
+    transfers: by stream and direction.
+    pieces: of a submessage that comes in fragments, by stream and direction.
+    """
+
+    def __init__(self, key: str, sides: list[Side]) -> None:
+        self.key = key
+        self.sides = sides
+        self.transfers: dict[Way, Transfer] = {}
+        self.pieces: dict[Way, bytearray] = {}
+
+    @property
+    def own_side(self) -> Side:
+        return self.sides[0]
+
+    def transfer(self, way: Way) -> Transfer:
+        if way not in self.transfers:
+            near, far = self.sides[0].stream(way)[0], self.sides[-1].stream(way)[0]
+            self.transfers[way] = Transfer(near, far, True) if way[0] else Transfer(far, near, False)
+        return self.transfers[way]

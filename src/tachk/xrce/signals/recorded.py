@@ -1,0 +1,175 @@
+"""A whole capture: its rows, and what they say of clients and streams."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tachk.records import dataclass
+from tachk.xrce.messages import Endpoint
+from tachk.xrce.packets import Numbers
+from tachk.xrce.reading import CaptureReading
+from tachk.xrce.signals.changes import Changes
+from tachk.xrce.signals.clients import Side, Way
+from tachk.xrce.signals.following import SITUATION, Block, Follower
+from tachk.xrce.streams import SIGNALS
+
+
+@dataclass(frozen=True, slots=True)
+class StreamHistory:
+    """One direction of a reliable stream, at one place.
+
+    Attributes:
+        client, agent: who talks.
+        key: of the client, as its CREATE_CLIENT says; empty if that is not in the capture.
+        to_agent: whether the client sends.
+        stream: its id.
+        changes: of the `SIGNALS`.
+    """
+
+    client: Endpoint
+    agent: Endpoint
+    key: str
+    to_agent: bool
+    stream: int
+    changes: Changes
+
+    def signal(self, name: str, count: int) -> Numbers:
+        """One of the `SIGNALS` in each of so many rows; 0 before anything is known."""
+        return self.changes.spread(SIGNALS.index(name), count)
+
+
+@dataclass(frozen=True, slots=True)
+class ClientHistory:
+    """A client at one place. ``changes``: of whether it is asleep."""
+
+    client: Endpoint
+    agent: Endpoint
+    key: str
+    changes: Changes
+
+
+@dataclass(frozen=True, slots=True)
+class Observed:
+    """The messages of the Agent that waited longest for their confirmation: if these are in time, all are.
+
+    Attributes:
+        waited: the rows in which the one was sent and confirmed that waited longest; None if another one has waited for
+            longer until the end.
+        waits: the row in which the first one was sent that is not confirmed at the end.
+    """
+
+    waited: tuple[int, int] | None
+    waits: int | None
+
+    def open(self, count: int) -> NDArray[np.bool_]:
+        """In each row, whether one of them is on its way."""
+        rows = np.zeros(count, np.bool_)
+        if self.waited is not None:
+            rows[self.waited[0] : self.waited[1]] = True
+        if self.waits is not None:
+            rows[self.waits :] = True
+        return rows
+
+    def idle(self, count: int) -> NDArray[np.bool_]:
+        """In each row, whether none is, or one has just been confirmed."""
+        rows = ~self.open(count)
+        if self.waited is not None:
+            rows[self.waited[1]] = True
+        return rows
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """Attributes:
+    times: nanoseconds since the epoch, one for each message to or from an Agent and for each client that counts as
+        asleep from then on, not decreasing.
+    packets: the number of the packet in the capture; 0 in rows without one.
+    situation: changes of the `SITUATION`.
+    streams: of each stream and direction, in the order in which they began.
+    clients: each client, at each port at which it is seen.
+    observed: the message of the Agent that is confirmed last after it was sent.
+    problem: why the capture ends too early; empty if it does not.
+    """
+
+    times: Numbers
+    packets: Numbers
+    situation: Changes
+    streams: tuple[StreamHistory, ...]
+    clients: tuple[ClientHistory, ...]
+    observed: Observed
+    problem: str = ""
+
+
+def read_recorded(stream: BinaryIO, ports: Iterable[int]) -> Recorded:
+    """What a capture says. Raises CaptureError for what is no capture."""
+    reading = CaptureReading(stream, ports)
+    follower = Follower()
+    blocks = []
+    for found in reading.pieces():
+        follower.push(found)
+        blocks.append(follower.take())
+    joined = _Joined(blocks)
+    ends = reading.endpoints
+    streams = tuple(
+        StreamHistory(ends[side.client_endpoint], ends[side.agent_endpoint], side.owner.key, *way, changes)
+        for (side, way), changes in joined.streams.items()
+    )
+    clients = tuple(
+        ClientHistory(
+            ends[side.client_endpoint],
+            ends[side.agent_endpoint],
+            side.owner.key,
+            joined.sleeps.get(side, _nothing(1)),
+        )
+        for side in follower.sides
+    )
+    observed = _observed(follower, joined.times)
+    return Recorded(joined.times, joined.packets, joined.situation, streams, clients, observed, reading.problem)
+
+
+def _observed(follower: Follower, times: Numbers) -> Observed:
+    waiting, waited = follower.waiting(), follower.longest
+    if waiting is not None and (waited is None or int(times[-1]) - waiting.time >= waited.duration):
+        waited = None
+    return Observed(
+        None if waited is None else (waited.sent, waited.confirmed), None if waiting is None else waiting.row
+    )
+
+
+class _Joined:
+    """Blocks one behind the other."""
+
+    def __init__(self, blocks: Sequence[Block]) -> None:
+        nothing = np.zeros(0, np.int64)
+        self.times = np.concatenate([nothing, *(block.times for block in blocks)])
+        self.packets = np.concatenate([nothing, *(block.packets for block in blocks)])
+        situation: list[Changes] = []
+        streams: dict[tuple[Side, Way], list[Changes]] = {}
+        sleeps: dict[Side, list[Changes]] = {}
+        first = 0
+        for block in blocks:
+            situation.append(_behind(first, block.situation))
+            for one in block.streams:
+                streams.setdefault((one.side, one.way), []).append(_behind(first, one.changes))
+            for side, changes in block.sleeps:
+                sleeps.setdefault(side, []).append(_behind(first, changes))
+            first += len(block.times)
+        self.situation = _joined([_nothing(len(SITUATION)), *situation])
+        self.streams = {which: _joined(parts) for which, parts in streams.items()}
+        self.sleeps = {side: _joined(parts) for side, parts in sleeps.items()}
+
+
+def _nothing(width: int) -> Changes:
+    return Changes(np.zeros(0, np.int64), np.zeros((0, width), np.int64))
+
+
+def _behind(first: int, changes: Changes) -> Changes:
+    return Changes(changes.rows + first, changes.values)
+
+
+def _joined(parts: Sequence[Changes]) -> Changes:
+    return Changes(np.concatenate([part.rows for part in parts]), np.concatenate([part.values for part in parts]))

@@ -1,0 +1,154 @@
+"""Samples on their way from writers to readers: which ones a reader has not got, and whether it got them in order.
+
+Samples are known by their bytes. What a reader gets and no client has written comes from elsewhere, and is not judged.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import OrderedDict, deque
+from typing import Final
+
+from tachk.records import dataclass
+
+_MOST_UNREAD: Final = 1 << 16
+_MOST_REMEMBERED: Final = 1 << 12
+
+Topic = str | None
+"""A name, or None if it is not known; then it may be any."""
+
+_IN_XML: Final = re.compile(r"<topic>.*?<name>\s*(.*?)\s*</name>", re.DOTALL)
+
+
+def topic_of(representation: int, description: object) -> Topic:
+    """The topic of a data writer or reader: of a reference such as ``Name__dw``, or of its XML."""
+    if not isinstance(description, str):
+        return None
+    if representation == 1:
+        return description.rpartition("__")[0] or None
+    found = _IN_XML.search(description)
+    return found[1] if found else None
+
+
+class TooManyUnread(Exception):
+    """A reader lags so far behind that what it lacks is no longer kept."""
+
+
+class _Remembered:
+    """The last samples of many."""
+
+    def __init__(self) -> None:
+        self._samples: OrderedDict[int, None] = OrderedDict()
+
+    def add(self, sample: int) -> None:
+        self._samples[sample] = None
+        if len(self._samples) > _MOST_REMEMBERED:
+            self._samples.popitem(last=False)
+
+    def __contains__(self, sample: int) -> bool:
+        return sample in self._samples
+
+    def discard(self, sample: int) -> bool:
+        """Forgets it. Returns whether it was there."""
+        found = sample in self._samples
+        self._samples.pop(sample, None)
+        return found
+
+
+Owner = tuple[object, int]
+"""A client and an object of it."""
+
+
+class Reader:
+    """A data reader, and what it is owed.
+
+    Attributes:
+        skipped: how many samples were passed over: newer ones of the same writer came.
+        disordered: whether a sample came that had come, or had been passed over.
+    """
+
+    def __init__(self, topic: Topic) -> None:
+        self.topic = topic
+        self.closed = False
+        self.unread = 0
+        self.skipped = 0
+        self.disordered = False
+        self._owed: dict[Owner, deque[int]] = {}
+        self._passed = _Remembered()
+        self._early = _Remembered()
+
+    @property
+    def has_all(self) -> bool:
+        """Whether it has got everything that has been written."""
+        return not self.unread and not self.skipped
+
+    def written(self, writer: Owner, sample: int) -> None:
+        """A writer of its topic has written this."""
+        if self._early.discard(sample):
+            self._passed.add(sample)
+            return
+        self._owed.setdefault(writer, deque()).append(sample)
+        self.unread += 1
+        if self.unread > _MOST_UNREAD:
+            raise TooManyUnread(f"a reader lacks more than {_MOST_UNREAD} samples")
+
+    def got(self, sample: int) -> None:
+        """It has got this."""
+        places = [(owed.index(sample), writer) for writer, owed in self._owed.items() if sample in owed]
+        if places:
+            place, writer = min(places, key=lambda found: found[0])
+            owed = self._owed[writer]
+            for _ in range(place + 1):
+                self._passed.add(owed.popleft())
+            self.unread -= place + 1
+            self.skipped += place
+        elif sample in self._passed:
+            self.disordered = True
+        else:
+            self._early.add(sample)
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """``complete``: every reader has got everything; ``ordered``: in the order in which it was written."""
+
+    complete: bool
+    ordered: bool
+
+
+class Exchange:
+    """All writers and readers."""
+
+    def __init__(self) -> None:
+        self._writers: dict[Owner, Topic] = {}
+        self._readers: dict[Owner, Reader] = {}
+
+    def new_writer(self, writer: Owner, topic: Topic) -> None:
+        self._writers[writer] = topic
+
+    def new_reader(self, reader: Owner, topic: Topic) -> None:
+        """A reader that is there already goes on; one that had been deleted begins anew."""
+        known = self._readers.get(reader)
+        if known is None or known.closed:
+            self._readers[reader] = Reader(topic)
+
+    def close(self, client: object, number: int | None) -> None:
+        """Nobody owes an object of a client, or all of them, anything new."""
+        for owner, reader in self._readers.items():
+            if owner[0] is client and number in (None, owner[1]):
+                reader.closed = True
+
+    def written(self, writer: Owner, sample: int) -> None:
+        topic = self._writers.get(writer)
+        for reader in self._readers.values():
+            if not reader.closed and (topic is None or reader.topic is None or topic == reader.topic):
+                reader.written(writer, sample)
+
+    def got(self, reader: Owner, sample: int) -> None:
+        if reader not in self._readers:
+            self._readers[reader] = Reader(None)
+        self._readers[reader].got(sample)
+
+    def standing(self) -> Standing:
+        readers = self._readers.values()
+        return Standing(all(one.has_all for one in readers), not any(one.disordered for one in readers))
