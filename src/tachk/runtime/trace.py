@@ -83,6 +83,7 @@ class Trace:
     unit: ``ms``, ``s``, ...; empty if nobody has said it.
     origin: what the clock of the recording showed when the trace began, in units.
     interpolation: what numbers do between rows.
+    packets: of a capture, the number of the packet of each row, 0 where there is none.
     """
 
     name: str
@@ -93,6 +94,7 @@ class Trace:
     unit: str = ""
     origin: Fraction = Fraction(0)
     interpolation: Interpolation = Interpolation.CONSTANT
+    packets: Ticks | None = None
 
     def __post_init__(self) -> None:
         instants = self.instants
@@ -117,6 +119,13 @@ class Trace:
     def clock(self, tick: int | Fraction) -> Fraction:
         """What the clock of the recording showed at a tick, in units."""
         return self.origin + Fraction(tick) / self.ticks_per_unit
+
+    def packet(self, tick: int) -> int | None:
+        """The number of the packet in the capture that was there at a tick; None if there was none."""
+        if self.packets is None:
+            return None
+        row = int(self.times.searchsorted(tick, side="right")) - 1
+        return int(self.packets[row]) or None if row >= 0 and self.times[row] == tick else None
 
     def moves(self, column: str) -> bool:
         """Whether the values of a column lie on lines between the rows."""

@@ -25,6 +25,7 @@ from tachk.runtime.trace_header import no_such_column
 from tachk.time_units import NANOSECONDS
 from tachk.xrce.events import DEFAULT_PORT
 from tachk.xrce.packets import CaptureError
+from tachk.xrce.signals.changes import Changes
 from tachk.xrce.signals.following import SITUATION
 from tachk.xrce.signals.recorded import ClientHistory, Recorded, StreamHistory, read_recorded
 from tachk.xrce.signals.samples import TooManyUnread
@@ -72,6 +73,7 @@ class PacketRecording:
             NANOSECONDS[_UNIT],
             _UNIT,
             Fraction(0),
+            packets=self.recorded.packets,
         )
 
 
@@ -114,11 +116,11 @@ def _signals(recorded: Recorded) -> Iterator[tuple[str, Callable[[], Values]]]:
                 partial(_values, history, signal, count),
             )
     for client in recorded.clients:
-        yield f"{place(client)}.asleep", partial(_flag, client.changes.spread, 0, count, False)
+        yield f"{place(client)}.asleep", partial(_flag, client.changes, 0, count, False)
     yield "unconfirmed.Open", lambda: recorded.observed.open(count).astype(np.uint8)
     yield "unconfirmed.Idle", lambda: recorded.observed.idle(count).astype(np.uint8)
     for name, (signal, negated) in PROPERTIES.items():
-        yield name, partial(_flag, recorded.situation.spread, SITUATION.index(signal), count, negated)
+        yield name, partial(_flag, recorded.situation, SITUATION.index(signal), count, negated)
 
 
 def column_of(client: str, to_agent: bool, stream: int, signal: str) -> str:
@@ -132,8 +134,8 @@ def _values(history: StreamHistory, signal: str, count: int) -> Values:
     return history.signal(signal, count).astype(np.uint8 if signal == "confirmed" else float)
 
 
-def _flag(spread: Callable[[int, int], np.ndarray], signal: int, count: int, negated: bool) -> Values:
-    return (spread(signal, count) != negated).astype(np.uint8)
+def _flag(changes: Changes, signal: int, count: int, negated: bool) -> Values:
+    return changes.spread(signal, count).astype(np.uint8) ^ np.uint8(negated)
 
 
 def _name(one: StreamHistory | ClientHistory) -> str:

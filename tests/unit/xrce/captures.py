@@ -57,6 +57,17 @@ def pcap(packets: list[bytes], link: int = 101, order: str = "<", nanoseconds: b
     return struct.pack(order + "IHHiIII", magic, 2, 4, 0, 0, cut, link) + b"".join(records)
 
 
+def timed(packets: list[tuple[float, bytes]]) -> bytes:
+    """A pcap file of packets that are captured so many milliseconds after second 1000."""
+    whole = pcap([packet for _, packet in packets])
+    header, at = bytearray(whole), 24
+    for milliseconds, packet in packets:
+        nanoseconds = round(1_000_000 * milliseconds)
+        struct.pack_into("<II", header, at, 1000 + nanoseconds // 10**9, nanoseconds % 10**9)
+        at += 16 + len(packet)
+    return bytes(header)
+
+
 def pcapng(packets: list[bytes], link: int = 101, order: str = "<", resolution: bytes = b"\x09") -> bytes:
     """A pcapng file with the same times, in units of the resolution as if_tsresol has it."""
     option = struct.pack(order + "HH", 9, 1) + resolution + bytes(3) + bytes(4)

@@ -101,8 +101,12 @@ def cell_time(cell: int) -> Fraction:
 
 
 def cell_text(trace: Trace, cell: int) -> str:
-    """When a cell is: ``12.5 s``, or ``just after 12.5 s`` for the interval that begins there."""
-    text = clock_text(trace, cell // 2)
+    """When a cell is: ``12.5 s``, or ``just after 12.5 s`` for the interval that begins there.
+
+    Of a capture with the packet that was there: ``12.5 s (packet 7)``.
+    """
+    text, packet = clock_text(trace, cell // 2), trace.packet(cell // 2)
+    text += "" if packet is None else f" (packet {packet})"
     return text if cell % 2 == 0 else f"just after {text}"
 
 

@@ -27,6 +27,7 @@ class Side:
         owner: whose packets they are.
         heard: when the client sent something last.
         asked: when it was first sent, while asleep, what it would have to answer; None before.
+        asked_by: the packet that did so.
         asleep: the client has been silent for long.
         disturbed: it has been asked while asleep, and has not answered.
         ended: it has closed its session.
@@ -39,6 +40,7 @@ class Side:
         self.owner = Client("", [self])
         self.heard = time
         self.asked: int | None = None
+        self.asked_by = 0
         self.asleep = self.disturbed = self.ended = False
         self.sleep_log = ChangeLog(1)
         self.streams: dict[Way, tuple[StreamState, ChangeLog]] = {}

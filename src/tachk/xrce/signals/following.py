@@ -33,10 +33,10 @@ SITUATION: Final = (
     "missing",
     "behind",
 )
-"""Of all clients together: every message that clients have sent has arrived at the Agent; every sample that clients have
-written has arrived at every reader; a client is silent for long; something came to such a client, which has not answered
-in time; the Agent has got what clients sent; readers have got it in order; a message of a client, of the Agent, is neither there nor named as
-missing; the Agent has unconfirmed messages."""
+"""Of all clients together: every message that clients have sent has arrived at the Agent; every sample that they have
+written has arrived at every reader; a client is silent for long; something came to such a client, which has not
+answered in time; the Agent has got what clients sent; readers have got it in order; a message of a client is neither
+there nor named as missing, or one of the Agent; the Agent has unconfirmed messages."""
 
 _SESSION: Final = 0xFFFE
 """The object id of the client itself."""
@@ -99,7 +99,7 @@ class Follower:
         self._situation_log = ChangeLog(len(SITUATION))
         self._times: list[Numbers] = []
         self._packets: list[Numbers] = []
-        self._inserted: list[tuple[int, int]] = []
+        self._inserted: list[tuple[int, int, int]] = []
         self._rows = 0
         self._latest = 0
         self._time = 0
@@ -168,7 +168,7 @@ class Follower:
                     self._noted(side, way, row)
             assert side is not None
             if side.asleep and not to_agent and side.asked is None and (way is not None or kind == Kind.HEARTBEAT):
-                side.asked = time
+                side.asked, side.asked_by = time, int(messages.packets[index])
                 self._alarm = min(self._alarm, time + ANSWER)
             if kind == Kind.ACKNACK:
                 self._acknack(side, (not to_agent, subject), first, bitmap, row)
@@ -213,9 +213,9 @@ class Follower:
         times, packets = np.concatenate([nothing, *self._times]), np.concatenate([nothing, *self._packets])
         first = self._rows - len(times) - len(self._inserted)
         if self._inserted:
-            places = [row - first - count for count, (row, _) in enumerate(self._inserted)]
-            times = np.insert(times, places, [time for _, time in self._inserted])
-            packets = np.insert(packets, places, 0)
+            places = [row - first - count for count, (row, _, _) in enumerate(self._inserted)]
+            times = np.insert(times, places, [time for _, time, _ in self._inserted])
+            packets = np.insert(packets, places, [packet for _, _, packet in self._inserted])
         block = Block(
             times,
             packets,
@@ -254,7 +254,7 @@ class Follower:
             self._alarm = side.due(self._silence, ANSWER)
             if self._alarm > time:
                 break
-            self._inserted.append((row + count, self._alarm))
+            self._inserted.append((row + count, self._alarm, side.asked_by if side.asleep else 0))
             if side.asleep:
                 side.disturbed = True
             else:
@@ -346,9 +346,9 @@ class Follower:
                 self._exchange.written((client, number), sample)
             case (Kind.DATA, int(number), int(sample)):
                 self._exchange.got((client, number), sample)
-            case (Kind.CREATE, int(number), 0x5, topic):
+            case (Kind.CREATE, int(number), 0x5, str() | None as topic):
                 self._exchange.new_writer((client, number), topic)
-            case (Kind.CREATE, int(number), 0x6, topic):
+            case (Kind.CREATE, int(number), 0x6, str() | None as topic):
                 self._exchange.new_reader((client, number), topic)
             case (Kind.DELETE, int(number)):
                 self._exchange.close(client, number)
