@@ -67,6 +67,8 @@ def is_capture(begin: bytes) -> bool:
 def read_packets(stream: BinaryIO) -> Iterator[Packets]:
     """The packets of a capture in pieces.
 
+    Where reading gives None, as a pipe does that need not be waited for, the piece has no packets.
+
     Raises CaptureError: before the first piece for what is no capture, later where the file ends inside a packet or is
     damaged; what came before has been given by then.
     """
@@ -90,14 +92,17 @@ class _Pending:
         self._read = getattr(stream, "read1", stream.read)
         self.octets = bytearray()
 
-    def more(self) -> bool:
+    def more(self) -> bool | None:
+        """Whether more has come; None if there is nothing yet."""
         read = self._read(_PIECE)
+        if read is None:
+            return None
         self.octets += read
         return bool(read)
 
     def reaches(self, size: int) -> bool:
         while len(self.octets) < size:
-            if not self.more():
+            if self.more() is False:
                 return False
         return True
 
@@ -129,7 +134,8 @@ def _pcap(pending: _Pending, order: str, unit: int) -> Iterator[Packets]:
     gathered = _Gathered()
     ended = False
     while not ended:
-        ended = not pending.more()
+        more = pending.more()
+        ended = more is False
         octets, at = pending.octets, 0
         while at + 16 <= len(octets):
             seconds, fraction, size, original = record.unpack_from(octets, at)
@@ -140,7 +146,7 @@ def _pcap(pending: _Pending, order: str, unit: int) -> Iterator[Packets]:
             time = seconds * 1_000_000_000 + fraction * unit
             gathered.rows.append((at + 16, size, max(original - size, 0), time, link))
             at += 16 + size
-        if gathered.rows:
+        if gathered.rows or more is None:
             yield gathered.packets(pending.take(at))
     if pending.octets:
         raise CaptureError(f"the file ends inside packet {gathered.given + 1}")
@@ -166,7 +172,8 @@ def _pcapng(pending: _Pending) -> Iterator[Packets]:
     gathered = _Gathered()
     ended = False
     while not ended:
-        ended = not pending.more()
+        more = pending.more()
+        ended = more is False
         octets, at = pending.octets, 0
         while at + 12 <= len(octets):
             if octets[at : at + 4] == _SECTION:
@@ -183,7 +190,7 @@ def _pcapng(pending: _Pending) -> Iterator[Packets]:
                 gathered.rows.append(_block(order, kind, interfaces, octets, at, size))
             at += size
         taken = pending.take(at)
-        if gathered.rows:
+        if gathered.rows or more is None:
             yield gathered.packets(taken)
     if pending.octets:
         raise CaptureError(f"the file ends inside a block behind packet {gathered.given}")

@@ -37,8 +37,9 @@ class CaptureReading:
         """
         try:
             for packets in read_packets(self._stream):
-                self.packets = packets.first + len(packets.times) - 1
-                self.time = int(packets.times[-1])
+                if len(packets.times):
+                    self.packets = packets.first + len(packets.times) - 1
+                    self.time = int(packets.times[-1])
                 yield submessages(self._messages.read(datagrams(packets)))
         except CaptureError as error:
             if not self.packets:

@@ -50,6 +50,8 @@ class StreamState:
 
     __slots__ = (
         "_begun",
+        "_behind",
+        "_known",
         "_named",
         "_seen",
         "acknowledged",
@@ -73,6 +75,8 @@ class StreamState:
         self.missing = 0
         self._seen: set[int] = set()
         self._named: set[int] = set()
+        self._known: set[int] = set()
+        self._behind = number
         self.contents: dict[int, dict[int, Item]] = {}
         self._begun = True
 
@@ -85,8 +89,26 @@ class StreamState:
             self.repetitions += 1
         else:
             self._seen.add(number)
-        self.sent = max(self.sent, number + 1)
+            self._know(number)
+        if number >= self.sent:
+            self.sent = number + 1
+            if self.sent - self.arrived > _CYCLE // 2:
+                self._arrive(self.sent - _CYCLE // 2)  # more cannot be outstanding: ACKNACKs were not captured
         return number
+
+    def _know(self, number: int) -> None:
+        self._known.add(number)
+        self._behind = max(self._behind, number + 1)
+
+    def _arrive(self, behind: int) -> None:
+        """All before this number has arrived."""
+        numbers = range(self.arrived, behind)
+        self.arrived = behind
+        if self._named:
+            self.repaired += sum(number < behind for number in self._named)
+            self._named = {number for number in self._named if number >= behind}
+        self._seen.difference_update(numbers)
+        self._known.difference_update(numbers)
 
     def carries(self, number: int, place: int, item: Item) -> bool:
         """Notes what a message carries. Returns whether it carried something else before."""
@@ -113,25 +135,19 @@ class StreamState:
         before, self.acknowledged = self.arrived, near(first, self.sent)
         self.missing = bitmap.bit_count()
         if before < self.acknowledged <= self.sent:
-            self.arrived = self.acknowledged
-            if self._named:
-                self.repaired += sum(number < self.arrived for number in self._named)
-                self._named = {number for number in self._named if number >= self.arrived}
-            self._seen.difference_update(range(before, self.arrived))
-        if bitmap:
-            self._named.update(
-                self.acknowledged + bit
-                for bit in range(16)
-                if bitmap >> bit & 1 and self.acknowledged + bit >= self.arrived
-            )
+            self._arrive(self.acknowledged)
+        for bit in range(bitmap.bit_length()):
+            if bitmap >> bit & 1 and self.acknowledged + bit >= self.arrived:
+                self._named.add(self.acknowledged + bit)
+                self._know(self.acknowledged + bit)
         return range(before, self.arrived)
 
     def lacks(self, first: int, behind: int) -> bool:
         """Whether a message from the first to before the last number has not been seen here nor named as missing."""
         first = max(first, self.arrived)
-        return first < behind and not all(
-            number in self._seen or number in self._named for number in range(first, behind)
-        )
+        if first == self.arrived and self._behind <= behind:
+            return len(self._known) < behind - first
+        return not all(number in self._known for number in range(first, behind))
 
     def values(self) -> tuple[int, ...]:
         """The `SIGNALS` now."""

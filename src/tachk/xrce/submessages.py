@@ -6,7 +6,7 @@ from the bytes here; whatever has an inner structure is decoded by the declarati
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, lru_cache
 from typing import Final
 
 import construct
@@ -226,8 +226,13 @@ def parsed(found: Submessages, entry: int) -> construct.Container:
     """A submessage as `tachk.xrce.wire` declares it. Raises construct.ConstructError."""
     start, size = int(found.starts[entry]), int(found.sizes[entry])
     octets = found.messages.octets[start : start + size].tobytes()
-    is_little = bool(found.flags[entry] & wire.LITTLE_ENDIAN)
-    return wire.payloads(is_little)[Kind(int(found.kind[entry]))].parse(octets)
+    return _parsed(Kind(int(found.kind[entry])), bool(found.flags[entry] & wire.LITTLE_ENDIAN), octets)
+
+
+@lru_cache(maxsize=256)
+def _parsed(kind: Kind, is_little: bool, octets: bytes) -> construct.Container:
+    """Kept, because sessions begin with the same bytes again and again."""
+    return wire.payloads(is_little)[kind].parse(octets)
 
 
 _KINDS: Final = {kind.value: kind.name for kind in Kind}

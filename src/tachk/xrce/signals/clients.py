@@ -19,6 +19,26 @@ Way = tuple[bool, int]
 """Whether the client sends, and the id of the stream."""
 
 
+class Stream:
+    """One direction of a stream, as it is seen at one side of a client.
+
+    Attributes:
+        state: what is known of it.
+        log: where its changes are noted.
+        side: where it is seen.
+        way: which stream.
+        transfer: between its two ends, if that has been looked for.
+    """
+
+    __slots__ = ("log", "side", "state", "transfer", "way")
+
+    def __init__(self, side: Side, way: Way) -> None:
+        self.state = StreamState()
+        self.log = ChangeLog(len(SIGNALS))
+        self.side, self.way = side, way
+        self.transfer: Transfer | None = None
+
+
 class Side:
     """A client at one port of an Agent, or of a relay.
 
@@ -43,7 +63,7 @@ class Side:
         self.asked_by = 0
         self.asleep = self.disturbed = self.ended = False
         self.sleep_log = ChangeLog(1)
-        self.streams: dict[Way, tuple[StreamState, ChangeLog]] = {}
+        self.streams: dict[Way, Stream] = {}
 
     def due(self, silence: int, answer: int) -> int:
         """When it counts as asleep, or as disturbed, if nothing comes before.
@@ -63,11 +83,12 @@ class Side:
             self.asleep = self.disturbed = False
             self.sleep_log.note(row, (0,))
 
-    def stream(self, way: Way) -> tuple[StreamState, ChangeLog]:
-        """What is known here of a stream, and where its changes are noted."""
-        if way not in self.streams:
-            self.streams[way] = StreamState(), ChangeLog(len(SIGNALS))
-        return self.streams[way]
+    def stream(self, way: Way) -> Stream:
+        """A stream, which begins here if it is not known."""
+        found = self.streams.get(way)
+        if found is None:
+            found = self.streams[way] = Stream(self, way)
+        return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,8 +126,6 @@ class Transfer:
 
     def confirmed(self, row: int, time: int) -> Wait | None:
         """Notes when the Agent's messages were sent. Returns the longest wait that has ended now."""
-        if self.to_agent:
-            return None
         sent, arrived = self.sender.sent, self.sender.arrived
         longest = None
         while self.waiting and self.waiting[0][1].number < arrived:
@@ -121,14 +140,13 @@ class Transfer:
             self.waiting.append((sent, Wait(known, row, time)))
         return longest
 
-    def look(self) -> tuple[int, int]:
-        """Looks again. Returns by how much the numbers of open and of lost transfers change."""
-        was_open, was_lost = self.open, self.lost
-        self.reached = max(self.reached, self.receiver.arrived)
-        sent = self.sender.sent
+    def look(self) -> None:
+        """Looks again whether something is open or lost."""
+        receiver, sent = self.receiver, self.sender.sent
+        if receiver.arrived > self.reached:
+            self.reached = receiver.arrived
         self.open = (self.reached if self.to_agent else self.sender.arrived) < sent
-        self.lost = self.reached < sent and self.receiver.lacks(self.reached, sent)
-        return self.open - was_open, self.lost - was_lost
+        self.lost = self.reached < sent and receiver.lacks(self.reached, sent)
 
 
 class Client:
@@ -149,8 +167,18 @@ class Client:
     def own_side(self) -> Side:
         return self.sides[0]
 
-    def transfer(self, way: Way) -> Transfer:
+    def transfer(self, stream: Stream) -> Transfer:
+        """What a stream is one end of."""
+        way = stream.way
         if way not in self.transfers:
-            near, far = self.sides[0].stream(way)[0], self.sides[-1].stream(way)[0]
+            near, far = self.sides[0].stream(way).state, self.sides[-1].stream(way).state
             self.transfers[way] = Transfer(near, far, True) if way[0] else Transfer(far, near, False)
+        stream.transfer = self.transfers[way]
         return self.transfers[way]
+
+    def forget(self) -> None:
+        """Its streams have other ends now."""
+        self.transfers = {}
+        for side in self.sides:
+            for stream in side.streams.values():
+                stream.transfer = None

@@ -10,10 +10,10 @@ from tachk.records import dataclass
 from tachk.xrce import wire
 from tachk.xrce.packets import Numbers
 from tachk.xrce.signals.changes import ChangeLog, Changes
-from tachk.xrce.signals.clients import NEVER, Client, Side, Wait, Way
+from tachk.xrce.signals.clients import NEVER, Client, Side, Stream, Wait, Way
 from tachk.xrce.signals.samples import Exchange, topic_of
 from tachk.xrce.streams import Item
-from tachk.xrce.submessages import Submessages, parsed
+from tachk.xrce.submessages import Submessages
 from tachk.xrce.wire import Kind
 
 SILENCE: Final = 2_000_000_000
@@ -41,8 +41,18 @@ there nor named as missing, or one of the Agent; the Agent has unconfirmed messa
 _SESSION: Final = 0xFFFE
 """The object id of the client itself."""
 
+_WRITER, _READER = 0x5, 0x6
+_ENDS: Final = (_WRITER, _READER)
+
 _CARRYING: Final = (Kind.WRITE_DATA, Kind.DATA, Kind.CREATE, Kind.DELETE, Kind.FRAGMENT)
 _TELLING: Final = (*_CARRYING, Kind.ACKNACK, Kind.HEARTBEAT, Kind.CREATE_CLIENT)
+
+
+_Header = tuple[int, int, int, int, int, bool]
+"""Which message of its piece, its time, its packet, client, Agent, whether the client sends."""
+
+_Telling = tuple[int, int, int, int, int, int, int, int, int, int]
+"""Kind, stream and number of the message, first, last, bitmap, subject, object, where the payload begins and ends."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +118,14 @@ class Follower:
         self._open = [0, 0]
         self._lost = [0, 0]
         self._complete = self._ordered = self._unaltered = True
+        self._changed = True
         self._known: tuple[int, ...] = ()
+        self._row = 0
+        self._before = 0
+        self._number = 0
+        self._to_agent = False
+        self._side = Side(0, 0, 0)
+        self._stream: Stream | None = None
 
     # ---- what comes in ----
 
@@ -119,78 +136,65 @@ class Follower:
             return
         times = np.maximum(np.maximum.accumulate(messages.times), self._latest)
         self._latest = int(times[-1])
-        octets = messages.octets.tobytes()
-        is_first = found.place == 0
-        chosen = np.flatnonzero(is_first | np.isin(found.kind, _TELLING))
+        chosen = np.flatnonzero((found.place == 0) | np.isin(found.kind, _TELLING))
         message = found.message[chosen]
-        of_message = (times, messages.clients, messages.agents, messages.to_agent)
-        of_submessage = (found.kind, found.stream, found.sequence, found.first, found.last, found.bitmap, found.subject)
-        base = self._rows
-        inserted = 0
-        side = way = None
-        number = row = 0
-        rows = zip(
-            chosen.tolist(),
-            message.tolist(),
-            found.place[chosen].tolist(),
-            *(column[message].tolist() for column in of_message),
-            *(column[chosen].tolist() for column in of_submessage),
-            strict=True,
-        )
-        for (
-            entry,
-            index,
-            place,
-            time,
-            client,
-            agent,
-            to_agent,
-            kind,
-            stream,
-            wired,
-            first,
-            last,
-            bitmap,
-            subject,
-        ) in rows:
+        of_message = (times, messages.packets, messages.clients, messages.agents, messages.to_agent)
+        of_stream = (found.kind, found.stream, found.sequence, found.first, found.last, found.bitmap, found.subject)
+        of_content = (found.object, found.starts, found.starts + found.sizes)
+        headers = zip(message.tolist(), *(column[message].tolist() for column in of_message), strict=True)
+        tellings = zip(*(column[chosen].tolist() for column in (*of_stream, *of_content)), strict=True)
+        octets = messages.octets.tobytes()
+        base, self._before = self._rows, len(self._inserted)
+        for header, telling, place, entry in zip(
+            headers, tellings, found.place[chosen].tolist(), chosen.tolist(), strict=True
+        ):
             if place == 0:
-                if time >= self._alarm:
-                    inserted += self._time_passes(time, base + index + inserted)
-                row, self._time = base + index + inserted, time
-                side = self._side(client, agent, time)
-                if to_agent:
-                    self._woken(side, time, row)
-                way = None
-                if stream >= wire.FIRST_RELIABLE_STREAM and kind >= 0:
-                    way = (to_agent, stream)
-                    state = side.stream(way)[0]
-                    number = state.message(wired)
-                    self._noted(side, way, row)
-            assert side is not None
-            if side.asleep and not to_agent and side.asked is None and (way is not None or kind == Kind.HEARTBEAT):
-                side.asked, side.asked_by = time, int(messages.packets[index])
-                self._alarm = min(self._alarm, time + ANSWER)
-            if kind == Kind.ACKNACK:
-                self._acknack(side, (not to_agent, subject), first, bitmap, row)
-            elif kind == Kind.HEARTBEAT:
-                about = (to_agent, subject)
-                side.stream(about)[0].heartbeat(first, last)
-                self._noted(side, about, row)
-            elif kind == Kind.CREATE_CLIENT:
-                key = octets[int(found.starts[entry]) + 8 :][:4]
-                side = self._created(side, key.hex().upper(), time, row)
-            elif kind == Kind.DELETE and int(found.object[entry]) == _SESSION:
-                self._ended(side, row)
-            elif (
-                way is not None
-                and kind in _CARRYING
-                and side.stream(way)[0].carries(number, place, _item(found, entry, kind, octets))
-            ):
-                self._unaltered = False
-            self._look(row)
-        self._rows += len(times) + inserted
+                self._message(base, header, telling)
+            self._told(telling, place, entry, found, octets)
+            if self._changed:
+                self._look(self._row)
+        self._rows += len(times)
         self._times.append(times)
         self._packets.append(messages.packets)
+
+    def _message(self, base: int, header: _Header, telling: _Telling) -> None:
+        """The next message begins."""
+        index, time, packet, client, agent, to_agent = header
+        kind, stream, number, *_ = telling
+        if time >= self._alarm:
+            self._rows += self._time_passes(time, base + index + len(self._inserted) - self._before)
+        self._row = base + index + len(self._inserted) - self._before
+        self._time, self._to_agent = time, to_agent
+        side = self._side = self._found_side(client, agent, time)
+        if to_agent:
+            self._woken(side, time)
+        self._stream = None
+        if stream >= wire.FIRST_RELIABLE_STREAM and kind >= 0:
+            self._stream = side.stream((to_agent, stream))
+            self._number = self._stream.state.message(number)
+            self._noted(self._stream)
+        if side.asleep and not to_agent and side.asked is None and (self._stream or kind == Kind.HEARTBEAT):
+            side.asked, side.asked_by = time, packet
+            self._alarm = min(self._alarm, time + ANSWER)
+
+    def _told(self, telling: _Telling, place: int, entry: int, found: Submessages, octets: bytes) -> None:
+        """The next submessage of the message."""
+        kind, _, _, first, last, bitmap, subject, number, start, end = telling
+        side = self._side
+        if kind == Kind.ACKNACK:
+            self._acknack(side.stream((not self._to_agent, subject)), first, bitmap)
+        elif kind == Kind.HEARTBEAT:
+            held = side.stream((self._to_agent, subject))
+            held.state.heartbeat(first, last)
+            self._noted(held)
+        elif kind == Kind.CREATE_CLIENT:
+            self._created(side, octets[start + 8 : start + 12].hex().upper())
+        elif kind == Kind.DELETE and number == _SESSION:
+            self._ended(side)
+        elif self._stream is not None and kind in _CARRYING:
+            item = _item(found, entry, kind, number, octets[start:end])
+            if self._stream.state.carries(self._number, place, item):
+                self._unaltered, self._changed = False, True
 
     def wait(self, time: int) -> None:
         """Nothing has come until this time, in nanoseconds since the epoch."""
@@ -216,24 +220,20 @@ class Follower:
             places = [row - first - count for count, (row, _, _) in enumerate(self._inserted)]
             times = np.insert(times, places, [time for _, time, _ in self._inserted])
             packets = np.insert(packets, places, [packet for _, _, packet in self._inserted])
-        block = Block(
-            times,
-            packets,
-            self._situation_log.take(first),
-            tuple(
-                StreamChanges(side, way, log.take(first))
-                for side in self.sides
-                for way, (_, log) in side.streams.items()
-                if log
-            ),
-            tuple((side, side.sleep_log.take(first)) for side in self.sides if side.sleep_log),
+        streams = tuple(
+            StreamChanges(side, stream.way, stream.log.take(first))
+            for side in self.sides
+            for stream in side.streams.values()
+            if stream.log
         )
+        sleeps = tuple((side, side.sleep_log.take(first)) for side in self.sides if side.sleep_log)
+        block = Block(times, packets, self._situation_log.take(first), streams, sleeps)
         self._times, self._packets, self._inserted = [], [], []
         return block
 
     # ---- clients ----
 
-    def _side(self, client: int, agent: int, time: int) -> Side:
+    def _found_side(self, client: int, agent: int, time: int) -> Side:
         side = self._by_endpoints.get((client, agent))
         if side is None:
             side = self._by_endpoints[client, agent] = Side(client, agent, time)
@@ -241,10 +241,11 @@ class Follower:
             self._alarm = min(self._alarm, time + self._silence)
         return side
 
-    def _woken(self, side: Side, time: int, row: int) -> None:
+    def _woken(self, side: Side, time: int) -> None:
         if side.asleep:
             self._alarm = min(self._alarm, time + self._silence)
-        side.woken(time, row)
+            self._changed = True
+        side.woken(time, self._row)
 
     def _time_passes(self, time: int, row: int) -> int:
         """Whoever has been silent for long, until this time. Returns how many rows have been put in, from this one."""
@@ -264,30 +265,30 @@ class Follower:
             count += 1
         return count
 
-    def _created(self, side: Side, key: str, time: int, row: int) -> Side:
-        """A session begins, or begins again. Returns the side at which it does."""
+    def _created(self, side: Side, key: str) -> None:
+        """A session begins, or begins again."""
         owner = self._clients.setdefault(key, Client(key, []))
         if side.owner is not owner:
             known = [one for one in owner.sides if one.agent_endpoint == side.agent_endpoint]
-            side = self._moved(known[0], side, time, row) if known else self._joined(owner, side)
+            side = self._moved(known[0], side) if known else self._joined(owner, side)
         side.ended = False
-        self._alarm = min(self._alarm, time + self._silence)
-        for state, _ in side.streams.values():
-            state.restart(0)
+        self._alarm = min(self._alarm, self._time + self._silence)
+        for stream in side.streams.values():
+            stream.state.restart(0)
             for transfer in owner.transfers.values():
-                if transfer.sender is state:
+                if transfer.sender is stream.state:
                     transfer.restart()
         for one in owner.sides:
-            for way in one.streams:
-                self._noted(one, way, row)
-        return side
+            for stream in tuple(one.streams.values()):
+                self._noted(stream)
 
-    def _moved(self, old: Side, new: Side, time: int, row: int) -> Side:
+    def _moved(self, old: Side, new: Side) -> Side:
         """A client comes again from another port: what is known of it goes on."""
+        self._forget(new.owner)
         self._by_endpoints[new.client_endpoint, new.agent_endpoint] = old
         self._by_endpoints.pop((old.client_endpoint, old.agent_endpoint), None)
         old.client_endpoint = new.client_endpoint
-        self._woken(old, time, row)
+        self._woken(old, self._time)
         new.ended = True
         return old
 
@@ -304,41 +305,51 @@ class Follower:
         for transfer in owner.transfers.values():
             self._open[transfer.to_agent] -= transfer.open
             self._lost[transfer.to_agent] -= transfer.lost
-        owner.transfers = {}
+        owner.forget()
+        self._changed = True
 
-    def _ended(self, side: Side, row: int) -> None:
+    def _ended(self, side: Side) -> None:
         side.ended = True
         if side is side.owner.own_side:
             self._exchange.close(side.owner, None)
 
     # ---- streams ----
 
-    def _noted(self, side: Side, way: Way, row: int) -> None:
-        state, log = side.stream(way)
-        log.note(row, state.values())
-        transfer = side.owner.transfer(way)
-        ended = transfer.confirmed(row, self._time)
-        if ended is not None and (self.longest is None or self._time - ended.time > self.longest.duration):
-            self.longest = Waited(ended.row, row, self._time - ended.time)
-        opened, lost = transfer.look()
-        self._open[transfer.to_agent] += opened
-        self._lost[transfer.to_agent] += lost
+    def _noted(self, stream: Stream) -> None:
+        stream.log.note(self._row, stream.state.values())
+        transfer = stream.transfer or stream.side.owner.transfer(stream)
+        was_open, was_lost = transfer.open, transfer.lost
+        transfer.look()
+        if transfer.open != was_open:
+            self._open[transfer.to_agent] += transfer.open - was_open
+            self._changed = True
+        if transfer.lost != was_lost:
+            self._lost[transfer.to_agent] += transfer.lost - was_lost
+            self._changed = True
+        if not transfer.to_agent:
+            ended = transfer.confirmed(self._row, self._time)
+            if ended is not None and (self.longest is None or self._time - ended.time > self.longest.duration):
+                self.longest = Waited(ended.row, self._row, self._time - ended.time)
 
-    def _acknack(self, side: Side, way: Way, first: int, bitmap: int, row: int) -> None:
-        state = side.stream(way)[0]
+    def _acknack(self, stream: Stream, first: int, bitmap: int) -> None:
+        state = stream.state
         arrived = state.acknack(first, bitmap)
-        self._noted(side, way, row)
-        transfer = side.owner.transfer(way)
-        if arrived and state is transfer.receiver:
-            for number in arrived:
-                content = state.contents.pop(number, None)
-                sent = content if transfer.sender is state else transfer.sender.contents.pop(number, None)
-                if content is not None:
-                    self._unaltered &= sent is None or sent == content
-                    for item in content.values():
-                        self._delivered(side.owner, way, item)
-            standing = self._exchange.standing()
-            self._complete, self._ordered = standing.complete, standing.ordered
+        self._noted(stream)
+        transfer = stream.transfer
+        if not arrived or transfer is None or state is not transfer.receiver:
+            return
+        for number in arrived:
+            content = state.contents.pop(number, None)
+            sent = content if transfer.sender is state else transfer.sender.contents.pop(number, None)
+            if content is not None:
+                if sent is not None and sent != content:
+                    self._unaltered, self._changed = False, True
+                for item in content.values():
+                    self._delivered(stream.side.owner, stream.way, item)
+        standing = self._exchange.standing()
+        if standing != (self._complete, self._ordered):
+            self._complete, self._ordered = standing
+            self._changed = True
 
     def _delivered(self, client: Client, way: Way, item: Item) -> None:
         match item:
@@ -369,17 +380,14 @@ class Follower:
     # ---- all of it ----
 
     def _look(self, row: int) -> None:
-        """Notes the situation where it has changed."""
-        asleep = arrived = False
-        for side in self.sides:
-            if side.asleep and side is side.owner.own_side:
-                asleep = True
-                arrived |= side.disturbed
+        """Notes the situation if it has changed."""
+        self._changed = False
+        asleep = [side for side in self.sides if side.asleep and side is side.owner.own_side]
         now = (
             not self._open[True],
             self._complete and not self._open[True],
-            asleep,
-            arrived,
+            bool(asleep),
+            any(side.disturbed for side in asleep),
             self._unaltered,
             self._ordered,
             self._lost[True] > 0,
@@ -391,21 +399,18 @@ class Follower:
             self._situation_log.note(row, now)
 
 
-def _item(found: Submessages, entry: int, kind: int, octets: bytes) -> Item:
+def _item(found: Submessages, entry: int, kind: int, number: int, payload: bytes) -> Item:
     """What a submessage carries, as far as it says something of samples."""
-    start = int(found.starts[entry])
-    end = start + int(found.sizes[entry])
     match kind:
         case Kind.WRITE_DATA | Kind.DATA:
-            return kind, int(found.object[entry]), hash(octets[start + 4 : end])
+            return kind, number, hash(payload[4:])
         case Kind.CREATE:
-            new = (found.contents.get(entry) or parsed(found, entry)).new
-            number = int(found.object[entry])
-            if new.kind not in (0x5, 0x6):
+            new = found.contents[entry].new
+            if new.kind not in _ENDS:
                 return kind, number
             described = new.what.description
             return kind, number, new.kind, topic_of(described.format, described.description)
         case Kind.FRAGMENT:
-            return kind, octets[start:end], bool(int(found.flags[entry]) & wire.LAST_FRAGMENT)
+            return kind, payload, bool(int(found.flags[entry]) & wire.LAST_FRAGMENT)
         case _:
-            return kind, int(found.object[entry])
+            return kind, number

@@ -7,9 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import OrderedDict, deque
-from typing import Final
-
-from tachk.records import dataclass
+from typing import Final, NamedTuple
 
 _MOST_UNREAD: Final = 1 << 16
 _MOST_REMEMBERED: Final = 1 << 12
@@ -108,8 +106,7 @@ class Reader:
             self._early.add(sample)
 
 
-@dataclass(frozen=True, slots=True)
-class Standing:
+class Standing(NamedTuple):
     """``complete``: every reader has got everything; ``ordered``: in the order in which it was written."""
 
     complete: bool
