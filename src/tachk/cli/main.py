@@ -29,6 +29,7 @@ COMMANDS = (
     "decode",
     "measure",
     "conform",
+    "proxy",
     "monitor",
     "plot",
     "explain",
@@ -40,7 +41,7 @@ COMMANDS = (
 )
 """In the order of the help."""
 
-_ABOUT_PACKETS = frozenset({"decode", "measure"})
+_ABOUT_PACKETS = frozenset({"decode", "measure", "proxy"})
 """Their modules are in a folder of their own."""
 
 

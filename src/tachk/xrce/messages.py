@@ -58,6 +58,13 @@ class Messages:
     problems: Mapping[int, str] = field(default_factory=dict)
 
 
+def one_message(octets: bytes) -> Messages:
+    """A message without a capture around it."""
+    zero = np.zeros(1, np.int64)
+    content = np.frombuffer(octets, np.uint8)
+    return Messages(content, zero, zero, zero, zero, zero != 0, zero, np.array([len(octets)]), zero)
+
+
 class MessageReader:
     """Finds the messages to and from the ports of Agents; remembers what TCP has not completed.
 

@@ -40,8 +40,8 @@ VCD = "$timescale 1 ms $end\n$var wire 1 ! p $end\n$enddefinitions $end\n" + "".
     f"#{i}\n{i % 2}!\n" for i in range(60)
 )
 
-WITHOUT = {"sentences", "models", "completion", "verifyta"}
-"""They read nothing of the user's, or take the options of another program."""
+WITHOUT = {"sentences", "models", "completion", "verifyta", "proxy"}
+"""They read nothing of the user's, take the options of another program, or run until they are stopped."""
 
 COMMAND_LINES = (
     "verify m.ta",

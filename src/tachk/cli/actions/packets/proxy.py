@@ -1,0 +1,120 @@
+"""`tachk proxy`: a relay between clients and Agent that does what rules say."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from contextlib import nullcontext
+from pathlib import Path
+
+from tachk.cli.exit_status import ExitStatus
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.diagnostics.span import Source
+from tachk.proxy.counterexample import rules_of
+from tachk.proxy.decisions import Answer, Arrival, Decisions
+from tachk.proxy.recording import Recording
+from tachk.proxy.relay import Plan, Relay
+from tachk.proxy.rules import Rule
+from tachk.proxy.run_of_model import read_run
+from tachk.proxy.script import parse_script
+from tachk.proxy.sightings import said
+from tachk.records import dataclass
+from tachk.xrce.messages import Endpoint
+
+
+@dataclass(frozen=True, slots=True)
+class Proxying:
+    """``given``: rules of the command line; ``prop``: whose run of ``trace``; ``show``: only print the rules."""
+
+    listen: tuple[str, ...]
+    to: str | None
+    scripts: tuple[Path, ...]
+    given: tuple[str, ...]
+    trace: Path | None
+    prop: str | None
+    seed: int
+    record: Path | None
+    idle: float | None
+    show: bool
+
+
+def run_proxy(proxying: Proxying) -> ExitStatus:
+    """Raises InputError for what is no rule, UsageError for a wrong option, OSError for a port that is taken."""
+    listening = [_place(text, "--listen") for text in proxying.listen]
+    ports = [place.port for place in listening]
+    if len({*ports}) < len(ports):
+        raise UsageError("--listen: two clients at the same port", "each client needs a port of its own")
+    rules = _rules(proxying, ports)
+    if proxying.show:
+        print("\n".join(map(str, rules)))
+        return ExitStatus.AS_EXPECTED
+    if proxying.to is None:
+        raise UsageError("--to is missing", "--to HOST:PORT says where the Agent listens")
+    plan = Plan(listening, _place(proxying.to, "--to", needs_host=True), proxying.idle)
+    decisions = Decisions(rules, proxying.seed)
+    with nullcontext() if proxying.record is None else proxying.record.open("wb") as file:
+        relay = Relay(plan, decisions, None if file is None else Recording(file), _Teller(rules))
+        asyncio.run(relay.run(lambda: _tell_ready(plan)))
+    return _tell_end(decisions)
+
+
+def _place(text: str, option: str, needs_host: bool = False) -> Endpoint:
+    host, colon, port = text.rpartition(":")
+    if not port.isdecimal() or not 1 <= int(port) <= 65535 or (needs_host and not host) or (colon and not host):
+        raise UsageError(f"{option} {text}: no {'HOST:PORT' if needs_host else '[HOST:]PORT'}", "like 127.0.0.1:8888")
+    return Endpoint(host or "127.0.0.1", int(port))
+
+
+def _rules(proxying: Proxying, ports: list[int]) -> list[Rule]:
+    rules: list[Rule] = []
+    for path in proxying.scripts:
+        try:
+            text = path.read_text(encoding="utf-8")
+        except UnicodeDecodeError:
+            raise UsageError(f"{path} is not text in UTF-8") from None
+        rules += parse_script(Source(str(path), text), ports)
+    for rule in proxying.given:
+        rules += parse_script(Source("--rule", rule), ports)
+    if proxying.trace is not None:
+        name = str(proxying.trace)
+        try:
+            document = json.loads(proxying.trace.read_bytes())
+        except ValueError as error:
+            raise UsageError(f"{name} is no JSON: {error}", "tachk verify --format json makes it") from None
+        rules += rules_of(read_run(document, name, proxying.prop), ports, name)
+    return rules
+
+
+class _Teller:
+    """Prints what rules do, a line for each packet."""
+
+    def __init__(self, rules: list[Rule]) -> None:
+        self.rules = rules
+        self.start: int | None = None
+
+    def __call__(self, arrival: Arrival, answer: Answer) -> None:
+        self.start = arrival.time if self.start is None else self.start
+        for index in answer.applied:
+            time = (arrival.time - self.start) / 1_000_000_000
+            what = " + ".join(one.kind.name for one in said(arrival.octets)) or "malformed"
+            numbers = [one.number for one in said(arrival.octets) if one.number is not None]
+            number = f" {numbers[0]}" if numbers else ""
+            print(
+                f"{time:11.6f} s  {arrival.port}  {arrival.way.value}  {what}{number}: {self.rules[index]}", flush=True
+            )
+
+
+def _tell_ready(plan: Plan) -> None:
+    for place in plan.listening:
+        print(f"{place} -> {plan.agent}", flush=True)
+
+
+def _tell_end(decisions: Decisions) -> ExitStatus:
+    status = ExitStatus.AS_EXPECTED
+    for rule, count in zip(decisions.rules, decisions.applied, strict=True):
+        print(f"{count:6} x  {rule}")
+        if not count and rule.share is None:
+            status = ExitStatus.NOT_AS_EXPECTED
+    for departure in decisions.held:
+        print(f"not sent any more: packet {departure.arrival + 1} on {departure.port} {departure.way.value}")
+    return status
