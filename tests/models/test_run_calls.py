@@ -12,8 +12,8 @@ from tachk.resources import data_root
 MODELS = data_root() / "models" / "micro_xrce_dds"
 LOOP = {"HEARTBEAT_LAW": 1, "CLIENT_HEARTBEAT": 2, "MESSAGES": 1, "PLACES": 3}
 DRIVER = """
+const int CLIENTS = 1;
 const int MESSAGES = {samples};
-const int HISTORY = 4;
 const int AGENT_WINDOW = {window};
 const int SUBSCRIPTION = {subscription};
 const int QUOTA = {samples};
@@ -32,7 +32,11 @@ int sends = 0;
 process Driver() {{
     clock gap;
     init location Start {{
-        to Start {{ guard brought < MESSAGES && gap >= 1; sync dds!; assign brought = brought + 1, gap = 0; }}
+        to Start {{
+            guard brought < MESSAGES && gap >= 1;
+            sync dds!;
+            assign sample = brought, brought = brought + 1, gap = 0;
+        }}
         to Answered {{ guard brought == MESSAGES && gap >= 1; {answer} }}
     }}
     location Answered;
@@ -47,7 +51,7 @@ process Recorder() {{
     }}
 }}
 
-reader = ProxySubscriber();
+reader = ProxySubscriber(SUB, deliver[SUB_UP], send[SUB_DOWN], FIRST_REQUEST);
 driver = Driver();
 recorder = Recorder();
 system driver, reader, recorder;

@@ -27,12 +27,12 @@ def worst(start: str | None, end: str, system: Path = PUBLICATION, **constants: 
 def test_a_reliable_publish_blocks_that_long(losses: int, expected: int) -> None:
     """k (H + 2d) + 2d with H = 100 and d = 4."""
     constants = {**ALONE, "DELAY": 4, "CLIENT_HEARTBEAT": 100, "PLACES": 12, "LOSSES": losses}
-    assert worst(None, "acked == MESSAGES", **constants) == expected
+    assert worst(None, "acked[PUB] == MESSAGES", **constants) == expected
 
 
 @pytest.mark.parametrize(("losses", "expected"), list(enumerate([9, 13])))
 def test_the_last_delivery(losses: int, expected: int) -> None:
-    assert worst(None, "written == MESSAGES", LOSSES=losses) == expected
+    assert worst(None, "written[PUB] == MESSAGES", LOSSES=losses) == expected
 
 
 @pytest.mark.parametrize(("losses", "expected"), [(1, 3), (2, 5)])
@@ -64,14 +64,14 @@ def test_run_slices_shorter_than_the_heartbeat_let_the_agent_wait_for_ever(capsy
 @pytest.mark.parametrize(("losses", "expected"), list(enumerate([8, 116, 224, 332, 440])))
 def test_a_reliable_publish_blocks_that_long_among_the_five_automata(losses: int, expected: int) -> None:
     constants = {**ALONE, "DELAY": 4, "CLIENT_HEARTBEAT": 100, "AGENT_HEARTBEAT": 200, "DEAD": 30_000, "LOSSES": losses}
-    assert worst(None, "acked == MESSAGES", FIVE_AUTOMATA, **constants) == expected
+    assert worst(None, "acked[PUB] == MESSAGES", FIVE_AUTOMATA, **constants) == expected
 
 
 @pytest.mark.parametrize(("messages", "losses", "expected"), [(1, 0, 1), (1, 2, 9), (2, 0, 5), (2, 1, 9), (3, 0, 9)])
 def test_the_last_delivery_among_the_five_automata(messages: int, losses: int, expected: int) -> None:
     """(N - 1) max(PACE, SPIN) + K (HBC + 2 D) + D with SPIN = 4, HBC = 2, D = 1."""
     constants = {"MESSAGES": messages, "LOSSES": losses}
-    assert worst(None, "written == MESSAGES", FIVE_AUTOMATA, **constants) == expected
+    assert worst(None, "written[PUB] == MESSAGES", FIVE_AUTOMATA, **constants) == expected
 
 
 @pytest.mark.parametrize(("losses", "expected"), [(1, 3), (2, 5)])
@@ -80,7 +80,7 @@ def test_a_loss_is_detected_among_the_five_automata(losses: int, expected: int) 
 
 
 @pytest.mark.parametrize(
-    ("start", "end", "longest"), [(None, "written == MESSAGES", 2), ("loss.lost", "!loss.lost", 2)]
+    ("start", "end", "longest"), [(None, "written[PUB] == MESSAGES", 2), ("loss.lost", "!loss.lost", 2)]
 )
 def test_nothing_repairs_a_loss_with_slices_that_are_too_short(start: str | None, end: str, longest: int) -> None:
     """Whether the client waits for ever is proved beside clocks that count up to 100."""
