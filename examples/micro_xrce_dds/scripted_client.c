@@ -7,7 +7,7 @@
  *
  * Steps, done one after the other:
  *   write              give the next sample to the library; it is sent by the next step that runs the session
- *   insist MS          write; as long as the library refuses the sample, run the session for MS and try again
+ *   insist MS          write; if the library refuses the sample, run the session for MS and try again, up to 500 times
  *   run MS             run the session for so long
  *   confirm MS         run the session until everything is confirmed, at most so long
  *   read N             ask for N samples (READ_DATA), 65535 for all that come
@@ -34,6 +34,7 @@
 
 #define MTU UXR_CONFIG_UDP_TRANSPORT_MTU
 #define MOST_SLOTS 64
+#define MOST_REPETITIONS 500
 
 static uxrSession session;
 static uxrUDPTransport transport;
@@ -65,13 +66,20 @@ static void on_sample(uxrSession* of, uxrObjectId object, uint16_t request, uxrS
 static bool write_sample(void) {
     ucdrBuffer buffer;
 
-    if (uxr_prepare_output_stream(&session, output, writer, &buffer, 4) == UXR_INVALID_REQUEST_ID) {
-        tell("refused", "index", written + 1);
-        return false;
-    }
+    if (uxr_prepare_output_stream(&session, output, writer, &buffer, 4) == UXR_INVALID_REQUEST_ID) return false;
     ucdr_serialize_uint32_t(&buffer, ++written);
     tell("written", "index", written);
     return true;
+}
+
+static void insist(int ms) {
+    int refusals = 0;
+
+    while (refusals <= MOST_REPETITIONS && !write_sample()) {
+        uxr_run_session_timeout(&session, ms);
+        refusals++;
+    }
+    if (refusals) tell("refused", "times", refusals);
 }
 
 static void wait_ms(long ms) {
@@ -107,7 +115,7 @@ static bool step(const char* name, long number) {
     } else if (!strcmp(name, "confirm")) {
         tell("confirmed", "result", uxr_run_session_until_confirm_delivery(&session, (int)number));
     } else if (!strcmp(name, "insist")) {
-        while (!write_sample()) uxr_run_session_timeout(&session, (int)number);
+        insist((int)number);
     } else if (!strcmp(name, "read")) {
         read_samples(number);
     } else if (!strcmp(name, "pause")) {
@@ -141,7 +149,7 @@ static int repeat(int count, char** arguments) {
 static int steps(int count, char** arguments) {
     for (int i = 0; i < count; i++) {
         if (!strcmp(arguments[i], "write")) {
-            write_sample();
+            if (!write_sample()) tell("refused", "times", 1);
         } else if (!strcmp(arguments[i], "abandon")) {
             exit(0);
         } else if (!strcmp(arguments[i], "repeat")) {
