@@ -28,6 +28,7 @@ COMMANDS = (
     "draw",
     "decode",
     "measure",
+    "chart",
     "conform",
     "proxy",
     "monitor",
@@ -41,7 +42,7 @@ COMMANDS = (
 )
 """In the order of the help."""
 
-_ABOUT_PACKETS = frozenset({"decode", "measure", "proxy"})
+_ABOUT_PACKETS = frozenset({"chart", "decode", "measure", "proxy"})
 """Their modules are in a folder of their own."""
 
 

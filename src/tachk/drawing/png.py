@@ -5,20 +5,18 @@ from __future__ import annotations
 from importlib.util import find_spec
 from pathlib import Path
 
-from tachk.drawing.svg import Picture
-
 _FONTS = ("DejaVuSans.ttf", "DejaVuSans-Bold.ttf", "DejaVuSans-Oblique.ttf")
 _ZOOM = 2
 """Pixels for each unit of a picture: sharp on today's screens and on paper."""
 
 
-def to_png(picture: Picture) -> bytes:
-    """The picture as the content of a PNG file, on white."""
+def to_png(svg: str) -> bytes:
+    """A picture as the content of a PNG file, on white."""
     import resvg_py
 
     return bytes(
         resvg_py.svg_to_bytes(
-            svg_string=picture.svg,
+            svg_string=svg,
             background="white",
             zoom=_ZOOM,
             font_files=[str(path) for path in _fonts()],

@@ -61,6 +61,7 @@ COMMAND_LINES = (
     "certify m.ta m.cert",
     "decode m.pcap",
     "measure m.pcap",
+    "chart m.pcap -o out.svg",
 )
 
 ASKING_MUCH = "requirements r.stl"

@@ -30,7 +30,7 @@ def run_draw(model: str, output: Path, template: str | None, definitions: tuple[
         files = {output / f"{picture.name}.svg": picture for picture in pictures}
     for path, picture in files.items():
         if path.suffix.lower() == ".png":
-            path.write_bytes(to_png(picture))
+            path.write_bytes(to_png(picture.svg))
         else:
             path.write_text(picture.svg, encoding="utf-8")
         print(f"written: {path}")

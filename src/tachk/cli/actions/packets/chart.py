@@ -1,0 +1,90 @@
+"""`tachk chart`: sequence charts of captures and of runs."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from pathlib import Path
+
+from tachk.cli.exit_status import ExitStatus
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.drawing.png import to_png
+from tachk.drawing.sequence.chart import Chart
+from tachk.drawing.sequence.layout import TimeAxis, lay_out
+from tachk.drawing.sequence.sequence_svg import draw_chart
+from tachk.records import dataclass
+from tachk.report.sequence.of_capture import chart_of_capture
+from tachk.time_units import length_of
+from tachk.xrce.packets import CaptureError
+from tachk.xrce.transmissions import read_transmissions
+
+MOST_EVENTS = 1000
+"""A chart of more is not readable."""
+
+_TIME = re.compile(r"\s*(\d+(?:\.\d+)?)\s*([a-zµμ]+)?\s*")
+
+
+@dataclass(frozen=True, slots=True)
+class Charting:
+    """What is drawn, as it was typed."""
+
+    file: Path
+    output: Path
+    begin: str | None
+    end: str | None
+    axis: str
+    name: str | None
+    ports: tuple[int, ...]
+
+
+def run_chart(charting: Charting) -> ExitStatus:
+    """Raises UsageError for what cannot be drawn."""
+    chart = _read(charting)
+    part = chart.part(_time(charting.begin, chart.unit), _time(charting.end, chart.unit))
+    write_chart(part.used(), charting.output, TimeAxis(charting.axis))
+    return ExitStatus.AS_EXPECTED
+
+
+def _read(charting: Charting) -> Chart:
+    try:
+        recording = read_transmissions(charting.file, charting.ports)
+    except CaptureError as error:
+        raise UsageError(
+            f"{charting.file}: {error}", "tcpdump -i any -w FILE.pcap udp port 8888 makes a capture"
+        ) from None
+    if not recording.transmissions:
+        raise UsageError(
+            f"{charting.file}: no message to or from the ports of an Agent", "--port says where the Agent listens"
+        )
+    return chart_of_capture(recording, charting.file.name)
+
+
+def write_chart(chart: Chart, output: Path, axis: TimeAxis = TimeAxis.COMPRESSED) -> None:
+    """Writes the picture; the ending of the name says in which format. Raises UsageError."""
+    if output.suffix.lower() not in (".svg", ".png"):
+        raise UsageError(f"{output}: charts are written as .svg or .png", "the ending of the name decides")
+    if not chart.events:
+        raise UsageError("there is nothing to draw: no message is sent", "--from and --to may leave everything out")
+    if len(chart.events) > MOST_EVENTS:
+        raise UsageError(
+            f"a chart of {len(chart.events)} messages is not readable; at most {MOST_EVENTS} are drawn",
+            "--from and --to choose a part",
+        )
+    picture = draw_chart(lay_out(chart, axis))
+    if output.suffix.lower() == ".png":
+        output.write_bytes(to_png(picture.svg))
+    else:
+        output.write_text(picture.svg, encoding="utf-8")
+    print(f"written: {output}")
+
+
+def _time(text: str | None, unit: str) -> Fraction | None:
+    """A time in the unit of a chart; a number without unit counts seconds, or units where the chart has none."""
+    if text is None:
+        return None
+    match = _TIME.fullmatch(text)
+    given = "s" if match is None or match[2] is None else match[2]
+    length, of_chart = length_of(given), length_of(unit) if unit else None
+    if match is None or length is None:
+        raise UsageError(f"{text!r} is not a time", "write it like 300 ms or 2.5 s; a number counts seconds")
+    return Fraction(match[1]) * (length / of_chart if of_chart else 1)

@@ -1,0 +1,1 @@
+"""Sequence charts of captures and of runs: what `tachk.drawing.sequence` draws."""

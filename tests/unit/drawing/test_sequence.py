@@ -1,0 +1,109 @@
+"""Sequence charts: everything is drawn, and no text stands on another."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import combinations, pairwise
+from random import Random
+from xml.etree import ElementTree
+
+import pytest
+
+from tachk.drawing.sequence.chart import Category, Chart, Message, Moment, Note, Phase, begun
+from tachk.drawing.sequence.layout import Layout, TimeAxis, lay_out, overlap
+from tachk.drawing.sequence.sequence_svg import draw_chart
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def random_chart(seed: int, events: int = 40) -> Chart:
+    """Bursts and silences between two to four processes."""
+    random = Random(seed)
+    count = random.randint(2, 4)
+    time = Fraction(0)
+    made: list[Message | Note] = []
+    for number in range(events):
+        time += random.choice((Fraction(0), Fraction(random.randint(1, 9), 10), Fraction(random.randint(1, 40))))
+        time += random.choice((0, 0, 0, 0, 500))
+        moment = Moment(time, 10 * number)
+        if random.random() < 0.1:
+            made.append(Note(random.choice([None, *range(count)]), moment, "something <happens> & ends"))
+            continue
+        sender, receiver = random.sample(range(count), 2)
+        late = [Moment(time + random.choice((0, Fraction(1, 3), 30)), 10 * number + n) for n in range(1, 3)]
+        arrivals = tuple(sorted(late[: random.choice((0, 1, 1, 1, 2))]))
+        label = random.choice(("WRITE_DATA 3", "ACKNACK 4 missing 5, 7..16", "HEARTBEAT 3..7", "x" * 90))
+        category = random.choice(list(Category))
+        again = random.random() < 0.3
+        made.append(Message(sender, (receiver,), moment, arrivals, label, label, category, again, f"{number}"))
+    phase = Phase(0, begun(made[3]), begun(made[9]), "asleep")
+    return Chart(
+        "a <chart>", "of & at random", "ms", tuple(f"process {n}" for n in range(count)), tuple(made), (phase,)
+    )
+
+
+@pytest.mark.parametrize("axis", list(TimeAxis))
+@pytest.mark.parametrize("seed", range(6))
+def test_no_text_stands_on_another_and_everything_is_inside(seed: int, axis: TimeAxis):
+    layout = lay_out(random_chart(seed), axis)
+    assert [(one, other) for one, other in combinations(layout.labels, 2) if overlap(one, other)] == []
+    for label in layout.labels:
+        left, top, right, bottom = label.box
+        assert (left >= 0, top >= 0, right <= layout.width, bottom <= layout.height) == (True,) * 4, label
+
+
+@pytest.mark.parametrize("axis", list(TimeAxis))
+@pytest.mark.parametrize("seed", range(3))
+def test_every_message_is_drawn_and_lost_ones_have_a_cross(seed: int, axis: TimeAxis):
+    chart = random_chart(seed)
+    layout = lay_out(chart, axis)
+    assert [arrow.message for arrow in layout.arrows] == list(chart.messages)
+    root = ElementTree.fromstring(draw_chart(layout).svg)
+    lines = [line.get("class", "").split() for line in root.iter(f"{SVG}line")]
+    heads = list(root.iter(f"{SVG}polygon"))
+    lost = [message for message in chart.messages if message.is_lost]
+    legend = 1 if lost else 0
+    assert sum("cross" in line for line in lines) == 2 * (len(lost) + legend)
+    assert len(heads) == sum(len(message.arrivals) for message in chart.messages)
+    assert [node.text for node in (root.find(f"{SVG}title"), root.find(f"{SVG}desc")) if node is not None] == [
+        chart.title,
+        chart.description,
+    ]
+
+
+def sent(layout: Layout) -> list[float]:
+    return [arrow.y for arrow in layout.arrows]
+
+
+def message(time: int, arrives: int | None = None, order: int = 0) -> Message:
+    arrivals = () if arrives is None else (Moment(Fraction(arrives), order + 1),)
+    return Message(0, (1,), Moment(Fraction(time), order), arrivals, f"DATA {time}")
+
+
+def chart_of(*messages: Message) -> Chart:
+    return Chart("t", "d", "ms", ("a", "b"), messages)
+
+
+def test_to_scale_equal_times_are_equal_lengths_and_long_silences_are_left_out():
+    layout = lay_out(chart_of(*(message(time, time) for time in (0, 10, 20, 40, 50, 60, 9000))), TimeAxis.SCALE)
+    ys = sent(layout)
+    steps = [b - a for a, b in pairwise(ys)]
+    assert steps[0] == pytest.approx(steps[1])
+    assert steps[2] == pytest.approx(2 * steps[0])
+    assert len(layout.cuts) == 1
+    assert "8940 ms" in [label.text for label in layout.labels]
+
+
+def test_compressed_what_arrives_later_stands_lower():
+    first, second, third = lay_out(
+        chart_of(message(0, 5, 0), message(1, 2, 2), message(4, None, 4)), TimeAxis.COMPRESSED
+    ).arrows
+    assert first.y < second.y < second.ends[0][1] < third.y < first.ends[0][1]
+    assert third.ends[0][0] < second.ends[0][0], "a lost message does not get there"
+
+
+def test_a_part_has_only_the_lifelines_that_do_something():
+    chart = Chart("t", "d", "", ("a", "b", "c"), (message(1, 1), message(5, 5)), ())
+    part = chart.part(Fraction(2), None).used()
+    assert (part.lifelines, [m.label for m in part.messages]) == (("a", "b"), ["DATA 5"])
+    assert chart.part(Fraction(6), None).used().events == ()
