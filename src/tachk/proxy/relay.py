@@ -72,7 +72,10 @@ class Relay:
             for place in self._plan.listening:
                 found = _socket()
                 self._listening[place.port] = found
-                found.bind((place.host, place.port))
+                try:
+                    found.bind((place.host, place.port))
+                except OSError as error:
+                    raise OSError(error.errno, error.strerror, str(place)) from None
                 loop.add_reader(found, self._from_client, found, place.port)
             for number in (signal.SIGINT, signal.SIGTERM):
                 loop.add_signal_handler(number, self._done.set)

@@ -121,13 +121,16 @@ class _Reading:
         self.values: dict[str, int] = {}
         self.happenings: list[Happening] = []
         self.counts: dict[tuple[str, Way, Kind], int] = {}
-        self.carried: dict[str, list[Message]] = {}
+        self.carried: dict[str, dict[Message, set[str]]] = {}
+        """What is under way in a link, and which processes listened when it was sent."""
         self.owners: dict[str, str] = {}
         """The client that a process has had to do with."""
 
     def step(self, transition: Mapping[str, Any], changes: Mapping[str, int]) -> None:
         channel = str(transition["channel"])
         processes = [part["process"] for part in transition["participants"]]
+        senders = [part["process"] for part in transition["participants"] if part["role"] == "sends"]
+        listeners = [process for process in processes if process not in senders]
         if channel == _AGAIN:
             owners = {self.owners[process] for process in processes if process in self.owners}
             for client in sorted(owners, key=self.clients.index):
@@ -143,32 +146,33 @@ class _Reading:
         if kind is None or not link.endswith((_UP, _DOWN)):
             raise UsageError(f"{channel}: it is not known which packets this stands for", _known())
         if found[1] == "send":
-            self.owners.setdefault(processes[0], client)
-            self.sent(self.message(client, way, kind), processes[1:], changes)
+            self.owners.update(dict.fromkeys(senders, client))
+            self.sent(self.message(client, way, kind), link, listeners, changes)
         else:
-            self.owners.update(dict.fromkeys(processes[1:], client))
-            self.delivered(processes[0], kind, changes)
+            self.owners.update(dict.fromkeys(listeners, client))
+            self.delivered(kind, link, senders, changes)
 
     def message(self, client: str, way: Way, kind: Kind) -> Message:
         key = (client, way, kind)
         self.counts[key] = self.counts.get(key, 0) + 1
         return Message(client, way, kind, self.counts[key])
 
-    def sent(self, message: Message, listeners: list[str], changes: Mapping[str, int]) -> None:
+    def sent(self, message: Message, link: str, listeners: list[str], changes: Mapping[str, int]) -> None:
         lost = self.grows("losses", changes)
         self.happenings.append(Happening(message, True, lost))
         if not lost:
-            for process in listeners:
-                self.carried.setdefault(process, []).append(message)
+            self.carried.setdefault(link, {})[message] = {*listeners}
 
-    def delivered(self, carrier: str, kind: Kind, changes: Mapping[str, int]) -> None:
-        messages = self.carried.get(carrier, [])
-        message = next((one for one in messages if one.kind == kind), None)
+    def delivered(self, kind: Kind, link: str, carriers: list[str], changes: Mapping[str, int]) -> None:
+        """The message that the carrier has taken first leaves; a model may hide which one carries it."""
+        under_way = self.carried.get(link, {})
+        fitting = (one for one in under_way if one.kind is kind and under_way[one].issuperset(carriers))
+        message = next(fitting, None)
         if message is None:
-            raise UsageError(f"{carrier} delivers {kind.name} that nobody has sent")
+            raise UsageError(f"the link {link} delivers {kind.name} that nobody has sent")
         stays = self.grows("copies", changes)
         if not stays:
-            messages.remove(message)
+            del under_way[message]
         self.happenings.append(Happening(message, False, stays=stays))
 
     def grows(self, name: str, changes: Mapping[str, int]) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import socket
 from pathlib import Path
 
 import pytest
@@ -37,9 +38,11 @@ def test_the_rules_of_scripts_of_the_command_line_and_of_a_run_are_shown(
     [
         (("--listen", "0", "--to", "h:1"), "--listen 0: no [HOST:]PORT"),
         (("--listen", "70000", "--to", "h:1"), "--listen 70000"),
-        (("--listen", "1", "--listen", "a:1", "--to", "h:1"), "two clients at the same port"),
+        (("--listen", "1", "--listen", "127.0.0.1:1", "--to", "h:1"), "two clients at the same port"),
         (("--listen", "1", "--to", "8888"), "--to 8888: no HOST:PORT"),
         (("--listen", "1"), "--to is missing"),
+        (("--listen", "1", "--to", "no such host:1"), "no such host is not known as a host"),
+        (("--listen", "TAKEN", "--to", "127.0.0.1:1"), "Address already in use"),
         (("--listen", "1", "--rule", "drop DAT"), "--rule:1:6: error[E0952]"),
         (("--listen", "1", "--script", "gone"), "gone: No such file or directory"),
         (("--listen", "1", "--script", "binary"), "binary is not text in UTF-8"),
@@ -57,7 +60,10 @@ def test_wrong_options_get_a_message(
     monkeypatch.chdir(tmp_path)
     (tmp_path / "binary").write_bytes(b"\xff\xfe")
     (tmp_path / "list").write_text("[]")
-    status, _, err = run(capsys, *arguments)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        port = str(taken.getsockname()[1])
+        status, _, err = run(capsys, *(argument.replace("TAKEN", port) for argument in arguments))
     assert status == 2
     assert message in err
 

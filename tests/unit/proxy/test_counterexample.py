@@ -74,6 +74,31 @@ def test_a_copy_of_create_client_reaches_the_clients_whose_proxy_forgets() -> No
     ]
 
 
+def test_links_may_be_hidden() -> None:
+    """The composed systems tell their runs without their links."""
+    steps = [json.loads(json.dumps(step)) for step in STALE["runs"][0]["results"][0]["trace"][1:]]  # type: ignore[index]
+    for step in steps:
+        parts = (step["transition"] or {}).get("participants", [])
+        parts[:] = [part for part in parts if not part["process"].startswith(("Up", "Down"))]
+    assert words(report(*steps)) == [
+        "drop the 3rd WRITE_DATA client->agent since WRITE_DATA",
+        "delay the 2nd WRITE_DATA client->agent since WRITE_DATA until the 1st ACKNACK agent->client since WRITE_DATA",
+        "delay the 1st ACKNACK agent->client since WRITE_DATA until the 3rd WRITE_DATA client->agent since WRITE_DATA",
+        "delay the 2nd ACKNACK agent->client since WRITE_DATA until the 1st ACKNACK agent->client since WRITE_DATA",
+    ]
+
+
+def test_what_follows_a_held_packet_is_held_as_well() -> None:
+    """Sent 1, 2, 3; delivered 3, 1, 2."""
+    up = [Message("PUB", UP, Kind.WRITE_DATA, count) for count in (1, 2, 3)]
+    sent = [Happening(message, True) for message in up]
+    run = ModelRun(("PUB",), (*sent, *(Happening(up[place], False) for place in (2, 0, 1))))
+    assert [str(rule).split(" client->agent")[0] for rule in rules_of(run, [1], "t.json")] == [
+        "delay the 1st WRITE_DATA",
+        "delay the 2nd WRITE_DATA",
+    ]
+
+
 def test_channels_may_stand_there_by_numbers_and_copies_are_duplicates() -> None:
     document = report(
         state("send[3][0]", "reader", "Place(3)"),

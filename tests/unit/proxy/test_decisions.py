@@ -65,6 +65,20 @@ def test_only_acknacks_that_name_a_missing_message_are_nacks() -> None:
     assert wire.left == [(0, 0)]
 
 
+def test_an_acknack_that_names_a_missing_message_is_an_acknack() -> None:
+    wire = Wire("drop every ACKNACK")
+    wire.send(0, acknack(1, bitmap=4), to_agent=False)
+    assert wire.left == []
+
+
+def test_what_waits_for_the_same_leaves_in_the_order_of_arrival() -> None:
+    wire = Wire("delay every ACKNACK until WRITE_DATA")
+    for first in (1, 2, 3):
+        wire.send(first, acknack(first), to_agent=False)
+    wire.send(4, write_data(1))
+    assert wire.left == [(4, 0), (4, 1), (4, 2), (4, 3)]
+
+
 def test_clients_are_counted_apart() -> None:
     wire = Wire("drop WRITE_DATA\ndrop the 2nd WRITE_DATA on 2")
     for port in (1, 2, 1, 2):

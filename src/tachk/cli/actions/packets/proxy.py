@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import socket
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -62,7 +63,10 @@ def _place(text: str, option: str, needs_host: bool = False) -> Endpoint:
     host, colon, port = text.rpartition(":")
     if not port.isdecimal() or not 1 <= int(port) <= 65535 or (needs_host and not host) or (colon and not host):
         raise UsageError(f"{option} {text}: no {'HOST:PORT' if needs_host else '[HOST:]PORT'}", "like 127.0.0.1:8888")
-    return Endpoint(host or "127.0.0.1", int(port))
+    try:
+        return Endpoint(socket.gethostbyname(host or "127.0.0.1"), int(port))
+    except OSError:
+        raise UsageError(f"{option} {text}: {host} is not known as a host with an address of IPv4") from None
 
 
 def _rules(proxying: Proxying, ports: list[int]) -> list[Rule]:
