@@ -73,6 +73,7 @@ class Monitor:
         robustness: bool = False,
         all_violations: bool = False,
         select: Sequence[str] = (),
+        packets: Callable[[Ticks], Ticks] | None = None,
     ) -> None:
         """Args:
             formula: as for `tachk.monitor`.
@@ -83,6 +84,7 @@ class Monitor:
             robustness: keep bounds of the robustness too.
             all_violations: go on after the first violation of a formula, see `take_violations`.
             select: the names of the formulas that are watched; none: all.
+            packets: of a capture, from times in units of ``10 ** -decimals`` to numbers of packets, 0 for none.
 
         Raises:
             InputError: a formula is wrong.
@@ -91,6 +93,7 @@ class Monitor:
         self._ending = ending_of(end)
         self._unit = known_unit(unit)
         self._robust = robustness
+        self._packets = packets
         formulas = selected(formulas_of(formula), select)
         names = dict.fromkeys(
             column for named in formulas for column in sorted(named.columns) if column not in (named.constants or {})
@@ -394,7 +397,8 @@ class Monitor:
         }
         first = int(ticks[0])
         end = max(self._group.now(), int(ticks[-1])) - first
-        trace = Trace("", ticks - first, columns, end, self._scale, self._unit, self._clock(first))
+        packets = None if self._packets is None else self._packets(ticks // (self._scale // 10**self.decimals))
+        trace = Trace("", ticks - first, columns, end, self._scale, self._unit, self._clock(first), packets=packets)
         verdict: MonitorVerdict = verdict_on(
             watched.named, watched.program, trace, Judging(robustness=False), HeldValues()
         )

@@ -89,7 +89,7 @@ class _Pending:
 
     def __init__(self, stream: BinaryIO) -> None:
         # A pipe gives what is there, where a file gives as much as is asked for.
-        self._read = getattr(stream, "read1", stream.read)
+        self._read = stream.read1 if hasattr(stream, "read1") else stream.read
         self.octets = bytearray()
 
     def more(self) -> bool | None:

@@ -106,7 +106,7 @@ class _Peeked:
     """A stream whose first bytes have been looked at."""
 
     def __init__(self, stream: BinaryIO) -> None:
-        self._more = getattr(stream, "read1", stream.read)
+        self._more = stream.read1 if hasattr(stream, "read1") else stream.read
         self.begin = b""
         while len(self.begin) < 4 and (octets := self._more(_PIECE)):
             self.begin += octets

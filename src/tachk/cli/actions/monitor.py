@@ -28,7 +28,7 @@ def run_monitor(
 ) -> ExitStatus:
     """Judges a trace, whole or row by row."""
     formulas = judged.formulas()
-    if rows.online or rows.follow or rows.fail_fast or judged.trace == "-":
+    if rows.online or rows.follow or rows.live or rows.fail_fast or judged.trace == "-":
         if judging.interpolation is not Interpolation.CONSTANT:
             raise UsageError(
                 "--interpolation linear needs the whole trace: row by row the next row is not known",

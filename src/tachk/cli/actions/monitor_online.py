@@ -10,6 +10,7 @@ from typing import TextIO, cast
 
 from tachk.cli.actions.judged import Judged, exit_status
 from tachk.cli.actions.monitoring.listeners import JsonListener, LineListener, Listener, TextListener
+from tachk.cli.actions.packets.live import open_live, without_hindsight
 from tachk.cli.actions.row_by_row import RowByRow
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
@@ -19,6 +20,7 @@ from tachk.monitoring.formulas import NamedFormula
 from tachk.monitoring.offline import Judging
 from tachk.monitoring.online import Monitor
 from tachk.runtime.node_signal import Truth
+from tachk.runtime.packets.live import LivePackets
 from tachk.runtime.trace_csv import CsvRecording, open_csv, open_csv_stream
 from tachk.runtime.trace_files import is_csv
 
@@ -64,6 +66,8 @@ def run_online(
     if reporting.form is ReportForm.JUNIT:
         raise UsageError("junit reports are written about whole traces", "leave out --online, or take --format json")
     recording = _open(judged, rows)
+    if isinstance(recording, LivePackets):
+        formulas = without_hindsight(formulas, bool(judged.names))
     monitor = Monitor(
         formulas,
         unit=recording.unit,
@@ -71,6 +75,7 @@ def run_online(
         end=judging.ending,
         robustness=judging.robustness,
         all_violations=told.all_violations,
+        packets=recording.packets if isinstance(recording, LivePackets) else None,
     )
     with destination(reporting.output, reporting.quiet) as out:
         listener = _listener(monitor, reporting.form, out, judged.trace)
@@ -96,7 +101,9 @@ def _listener(monitor: Monitor, form: ReportForm, out: TextIO | None, name: str)
             return TextListener(monitor, name, out)
 
 
-def _open(judged: Judged, rows: RowByRow) -> CsvRecording:
+def _open(judged: Judged, rows: RowByRow) -> CsvRecording | LivePackets:
+    if rows.live:
+        return open_live(judged.trace, judged.ports)
     if judged.trace == "-":
         return open_csv_stream(cast("BufferedReader", sys.stdin.buffer), "-", judged.time, judged.unit)
     path = Path(judged.trace)
@@ -109,7 +116,9 @@ def _open(judged: Judged, rows: RowByRow) -> CsvRecording:
     return open_csv_stream(_GrowingFile(path), str(path), judged.time, judged.unit)
 
 
-def _fed(monitor: Monitor, recording: CsvRecording, listener: Listener, whole: bool, fail_fast: bool) -> bool:
+def _fed(
+    monitor: Monitor, recording: CsvRecording | LivePackets, listener: Listener, whole: bool, fail_fast: bool
+) -> bool:
     """Feeds the monitor until the rows end or, unless the whole is wanted, everything is decided; tells each verdict
     when it is. False: it has stopped at a violation, before the trace has ended."""
     told: set[str] = set()

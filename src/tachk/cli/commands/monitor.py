@@ -37,6 +37,7 @@ from tachk.runtime.conventions import Ending
 @click.option("--all-violations", is_flag=True, help="Tell all violations, not only the first of each formula.")
 @click.option("--online", is_flag=True, help="Read the trace row by row, with bounded memory.")
 @click.option("--follow", is_flag=True, help="At the end of the file, wait for further rows.")
+@click.option("--live", is_flag=True, help="TRACE is a capture of packets that is being made: - or a file.")
 @click.option("--fail-fast", is_flag=True, help="Read row by row, and stop at the first verdict that is false.")
 @click.option(
     "--decimals",

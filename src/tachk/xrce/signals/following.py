@@ -98,6 +98,7 @@ class Follower:
     Attributes:
         sides: of all clients, in the order in which they were seen.
         longest: the confirmation for which the Agent has waited longest.
+        latest: until when everything is known, in nanoseconds since the epoch.
     """
 
     def __init__(self, silence: int = SILENCE) -> None:
@@ -111,7 +112,7 @@ class Follower:
         self._packets: list[Numbers] = []
         self._inserted: list[tuple[int, int, int]] = []
         self._rows = 0
-        self._latest = 0
+        self.latest = 0
         self._time = 0
         self._alarm = NEVER
         self.longest: Waited | None = None
@@ -134,8 +135,8 @@ class Follower:
         messages = found.messages
         if not len(messages.times):
             return
-        times = np.maximum(np.maximum.accumulate(messages.times), self._latest)
-        self._latest = int(times[-1])
+        times = np.maximum(np.maximum.accumulate(messages.times), self.latest)
+        self.latest = int(times[-1])
         chosen = np.flatnonzero((found.place == 0) | np.isin(found.kind, _TELLING))
         message = found.message[chosen]
         of_message = (times, messages.packets, messages.clients, messages.agents, messages.to_agent)
@@ -200,7 +201,7 @@ class Follower:
         """Nothing has come until this time, in nanoseconds since the epoch."""
         if time >= self._alarm:
             self._rows += self._time_passes(time, self._rows)
-        self._latest = max(self._latest, time)
+        self.latest = max(self.latest, time)
 
     def waiting(self) -> Wait | None:
         """For what the Agent waits still, and longest."""

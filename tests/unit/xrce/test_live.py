@@ -1,0 +1,182 @@
+"""A capture that is judged while it is made."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from io import BytesIO
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import tachk
+from tachk.cli.main import app
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.monitoring.online import Monitor
+from tachk.runtime.packets import arriving
+from tachk.runtime.packets.live import LivePackets
+from tachk.runtime.trace_csv import Rows
+from tachk.runtime.trace_files import open_trace
+from tests.unit.xrce.captures import RECORDED, needs_recorded
+from tests.unit.xrce.test_properties_on_packets import BOTH_SIDES, QUERIES, Talk, acknack, created, data, write
+
+SECOND = 10**9
+
+
+class Line:
+    """A pipe and a clock: each part of a capture comes at its time, in seconds, and silence lets time pass."""
+
+    def __init__(self, parts: list[tuple[float, bytes]], end: float) -> None:
+        self._parts = parts
+        self._end = end
+        self._now = 0.0
+
+    def clock(self) -> int:
+        return int(self._now * SECOND)
+
+    def read1(self, size: int, /) -> bytes | None:
+        if self._parts and self._parts[0][0] <= self._now + 0.2:
+            self._now, octets = self._parts.pop(0)
+            return octets
+        if self._now >= self._end:
+            return b""
+        self._now += 0.2
+        return None
+
+    def close(self) -> None:
+        self._parts = []
+
+
+def live(line: Line, ports: tuple[int, ...] = BOTH_SIDES) -> LivePackets:
+    return LivePackets("-", line, ports, line.clock)
+
+
+def followed(line: Line, formulas: list[str]) -> Iterator[tuple[float, Monitor]]:
+    """What the monitor says after each piece, and when."""
+    packets = live(line)
+    monitor = Monitor(formulas, unit="s", packets=packets.packets)
+    for rows in packets.blocks(monitor.columns, monitor.decimals):
+        monitor.push(rows.times, rows.columns, rows.decimals)
+        yield line.clock() / SECOND, monitor
+
+
+def test_silence_raises_an_alarm(tmp_path: Path):
+    capture = Talk().up(0, created()).down(1000, data(0, 1)).capture(tmp_path).read_bytes()
+    formulas = ["G (behind -> F[0, 20 s] caughtUp)"]
+    verdicts = [(time, monitor.truth) for time, monitor in followed(Line([(1.0, capture)], 60.0), formulas)]
+    alarm = next(time for time, truth in verdicts if truth is tachk.Truth.FALSE)
+    assert 22.0 <= alarm <= 22.5  # the message at 1 s, 20 s to wait, 1 s that a packet may be late
+    *_, (_, last) = followed(Line([(1.0, capture)], 60.0), formulas)
+    assert last["p1"].story is not None
+    assert last["p1"].story.trace.packet(last["p1"].story.verdicts[0].finding.cell // 2) == 3
+
+
+def test_an_answer_in_time_prevents_the_alarm(tmp_path: Path):
+    talk = Talk().up(0, created()).down(1000, data(0, 1))
+    first = talk.capture(tmp_path).read_bytes()
+    second = talk.up(18_000, acknack(1)).capture(tmp_path).read_bytes()[len(first) :]
+    line = Line([(1.0, first), (18.5, second)], 60.0)
+    assert all(
+        monitor.truth is not tachk.Truth.FALSE for _, monitor in followed(line, ["G (behind -> F[0, 20 s] caughtUp)"])
+    )
+
+
+def test_a_client_falls_asleep_without_a_packet(tmp_path: Path):
+    capture = Talk().up(0, created()).capture(tmp_path).read_bytes()
+    times = [time for time, monitor in followed(Line([(0.0, capture)], 9.0), ["G !sleep"]) if monitor.decided]
+    assert 3.0 <= times[0] <= 3.5
+
+
+def test_a_late_packet_does_not_go_back(tmp_path: Path):
+    talk = Talk().up(0, created())
+    first = talk.capture(tmp_path).read_bytes()
+    second = talk.up(500, write(0, 1)).capture(tmp_path).read_bytes()[len(first) :]
+    packets = live(Line([(0.0, first), (5.0, second)], 6.0))
+    times = np.concatenate([rows.times for rows in packets.blocks(("sleep",), 9)])
+    assert (np.diff(times) >= 0).all()
+
+
+@needs_recorded
+@pytest.mark.parametrize("name", ["h3_sub_sleeps_open_request", "f3a_stale_acknack_tail_loss"])
+def test_columns_are_those_of_the_whole_capture(name: str):
+    path = RECORDED / f"{name}.pcap"
+    whole = open_trace(path, ports=BOTH_SIDES).read()
+    octets = path.read_bytes()
+    line = Line([(0.0, octets[at : at + 1000]) for at in range(0, len(octets), 1000)], 0.0)
+    names = ["client_CCCCDDDD_at_9002.asleep", "client_AAAABBBB_at_8888.to_agent.outstanding"]
+    names += [column for column in whole.columns if not column.startswith(("client_", "unconfirmed"))]
+    pieces = list(live(line).blocks(names, 9))
+    assert np.array_equal(np.concatenate([piece.times for piece in pieces]), whole.times)
+    for column in names:
+        found = np.concatenate([piece.columns[column] for piece in pieces])
+        assert np.array_equal(found, whole.columns[column]), column
+
+
+def first(name: str, tmp_path: Path) -> Rows:
+    capture = Talk().up(0, created()).capture(tmp_path).read_bytes()
+    return next(live(Line([(0.0, capture)], 1.0)).blocks([name], 9))
+
+
+@pytest.mark.parametrize(
+    ("name", "problem"),
+    [
+        ("unconfirmed.Open", "known only when the capture is over"),
+        ("beHind", "no column 'beHind'"),
+        ("client_CCCCDDDD.asleep", "seen at several ports"),
+    ],
+)
+def test_what_is_no_column_of_a_live_capture(name: str, problem: str, tmp_path: Path):
+    with pytest.raises(UsageError, match=problem):
+        list(live(Line([(0.0, Talk().up(0, created()).capture(tmp_path).read_bytes())], 9.0)).blocks([name], 9))
+
+
+def test_times_are_not_rounded():
+    with pytest.raises(UsageError, match="nine decimals"):
+        list(live(Line([], 0.0)).blocks(["behind"], 6))
+
+
+def test_what_is_no_capture_is_refused():
+    with pytest.raises(UsageError, match="neither a pcap nor"):
+        list(live(Line([(0.0, b"time,x\n0,1\n")], 0.0)).blocks(["behind"], 9))
+
+
+def test_a_growing_file_has_nothing_for_a_while(tmp_path: Path):
+    path = tmp_path / "growing.pcap"
+    path.write_bytes(b"ab")
+    waited: list[float] = []
+    stream = arriving.GrowingFile(path, waited.append)
+    assert (stream.read1(10), stream.read1(10), waited) == (b"ab", None, [arriving.PATIENCE])
+    with path.open("ab") as more:
+        more.write(b"c")
+    assert stream.read1(10) == b"c"
+    stream.close()
+
+
+def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    path = Talk().up(0, created()).down(10, data(0, 1)).up(30_000, acknack(1)).capture(tmp_path)
+    with path.open("rb") as stream:
+        monkeypatch.setattr(sys, "stdin", SimpleNamespace(fileno=stream.fileno, buffer=BytesIO()))
+        monkeypatch.setattr(arriving.select, "select", lambda readable, *_: (readable, [], []))
+        from tachk.cli.actions.packets import live as action
+
+        opened = action.open_live("-", BOTH_SIDES)
+        monitor = Monitor(["G (behind -> F[0, 20 s] caughtUp)"], unit="s")
+        for rows in opened.blocks(monitor.columns, monitor.decimals):
+            monitor.push(rows.times, rows.columns, rows.decimals)
+        assert monitor.truth is tachk.Truth.FALSE
+    assert "there is no file" in CliRunner().invoke(app, ["monitor", "G behind", "none.pcap", "--live"]).stderr
+
+
+def test_formulas_that_need_hindsight_are_left_out(capsys: pytest.CaptureFixture[str]):
+    from tachk.cli.actions.packets.live import without_hindsight
+    from tachk.monitoring.formulas import read_formulas
+
+    formulas = read_formulas(QUERIES)
+    names = [one.name for one in without_hindsight(formulas, False)]
+    assert "FARS" in names
+    assert "FARS_each" not in names
+    assert "FARS_each" in capsys.readouterr().err
+    assert without_hindsight(formulas, True) == formulas
