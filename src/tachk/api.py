@@ -99,6 +99,7 @@ def conform(
     tolerance: str | None = None,
     late: str | None = None,
     unit: str | None = None,
+    ports: Iterable[int] = (),
     limits: Limits | None = None,
 ) -> Conformance:
     """Whether a recording of the real system is a run of a model, which says in ``recording { ... }`` how to read it.
@@ -108,6 +109,7 @@ def conform(
         tolerance, late: durations such as ``"5ms"``, in place of what the model says; the tolerance ``"auto"`` finds
             the least one.
         unit: of the recorded times, where the file does not say it.
+        ports: of Agents, where the recording is a capture of packets; without any 8888 and where sessions are created.
         limits: of each search; the seconds are for all of them together.
 
     Raises:
@@ -118,7 +120,8 @@ def conform(
 
     if not isinstance(model, Model):
         model = load(model)
-    return conform_file(model.loaded, model.path, os.fspath(recording), tolerance, late, unit, limits or Limits())
+    chosen = limits or Limits()
+    return conform_file(model.loaded, model.path, os.fspath(recording), tolerance, late, unit, tuple(ports), chosen)
 
 
 def diff(before: Model, after: Model) -> str:

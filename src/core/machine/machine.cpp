@@ -112,6 +112,12 @@ std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vect
       case Operation::load_element:
         give(memory[slot_at(address())]);
         break;
+      case Operation::table: {
+        const std::int64_t offset = wide_right() - instruction->extra[1];
+        if (offset < 0 || offset >= instruction->extra[2]) fault(FaultKind::index);
+        give(program_.code[static_cast<std::size_t>(instruction->extra[0] + offset)]);
+        break;
+      }
       case Operation::copy: {
         const std::size_t source = cells_at(right());
         const std::size_t target = cells_at(left());

@@ -56,6 +56,8 @@ StackEffect effect_of(Opcode opcode) {
       return {0, 0, 0};
     case Opcode::check_range:
       return {2, 1, 1};
+    case Opcode::table:
+      return {3, 1, 1};
     case Opcode::floating:
       return {2, 2, 1};
     default:
@@ -235,6 +237,11 @@ class Translation {
         const Operand base = pop();
         Instruction& address = compute(Operation::address, base, index);
         std::copy_n(words_.begin() + position + 1, 3, address.extra);
+        break;
+      }
+      case Opcode::table: {
+        Instruction& entry = compute(Operation::table, zero(), pop());
+        std::copy_n(words_.begin() + position + 1, 3, entry.extra);
         break;
       }
       case Opcode::copy: {

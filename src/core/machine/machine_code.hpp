@@ -19,6 +19,7 @@ enum class Operation : std::uint8_t {
   load_at,       // target = the slot with the number left
   address,       // target = left + (right - extra[0]) * extra[2] + extra[3], with right - extra[0] in [0, extra[1])
   load_element,  // target = the slot at that address
+  table,         // target = the word of the code at extra[0] + right - extra[1], with right - extra[1] in [0, extra[2])
   copy,          // extra[0] slots from the one with the number right to the one with the number left
   equal_cells,   // target = whether extra[0] slots from left on equal those from right on
   reset,         // the clock left = right

@@ -21,6 +21,7 @@ enum class Opcode : std::int32_t {
   pop = 11,
   swap = 12,
   over = 13,
+  table = 14,
   add = 20,
   subtract = 21,
   multiply = 22,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from tachk.compiler.bytecode import Opcode
@@ -27,6 +28,12 @@ class Assembler:
             self.sites.append((len(self.code), span))
         self.code.append(int(opcode))
         self.code.extend(operands)
+
+    def data(self, words: Iterable[int]) -> int:
+        """Appends words that are no instructions; their position."""
+        start = len(self.code)
+        self.code.extend(words)
+        return start
 
     def emit_to(self, opcode: Opcode, label: Label) -> None:
         """Appends an instruction whose operand is the position of a label."""

@@ -39,6 +39,8 @@ class Opcode(IntEnum):
     """a b -- b a"""
     OVER = 13
     """a b -- a b a"""
+    TABLE = 14
+    """TABLE position low size: i -- the word of the code at position + i - low; error INDEX as for INDEX"""
     ADD = 20
     SUBTRACT = 21
     MULTIPLY = 22

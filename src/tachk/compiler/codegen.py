@@ -9,7 +9,7 @@ are not recursive.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from tachk.compiler.assembler import Assembler, Label
 from tachk.compiler.bytecode import Opcode
@@ -62,10 +62,12 @@ class CodeGenerator:
     The entry points fold what they are given with their `Known` and return the position of the piece.
     """
 
-    def __init__(self, layout: SlotLayout, known: Known) -> None:
+    def __init__(self, layout: SlotLayout, known: Known, tables: Collection[Variable] = ()) -> None:
+        """The variables in ``tables`` are arrays of integers that are only read, by index: they lie in the code."""
         self.layout = layout
         self.known = known
         self.assembler = Assembler()
+        self._tables = {variable: self.assembler.data(variable.initial) for variable in tables}
         self._functions = FunctionGenerator(self)
 
     # ---- pieces of code ------------------------------------------------------------------------------------------
@@ -145,14 +147,7 @@ class CodeGenerator:
             case Constant(value):
                 emit(Opcode.CONST, value)
             case Reference() | Index() | Field():
-                if isinstance(expression.type, ClockType):
-                    raise clock_comparison_unsupported(expression.span)
-                slot = self.layout.known_slot(expression)
-                if slot is not None:
-                    emit(Opcode.LOAD, slot)
-                else:
-                    self.address(expression)
-                    emit(Opcode.LOAD_INDIRECT)
+                self._read(expression)
             case Unary(operator, operand, _, span):
                 self.value(operand)
                 emit(_UNARY[operator], span=span)
@@ -195,6 +190,25 @@ class CodeGenerator:
                 emit(Opcode.EQUAL)
             case Deadlock() | Aggregate():
                 raise TypeError(f"{type(expression).__name__} has no integer value")
+
+    def _read(self, place: Reference | Index | Field) -> None:
+        emit = self.assembler.emit
+        match place:
+            case Index(Reference(variable), index, _, span) if variable in self._tables:
+                assert isinstance(variable.type, ArrayType)
+                self.value(index)
+                emit(Opcode.TABLE, self._tables[variable], variable.type.low, variable.type.size, span=span)
+                return
+            case _:
+                pass
+        if isinstance(place.type, ClockType):
+            raise clock_comparison_unsupported(place.span)
+        slot = self.layout.known_slot(place)
+        if slot is not None:
+            emit(Opcode.LOAD, slot)
+        else:
+            self.address(place)
+            emit(Opcode.LOAD_INDIRECT)
 
     def _binary(self, expression: Binary) -> None:
         emit = self.assembler.emit

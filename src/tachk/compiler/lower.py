@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from math import gcd
 
@@ -36,7 +36,7 @@ from tachk.compiler.slot_layout import SlotLayout, cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.connectives import negation
-from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, Field, Index, Reference
+from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, Field, Index, Reference, Variable
 from tachk.model.network import Edge, Location, Network, Process
 from tachk.model.traversal import called_functions, statement_expressions, walk
 from tachk.model.types import ChannelType, ClockType, leaves
@@ -48,14 +48,17 @@ MAXIMAL_EDGES = 1_000_000
 MAXIMAL_DIAGONALS = 1024
 
 
-def lower(network: Network, predicates: Sequence[Expression] = ()) -> tuple[Program, tuple[Goal, ...]]:
+def lower(
+    network: Network, predicates: Sequence[Expression] = (), tables: Collection[Variable] = ()
+) -> tuple[Program, tuple[Goal, ...]]:
     """The program of a network, and for each predicate the goal of reaching a state where it is true.
 
+    Large arrays of integers that are only read, and only by index, may be ``tables``: states do not hold them then.
     The clock bounds of the program cover all the predicates. Raises InputError for an initial value outside its range
     and UnsupportedError for what the engine cannot represent.
     """
     known = known_values(network, predicates)
-    lowering = _lowered(network, known)
+    lowering = _lowered(network, known, tables)
     goals = []
     observed: list[Observed] = []
     for predicate in predicates:
@@ -89,7 +92,7 @@ def lower_recurrence(
 
 
 def lower_measures(
-    network: Network, measured: Sequence[Measured]
+    network: Network, measured: Sequence[Measured], tables: Collection[Variable] = ()
 ) -> tuple[Program, tuple[Goal, ...], tuple[Measure, ...]]:
     """The program of a network, a goal for each clock whose largest value is asked for, and how to measure in states.
 
@@ -97,7 +100,7 @@ def lower_measures(
     Raises as `lower` does, and ValueError for a clock that depends on the state.
     """
     known = known_values(network, [part for m in measured for part in (m.where, m.beyond)])
-    lowering = _lowered(network, known)
+    lowering = _lowered(network, known, tables)
     measures = []
     goals = []
     observed: list[Observed] = []
@@ -143,10 +146,10 @@ class Measured:
         )
 
 
-def _lowered(network: Network, known: Known) -> _Lowering:
+def _lowered(network: Network, known: Known, tables: Collection[Variable] = ()) -> _Lowering:
     """The processes of a network, as far as no predicate counts."""
-    layout = SlotLayout(network, known)
-    lowering = _Lowering(network, layout, CodeGenerator(layout, known))
+    layout = SlotLayout(network, known, tables)
+    lowering = _Lowering(network, layout, CodeGenerator(layout, known, tables))
     lowering.find_reset_values(known)
     for number, process in enumerate(network.processes):
         lowering.add_process(number, process, known)

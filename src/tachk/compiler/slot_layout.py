@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from tachk.compiler.fold import Known, known_cell
 from tachk.compiler.program import ProgramChannel, Slot
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
@@ -22,8 +24,9 @@ class SlotLayout:
         clock_names, channels: by number; clock number ``i`` is entry ``i - 1``.
     """
 
-    def __init__(self, network: Network, known: Known) -> None:
-        """Raises InputError for an initial value outside its variable's range."""
+    def __init__(self, network: Network, known: Known, tables: Collection[Variable] = ()) -> None:
+        """The variables in ``tables`` have no slots. Raises InputError for an initial value outside its variable's
+        range."""
         self.processes = len(network.processes)
         self.slots: list[Slot] = [
             Slot(process.name, 0, max(len(process.locations) - 1, 0), process.initial) for process in network.processes
@@ -33,6 +36,8 @@ class SlotLayout:
         self._first: dict[Variable, int] = {}
         problems: list[Diagnostic] = []
         for variable in network.all_variables():
+            if variable in tables:
+                continue
             self._first[variable] = len(self.slots)
             for i, (path, type_) in enumerate(leaves(variable.type)):
                 initial = variable.initial[i] if variable.initial else default_value(type_)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 from time import monotonic
 
 from tachk.conformance.conform import Conformance, conform
 from tachk.conformance.event_tables import read_events
+from tachk.conformance.events import Recording
+from tachk.conformance.packet_events import SUFFIXES, read_capture
+from tachk.conformance.queues import Constants
 from tachk.conformance.tolerances import duration, least
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits
@@ -25,6 +29,7 @@ def conform_file(
     tolerance: str | None,
     late: str | None,
     unit: str | None,
+    ports: Sequence[int],
     limits: Limits,
 ) -> Conformance:
     """As `tachk.api.conform`. Raises UsageError, UnsupportedError."""
@@ -34,19 +39,35 @@ def conform_file(
             f"{name} does not say how recordings are read", "write `recording { visible channel as event(); }` into it"
         )
 
-    def constant(name: str) -> int | None:
-        symbol = loaded.scope.lookup(name)
-        found = symbol.expression if isinstance(symbol, ValueSymbol) else None
-        return found.value if isinstance(found, Constant) else None
-
-    events = read_events(Path(recording), unit)
+    events = _read(Path(recording), unit, ports)
+    constants = constants_of(loaded)
     started = monotonic()
     lateness = None if late is None else duration(late, network.time_unit)
 
     def ask(allowed: Fraction | None) -> Conformance:
         left = limits.after(monotonic() - started)
-        return conform(network, mapping, events, constant, allowed, lateness, limits=left)
+        return conform(network, mapping, events, constants, allowed, lateness, limits=left)
 
     if tolerance == AUTO:
         return least(ask)
     return ask(None if tolerance is None else duration(tolerance, network.time_unit))
+
+
+def _read(path: Path, unit: str | None, ports: Sequence[int]) -> Recording:
+    """A capture of packets, or a file of events."""
+    if path.suffix not in SUFFIXES:
+        return read_events(path, unit)
+    if unit is not None:
+        raise UsageError("a capture has its own times: it takes no unit")
+    return read_capture(path, ports)
+
+
+def constants_of(loaded: LoadedModel) -> Constants:
+    """The values of the constants of a model, by name."""
+
+    def constant(name: str) -> int | None:
+        symbol = loaded.scope.lookup(name)
+        found = symbol.expression if isinstance(symbol, ValueSymbol) else None
+        return found.value if isinstance(found, Constant) else None
+
+    return constant

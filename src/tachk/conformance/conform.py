@@ -96,7 +96,7 @@ def conform(
     queues = make_queues(network, mapping, recording, constants, tolerance, late)
     following = follow(network, mapping, queues)
     check_selections(following.network)
-    program, goals = lower(following.network, [following.done])
+    program, goals = lower(following.network, [following.done], following.tables)
     outcome = explore(program, goals, options, limits)
     found = outcome.goals[0]
     base = Conformance(None, tolerance, late, recording, following, queues, outcome.statistics)
@@ -133,7 +133,7 @@ def _run(following: Following, path: tuple[Transition, ...]) -> TimedTrace:
 def _furthest(following: Following, queues: Queues, options: Options, limits: Limits) -> Refusal | None:
     """A run that goes along with the recording as far as any."""
     measured = Measured(_TRUE, following.progress, largest=True)
-    program, goals, measures = lower_measures(following.network, [measured])
+    program, goals, measures = lower_measures(following.network, [measured], following.tables)
     _, (found,) = measure(program, goals, measures, options, limits)
     if found is None:
         return None

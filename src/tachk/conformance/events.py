@@ -20,6 +20,7 @@ class Event:
     place: where it stands in the file, for messages: ``line 5``, ``packet 17``.
     after: the number of an event, from 0, that must have happened before: that a message was sent, if this is its
         arrival. None if there is none.
+        optional: it may have happened or not: nobody has seen whether what was sent arrived.
     """
 
     time: Fraction
@@ -27,6 +28,16 @@ class Event:
     cells: Mapping[str, Cell]
     place: str
     after: int | None = None
+    optional: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Closing:
+    """Events with a value in a column are recorded only up to a time."""
+
+    column: str
+    value: int
+    time: Fraction
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +48,8 @@ class Recording:
     unit: nanoseconds of a unit of the times; None: they are in units of the model.
     start: the time at which the system was started; None: shortly before the first event.
     end: until when was recorded.
+    closings: of which events less was recorded.
+    epoch: nanoseconds since 1970 at time 0, where that is known.
     """
 
     source: str
@@ -44,3 +57,5 @@ class Recording:
     unit: Fraction | None
     start: Fraction | None
     end: Fraction
+    closings: tuple[Closing, ...] = ()
+    epoch: int = 0

@@ -33,24 +33,29 @@ _ANYTHING = IntType(CONSTANT_LOW, CONSTANT_HIGH)
 @dataclass(frozen=True, slots=True)
 class Following:
     """Attributes:
-    network: the processes of the model that are left, in their order, and those that follow the recording.
+    network: a process for what is hidden, if there is any, those that follow the recording, and those of the model that
+        are left, in their order. The search tries first what the last of them do.
     kept: the numbers in the model of those that are left.
+    first: the number of the first process that follows the recording.
     now: the clock that nothing resets.
     positions: for each queue, how many of its events have happened.
+    tables: the constant arrays that hold the recording.
     done: all events have happened, and it is so late that silence is known.
     """
 
     network: Network
     kept: tuple[int, ...]
+    first: int
     now: Variable
     positions: tuple[Variable, ...]
+    tables: frozenset[Variable]
     done: Expression
     progress: Expression
 
     def queue_of(self, transition: Transition) -> int | None:
         """The queue whose event a transition is; None if it is none."""
         for participant in transition.participants:
-            number = participant.process - len(self.kept)
+            number = participant.process - self.first
             if 0 <= number < len(self.positions):
                 return number
         return None
@@ -67,7 +72,7 @@ class Following:
                 for name, _ in queue.visible.columns
             )
             said.append(own)
-            place = len(self.kept) + number
+            place = self.first + number
             if queue.outputs:
                 processes[place] = speaking(processes[place], queue, dict(own))
                 variables += [variable for _, variable in own]
@@ -96,10 +101,10 @@ def follow(network: Network, mapping: RecordingMap, queues: Queues) -> Following
     for position, queue in zip(positions, queues.queues, strict=True):
         done = done & (position == len(queue.events))
         progress = position + progress
-    made = [*followers, *hidden]
+    made = [*hidden, *followers]
     whole = replace(
         network,
-        processes=(*(_with_channels(p, released) for p in processes), *(_with_channels(p, released) for p in made)),
+        processes=tuple(_with_channels(p, released) for p in (*made, *processes)),
         variables=(*(released.get(v, v) for v in network.variables), *builder.variables),
         signals=(),
         hidden=(*network.hidden, *(p.name for p in made)),
@@ -107,7 +112,8 @@ def follow(network: Network, mapping: RecordingMap, queues: Queues) -> Following
     variables = tuple(p.expression.variable for p in positions if isinstance(p.expression, Reference))
     total = progress.expression if isinstance(progress, Term) else Constant(0)
     assert isinstance(now.expression, Reference)
-    return Following(whole, kept, now.expression.variable, variables, done.expression, total)
+    tables = frozenset(v for v in builder.variables if isinstance(v.type, ArrayType))
+    return Following(whole, kept, len(hidden), now.expression.variable, variables, tables, done.expression, total)
 
 
 def _check_hearable(queues: Queues, processes: Sequence[Process]) -> None:

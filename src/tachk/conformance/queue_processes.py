@@ -64,6 +64,9 @@ class QueueProcess:
                 self._hear(process, here, indices, matches)
         else:
             here = process.location("following", in_time)
+            if any(self.queue.optional):  # the search tries the last edge first
+                optional = self._entry("optional", [*map(int, self.queue.optional), 0])
+                process.edge(here, here, guard=optional == 1, updates=[self.position.assign(self.position + 1)])
             for indices in cases(self.queue):
                 self._say(process, here, indices)
         return process.build()
@@ -76,7 +79,7 @@ class QueueProcess:
 
     def _hear(self, process: ProcessBuilder, here: LocationHandle, indices: Indices, matches: Term) -> None:
         """The edges that receive an event of the model."""
-        channel, count, quiet = Term(_channel(self.queue, indices)), len(self.queue.events), self.queues.quiet_until
+        channel, count, quiet = Term(_channel(self.queue, indices)), len(self.queue.events), self.queue.quiet_until
         same = self.position < count
         for name, expression in self.queue.visible.columns:
             said = self.columns[name] == Term(substitute(expression, indices, set()))

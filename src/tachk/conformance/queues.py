@@ -17,6 +17,7 @@ from math import ceil, floor
 
 from tachk.conformance.events import Event, Recording
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.frontend.expressions.folded_expressions import substitute
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable
 from tachk.model.network import Network, Process
 from tachk.model.recording import RecordingMap, VisibleEvents
@@ -41,6 +42,8 @@ class Queue:
         values: for each event what its columns say; None where a cell is empty.
         earliest, latest: for each event between which times it happens; neither decreases.
         needed: for each event, how many events of another queue must have happened before: (queue, how many), if any.
+        optional: for each event, whether it may be left out.
+        quiet_until: what happens until then has been recorded.
     """
 
     visible: VisibleEvents
@@ -51,6 +54,8 @@ class Queue:
     earliest: tuple[int, ...]
     latest: tuple[int, ...]
     needed: tuple[tuple[int, int] | None, ...] = ()
+    optional: tuple[bool, ...] = ()
+    quiet_until: int = 0
 
     @property
     def name(self) -> str:
@@ -110,9 +115,11 @@ def make_queues(
                 tuple(_rising(max(floor(time - before), 0) for time in times)),
                 tuple(reversed([-t for t in _rising(-ceil(time + behind) for time in reversed(times))])),
                 tuple(None if n is None or n not in place else (place[n][0], place[n][1] + 1) for n in needed),
+                tuple(recording.events[number].optional for number, _ in found),
+                max(floor((_recorded_until(recording, visible, common) - origin) * scale - late), 0),
             )
         )
-    quiet = max(floor((recording.end - origin) * scale - late), 0)
+    quiet = max([queue.quiet_until for queue in queues], default=0)
     horizon = max([quiet, *(queue.latest[-1] for queue in queues if queue.latest)]) + 1
     return Queues(tuple(queues), quiet, horizon, reader.other, origin, scale)
 
@@ -130,6 +137,22 @@ def _scale(network: Network, recording: Recording) -> Fraction:
     return recording.unit / length
 
 
+def _recorded_until(recording: Recording, visible: VisibleEvents, common: Mapping[Variable, int]) -> Fraction:
+    """Until when the events of a queue were recorded."""
+    end = recording.end
+    for name, expression in visible.columns:
+        for closing in recording.closings:
+            if closing.column == name and _value_in(expression, common) == closing.value:
+                end = min(end, closing.time)
+    return end
+
+
+def _value_in(expression: Expression, common: Mapping[Variable, int]) -> int | None:
+    """The value that a column has for all events of a queue; None if there is none."""
+    found = substitute(expression, {variable: Constant(value) for variable, value in common.items()}, set())
+    return found.value if isinstance(found, Constant) else None
+
+
 def _rising(values: Iterator[int]) -> Iterator[int]:
     """Each value, or the largest one before it if that is larger."""
     largest: int | None = None
@@ -140,6 +163,8 @@ def _rising(values: Iterator[int]) -> Iterator[int]:
 
 def _is_output(visible: VisibleEvents, kept: Sequence[Process]) -> bool:
     """Whether what is left of the model sends these events, and not what is outside."""
+    if visible.direction is not None:
+        return visible.direction is Direction.SEND
     variable = channel_variable(visible.channel)
     return any(
         edge.synchronisation is not None

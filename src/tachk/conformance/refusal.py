@@ -85,7 +85,7 @@ def state_text(following: Following, discrete: DiscreteState) -> str:
     """The locations of the processes of the model."""
     processes = zip(following.network.processes, discrete.locations, strict=True)
     named = [f"{p.name}.{p.locations[location].name}" for p, location in processes]
-    return ", ".join(named[: len(following.kept)])
+    return ", ".join(named[-len(following.kept) :] if following.kept else [])
 
 
 def end_of(following: Following, path: Sequence[Transition]) -> DiscreteState:

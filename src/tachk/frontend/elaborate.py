@@ -12,7 +12,7 @@ from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable
 from tachk.frontend.declarations.declarations import Declared, declare, set_channel_priorities
 from tachk.frontend.queries.queries import UncheckedQuery, elaborate_each, elaborate_properties, elaborate_signals
-from tachk.frontend.recordings import elaborate_recording
+from tachk.frontend.recordings import channels_of, elaborate_recording
 from tachk.frontend.scope import Scope, TemplateSymbol
 from tachk.frontend.templates.impossible_edges import warn_of_impossible_edges
 from tachk.frontend.templates.instances import Instances
@@ -82,7 +82,7 @@ def elaborate(
     instances.check_unused()
     channels.check_values(context)
     if not context.findings.has_errors:
-        channels.check_partners(context)
+        channels.check_partners(context, channels_of(items))
     scope = Scope(globals_, "the processes", dict(instances.symbols))
     signals = elaborate_signals((i for i in items if isinstance(i, ast.SignalDeclaration)), scope, context)
     context.time_unit = _time_unit(items, context)

@@ -32,6 +32,27 @@ def elaborate_recording(
     return _Reader(processes, scope, context).recording(found[0])
 
 
+def channels_of(items: Iterable[ast.Item]) -> frozenset[str]:
+    """The names of the channels on which a recording takes part."""
+    found: set[str] = set()
+    for item in items:
+        for clause in item.clauses if isinstance(item, ast.RecordingDeclaration) else ():
+            match clause:
+                case ast.VisibleClause(channel=channel):
+                    found.add(_name(channel))
+                case ast.HiddenClause(channels=channels):
+                    found.update(map(_name, channels))
+                case _:
+                    pass
+    return frozenset(found)
+
+
+def _name(channel: ast.Expression) -> str:
+    while isinstance(channel, ast.IndexExpression):
+        channel = channel.base
+    return channel.name if isinstance(channel, ast.NameExpression) else ""
+
+
 class _Reader:
     def __init__(self, processes: Sequence[Process], scope: Scope, context: Context) -> None:
         self.processes = processes
@@ -147,6 +168,7 @@ class _Reader:
             clause.event.name,
             tuple(c for c in columns if c is not None),
             tuple(v for v in per if v is not None),
+            clause.direction,
             clause.span,
         )
 

@@ -7,6 +7,7 @@ from fractions import Fraction
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.model.expressions import Constant, Expression, Variable
 from tachk.records import dataclass
+from tachk.words import Direction
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +22,7 @@ class VisibleEvents:
             end of the step.
         per: the indices that the events of a queue have in common. The events of a queue happen in their recorded
             order, those of different queues as their times allow.
+        direction: whether the model sends or receives; None: as the processes show that are left.
     """
 
     channel: Expression
@@ -28,6 +30,7 @@ class VisibleEvents:
     event: str
     columns: tuple[tuple[str, Expression], ...]
     per: tuple[Variable, ...] = ()
+    direction: Direction | None = None
     span: Span = NOWHERE
 
 

@@ -12,7 +12,12 @@ from tachk.cli.reporting import ReportForm
 
 @click.command(name="conform", short_help="Ask whether a recording is a run of a model.")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model with a `recording { ... }`.")
-@click.argument("recording", metavar="FILE", type=click.Path(), help="Recorded events: CSV, or JSON lines (.jsonl).")
+@click.argument(
+    "recording",
+    metavar="FILE",
+    type=click.Path(),
+    help="Recorded events: CSV, JSON lines (.jsonl), or a capture (.pcap).",
+)
 @options.definitions
 @click.option(
     "--tolerance",
@@ -26,6 +31,14 @@ from tachk.cli.reporting import ReportForm
     help="How much later than it happens something may be recorded. By default as the model says.",
 )
 @click.option("--unit", metavar="UNIT", help="The unit of the recorded times, if the file does not say it: ms, s, ...")
+@click.option(
+    "ports",
+    "--port",
+    metavar="PORT",
+    type=click.IntRange(1, 65535),
+    multiple=True,
+    help="Of a capture of packets: a port of an Agent, if it is not 8888. Can be given several times.",
+)
 @click.option(
     "states", "--max-states", metavar="N", type=options.Count(min=1), help="Stop a search after storing N states."
 )

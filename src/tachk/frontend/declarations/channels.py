@@ -108,9 +108,11 @@ class ChannelTable:
                     f"write `{variable.name}!value`",
                 )
 
-    def check_partners(self, context: Context) -> None:
-        """Warns about channels that are only sent or only received."""
+    def check_partners(self, context: Context, recorded: frozenset[str] = frozenset()) -> None:
+        """Warns about channels that are only sent or only received, but for those on which a recording takes part."""
         for variable, use in self.uses.items():
+            if variable.name in recorded:
+                continue
             element = element_type(variable.type)
             if use.senders is None and use.receivers is not None:
                 context.findings.add(

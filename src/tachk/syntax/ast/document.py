@@ -10,6 +10,7 @@ from tachk.syntax.ast.expressions import Expression, Parameter
 from tachk.syntax.ast.nodes import Identifier, Node
 from tachk.syntax.ast.properties import ExpectationDeclaration, HideDeclaration, PropertyDeclaration
 from tachk.syntax.ast.templates import Template
+from tachk.words import Direction
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,10 +88,12 @@ class VisibleClause(Node):
 
     Attributes:
         channel: its indices are constants, or names for what the recording says.
+        direction: whether the model sends (``send[l]!``) or receives; None: as the channels show.
         per: the indices that events of one queue have in common.
     """
 
     channel: Expression
+    direction: Direction | None
     event: Identifier
     columns: tuple[RecordedColumn, ...]
     per: tuple[Identifier, ...]

@@ -214,8 +214,10 @@ class Builder(ExpressionBuilder, FormulaBuilder):
         return ast.ReplacesClause(span_of(children), _identifiers(children))
 
     def visible(self, children: Children) -> ast.VisibleClause:
-        _, channel, _, event, _, columns, _, *rest = children
-        return ast.VisibleClause(span_of(children), channel, event, tuple(columns or ()), _identifiers(rest))
+        _, channel, mark, _, event, _, columns, _, *rest = children
+        direction = None if mark is None else Direction(mark.text)
+        common = _identifiers(rest)
+        return ast.VisibleClause(span_of(children), channel, direction, event, tuple(columns or ()), common)
 
     def hidden(self, children: Children) -> ast.HiddenClause:
         return ast.HiddenClause(span_of(children), nodes(children))

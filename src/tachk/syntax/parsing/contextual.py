@@ -321,7 +321,7 @@ class _Resolver:
         if token.text == "hybrid" and self.type(1) == "CLOCK":
             token.type = "HYBRID"
         elif self.inside is _Inside.RECORDING:
-            if (token.text == "as" and (last.text == "]" or last.type == "NAME")) or (
+            if (token.text == "as" and (last.text in ("]", "!", "?") or last.type == "NAME")) or (
                 token.text == "per" and last.text == ")"
             ):
                 token.type = token.text.upper()

@@ -92,9 +92,9 @@ def _clause(clause: ast.RecordingClause) -> str:
     match clause:
         case ast.ReplacesClause(names=names):
             return f"replaces {_listed(names)}"
-        case ast.VisibleClause(channel=channel, event=event, columns=columns, per=per):
+        case ast.VisibleClause(channel=channel, direction=direction, event=event, columns=columns, per=per):
             cells = ", ".join(map(_column, columns))
-            return f"visible {print_expression(channel)} as {event.name}({cells})" + (
+            return f"visible {print_expression(channel)}{direction or ''} as {event.name}({cells})" + (
                 f" per {_listed(per)}" if per else ""
             )
         case ast.HiddenClause(channels=channels):

@@ -27,6 +27,7 @@ class Conforming:
     tolerance: str | None = None
     late: str | None = None
     unit: str | None = None
+    ports: tuple[int, ...] = ()
     states: int | None = None
 
 
@@ -35,7 +36,7 @@ def run_conform(asked: Conforming, reporting: Reporting, seconds: float | None) 
     model = api.load(asked.model, **parse_definitions(asked.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
     limits = Limits(states=asked.states, seconds=seconds)
-    found = api.conform(model, asked.recording, asked.tolerance, asked.late, asked.unit, limits)
+    found = api.conform(model, asked.recording, asked.tolerance, asked.late, asked.unit, asked.ports, limits)
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None:
             match reporting.form:

@@ -1,0 +1,110 @@
+"""Holds captures of a real client and Agent against the automata: which are runs, and with which tolerance.
+
+    python bench/conformance.py CAPTURES_FOLDER [--model MODEL] [--only PREFIX] [--seconds 20] [-D NAME=VALUE]
+
+Beside each FILE.pcap lies FILE.truth.json, of which this reads what no packet tells: the histories that the client was
+made with, and when the Agent was killed (what is sent to it then does not arrive). A line for each capture: the answer,
+the tolerance of the ladder with which it was found, states, seconds; of a refusal the place and what was allowed there.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import tachk
+from tachk.conformance.asking import constants_of
+from tachk.conformance.conform import Conformance, conform
+from tachk.conformance.events import Recording
+from tachk.conformance.packet_events import read_capture
+from tachk.engines.options import Limits
+
+LADDER = ((2, 2), (5, 5), (10, 10), (20, 20), (20, 150))
+"""Pairs of tolerance and lateness in milliseconds."""
+
+
+def without_killed_agent(recording: Recording, truth: dict[str, Any], start_ns: int) -> Recording:
+    """The recording without what came to an Agent that was dead."""
+    killed = [a["t_wall_ns"] for a in truth.get("agent", []) if "KILL" in a["event"]]
+    if not killed:
+        return recording
+    kept = [
+        event
+        for event in recording.events
+        if event.name != "arrived" or event.cells["link"] % 2 == 1 or event.time + start_ns < killed[0]  # type: ignore
+    ]
+    order = {id(event): n for n, event in enumerate(kept)}
+    changed = [
+        event if event.after is None else replace(event, after=order[id(recording.events[event.after])])
+        for event in kept
+    ]
+    return replace(recording, events=tuple(changed))
+
+
+def histories(truth: dict[str, Any]) -> int:
+    return max([node.get("history", 16) for node in truth["nodes"]])
+
+
+def answers(
+    model: tachk.Model, recording: Recording, seconds: float, ladder: tuple[tuple[int, int], ...]
+) -> Iterator[Conformance]:
+    assert model.loaded.recording is not None
+    for tolerance, late in ladder:
+        found = conform(
+            model.network,
+            model.loaded.recording,
+            recording,
+            constants_of(model.loaded),
+            Fraction(tolerance),
+            Fraction(late),
+            limits=Limits(seconds=seconds),
+            run=False,
+        )
+        yield found
+        if found.accepted:
+            return
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--model", default="models/micro_xrce_dds/recorded.ta")
+    parser.add_argument("--only", default="")
+    parser.add_argument("--seconds", type=float, default=10)
+    parser.add_argument("-D", dest="definitions", action="append", default=[])
+    parser.add_argument("--ladder", default="")
+    asked = parser.parse_args()
+    ladder = tuple(tuple(map(int, step.split("/"))) for step in asked.ladder.split()) or LADDER
+    for path in sorted(asked.folder.glob(f"{asked.only}*.pcap")):
+        truth = json.loads(path.with_name(path.stem + ".truth.json").read_text(encoding="utf-8"))
+        given = {name: int(value) for name, value in (pair.split("=") for pair in asked.definitions)}
+        links = len(truth["nodes"])
+        model = tachk.load(asked.model, **{"HISTORY": histories(truth), "INPUT_HISTORY": histories(truth)} | given)
+        if links != 2:
+            print(f"{path.stem}: {links} clients", flush=True)
+        started = time.process_time()
+        recording = read_capture(path, ())
+        recording = without_killed_agent(recording, truth, recording.epoch)
+        *_, found = answers(model, recording, asked.seconds, ladder)  # type: ignore[arg-type]
+        word = {True: "a run", False: "NO RUN", None: f"undecided ({found.reason})"}[found.accepted]
+        used = time.process_time() - started
+        print(
+            f"{path.stem}: {word}, {found.tolerance}/{found.late} ms, {len(recording.events)} events, "
+            f"{found.statistics.states_stored} states, {found.statistics.seconds:.2f} s, {used:.1f} s CPU in all",
+            flush=True,
+        )
+        if found.refusal is not None and found.refusal.event is not None:
+            event = recording.events[found.refusal.event]
+            print(f"    at {event.place}: {event.name} {dict(event.cells)}; {found.refusal.state}")
+            for offer in found.refusal.offers[:4]:
+                print(f"    allowed: {offer.text} {offer.earliest}..{offer.latest}")
+
+
+if __name__ == "__main__":
+    main()

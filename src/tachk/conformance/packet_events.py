@@ -1,0 +1,165 @@
+"""Captures of DDS-XRCE as recordings, in the words of `models/micro_xrce_dds/protocol.ta`.
+
+Clients are numbered: first those that write samples, then the others, each kind in the order in which they begin. What
+client c sends is on the link 2 c, what the Agent sends to it on 2 c + 1. The events:
+
+    sent(client, link, kind, number, detail)      a message leaves its sender
+    arrived(client, link, kind, number, detail)   it comes to its receiver
+    written(client, detail)                       a client puts a new message into its output stream
+    created_again(client)                         one more CREATE_CLIENT of a session reaches the Agent
+
+A message with several submessages is one event. The recording of a client ends where it deletes its session.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+from tachk.conformance.events import Cell, Closing, Event, Recording
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.records import dataclass
+from tachk.xrce.events import Event as Submessage
+from tachk.xrce.packets import CaptureError
+from tachk.xrce.transmissions import Transmission, read_transmissions
+from tachk.xrce.wire import Kind
+
+SUFFIXES = (".pcap", ".pcapng")
+_CLIENT_OBJECT = "FFFE"
+_STATUS, _READ = -16, -32
+_UNLIMITED = 65535
+
+
+@dataclass(frozen=True, slots=True)
+class _Content:
+    """What a message is for the automata: cells without client and link."""
+
+    kind: str
+    number: int
+    detail: int | None
+
+
+def read_capture(path: Path, ports: Iterable[int] = ()) -> Recording:
+    """The events of a capture; the model starts shortly before the first of them.
+
+    Where only one side of the way was recorded, each message may have arrived or not. Raises UsageError.
+    """
+    try:
+        found = read_transmissions(path, ports)
+    except (CaptureError, OSError) as error:
+        raise UsageError(f"{path}: {error}") from None
+    if not found.transmissions:
+        raise UsageError(f"{path} has no message of DDS-XRCE", "give the port of the Agent with --port")
+    return _Reader(path, found.transmissions, len(found.links)).recording(found.begin, found.end)
+
+
+class _Reader:
+    def __init__(self, path: Path, transmissions: Sequence[Transmission], links: int) -> None:
+        self.path = path
+        self.transmissions = transmissions
+        self.client = _numbered(transmissions, links)
+        self.samples: dict[str, int] = {}
+        self.rows: list[tuple[int, int, Event, int | None]] = []
+        self.written = [0] * links
+        self.deleted: list[int | None] = [None] * links
+        self.created = [0] * links
+
+    def recording(self, begin: int, end: int) -> Recording:
+        """Times are counted from ``begin``, in nanoseconds."""
+        for one in self.transmissions:
+            self._transmission(one, begin)
+        order = sorted(range(len(self.rows)), key=lambda n: self.rows[n][:2])
+        place = {old: new for new, old in enumerate(order)}
+        events = []
+        for number in order:
+            _, _, event, after = self.rows[number]
+            events.append(event if after is None else replace(event, after=place[after]))
+        closings = tuple(
+            Closing("client", self.client[link], Fraction(time - begin))
+            for link, time in enumerate(self.deleted)
+            if time is not None
+        )
+        return Recording(str(self.path), tuple(events), Fraction(1), None, Fraction(end - begin), closings, begin)
+
+    def _add(self, time: int, packet: int, name: str, cells: dict[str, Cell], **more: int | bool | None) -> int:
+        after = more.get("after")
+        event = Event(Fraction(time), name, cells, f"packet {packet}", None, bool(more.get("optional")))
+        self.rows.append((time, packet, event, after))
+        return len(self.rows) - 1
+
+    def _transmission(self, one: Transmission, begin: int) -> None:
+        if self.deleted[one.link] is not None:
+            return
+        client = self.client[one.link]
+        time = one.sent - begin
+        if any(e.kind is Kind.DELETE and e.fields.get("object") == _CLIENT_OBJECT for e in one.events):
+            self.deleted[one.link] = one.sent
+            return
+        if any(e.kind is Kind.CREATE_CLIENT for e in one.events):
+            for arrival in one.arrivals or ():
+                self.created[one.link] += 1
+                if self.created[one.link] > 1:
+                    self._add(arrival.time - begin, arrival.packet, "created_again", {"client": client})
+            return
+        for content in self._contents(one):
+            cells: dict[str, Cell] = {"client": client, "link": 2 * client + (not one.to_agent), "kind": content.kind}
+            cells |= {"number": content.number}
+            if content.detail is not None:
+                cells |= {"detail": content.detail}
+            if one.to_agent and content.kind == "DATA" and content.number == self.written[one.link]:
+                self.written[one.link] += 1
+                self._add(time, one.packet, "written", {"client": client, "detail": content.detail or 0})
+            sent = self._add(time, one.packet, "sent", cells)
+            if one.arrivals is None:
+                self._add(time, one.packet, "arrived", cells, after=sent, optional=True)
+            for arrival in one.arrivals or ():
+                self._add(arrival.time - begin, arrival.packet, "arrived", cells, after=sent)
+
+    def _contents(self, one: Transmission) -> Iterator[_Content]:
+        """What the automata know of a message: what is in a reliable stream, ACKNACK, HEARTBEAT, a question."""
+        first = one.events[0]
+        if first.is_reliable and first.sequence is not None:
+            yield _Content("DATA", first.sequence, self._carried(one.events))
+            return
+        for event in one.events:
+            fields = event.fields
+            if event.kind is Kind.HEARTBEAT:
+                yield _Content("HEARTBEAT", _integer(fields["first"]), _integer(fields["last"]) + 1)
+            elif event.kind is Kind.ACKNACK:
+                start, missing = _integer(fields["first"]), fields["missing"]
+                assert isinstance(missing, list)
+                yield _Content("ACKNACK", start, sum(1 << (number - start) % 65536 for number in missing))
+            elif event.kind is Kind.GET_INFO and one.to_agent:
+                yield _Content("PING", 0, 0)
+
+    def _carried(self, events: Sequence[Submessage]) -> int | None:
+        """What a message of a reliable stream carries: a sample, or what is created, answered, asked for."""
+        created = sum(event.kind is Kind.CREATE for event in events)
+        if created:
+            return -created
+        for event in events:
+            match event.kind:
+                case Kind.STATUS:
+                    return _STATUS
+                case Kind.READ_DATA:
+                    count = event.fields["max_samples"]
+                    return _READ if count == _UNLIMITED else _READ - (1 if count is None else _integer(count))
+                case Kind.WRITE_DATA | Kind.DATA:
+                    return self.samples.setdefault(str(event.fields["sample"]), len(self.samples))
+                case _:
+                    pass
+        return None
+
+
+def _integer(value: object) -> int:
+    assert isinstance(value, int)
+    return value
+
+
+def _numbered(transmissions: Sequence[Transmission], links: int) -> list[int]:
+    """The number of the client of each link."""
+    writes = {one.link for one in transmissions if any(e.kind is Kind.WRITE_DATA for e in one.events)}
+    order = sorted(range(links), key=lambda link: (link not in writes, link))
+    return [order.index(link) for link in range(links)]

@@ -1,0 +1,43 @@
+"""Captures as recordings: what was sent, what arrived of it, in the words of the automata."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tachk.conformance.packet_events import read_capture
+
+CAPTURES = Path(__file__).parents[3] / "../shared/captures"
+
+
+@pytest.fixture
+def capture(request: pytest.FixtureRequest) -> Path:
+    path = CAPTURES / f"{request.param}.pcap"
+    if not path.exists():
+        pytest.skip("the captures are not here")
+    return path
+
+
+@pytest.mark.parametrize("capture", ["c1_lose_write5_paced150"], indirect=True)
+def test_lost_message_is_sent_and_does_not_arrive(capture: Path) -> None:
+    events = read_capture(capture).events
+    fifth = [e.name for e in events if e.cells.get("kind") == "DATA" and (e.cells["link"], e.cells["number"]) == (0, 5)]
+    assert fifth == ["sent", "sent", "arrived"]
+    assert [e.cells["detail"] for e in events if e.name == "written" and e.cells["client"] == 0] == [-4, *range(10)]
+    assert [e.cells["detail"] for e in events if e.name == "written" and e.cells["client"] == 1] == [-4, -32]
+    assert all(events[e.after].name == "sent" for e in events if e.name == "arrived" and e.after is not None)
+    assert [e.time for e in events] == sorted(e.time for e in events)
+
+
+@pytest.mark.parametrize("capture", ["a4_clean_direct_noproxy"], indirect=True)
+def test_nobody_saw_what_arrived(capture: Path) -> None:
+    arrived = [e for e in read_capture(capture).events if e.name == "arrived"]
+    assert arrived
+    assert all(event.optional for event in arrived)
+
+
+@pytest.mark.parametrize("capture", ["f7_late_dup_create_client_sub"], indirect=True)
+def test_second_create_client(capture: Path) -> None:
+    created = [e.cells for e in read_capture(capture).events if e.name == "created_again"]
+    assert created == [{"client": 1}]
