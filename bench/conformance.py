@@ -55,7 +55,7 @@ def answers(
     model: tachk.Model, recording: Recording, seconds: float, ladder: tuple[tuple[int, int], ...]
 ) -> Iterator[Conformance]:
     assert model.loaded.recording is not None
-    for tolerance, late in ladder:
+    for step, (tolerance, late) in enumerate(ladder, start=1):
         found = conform(
             model.network,
             model.loaded.recording,
@@ -65,6 +65,7 @@ def answers(
             Fraction(late),
             limits=Limits(seconds=seconds),
             run=False,
+            explain=step == len(ladder),
         )
         yield found
         if found.accepted:

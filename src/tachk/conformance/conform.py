@@ -81,12 +81,14 @@ def conform(
     options: Options = Options(order=SearchOrder.DFS),
     limits: Limits = Limits(),
     run: bool = True,
+    explain: bool = True,
 ) -> Conformance:
     """Whether a recording is a run of a model.
 
     Args:
         tolerance, late: in units of the model; None: as the model says.
         run: make a run that shows it, and replay it.
+        explain: find where the recording leaves the model, by a second search.
 
     Raises UsageError for a recording that does not fit the model, UnsupportedError.
     """
@@ -100,14 +102,18 @@ def conform(
     outcome = explore(program, goals, options, limits)
     found = outcome.goals[0]
     base = Conformance(None, tolerance, late, recording, following, queues, outcome.statistics)
+
+    def refusal() -> Refusal | None:
+        return _furthest(following, queues, options, limits) if explain else None
+
     match found.status:
         case Status.REACHED:
             path = found.path or ()
             return _with(base, accepted=True, path=path, run=_run(following, path) if run else None)
         case Status.UNREACHABLE if not outcome.reason:
-            return _with(base, accepted=False, refusal=_furthest(following, queues, options, limits))
+            return _with(base, accepted=False, refusal=refusal())
         case _:
-            return _with(base, reason=_reason(outcome), refusal=_furthest(following, queues, options, limits))
+            return _with(base, reason=_reason(outcome), refusal=refusal())
 
 
 def _reason(outcome: Outcome) -> str:
