@@ -26,10 +26,11 @@ def rules_of(run: ModelRun, ports: Sequence[int], name: str) -> tuple[Rule, ...]
 
     Args:
         run: the run.
-        ports: where the relay listens for clients: all of the model or all that occur in the run, in their order.
+        ports: where the relay listens: for the clients of the model, or for those that occur in the run, in their
+            order, and then for others.
         name: of the file that holds the run.
 
-    Raises UsageError if there are as many ports as neither.
+    Raises UsageError for too few ports.
     """
     rules: list[Rule] = []
     nowhere = Source(name, "")
@@ -39,15 +40,15 @@ def rules_of(run: ModelRun, ports: Sequence[int], name: str) -> tuple[Rule, ...]
     return tuple(rules)
 
 
-def _ports(run: ModelRun, ports: Sequence[int]) -> Mapping[str, int]:
-    there = {happening.message.client for happening in run.happenings}
-    occurring = [client for client in run.clients if client in there]
-    for clients in (run.clients, occurring):
-        if len(ports) == len(clients):
-            return dict(zip(clients, ports, strict=True))
+def _ports(run: ModelRun, ports: Sequence[int]) -> Mapping[int, int]:
+    occurring = sorted({happening.message.client for happening in run.happenings})
+    if len(ports) >= run.clients:
+        return dict(zip(range(run.clients), ports, strict=False))
+    if len(ports) == len(occurring):
+        return dict(zip(occurring, ports, strict=True))
     raise UsageError(
-        f"the run has {len(occurring)} clients ({', '.join(occurring)}), and the relay has {len(ports)} ports for them",
-        "give one --listen for each client, in this order",
+        f"the run has {len(occurring)} clients, and the relay listens for {len(ports)}",
+        "give one --listen for each client, in the order of the model",
     )
 
 

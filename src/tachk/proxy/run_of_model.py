@@ -1,14 +1,15 @@
 """The packets of a run of an XRCE model, from the report of `tachk verify --format json`.
 
 The model speaks through the channels of `models/lib/messages.ta`, ``send[link][kind]`` and ``deliver[link][kind]``;
-``created_again`` is a second CREATE_CLIENT that reaches the Agent. What a link loses it counts in ``losses``, what it
-duplicates in ``copies``.
+client c sends on the link 2 * c and gets what comes on 2 * c + 1. ``created_again[c]`` is one more CREATE_CLIENT of
+this client that reaches the Agent. What a link loses it counts in ``losses``, what it duplicates in ``copies``. A
+message of a client that gets samples is taken for READ_DATA, that of another one for WRITE_DATA.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, Final
 
 from tachk.diagnostics.diagnostic import UsageError
@@ -17,14 +18,11 @@ from tachk.records import dataclass
 from tachk.xrce.wire import Kind
 
 _CHANNEL: Final = re.compile(r"(send|deliver)\[(\w+)\]\[(\w+)\]")
-_UP, _DOWN = "_UP", "_DOWN"
-_AGAIN: Final = "created_again"
+_AGAIN: Final = re.compile(r"created_again\[(\w+)\]")
 _KINDS: Final = {
     "DATA": (Kind.WRITE_DATA, Kind.DATA),
     "HEARTBEAT": (Kind.HEARTBEAT, Kind.HEARTBEAT),
     "ACKNACK": (Kind.ACKNACK, Kind.ACKNACK),
-    "READ": (Kind.READ_DATA, None),
-    "ACCEPT": (None, Kind.ACKNACK),
     "PING": (Kind.GET_INFO, None),
 }
 """What the kinds of messages of `models/micro_xrce_dds/protocol.ta` are on the wire: to the Agent, to the client."""
@@ -35,13 +33,13 @@ class Message:
     """A message of a run.
 
     Attributes:
-        client: the name of the link without its direction, such as PUB.
+        client: its number.
         way: where it goes.
         kind: what it is on the wire.
         count: which one of this kind on this way, from 1.
     """
 
-    client: str
+    client: int
     way: Way
     kind: Kind
     count: int
@@ -59,9 +57,9 @@ class Happening:
 
 @dataclass(frozen=True, slots=True)
 class ModelRun:
-    """What happens to messages, in the order of time; ``clients`` of the model, in its order."""
+    """What happens to messages, in the order of time; ``clients``: how many the model has."""
 
-    clients: tuple[str, ...]
+    clients: int
     happenings: tuple[Happening, ...]
 
 
@@ -85,7 +83,8 @@ def read_run(document: object, name: str, prop: str | None = None) -> ModelRun:
         reading.values.update({key: changes[key] for key in ("losses", "copies") if key in changes})
     if not reading.happenings:
         raise UsageError(f"{name}: no message is sent in the run", "it should be a run of a model that uses models/lib")
-    return ModelRun(reading.clients, tuple(reading.happenings))
+    readers = {one.message.client for one in reading.happenings if one.message.kind is Kind.DATA}
+    return ModelRun(reading.clients, tuple(_as_read(one, readers) for one in reading.happenings))
 
 
 def _trace(document: object, name: str, prop: str | None) -> tuple[Mapping[str, int], list[dict[str, Any]]]:
@@ -112,64 +111,69 @@ def _trace(document: object, name: str, prop: str | None) -> tuple[Mapping[str, 
     return found[next(iter(found)) if prop is None else prop]
 
 
+def _as_read(happening: Happening, readers: Collection[int]) -> Happening:
+    """What a client that gets samples sends are requests for them."""
+    message = happening.message
+    if message.client not in readers or message.kind is not Kind.WRITE_DATA:
+        return happening
+    message = Message(message.client, message.way, Kind.READ_DATA, message.count)
+    return Happening(message, happening.sent, happening.lost, happening.stays)
+
+
 class _Reading:
     def __init__(self, constants: Mapping[str, int]) -> None:
-        links = sorted((value, link) for link, value in constants.items() if link.endswith((_UP, _DOWN)))
-        self.links = {str(value): link for value, link in links}
+        self.constants = constants
         self.kinds = {str(constants[kind]): kind for kind in _KINDS if kind in constants}
-        self.clients = tuple(dict.fromkeys(_client(link) for _, link in links))
+        self.clients = constants.get("LINKS", 0) // 2
         self.values: dict[str, int] = {}
         self.happenings: list[Happening] = []
-        self.counts: dict[tuple[str, Way, Kind], int] = {}
-        self.carried: dict[str, dict[Message, set[str]]] = {}
+        self.counts: dict[tuple[int, Way, Kind], int] = {}
+        self.carried: dict[int, dict[Message, set[str]]] = {}
         """What is under way in a link, and which processes listened when it was sent."""
-        self.owners: dict[str, str] = {}
-        """The client that a process has had to do with."""
 
     def step(self, transition: Mapping[str, Any], changes: Mapping[str, int]) -> None:
         channel = str(transition["channel"])
-        processes = [part["process"] for part in transition["participants"]]
-        senders = [part["process"] for part in transition["participants"] if part["role"] == "sends"]
-        listeners = [process for process in processes if process not in senders]
-        if channel == _AGAIN:
-            owners = {self.owners[process] for process in processes if process in self.owners}
-            for client in sorted(owners, key=self.clients.index):
-                self.happenings.append(Happening(self.message(client, Way.TO_AGENT, Kind.CREATE_CLIENT), False))
-            return
-        found = _CHANNEL.fullmatch(channel)
-        if found is None:
-            return
-        link, name = self.links.get(found[2], found[2]), self.kinds.get(found[3], found[3])
-        client, is_up = _client(link), link.endswith(_UP)
-        way = Way.TO_AGENT if is_up else Way.TO_CLIENT
-        kind = _KINDS.get(name, (None, None))[0 if is_up else 1]
-        if kind is None or not link.endswith((_UP, _DOWN)):
-            raise UsageError(f"{channel}: it is not known which packets this stands for", _known())
-        if found[1] == "send":
-            self.owners.update(dict.fromkeys(senders, client))
-            self.sent(self.message(client, way, kind), link, listeners, changes)
-        else:
-            self.owners.update(dict.fromkeys(listeners, client))
-            self.delivered(kind, link, senders, changes)
+        if again := _AGAIN.fullmatch(channel):
+            message = self.message(self.number(again[1], channel), Way.TO_AGENT, Kind.CREATE_CLIENT)
+            self.happenings.append(Happening(message, False))
+        elif found := _CHANNEL.fullmatch(channel):
+            link, name = self.number(found[2], channel), self.kinds.get(found[3], found[3])
+            kind = _KINDS.get(name, (None, None))[link % 2]
+            if kind is None:
+                raise UsageError(f"{channel}: it is not known which packets this stands for", _known())
+            parts = transition["participants"]
+            senders = {part["process"] for part in parts if part["role"] == "sends"}
+            listeners = {part["process"] for part in parts} - senders
+            if found[1] == "send":
+                self.sent(kind, link, listeners, changes)
+            else:
+                self.delivered(kind, link, senders, changes)
 
-    def message(self, client: str, way: Way, kind: Kind) -> Message:
+    def number(self, name: str, channel: str) -> int:
+        """What a name of a link or a client, or a number, stands for."""
+        if not name.isdecimal() and name not in self.constants:
+            raise UsageError(f"{channel}: {name} is no constant of the model")
+        return int(name) if name.isdecimal() else self.constants[name]
+
+    def message(self, client: int, way: Way, kind: Kind) -> Message:
         key = (client, way, kind)
         self.counts[key] = self.counts.get(key, 0) + 1
         return Message(client, way, kind, self.counts[key])
 
-    def sent(self, message: Message, link: str, listeners: list[str], changes: Mapping[str, int]) -> None:
+    def sent(self, kind: Kind, link: int, listeners: set[str], changes: Mapping[str, int]) -> None:
+        message = self.message(link // 2, Way.TO_CLIENT if link % 2 else Way.TO_AGENT, kind)
         lost = self.grows("losses", changes)
         self.happenings.append(Happening(message, True, lost))
         if not lost:
-            self.carried.setdefault(link, {})[message] = {*listeners}
+            self.carried.setdefault(link, {})[message] = listeners
 
-    def delivered(self, kind: Kind, link: str, carriers: list[str], changes: Mapping[str, int]) -> None:
+    def delivered(self, kind: Kind, link: int, carriers: set[str], changes: Mapping[str, int]) -> None:
         """The message that the carrier has taken first leaves; a model may hide which one carries it."""
         under_way = self.carried.get(link, {})
-        fitting = (one for one in under_way if one.kind is kind and under_way[one].issuperset(carriers))
+        fitting = (one for one in under_way if one.kind is kind and under_way[one] >= carriers)
         message = next(fitting, None)
         if message is None:
-            raise UsageError(f"the link {link} delivers {kind.name} that nobody has sent")
+            raise UsageError(f"link {link} delivers {kind.name} that nobody has sent")
         stays = self.grows("copies", changes)
         if not stays:
             del under_way[message]
@@ -179,9 +183,5 @@ class _Reading:
         return changes.get(name, 0) > self.values.get(name, 0)
 
 
-def _client(link: str) -> str:
-    return link.removesuffix(_UP).removesuffix(_DOWN)
-
-
 def _known() -> str:
-    return f"links are constants that end in {_UP} and {_DOWN}, kinds of messages are {', '.join(_KINDS)}"
+    return f"kinds of messages are {', '.join(_KINDS)}"
