@@ -305,6 +305,36 @@ def test_ranks_about_clocks_prove_nothing_about_another_model(name: str, old: st
         assert isinstance(find_proof(changed_network, "digest", same), str) is not is_provable(verdict)
 
 
+BEHIND = """
+clock y;
+process P() {
+    init location a { invariant y <= 1; to b { } }
+    location b { }
+}
+system P;
+property met : A<> P.b && y >= 1 && y < 2;
+"""
+
+
+def test_a_run_may_pass_the_goal_by() -> None:
+    """What is reached lies before the goal, in it and behind it; only what lies before is in the set."""
+    network, query = counter("met", BEHIND)
+    proof = proved(network, query)
+    (block,) = proof.blocks()
+    at_a, at_b = (int(np.flatnonzero(block.discretes[:, 0] == location)[0]) for location in (0, 1))
+    assert block.zones.tolist() == [1, 1]
+    first = np.concatenate(([0], np.cumsum(block.constraints)))
+    of_b = slice(first[at_b], first[at_b + 1])
+    counts = block.constraints.copy()
+    counts[at_a] = 0
+    wide = replace(block, constraints=counts, places=block.places[of_b], bounds=block.bounds[of_b])
+    certificate = written(proof, iter([wide]))
+    assert judged(network, query, certificate) is None
+    late, same = counter("met", BEHIND.replace("y <= 1", "y <= 3"))
+    found = judged(late, same, certificate)
+    assert found is not None and found.reason == "a successor is not in the set"
+
+
 def fischer(**constants: int) -> tuple[Network, Query]:
     loaded = tachk.load(MODELS / "classics" / "fischer.ta", **{"N": 2, **constants})
     return loaded.network, loaded.properties[0]
