@@ -187,10 +187,13 @@ def _time(time: Fraction | None) -> str | None:
 
 
 def _transition(event: Event, told: set[tuple[str, str, tuple[Span, ...]]]) -> dict[str, Json]:
-    return {
+    transition: dict[str, Json] = {
         "channel": event.channel or None,
         "participants": [_participant(move, told) for move in event.moves],
     }
+    if event.carried:
+        transition["carries"] = dict(event.carried)
+    return transition
 
 
 def _participant(move: Move, told: set[tuple[str, str, tuple[Span, ...]]]) -> dict[str, Json]:
@@ -200,6 +203,8 @@ def _participant(move: Move, told: set[tuple[str, str, tuple[Span, ...]]]) -> di
         "source": move.source,
         "target": move.target,
     }
+    if move.news:
+        participant["news"] = move.doc
     if move.selects:
         participant["select"] = dict(move.selects)
     edge = move.process, move.source, move.spans

@@ -283,6 +283,18 @@ def execute_updates(
     return DiscreteState(tuple(locations), tuple(values)), scratch.resets
 
 
+def meta_values(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> dict[int, int]:
+    """What the updates of a transition leave in meta variables, by cell: what its processes tell each other.
+
+    Raises EvaluationFault.
+    """
+    scratch = environment(model, discrete)
+    for participant in transition.participants:
+        bind_selects(model, participant, scratch)
+        execute(model.edge(participant).updates, scratch)
+    return {cell: scratch.values[cell] for cell, meta in enumerate(model.layout.meta) if meta}
+
+
 def may_delay(model: PreparedNetwork, discrete: DiscreteState) -> bool:
     """Whether no current location is urgent or committed."""
     return not any(location.urgent or location.committed for location in model.current(discrete))

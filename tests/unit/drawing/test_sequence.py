@@ -35,7 +35,8 @@ def random_chart(seed: int, events: int = 40) -> Chart:
         label = random.choice(("WRITE_DATA 3", "ACKNACK 4 missing 5, 7..16", "HEARTBEAT 3..7", "x" * 90))
         category = random.choice(list(Category))
         again = random.random() < 0.3
-        made.append(Message(sender, (receiver,), moment, arrivals, label, label, category, again, f"{number}"))
+        tag, lost = f"{number}", not arrivals and random.random() < 0.7
+        made.append(Message(sender, (receiver,), moment, arrivals, label, label, category, again, tag, lost))
     phase = Phase(0, begun(made[3]), begun(made[9]), "asleep")
     return Chart(
         "a <chart>", "of & at random", "ms", tuple(f"process {n}" for n in range(count)), tuple(made), (phase,)
@@ -64,7 +65,8 @@ def test_every_message_is_drawn_and_lost_ones_have_a_cross(seed: int, axis: Time
     lost = [message for message in chart.messages if message.is_lost]
     legend = 1 if lost else 0
     assert sum("cross" in line for line in lines) == 2 * (len(lost) + legend)
-    assert len(heads) == sum(len(message.arrivals) for message in chart.messages)
+    under_way = sum(not message.arrivals and not message.is_lost for message in chart.messages)
+    assert len(heads) == sum(len(message.arrivals) for message in chart.messages) + under_way
     assert [node.text for node in (root.find(f"{SVG}title"), root.find(f"{SVG}desc")) if node is not None] == [
         chart.title,
         chart.description,
@@ -77,7 +79,7 @@ def sent(layout: Layout) -> list[float]:
 
 def message(time: int, arrives: int | None = None, order: int = 0) -> Message:
     arrivals = () if arrives is None else (Moment(Fraction(arrives), order + 1),)
-    return Message(0, (1,), Moment(Fraction(time), order), arrivals, f"DATA {time}")
+    return Message(0, (1,), Moment(Fraction(time), order), arrivals, f"DATA {time}", is_lost=not arrivals)
 
 
 def chart_of(*messages: Message) -> Chart:

@@ -41,6 +41,7 @@ class Asked:
         max_memory: such as ``2G``.
         certificate: where proofs of the answers are written.
         munta: the folder for proofs that Munta checks.
+        chart: the picture of a run.
         non_zeno: a run with infinitely many transitions counts only if time diverges in it.
     """
 
@@ -51,6 +52,7 @@ class Asked:
     max_memory: str | None = None
     certificate: Path | None = None
     munta: Path | None = None
+    chart: Path | None = None
     non_zeno: bool = False
 
 
@@ -90,6 +92,8 @@ def _check_all(
         raise UsageError("--certificate names one file, but there are several models")
     if asked.certificate is not None and not asked.certificate.parent.is_dir():
         raise UsageError(f"there is no folder {asked.certificate.parent} for the certificate", "make it first")
+    if asked.chart is not None and len(models) > 1:
+        raise UsageError("--chart names one file, but there are several models")
     if asked.munta is not None and len(models) > 1:
         raise UsageError("--munta names the folder of one model, but there are several models")
     constants = parse_definitions(asked.definitions)
@@ -118,17 +122,8 @@ def _check_all(
                 complain(str(error), f"one of them is wrong; please report it with {write_disagreement(model, error)}")
                 return ExitStatus.INTERNAL_ERROR
         report.add(record)
-        statuses = [*_statuses(record)]
-        if asked.certificate is not None:
-            from tachk.cli.actions.certificates.writing import write_certificates
-
-            left = limits.after(time.monotonic() - started)
-            statuses.append(write_certificates(asked.certificate, model.network, record.verdicts, options, left))
-        if asked.munta is not None:
-            from tachk.cli.actions.certificates.munta import write_munta_proofs
-
-            left = limits.after(time.monotonic() - started)
-            statuses.append(write_munta_proofs(asked.munta, model.network, record.verdicts, options, left))
+        left = limits.after(time.monotonic() - started)
+        statuses = [*_statuses(record), *_written(asked, model, record, options, left)]
         return worst(statuses)
 
     statuses: list[ExitStatus] = []
@@ -137,6 +132,26 @@ def _check_all(
         if statuses[-1] is ExitStatus.INTERRUPTED:
             break
     return worst(statuses)
+
+
+def _written(
+    asked: Asked, model: api.Model, record: RunRecord, options: Options, limits: Limits
+) -> Iterable[ExitStatus]:
+    """Writes the chart and the proofs that were asked for."""
+    started = time.monotonic()
+    if asked.chart is not None:
+        from tachk.cli.actions.packets.run_chart import write_run_chart
+
+        write_run_chart(asked.chart, record)
+    if asked.certificate is not None:
+        from tachk.cli.actions.certificates.writing import write_certificates
+
+        yield write_certificates(asked.certificate, model.network, record.verdicts, options, limits)
+    if asked.munta is not None:
+        from tachk.cli.actions.certificates.munta import write_munta_proofs
+
+        left = limits.after(time.monotonic() - started)
+        yield write_munta_proofs(asked.munta, model.network, record.verdicts, options, left)
 
 
 def _shortest(options: Options) -> Options:

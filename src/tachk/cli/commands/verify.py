@@ -79,6 +79,14 @@ _DEFAULT = Options()
     "checker is verified.",
 )
 @click.option(
+    "chart",
+    "--chart",
+    metavar="FILE",
+    type=options.type_of_file,
+    help="Draw a run as a sequence chart into this .svg or .png file: that of the first unexpected answer that has "
+    "one, or else of the first answer.",
+)
+@click.option(
     "states",
     "--max-states",
     metavar="N",

@@ -35,12 +35,13 @@ class Message:
         sender: the index of its lifeline.
         receivers: those of the lifelines that get it, or should.
         sent: when.
-        arrivals: when it comes, several times if it was copied; none if it is lost.
+        arrivals: when it comes, several times if it was copied; none if it is lost or still under way.
         label: what it says, in the words of the protocol.
         detail: more about it, for whoever points at it.
         category: what it is for.
         is_repeated: it has been sent before.
         tag: what it is called elsewhere, such as the number of its packet; stands before its time.
+        is_lost: it never comes.
     """
 
     sender: int
@@ -52,10 +53,7 @@ class Message:
     category: Category = Category.OTHER
     is_repeated: bool = False
     tag: str = ""
-
-    @property
-    def is_lost(self) -> bool:
-        return not self.arrivals
+    is_lost: bool = False
 
 
 @dataclass(frozen=True, slots=True)

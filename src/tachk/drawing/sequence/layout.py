@@ -23,6 +23,12 @@ from tachk.drawing.sequence.chart import Chart, Message, Moment, Note, Phase, be
 LINE = 17
 """From one label to the next one below it."""
 
+_APART = LINE - 2
+"""The same where labels had to move; more than the height of a text."""
+
+_NEAR = 400
+"""Labels placed before that may still be in the way."""
+
 HEADER = 44
 """From the top of the lifelines to the first event."""
 
@@ -174,7 +180,10 @@ def _columns(chart: Chart) -> tuple[int, ...]:
 def _times_width(chart: Chart) -> int:
     """The width of the column of times, which begins with tags."""
     tags = max((text_width(message.tag) for message in chart.messages), default=0)
-    return _TIMES + (tags + 10 if tags else 0)
+    found = [begun(event).time for event in chart.events]
+    whole = [max(found) - min(found)] if found else []
+    times = max((text_width(f"{decimal(time)} {chart.unit}") for time in (*found, *whole)), default=0)
+    return max(times + 40, _TIMES) + (tags + 10 if tags else 0)
 
 
 def _lane(event: Message | Note) -> int | None:
@@ -316,7 +325,7 @@ def _longest_shown(gaps: Sequence[Fraction]) -> Fraction:
 
 def _arrow(message: Message, rows: _Rows, xs: Sequence[int]) -> Arrow:
     x, y = xs[message.sender], rows.at(message.sent)
-    if message.is_lost:
+    if not message.arrivals:
         ends = tuple((x + (xs[one] - x) * 0.62, y + _ARRIVAL) for one in message.receivers[:1])
         return Arrow(message, x, y, ends, ())
     first, *others = message.arrivals
@@ -355,13 +364,11 @@ def _apart(labels: Sequence[Label]) -> list[Label]:
 
 
 def _free(label: Label, placed: Sequence[Label], lowest: Mapping[tuple[float, str], float]) -> Label:
-    y = max(label.y, lowest.get((label.x, label.anchor), float("-inf")) + LINE - 3 if placed else label.y)
+    y = max(label.y, lowest.get((label.x, label.anchor), float("-inf")) + _APART)
     moved = label if y == label.y else _at(label, y)
-    while True:
-        above = [other for other in placed[-400:] if overlap(moved, other)]
-        if not above:
-            return moved
-        moved = _at(label, max(other.y for other in above) + LINE - 3)
+    while above := [other for other in placed[-_NEAR:] if overlap(moved, other)]:
+        moved = _at(label, max(other.y for other in above) + _APART)
+    return moved
 
 
 def _at(label: Label, y: float) -> Label:
@@ -381,4 +388,4 @@ def decimal(time: Fraction) -> str:
     value = float(time)
     if value == int(value):
         return f"{int(value)}"
-    return f"{value:.1f}" if value >= 10 else f"{value:.2f}" if value >= 1 else f"{value:.2g}"
+    return f"{value:.1f}" if value >= 10 else f"{value:.3g}"

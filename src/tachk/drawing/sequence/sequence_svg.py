@@ -89,7 +89,7 @@ def draw_chart(layout: Layout) -> SequencePicture:
     """The picture of a chart."""
     height = _TITLE + layout.height + _LEGEND
     legend = list(_legend(layout))
-    width = max(layout.width, text_width(layout.chart.title) * 7 // 6 + 40, _legend_width(layout))
+    width = max(layout.width, text_width(layout.chart.title) * 4 // 3 + 40, _legend_width(layout))
     content = [
         f'<text class="title" x="16" y="20">{escape(layout.chart.title)}</text>',
         f'<g transform="translate(0 {_TITLE})">',
@@ -135,6 +135,8 @@ def _arrow(arrow: Arrow) -> Iterator[str]:
     message = arrow.message
     kind = "lost" if message.is_lost else message.category.value
     style = f"line {kind}{' repeated' if message.is_repeated else ''}"
+    if not message.arrivals and not message.is_lost:
+        style = f"line {kind} copy"
     for x, y in arrow.ends:
         yield f'<line class="{style}" x1="{arrow.x}" y1="{arrow.y:.1f}" x2="{x:.1f}" y2="{y:.1f}"/>'
         yield from _cross(x, y) if message.is_lost else _head(arrow.x, arrow.y, x, y, kind)

@@ -12,11 +12,19 @@ from fractions import Fraction
 from tachk.diagnostics.span import Span
 from tachk.model.evaluate import channel_number
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable
+from tachk.model.fault import EvaluationFault
 from tachk.model.floating import contains_double
 from tachk.model.network import Edge, Network
 from tachk.model.types import BoolType, ChannelType, ClockType, cell_count
 from tachk.records import dataclass
-from tachk.semantics.discrete import bind_selects, environment, execute_updates, initial_discrete, prepare
+from tachk.semantics.discrete import (
+    bind_selects,
+    environment,
+    execute_updates,
+    initial_discrete,
+    meta_values,
+    prepare,
+)
 from tachk.semantics.timed_trace import DiscreteState, Ending, Participant, TimedState, TimedTrace, Transition
 from tachk.words import Direction
 
@@ -67,10 +75,17 @@ class Move:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """A transition: the channel (empty for an internal edge) and its moves, the sender's first."""
+    """A transition.
+
+    Attributes:
+        channel: empty for an internal edge.
+        moves: the sender's first.
+        carried: what a synchronisation leaves in meta variables: what its processes tell each other.
+    """
 
     channel: str
     moves: tuple[Move, ...]
+    carried: tuple[tuple[str, int], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,6 +192,13 @@ class Names:
             )
             if cell not in numbers and not meta and not isinstance(leaf, ClockType | ChannelType)
         ]
+        self._metas = [
+            (cell, name)
+            for cell, (name, leaf, meta) in enumerate(
+                zip(self.layout.names, self.layout.types, self.layout.meta, strict=True)
+            )
+            if meta and cell not in numbers and not isinstance(leaf, ClockType | ChannelType)
+        ]
         self._clocks = tuple(self.layout.names[cell] for cell in self.layout.clock_cells)
 
     def view(self, initial: Snapshot, steps: Sequence[ViewStep]) -> TraceView:
@@ -214,7 +236,17 @@ class Names:
             bind_selects(self.model, first, scratch)
             number = channel_number(synchronisation.channel, scratch)
             channel = self._channel(self.layout.channel_cells[number])
-        return Event(channel, tuple(self._move(participant) for participant in transition.participants))
+        moves = tuple(self._move(participant) for participant in transition.participants)
+        return Event(channel, moves, self._carried(before, transition) if channel else ())
+
+    def _carried(self, before: DiscreteState, transition: Transition) -> tuple[tuple[str, int], ...]:
+        if not self._metas:
+            return ()
+        try:
+            values = meta_values(self.model, before, transition)
+        except EvaluationFault:
+            return ()
+        return tuple((name, int(values[cell])) for cell, name in self._metas)
 
     def _channel(self, cell: int) -> str:
         """The name of a channel, with constants of the model as indices where its edges write them."""

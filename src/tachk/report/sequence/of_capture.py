@@ -109,6 +109,7 @@ class _Teller:
             Category.OTHER if first.kind is None else _CATEGORIES.get(first.kind, Category.OTHER),
             self._is_repeated(one, first),
             str(one.packet),
+            one.is_lost,
         )
 
     def _is_repeated(self, one: Transmission, first: Event) -> bool:

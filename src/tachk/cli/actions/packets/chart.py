@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from fractions import Fraction
 from pathlib import Path
@@ -14,6 +15,8 @@ from tachk.drawing.sequence.layout import TimeAxis, lay_out
 from tachk.drawing.sequence.sequence_svg import draw_chart
 from tachk.records import dataclass
 from tachk.report.sequence.of_capture import chart_of_capture
+from tachk.report.sequence.of_run import chart_of_run
+from tachk.report.sequence.run_steps import RunSteps, steps_of_report
 from tachk.time_units import length_of
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.transmissions import read_transmissions
@@ -46,6 +49,10 @@ def run_chart(charting: Charting) -> ExitStatus:
 
 
 def _read(charting: Charting) -> Chart:
+    with charting.file.open("rb") as stream:
+        is_report = stream.read(1) in (b"{", b" ", b"\n")
+    if is_report:
+        return chart_of_run(_report(charting))
     try:
         recording = read_transmissions(charting.file, charting.ports)
     except CaptureError as error:
@@ -57,6 +64,14 @@ def _read(charting: Charting) -> Chart:
             f"{charting.file}: no message to or from the ports of an Agent", "--port says where the Agent listens"
         )
     return chart_of_capture(recording, charting.file.name)
+
+
+def _report(charting: Charting) -> RunSteps:
+    try:
+        document = json.loads(charting.file.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise UsageError(f"{charting.file}: {error}", "a report of tachk verify --format json is expected") from None
+    return steps_of_report(document, str(charting.file), charting.name)
 
 
 def write_chart(chart: Chart, output: Path, axis: TimeAxis = TimeAxis.COMPRESSED) -> None:

@@ -1,0 +1,27 @@
+"""`tachk verify --chart`: the sequence chart of a run that was just found."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from tachk.cli.actions.packets.chart import write_chart
+from tachk.report.record import RunRecord
+from tachk.report.run.trace_view import view_trace
+from tachk.report.sequence.of_run import chart_of_run
+from tachk.report.sequence.run_steps import steps_of_view
+
+
+def write_run_chart(output: Path, record: RunRecord) -> None:
+    """Draws the run of the first unexpected answer that has one, or else of the first answer; says so if none has."""
+    found = [verdict for verdict in record.verdicts if verdict.trace is not None]
+    chosen = next((verdict for verdict in found if verdict.met is False), found[0] if found else None)
+    if chosen is None or chosen.trace is None:
+        print("no answer has a run, so there is no chart", file=sys.stderr)
+        return
+    network, query = record.network, chosen.query
+    title = f"{query.name}: {query.title or query.text}"
+    remark = f"{query.name} {chosen.answer.value}"
+    view = view_trace(network, chosen.trace)
+    steps = steps_of_view(view, title, network.time_unit or "", dict(network.constants), remark)
+    write_chart(chart_of_run(steps).used(), output)

@@ -1,0 +1,247 @@
+"""The sequence chart of a run of a model.
+
+Who synchronises sends a message that takes no time. What goes through a link of models/lib, into it on
+``send[link][kind]`` and out of it on ``deliver[link][kind]``, is one message that takes the time in between; it may be
+lost. Blocks of steps that repeat themselves are drawn once.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
+
+from tachk.drawing.sequence.chart import Category, Chart, Message, Moment, Note, Phase
+from tachk.records import dataclass
+from tachk.report.quantity import duration
+from tachk.report.sequence.of_capture import ranges
+from tachk.report.sequence.run_steps import RunStep, RunSteps
+
+_THROUGH_A_LINK = re.compile(r"(send|deliver)\[(\w+)\]\[(\w+)\]")
+_CATEGORIES = {
+    "DATA": Category.DATA,
+    "ACKNACK": Category.ANSWER,
+    "ACCEPT": Category.ANSWER,
+    "HEARTBEAT": Category.HEARTBEAT,
+}
+_ASLEEP = re.compile("asleep|deaf|sleeping", re.IGNORECASE)
+_LONGEST_BLOCK = 24
+_SAVED = 6
+"""A repetition is drawn once if that leaves out so many steps."""
+
+
+def chart_of_run(run: RunSteps) -> Chart:
+    """Processes from left to right as in the system line, without those that only listen; times of the model."""
+    unit, factor = _unit(run.unit)
+    kept, repeats = _folded(run.steps)
+    lifelines = _lifelines(run)
+    making = _Making(run, lifelines, factor)
+    making.read()
+    events: list[Message | Note] = [event for number in kept for event in making.events.get(number, ())]
+    events += [_repetition(run, begin, steps, times, factor) for begin, steps, times in repeats]
+    end = Moment(run.end * factor, len(run.steps) + 1)
+    events.append(Note(None, end, run.remark))
+    events.sort(key=lambda event: event.sent if isinstance(event, Message) else event.moment)
+    phases = tuple(making.phases(end))
+    description = f"{run.title}; a run of {len(run.steps)} steps, {sum(one.is_lost for one in run.steps)} messages lost"
+    return Chart(run.title, description, unit, lifelines, tuple(events), phases)
+
+
+def _unit(unit: str) -> tuple[str, Fraction]:
+    """The unit of the chart and how many of them are one of the model: ``500 ms`` are 500 ``ms``."""
+    amount, _, name = unit.strip().rpartition(" ")
+    return name, Fraction(amount) if amount else Fraction(1)
+
+
+def _lifelines(run: RunSteps) -> tuple[str, ...]:
+    """Processes that send something, or hear what nobody hears who sends."""
+    carriers = {step.sender for step in run.steps if step.channel.startswith("deliver[")}
+    active = {step.sender for step in run.steps if step.channel} - carriers
+    chosen = set(active)
+    for step in run.steps:
+        hearing = [process for process in step.receivers if process not in carriers]
+        if step.channel and not step.channel.startswith("send[") and not active.intersection(hearing):
+            chosen.update(hearing[:1])
+    chosen |= {process for step in run.steps for process, _ in step.news}
+    return tuple(process for process in run.processes if process in chosen)
+
+
+@dataclass(frozen=True, slots=True)
+class _UnderWay:
+    """A message in a link: the number of its step, its kind and what it carries."""
+
+    number: int
+    kind: str
+    carried: Mapping[str, int]
+
+
+class _Making:
+    """Makes messages of steps.
+
+    Attributes:
+        events: by the number of the step.
+    """
+
+    def __init__(self, run: RunSteps, lifelines: Sequence[str], factor: Fraction) -> None:
+        self._run = run
+        self._lifeline = {process: number for number, process in enumerate(lifelines)}
+        self._factor = factor
+        self._links: dict[str, list[_UnderWay]] = {}
+        self._ends = self._far_ends()
+        self._sent: set[tuple[str, int]] = set()
+        self.events: dict[int, list[Message | Note]] = {}
+
+    def _far_ends(self) -> dict[str, tuple[int, ...]]:
+        """Who hears what comes out of each link."""
+        found: dict[str, dict[int, None]] = {}
+        for step in self._run.steps:
+            link = _THROUGH_A_LINK.fullmatch(step.channel)
+            if link is not None and link[1] == "deliver":
+                for process in step.receivers:
+                    if process in self._lifeline:
+                        found.setdefault(link[2], {})[self._lifeline[process]] = None
+        return {link: tuple(ends) for link, ends in found.items()}
+
+    def read(self) -> None:
+        for number, step in enumerate(self._run.steps):
+            link = _THROUGH_A_LINK.fullmatch(step.channel)
+            if link is not None and link[1] == "send":
+                self._into(number, step, link[2], self._kind(link[3]))
+            elif link is not None:
+                self._out_of(number, step, link[2], self._kind(link[3]))
+            elif step.channel:
+                self._handshake(number, step)
+            for process, words in step.news:
+                if process in self._lifeline:
+                    note = Note(self._lifeline[process], self._moment(number), words)
+                    self.events.setdefault(number, []).append(note)
+
+    def _kind(self, index: str) -> str:
+        """The name of a kind of messages, also where a run tells its number."""
+        names = [name for name in (*_CATEGORIES, "READ", "PING") if str(self._run.constants.get(name)) == index]
+        return names[0] if names else index
+
+    def _moment(self, number: int) -> Moment:
+        return Moment(self._run.steps[number].time * self._factor, number)
+
+    def _into(self, number: int, step: RunStep, link: str, kind: str) -> None:
+        if step.sender not in self._lifeline:
+            return
+        sender = self._lifeline[step.sender]
+        receivers = self._ends.get(link) or (sender + 1 if sender + 1 < len(self._lifeline) else sender - 1,)
+        content = (link, step.carried.get("number", 0))
+        again = kind == "DATA" and content in self._sent and "number" in step.carried
+        if kind == "DATA":
+            self._sent.add(content)
+        category = _CATEGORIES.get(kind, Category.OTHER)
+        label = _label(kind, step.carried)
+        detail = f"{step.channel}, step {number + 1}"
+        made = Message(sender, receivers, self._moment(number), (), label, detail, category, again, "", step.is_lost)
+        self.events.setdefault(number, []).append(made)
+        if not step.is_lost:
+            self._links.setdefault(link, []).append(_UnderWay(number, kind, step.carried))
+
+    def _out_of(self, number: int, step: RunStep, link: str, kind: str) -> None:
+        waiting = self._links.get(link, [])
+        arrived = next((one for one in waiting if one.kind == kind and _same(one.carried, step.carried)), None)
+        if arrived is None:
+            return
+        if not step.is_copied:
+            waiting.remove(arrived)
+        made = self.events[arrived.number][0]
+        assert isinstance(made, Message)
+        hearing = tuple(self._lifeline[process] for process in step.receivers if process in self._lifeline)
+        self.events[arrived.number][0] = replace(
+            made, receivers=hearing or made.receivers, arrivals=(*made.arrivals, self._moment(number))
+        )
+
+    def _handshake(self, number: int, step: RunStep) -> None:
+        receivers = tuple(self._lifeline[process] for process in step.receivers if process in self._lifeline)
+        if step.sender in self._lifeline and receivers:
+            moment = self._moment(number)
+            detail = f"step {number + 1}"
+            made = Message(self._lifeline[step.sender], receivers, moment, (moment,), step.channel, detail)
+            self.events.setdefault(number, []).append(made)
+
+    def phases(self, end: Moment) -> Iterator[Phase]:
+        """When processes are in locations that say that they sleep."""
+        since: dict[str, Moment] = {
+            process: Moment(Fraction(0), -1) for process, place in self._run.initial.items() if _ASLEEP.search(place)
+        }
+        for number, step in enumerate(self._run.steps):
+            for process, place in step.locations.items():
+                if _ASLEEP.search(place):
+                    since.setdefault(process, self._moment(number))
+                elif process in since:
+                    yield from self._phase(process, since.pop(process), self._moment(number))
+        for process, begin in since.items():
+            yield from self._phase(process, begin, end)
+
+    def _phase(self, process: str, begin: Moment, end: Moment) -> Iterator[Phase]:
+        if process in self._lifeline:
+            yield Phase(self._lifeline[process], begin, end, "asleep")
+
+
+def _same(sent: Mapping[str, int], come: Mapping[str, int]) -> bool:
+    return all(sent.get(name) == come.get(name) for name in ("number", "detail"))
+
+
+def _label(kind: str, carried: Mapping[str, int]) -> str:
+    """A message of the protocol in its words; numbers count from 0."""
+    if "number" not in carried:
+        return kind
+    number, detail = carried["number"], carried.get("detail", 0)
+    match kind:
+        case "ACKNACK":
+            missing = [number + bit for bit in range(16) if detail >> bit & 1]
+            return f"ACKNACK {number}{f' missing {ranges(missing)}' if missing else ''}"
+        case "HEARTBEAT":
+            return f"HEARTBEAT {number}..{detail - 1}"
+        case "PING":
+            return kind
+        case _:
+            return f"{kind} {number}"
+
+
+def _folded(steps: Sequence[RunStep]) -> tuple[list[int], list[tuple[int, int, int]]]:
+    """The steps that are drawn, and repetitions: from which step on, of how many steps, how many times in all."""
+    keys = [_key(steps, number) for number in range(len(steps))]
+    kept: list[int] = []
+    repeats: list[tuple[int, int, int]] = []
+    at = 0
+    while at < len(keys):
+        block, times = _block(keys, at)
+        kept += range(at, at + block)
+        if times > 1:
+            repeats.append((at, block, times))
+        at += block * times
+    return kept, repeats
+
+
+def _block(keys: Sequence[object], at: int) -> tuple[int, int]:
+    """The block that begins at a step and is repeated so that most steps are saved; a single step if none is."""
+    best = (1, 1)
+    for block in range(1, min(_LONGEST_BLOCK, (len(keys) - at) // 2) + 1):
+        times = 1
+        while keys[at : at + block] == keys[at + times * block : at + (times + 1) * block]:
+            times += 1
+        if (times - 1) * block >= max(_SAVED, (best[1] - 1) * best[0] + 1):
+            best = (block, times)
+    return best
+
+
+def _key(steps: Sequence[RunStep], number: int) -> object:
+    step = steps[number]
+    delay = step.time - (steps[number - 1].time if number else 0)
+    carried = tuple(sorted(step.carried.items()))
+    return delay, step.channel, step.sender, step.receivers, carried, step.is_lost, step.news
+
+
+def _repetition(run: RunSteps, begin: int, block: int, times: int, factor: Fraction) -> Note:
+    first, last = run.steps[begin + block - 1], run.steps[begin + block * times - 1]
+    text = f"↻ {times} times"
+    if last.time > first.time:
+        period = (last.time - first.time) / (times - 1)
+        text += f", every {duration(period, run.unit)}, until {duration(last.time, run.unit)}"
+    return Note(None, Moment(first.time * factor, begin + block), text)

@@ -1,0 +1,121 @@
+"""Sequence charts of runs of models: `tachk verify --chart`, and `tachk chart` of a report."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+import tachk
+from tachk.cli.main import app
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.drawing.sequence.chart import Chart, Note
+from tachk.report.json_report import runs_to_json
+from tachk.report.run.trace_view import view_trace
+from tachk.report.sequence.of_run import chart_of_run
+from tachk.report.sequence.run_steps import steps_of_report, steps_of_view
+
+MODELS = Path(__file__).resolve().parents[3] / "models"
+
+SLEEPER = """
+time_unit = 10 ms;
+const int LINKS = 1; const int KINDS = 2; const int PLACES = 2; const int LOSSES = 1;
+const int DATA = 0; const int ACKNACK = 1;
+import "lib/instant_link.ta";
+chan wake;
+process Sender() {
+    clock x; int[0, 2] n = 0;
+    init location Idle {
+        invariant x <= 5;
+        to Idle { guard x == 5 && n < 2; sync send[0][DATA]!; assign put(n, 0), n = n + 1, x = 0; }
+        to Idle { guard x == 5 && n == 2; sync wake!; assign x = 0; }
+    }
+}
+process Receiver() {
+    int[0, 2] got = 0;
+    init location Asleep { to Awake { sync wake?; } to Asleep { sync deliver[0][DATA]?; assign got = got + 1; } }
+    /// wakes up
+    location Awake { to Awake { sync wake?; } }
+}
+sender = Sender(); receiver = Receiver();
+system sender, receiver, InstantLink;
+"""
+
+
+@pytest.fixture(scope="module")
+def sleeper(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("sleeper")
+    (folder / "lib").symlink_to(MODELS / "lib")
+    path = folder / "sleeper.ta"
+    path.write_text(SLEEPER, encoding="utf-8")
+    return path
+
+
+def charts(path: Path, query: str) -> tuple[Chart, Chart]:
+    """The chart of the run itself, and that of the report about it."""
+    report = tachk.load(str(path)).verify(query)
+    (verdict,) = report.record.verdicts
+    assert verdict.trace is not None
+    network = report.record.network
+    view = view_trace(network, verdict.trace)
+    title = f"{verdict.query.name}: {verdict.query.title or verdict.query.text}"
+    remark = f"{verdict.query.name} {verdict.answer.value}"
+    run = steps_of_view(view, title, network.time_unit or "", dict(network.constants), remark)
+    document = json.loads(json.dumps(runs_to_json([report.record], False)))
+    return chart_of_run(run), chart_of_run(steps_of_report(document, "run.json", None))
+
+
+def test_messages_through_links_sleep_and_repetitions(sleeper: Path):
+    chart, same = charts(sleeper, "E<> receiver.got == 1 && losses == 1 && receiver.Awake && sender.x == 3")
+    assert chart == same
+    assert (chart.lifelines, chart.unit) == (("sender", "receiver"), "ms")
+    sent = [(m.label, float(m.sent.time), m.is_lost, len(m.arrivals)) for m in chart.messages]
+    assert sorted(sent[:2]) in (
+        [("DATA 0", 50.0, True, 0), ("DATA 1", 100.0, False, 1)],
+        [("DATA 0", 50.0, False, 1), ("DATA 1", 100.0, True, 0)],
+    )
+    assert sent[2][:2] == ("wake", 150.0)
+    assert [(p.lifeline, float(p.begin.time), float(p.end.time)) for p in chart.phases] == [(1, 0.0, 150.0)]
+
+
+def test_steps_that_repeat_are_drawn_once(tmp_path: Path):
+    path = tmp_path / "ticks.ta"
+    path.write_text(
+        "chan tick; int n = 0; clock x;"
+        "process P() { init location A { invariant x <= 10;"
+        " to A { guard x == 10; sync tick!; assign x = 0, n = n + 1; } } }"
+        "process Q() { init location B { to B { sync tick?; } } } system P, Q;",
+        encoding="utf-8",
+    )
+    chart, same = charts(path, "E<> n == 50")
+    assert chart == same
+    assert [m.label for m in chart.messages] == ["tick"]
+    assert "↻ 50 times, every 10, until 500" in [event.text for event in chart.events if isinstance(event, Note)]
+
+
+def test_a_starved_publisher(tmp_path: Path):
+    path, picture = MODELS / "micro_xrce_dds/publication.ta", tmp_path / "run.svg"
+    options = ["-D", "HEARTBEAT_LAW=1", "-D", "SPIN=1", "--property", "ECFS", "--quiet", "--trace", "some"]
+    result = CliRunner().invoke(app, ["verify", str(path), *options, "--chart", str(picture)])
+    assert (result.exit_code, result.output) == (0, f"written: {picture}\n")
+    text = picture.read_text(encoding="utf-8")
+    assert "DATA 2 lost" in text and "ECFS fails" in text
+
+
+def test_reports_without_a_run(tmp_path: Path, sleeper: Path):
+    record = tachk.load(str(sleeper)).verify("A[] receiver.got <= 2").record
+    for document, words in (
+        ({}, "neither a capture nor a report"),
+        ({"runs": [{}]}, "no report of tachk verify"),
+        (runs_to_json([record], False), "has no run of a model"),
+    ):
+        with pytest.raises(UsageError, match=words):
+            steps_of_report(document, "x.json", None)
+    path = tmp_path / "x.json"
+    path.write_text("{", encoding="utf-8")
+    assert CliRunner().invoke(app, ["chart", str(path), "-o", str(tmp_path / "x.svg")]).exit_code == 2
+    result = CliRunner().invoke(app, ["verify", str(sleeper), "A[] true", "--chart", str(tmp_path / "x.svg")])
+    assert (result.exit_code, "no answer has a run" in result.stderr) == (0, True)
+    assert not (tmp_path / "x.svg").exists()
