@@ -64,7 +64,7 @@ def answer(system: str, name: str, **constants: int | bool) -> str:
     return model.verify(property=name, trace=False, limits=tachk.Limits(states=300_000))[name].answer.value
 
 
-@pytest.mark.parametrize(("slice_", "pause", "detected"), [(1, 3, 5), (2, 1, 4), (3, 2, 3), (1, 0, None)])
+@pytest.mark.parametrize(("slice_", "pause", "detected"), [(1, 3, 5), (2, 1, 4), (1, 0, None)])
 def test_a_pause_between_run_calls_lets_the_heartbeat_out(slice_: int, pause: int, detected: int | None) -> None:
     """A heartbeat due outside the run function is sent by the next call; calls that begin too closely starve it."""
     settings = {**LOOP, "SPIN": slice_, "PAUSE": pause}
@@ -77,8 +77,8 @@ def test_a_pause_between_run_calls_lets_the_heartbeat_out(slice_: int, pause: in
 
 def test_the_bitmap_of_an_acknack_has_sixteen_bits() -> None:
     """With 16 messages outstanding the sum of 15 powers of two was out of range."""
-    constants = {"MESSAGES": 18, "KEEP": 18, "PLACES": 20, "LOSSES": 0, "SLEEP": 3, "SLEEPS": 1, "DEAD": 1000}
-    assert answer("client_3_0", "RMIO2_prefix", **constants) == "holds"
+    constants = {"MESSAGES": 18, "KEEP": 18, "AGENT_WINDOW": 16, "PLACES": 20, "SLEEP": 165, "SUBSCRIPTION": 0}
+    assert answer("read_again", "RMIO2", **constants) == "holds"
 
 
 def test_a_heartbeat_may_be_late_by_the_jitter() -> None:

@@ -80,10 +80,10 @@ def test_a_loss_is_detected_among_the_five_automata(losses: int, expected: int) 
 
 
 @pytest.mark.parametrize(
-    ("start", "end", "longest"), [(None, "written[PUB] == MESSAGES", 2), ("loss.lost", "!loss.lost", 2)]
+    ("start", "end", "longest"), [(None, "written[PUB] == MESSAGES", 1000), ("loss.lost", "!loss.lost", 1000)]
 )
 def test_nothing_repairs_a_loss_with_slices_that_are_too_short(start: str | None, end: str, longest: int) -> None:
-    """Whether the client waits for ever is proved beside clocks that count up to 100."""
+    """Whether the client waits for ever is proved beside clocks that count up to 50,000."""
     times = tachk.load(MODELS / "client_3_0.ta", MESSAGES=2).time(start, end, best=False, trace=False)
     assert times.reason == "" and times.worst is not None
     assert times.worst.value == longest and times.may_wait_for_ever
