@@ -135,3 +135,50 @@ def test_the_reading_thread_holds_one_sample_more_than_window_and_history(tmp_pa
     sizes = {"samples": 6, "window": 2, "keep": 1}
     assert reachable(tmp_path, f"driver.Answered && sends == 4 && {samples}", confirm, **sizes)
     assert not reachable(tmp_path, f"driver.Answered && sends == 4 && !({samples})", confirm, **sizes)
+
+
+STOPPING = """
+const int CLIENTS = 2;
+const int MESSAGES = 2;
+const int AGENT_WINDOW = 4;
+const int PLACES = 1;
+const int LOSSES = 0;
+const int QUEUE = 4;
+const bool OVERTAKES = true;
+const int READER_STOP = 7;
+const bool GO_BACK = false;
+const bool ANSWER_DATA = true;
+import "{models}/protocol.ta";
+import "{models}/../lib/messages.ta";
+import "{models}/agent_queue.ta";
+import "{models}/proxy_publisher.ta";
+process Driver() {{
+    clock since;
+    init location Start {{
+        invariant since <= 0;
+        to Asked {{ sync deliver[SUB_UP][DATA]!; assign number = 0, detail = READ; }}
+    }}
+    location Asked {{
+        invariant since <= 1;
+        to Waiting {{ guard since == 1; sync deliver[PUB_UP][DATA]!; assign number = 0, detail = 1; }}
+    }}
+    location Waiting {{ to Answered {{ sync send[PUB_DOWN][ACKNACK]?; }} }}
+    location Answered;
+}}
+writer = ProxyPublisher(PUB, taken[PUB], send[PUB_DOWN]);
+asked = ProxyPublisher(SUB, taken[SUB], send[SUB_DOWN]);
+driver = Driver();
+queue = AgentQueue();
+system driver, queue, writer, asked;
+property latest : E<> driver.Waiting && driver.since == 7;
+property later : E<> driver.Waiting && driver.since > 7;
+property answered : A<> driver.Answered;
+"""
+
+
+def test_a_reading_thread_that_stops_keeps_the_packets_of_all_clients_waiting(tmp_path: Path) -> None:
+    path = tmp_path / "stopping.ta"
+    path.write_text(STOPPING.format(models=MODELS.as_posix()), encoding="utf-8")
+    report = tachk.load(path).verify(trace=False)
+    found = {verdict.query.name: verdict.answer.value for verdict in report}
+    assert found == {"latest": "holds", "later": "fails", "answered": "holds"}
