@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from time import monotonic
 
 from tachk.conformance.conform import Conformance, conform
+from tachk.conformance.edits import smallest_edit
 from tachk.conformance.event_tables import read_events
 from tachk.conformance.events import Recording
 from tachk.conformance.packet_events import SUFFIXES, read_capture
@@ -20,6 +22,8 @@ from tachk.frontend.scope import ValueSymbol
 from tachk.model.expressions import Constant
 
 AUTO = "auto"
+_STATES_OF_EDIT = 20_000
+"""So many states at most are stored for each edit of a recording that is tried."""
 
 
 def conform_file(
@@ -50,7 +54,20 @@ def conform_file(
 
     if tolerance == AUTO:
         return least(ask)
-    return ask(None if tolerance is None else duration(tolerance, network.time_unit))
+    found = ask(None if tolerance is None else duration(tolerance, network.time_unit))
+    if found.accepted is not False or found.refusal is None or found.refusal.event is None:
+        return found
+
+    def accepts(other: Recording) -> bool:
+        left = replace(limits.after(monotonic() - started), states=_STATES_OF_EDIT)
+        if left.seconds is not None and left.seconds <= 0:
+            return False
+        tried = conform(
+            network, mapping, other, constants, found.tolerance, found.late, limits=left, run=False, explain=False
+        )
+        return tried.accepted is True
+
+    return replace(found, edit=smallest_edit(events, found.refusal.event, found.queues.scale, accepts))
 
 
 def _read(path: Path, unit: str | None, ports: Sequence[int]) -> Recording:

@@ -8,6 +8,7 @@ from fractions import Fraction
 from tachk.certify.replay import replay
 from tachk.compiler.features import check_selections
 from tachk.compiler.lower import Measured, lower, lower_measures
+from tachk.conformance.edits import Edit
 from tachk.conformance.events import Recording
 from tachk.conformance.followers import Following, follow
 from tachk.conformance.queues import Constants, Queues, make_queues
@@ -56,6 +57,7 @@ class Conformance:
     path: its transitions.
     refusal: where the recording leaves the model; None where it does not, or that was not found in the limits.
     reason: why there is no answer; empty if there is one.
+    edit: of the recording, with which it would be a run; None where it is one, or none was found.
     """
 
     accepted: bool | None
@@ -69,6 +71,7 @@ class Conformance:
     path: tuple[Transition, ...] = ()
     refusal: Refusal | None = None
     reason: str = ""
+    edit: Edit | None = None
 
 
 def conform(

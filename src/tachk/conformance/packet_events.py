@@ -77,9 +77,10 @@ class _Reader:
             _, _, event, after = self.rows[number]
             events.append(event if after is None else replace(event, after=place[after]))
         closings = tuple(
-            Closing("client", self.client[link], Fraction(time - begin))
+            Closing(column, value, Fraction(time - begin))
             for link, time in enumerate(self.deleted)
             if time is not None
+            for column, value in _of_client(self.client[link])
         )
         return Recording(str(self.path), tuple(events), Fraction(1), None, Fraction(end - begin), closings, begin)
 
@@ -151,6 +152,13 @@ class _Reader:
                 case _:
                     pass
         return None
+
+
+def _of_client(number: int) -> Iterator[tuple[str, int]]:
+    """The columns that tell a client, with their values."""
+    yield "client", number
+    yield "link", 2 * number
+    yield "link", 2 * number + 1
 
 
 def _integer(value: object) -> int:

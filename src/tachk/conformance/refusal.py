@@ -10,11 +10,12 @@ from collections.abc import Iterator, Sequence
 
 from tachk.conformance.followers import Following
 from tachk.conformance.queues import Queues
+from tachk.engines.concretise import discrete_run
 from tachk.model.expressions import Variable
 from tachk.records import dataclass
 from tachk.semantics import dbm, symbolic
 from tachk.semantics.dbm import INFINITY, Zone
-from tachk.semantics.discrete import PreparedNetwork, initial_discrete, prepare
+from tachk.semantics.discrete import PreparedNetwork, may_delay, prepare
 from tachk.semantics.timed_trace import DiscreteState, Transition
 
 _STATES = 200
@@ -94,15 +95,25 @@ def end_of(following: Following, path: Sequence[Transition]) -> DiscreteState:
 
 
 def _end(model: PreparedNetwork, path: Sequence[Transition]) -> tuple[DiscreteState, list[Zone]]:
-    """The state in which a run ends, and the clock valuations with which it can."""
-    here = symbolic.situation(model, initial_discrete(model))
-    zones = [dbm.origin(model.dimension)]
-    for transition in path:
-        move = next(m for m in here.moves if m.transition == transition)
-        assert move.target is not None
-        zones = symbolic.fire(here, symbolic.elapse(here, zones), move)
-        here = symbolic.situation(model, move.target)
-    return here.discrete, zones
+    """The state in which a run ends, and the clock valuations with which it does; of a guard with several parts the
+    first that is possible counts."""
+    states, phases = discrete_run(model, path)
+    zone: Zone | None = dbm.origin(model.dimension)
+    for number, state in enumerate(states):
+        invariant = symbolic.invariant_zone(model, state)
+        assert zone is not None and invariant is not None
+        zone = dbm.intersect(zone, invariant)
+        if number == len(path) or zone is None:
+            break
+        if may_delay(model, state):
+            zone = dbm.intersect(dbm.up(zone, phases[number].stopped), invariant)
+        guards = symbolic.guard_of(model, state, path[number])
+        possible = (zone and dbm.constrain_all(zone, guard) for guard in guards)
+        zone = next((narrowed for narrowed in possible if narrowed is not None), None)
+        for clock, (since, value) in enumerate(phases[number + 1].resets[: model.dimension]):
+            if zone is not None and clock > 0 and since == number + 1:
+                zone = dbm.reset(zone, clock, value)
+    return states[-1], [] if zone is None else [zone]
 
 
 def _moved(model: PreparedNetwork, discrete: DiscreteState, other: PreparedNetwork) -> DiscreteState:

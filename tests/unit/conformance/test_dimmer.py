@@ -71,6 +71,22 @@ def test_what_the_model_allows() -> None:
     ]
 
 
+def test_smallest_edit(tmp_path: Path) -> None:
+    """Without the second press nothing explains that the lamp stays on."""
+    found = tachk.conform(MODEL, _written(tmp_path, "2,press,,\n6,light,1,7\n6,light,1,7\n60,light,0,0\n"))
+    assert found.accepted is False
+    assert found.edit is not None
+    assert found.edit.what == "lost"
+    assert found.recording.events[found.edit.event].place in ("line 3", "line 4")
+
+
+def test_coverage() -> None:
+    arguments = ["conform", str(MODEL), str(ROOT / "examples/dimmer/pressed.csv"), "--coverage", "--format", "json"]
+    report = json.loads(CliRunner().invoke(app, arguments).stdout)
+    jsonschema.validate(report, SCHEMA)
+    assert [edge["times"] for edge in report["coverage"]] == [2, 2, 1]
+
+
 def test_order_of_what_was_sent_and_what_arrives(tmp_path: Path) -> None:
     """A press may not happen before the light of the row that it names."""
     rows = ["0,press,,,,", "4,light,1,7,a,", "60,light,0,0,b,", "60,press,,,,b", "63,light,1,7,,"]

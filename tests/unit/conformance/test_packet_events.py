@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
+import tachk
+from tachk.conformance.asking import constants_of
+from tachk.conformance.conform import conform
 from tachk.conformance.packet_events import read_capture
 
+MODELS = Path(__file__).parents[3] / "models/micro_xrce_dds"
 CAPTURES = Path(__file__).parents[3] / "../shared/captures"
 
 
@@ -41,3 +46,32 @@ def test_nobody_saw_what_arrived(capture: Path) -> None:
 def test_second_create_client(capture: Path) -> None:
     created = [e.cells for e in read_capture(capture).events if e.name == "created_again"]
     assert created == [{"client": 1}]
+
+
+@pytest.mark.parametrize(
+    ("capture", "guarded", "expected"),
+    [
+        ("c1_lose_write5_paced150", False, True),
+        ("f4_stale_acknack_no_loss", True, True),  # nothing is lost: both laws fit
+        ("f5_reorder_loss10_seed28", False, True),
+        ("f5_reorder_loss10_seed28", True, False),
+    ],
+    indirect=["capture"],
+)
+def test_real_captures(capture: Path, guarded: bool, expected: bool) -> None:
+    """All automata together, set-up included; the client breaks the rule to ignore an older ACKNACK."""
+    settings = {"CLIENT_JITTER": 5, "AGENT_JITTER": 5, "EXACT_BITMAPS": True, "GUARDED": guarded}
+    model = tachk.load(MODELS / "recorded.ta", **settings)
+    assert model.loaded.recording is not None
+    found = conform(
+        model.network,
+        model.loaded.recording,
+        read_capture(capture),
+        constants_of(model.loaded),
+        Fraction(10),
+        Fraction(20),
+        limits=tachk.Limits(states=50_000),
+        run=False,
+        explain=False,
+    )
+    assert found.accepted is expected

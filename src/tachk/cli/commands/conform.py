@@ -39,6 +39,7 @@ from tachk.cli.reporting import ReportForm
     multiple=True,
     help="Of a capture of packets: a port of an Agent, if it is not 8888. Can be given several times.",
 )
+@click.option("--coverage", is_flag=True, help="Also tell which edges of the model the run that was found takes.")
 @click.option(
     "states", "--max-states", metavar="N", type=options.Count(min=1), help="Stop a search after storing N states."
 )

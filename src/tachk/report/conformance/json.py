@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from tachk.conformance.conform import Conformance
+from tachk.conformance.coverage import Covered
+from tachk.conformance.edits import Edit
 from tachk.conformance.events import Event
 
 
-def conformance_to_json(found: Conformance, model: str) -> dict[str, Any]:
+def conformance_to_json(found: Conformance, model: str, covered: Sequence[Covered] = ()) -> dict[str, Any]:
     """One object. Times are those of the recording."""
     recording = found.recording
     return {
@@ -24,6 +27,22 @@ def conformance_to_json(found: Conformance, model: str) -> dict[str, Any]:
         "states": found.statistics.states_stored,
         "seconds": found.statistics.seconds,
         "refusal": _refusal(found),
+        "edit": None if found.edit is None else _edit(found, found.edit),
+        "coverage": [_covered(each) for each in covered],
+    }
+
+
+def _edit(found: Conformance, edit: Edit) -> dict[str, Any]:
+    return {"event": _event(found.recording.events[edit.event]), "what": edit.what, "by": edit.by}
+
+
+def _covered(each: Covered) -> dict[str, Any]:
+    return {
+        "process": each.process,
+        "source": each.source,
+        "target": each.target,
+        "doc": each.doc,
+        "times": each.times,
     }
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from fractions import Fraction
+from collections.abc import Iterator, Sequence
 
 from tachk.conformance.conform import Conformance
-from tachk.report.conformance.words import event_text, moment
+from tachk.conformance.coverage import Covered
+from tachk.report.conformance.words import edit_text, event_text, moment, units_text
 from tachk.report.quantity import grouped
 
 
@@ -22,17 +22,30 @@ def _lines(found: Conformance, model: str) -> Iterator[str]:
     if found.queues.other:
         yield f"{grouped(found.queues.other)} others are of no kind that the model speaks of"
     unit = found.following.network.time_unit
-    allowed = f"tolerance {_units(found.tolerance, unit)}, late {_units(found.late, unit)}"
+    allowed = f"tolerance {units_text(found.tolerance, unit)}, late {units_text(found.late, unit)}"
     match found.accepted:
         case True:
             yield f"a run of the model, with {allowed}"
         case False:
             yield f"not a run of the model, with {allowed}"
             yield from _refusal(found)
+            if found.edit is not None:
+                yield f"it would be a run if {edit_text(found, found.edit)}"
         case None:
             yield f"undecided, with {allowed}: {found.reason}"
             yield from _refusal(found)
     yield f"{grouped(found.statistics.states_stored)} states in {found.statistics.seconds:.2f} s"
+
+
+def coverage_to_text(covered: Sequence[Covered]) -> str:
+    """For each process how many of its edges were taken, and which were not."""
+    lines = []
+    for process in dict.fromkeys(each.process for each in covered):
+        own = [each for each in covered if each.process == process]
+        lines.append(f"{process}: {sum(each.times > 0 for each in own)} of {len(own)} edges taken")
+        never = (each for each in own if not each.times)
+        lines += [f"  never {e.source} -> {e.target}" + (f" · {e.doc}" if e.doc else "") for e in never]
+    return "\n".join(lines) + "\n"
 
 
 def _refusal(found: Conformance) -> Iterator[str]:
@@ -55,10 +68,3 @@ def _refusal(found: Conformance) -> Iterator[str]:
         yield f"  the model allows {offer.text}, {window}"
     if not refusal.offers:
         yield "  the model allows no event there"
-
-
-def _units(amount: Fraction, unit: str) -> str:
-    """An amount of units of the model."""
-    number, _, name = unit.rpartition(" ")
-    value = amount * Fraction(number or 1)
-    return f"{float(value):g} {name}".rstrip()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from tachk.conformance.conform import Conformance
+from tachk.conformance.edits import Edit
 from tachk.conformance.events import Event
 
 
@@ -18,3 +19,24 @@ def event_text(event: Event) -> str:
     """``light(on=1, level=7)``"""
     cells = ", ".join(f"{name}={value}" for name, value in event.cells.items() if value != "")
     return f"{event.name}({cells})"
+
+
+def edit_text(found: Conformance, edit: Edit) -> str:
+    """``line 4, light(on=0), had come 15 ms later``"""
+    event = found.recording.events[edit.event]
+    name = f"{event.place}, {event_text(event)},"
+    match edit.what:
+        case "lost":
+            return f"{name} had been lost"
+        case "doubled":
+            return f"{name} had come twice"
+        case _:
+            later = "later" if edit.by > 0 else "earlier"
+            return f"{name} had come {units_text(Fraction(abs(edit.by)), found.following.network.time_unit)} {later}"
+
+
+def units_text(amount: Fraction, unit: str) -> str:
+    """An amount of units of the model."""
+    number, _, name = unit.rpartition(" ")
+    value = amount * Fraction(number or 1)
+    return f"{float(value):g} {name}".rstrip()

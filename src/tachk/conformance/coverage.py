@@ -1,0 +1,51 @@
+"""Which edges of a model the runs that recordings show have taken."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+
+from tachk.conformance.conform import Conformance
+from tachk.model.network import Network
+from tachk.records import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Covered:
+    """Attributes:
+    process: its name.
+    source, target: the names of the locations.
+    doc: what the edge does, in the words of the model.
+    times: how often it was taken.
+    """
+
+    process: str
+    source: str
+    target: str
+    doc: str
+    times: int
+
+
+def coverage(network: Network, found: Iterable[Conformance]) -> tuple[Covered, ...]:
+    """Each edge of the processes that no recording replaces. One run is counted for each accepted recording."""
+    taken: Counter[tuple[int, int]] = Counter()
+    kept: tuple[int, ...] = ()
+    for each in found:
+        following = each.following
+        kept = following.kept
+        first = len(following.network.processes) - len(kept)
+        for transition in each.path:
+            for participant in transition.participants:
+                if participant.process >= first:
+                    taken[kept[participant.process - first], participant.edge] += 1
+    return tuple(
+        Covered(
+            network.processes[number].name,
+            network.processes[number].locations[edge.source].name,
+            network.processes[number].locations[edge.target].name,
+            edge.doc,
+            taken[number, place],
+        )
+        for number in kept
+        for place, edge in enumerate(network.processes[number].edges)
+    )
