@@ -45,7 +45,8 @@ def columns(function: Decorated) -> Decorated:
             metavar="PORT",
             type=click.IntRange(1, 65535),
             multiple=True,
-            help="Of a capture of packets: a port of an Agent, if it is not 8888. Can be given several times.",
+            help="Of a capture of packets: a port of an Agent or of a relay; without it 8888, and each port to which a "
+            "session is created. Can be given several times.",
         ),
     ):
         function = option(function)

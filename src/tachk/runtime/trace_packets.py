@@ -10,10 +10,10 @@ The columns of all clients together have the names that the properties in querie
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Final
 
@@ -27,9 +27,11 @@ from tachk.xrce.events import DEFAULT_PORT
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.signals.changes import Changes
 from tachk.xrce.signals.following import SITUATION
+from tachk.xrce.signals.hops import HOP_SIGNALS, Direction, hop_changes
 from tachk.xrce.signals.recorded import ClientHistory, Recorded, StreamHistory, read_recorded
 from tachk.xrce.signals.samples import TooManyUnread
 from tachk.xrce.streams import SIGNALS
+from tachk.xrce.transmissions import Recording, read_transmissions
 from tachk.xrce.wire import FIRST_RELIABLE_STREAM
 
 _UNIT = "s"
@@ -81,7 +83,7 @@ def open_packets(path: Path, time: str | None, unit: str | None, ports: Sequence
     """Reads a capture. Its times are in seconds since its first message to or from an Agent.
 
     Args:
-        ports: of Agents; without any, 8888.
+        ports: of Agents; without any 8888, and each one to which a session is created.
 
     Raises UsageError, also where nothing is from or for these ports.
     """
@@ -89,7 +91,7 @@ def open_packets(path: Path, time: str | None, unit: str | None, ports: Sequence
         raise UsageError("a capture has its own times: it takes neither a time column nor a unit")
     try:
         with path.open("rb") as stream:
-            recorded = read_recorded(stream, ports or (DEFAULT_PORT,))
+            recorded = read_recorded(stream, ports)
     except (CaptureError, TooManyUnread) as error:
         raise UsageError(f"{path}: {error}") from None
     except FileNotFoundError:
@@ -99,16 +101,22 @@ def open_packets(path: Path, time: str | None, unit: str | None, ports: Sequence
     if not len(recorded.times):
         asked = ", ".join(map(str, ports or (DEFAULT_PORT,)))
         raise UsageError(f"{path} has no packet to or from port {asked}", "give the port of the Agent with --port")
-    return PacketRecording(str(path), recorded, dict(_signals(recorded)))
+    return PacketRecording(str(path), recorded, dict(_signals(recorded, partial(read_transmissions, path, ports))))
 
 
-def _signals(recorded: Recorded) -> Iterator[tuple[str, Callable[[], Values]]]:
+def _signals(recorded: Recorded, transmissions: Callable[[], Recording]) -> Iterator[tuple[str, Callable[[], Values]]]:
     count = len(recorded.times)
     seen = Counter(name for name, _ in {(_name(one), one.agent.port) for one in recorded.clients})
 
     def place(one: StreamHistory | ClientHistory) -> str:
         return _name(one) + (f"_at_{one.agent.port}" if seen[_name(one)] > 1 else "")
 
+    hops = cache(lambda: hop_changes(transmissions(), recorded.packets))
+    for key in dict.fromkeys(one.key for one in recorded.clients if one.key and seen[_name(one)] > 1):
+        for to_agent in (True, False):
+            for number, signal in enumerate(HOP_SIGNALS):
+                name = column_of(f"client_{key}", to_agent, FIRST_RELIABLE_STREAM, signal)
+                yield name, partial(_hop, hops, (key, to_agent), number, count)
     for history in recorded.streams:
         for signal in SIGNALS:
             yield (
@@ -132,6 +140,12 @@ def column_of(client: str, to_agent: bool, stream: int, signal: str) -> str:
 
 def _values(history: StreamHistory, signal: str, count: int) -> Values:
     return history.signal(signal, count).astype(np.uint8 if signal == "confirmed" else float)
+
+
+def _hop(hops: Callable[[], Mapping[Direction, Changes]], of: Direction, number: int, count: int) -> Values:
+    changes = hops().get(of)
+    values = np.zeros(count) if changes is None else changes.spread(number, count).astype(float)
+    return values / 1e6 if HOP_SIGNALS[number] == "delay_ms" else values
 
 
 def _flag(changes: Changes, signal: int, count: int, negated: bool) -> Values:

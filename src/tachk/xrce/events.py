@@ -15,8 +15,7 @@ from tachk.xrce.serial_line import NOBODY, SerialReading
 from tachk.xrce.submessages import MALFORMED, Submessages, parsed
 from tachk.xrce.wire import Kind
 
-DEFAULT_PORT: Final = 8888
-"""The port of the Agent in eProsima's and micro-ROS's examples."""
+DEFAULT_PORT: Final = wire.DEFAULT_PORT
 
 Value = str | int | bool | None | list[int] | dict[str, str]
 

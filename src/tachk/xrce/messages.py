@@ -12,9 +12,11 @@ from ipaddress import IPv6Address
 import numpy as np
 
 from tachk.records import dataclass
+from tachk.xrce import wire
 from tachk.xrce.datagrams import TCP, Datagrams, Flags
 from tachk.xrce.packets import Numbers, Octets
 from tachk.xrce.tcp_stream import Found, TcpStream
+from tachk.xrce.wire import Kind
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,8 +74,13 @@ class MessageReader:
         endpoints: whoever sent or received, by number.
     """
 
-    def __init__(self, ports: Iterable[int]) -> None:
-        self._ports = np.array(sorted(set(ports)), np.int64)
+    def __init__(self, ports: Iterable[int] = ()) -> None:
+        """Args:
+        ports: of Agents; without any 8888, and each one to which a session is created, from then on.
+        """
+        given = sorted(set(ports))
+        self._ports = np.array(given or [wire.DEFAULT_PORT], np.int64)
+        self._found: dict[int, int] | None = None if given else {}
         self.endpoints: list[Endpoint] = []
         self._numbers: dict[bytes, int] = {}
         self._streams: dict[tuple[int, int, bool], TcpStream] = {}
@@ -81,8 +88,10 @@ class MessageReader:
 
     def read(self, found: Datagrams) -> Messages:
         """The messages that these datagrams complete."""
-        to_agent = np.isin(found.destination_ports, self._ports)
-        ours = np.flatnonzero(to_agent | np.isin(found.source_ports, self._ports))
+        if self._found is not None:
+            self._find(found, self._found)
+        to_agent = self._are_agents(found.destination_ports, found.packets)
+        ours = np.flatnonzero(to_agent | self._are_agents(found.source_ports, found.packets))
         to_agent = to_agent[ours]
         sources = self._number(found.sources[ours], found.source_ports[ours])
         destinations = self._number(found.destinations[ours], found.destination_ports[ours])
@@ -99,6 +108,24 @@ class MessageReader:
         )
         by_tcp = found.protocol[ours] == TCP
         return self._with_segments(messages, found.headers[ours], by_tcp) if by_tcp.any() else messages
+
+    def _find(self, found: Datagrams, ports: dict[int, int]) -> None:
+        """Notes the ports to which sessions are created, and in which packet for the first time."""
+        octets = found.octets
+        for header in (4, 6, 8, 10):  # without and with a key, by UDP and by TCP
+            kind = found.starts + header
+            begins = (found.sizes >= header + 16) & (octets.take(kind + 4, mode="clip") == wire.COOKIE[0])
+            for entry in np.flatnonzero(begins & (octets.take(kind, mode="clip") == Kind.CREATE_CLIENT)).tolist():
+                at = int(kind[entry]) + 4
+                port, packet = int(found.destination_ports[entry]), int(found.packets[entry])
+                if octets[at : at + 4].tobytes() == wire.COOKIE:
+                    ports[port] = min(packet, ports.get(port, packet))
+
+    def _are_agents(self, ports: Numbers, packets: Numbers) -> Flags:
+        known = np.isin(ports, self._ports)
+        for port, first in (self._found or {}).items():
+            known |= (ports == port) & (packets >= first)
+        return known
 
     def _number(self, hosts: Octets, ports: Numbers) -> Numbers:
         """The numbers of endpoints, old and new."""

@@ -107,8 +107,12 @@ class StreamState:
         if self._named:
             self.repaired += sum(number < behind for number in self._named)
             self._named = {number for number in self._named if number >= behind}
-        self._seen.difference_update(numbers)
-        self._known.difference_update(numbers)
+        if len(numbers) < len(self._known):
+            self._seen.difference_update(numbers)
+            self._known.difference_update(numbers)
+        else:
+            self._seen = {number for number in self._seen if number >= behind}
+            self._known = {number for number in self._known if number >= behind}
 
     def carries(self, number: int, place: int, item: Item) -> bool:
         """Notes what a message carries. Returns whether it carried something else before."""

@@ -39,6 +39,9 @@ class Kind(IntEnum):
 
 COOKIE: Final = b"XRCE"
 
+DEFAULT_PORT: Final = 8888
+"""The port of the Agent in eProsima's and micro-ROS's examples."""
+
 LITTLE_ENDIAN: Final = 0x01
 LAST_FRAGMENT: Final = 0x02
 REUSE: Final = 0x02

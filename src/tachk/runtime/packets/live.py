@@ -96,6 +96,7 @@ class LivePackets:
 
     def __init__(self, name: str, stream: Arriving, ports: Sequence[int], clock: Callable[[], int]) -> None:
         """Args:
+        ports: of Agents; without any 8888, and each one to which a session is created.
         clock: nanoseconds that never go back.
         """
         self.name = name

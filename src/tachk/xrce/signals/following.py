@@ -339,14 +339,13 @@ class Follower:
         transfer = stream.transfer
         if not arrived or transfer is None or state is not transfer.receiver:
             return
-        for number in arrived:
-            content = state.contents.pop(number, None)
+        for number in sorted(number for number in state.contents if number < arrived.stop):
+            content = state.contents.pop(number)
             sent = content if transfer.sender is state else transfer.sender.contents.pop(number, None)
-            if content is not None:
-                if sent is not None and sent != content:
-                    self._unaltered, self._changed = False, True
-                for item in content.values():
-                    self._delivered(stream.side.owner, stream.way, item)
+            if sent is not None and sent != content:
+                self._unaltered, self._changed = False, True
+            for item in content.values():
+                self._delivered(stream.side.owner, stream.way, item)
         standing = self._exchange.standing()
         if standing != (self._complete, self._ordered):
             self._complete, self._ordered = standing

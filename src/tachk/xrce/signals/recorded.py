@@ -105,7 +105,11 @@ class Recorded:
 
 
 def read_recorded(stream: BinaryIO, ports: Iterable[int]) -> Recorded:
-    """What a capture says. Raises CaptureError for what is no capture."""
+    """What a capture says. Raises CaptureError for what is no capture.
+
+    Args:
+        ports: of Agents; without any 8888, and each one to which a session is created.
+    """
     reading = CaptureReading(stream, ports)
     follower = Follower()
     blocks = []

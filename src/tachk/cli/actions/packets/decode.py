@@ -13,7 +13,7 @@ from tachk.diagnostics.diagnostic import UsageError
 from tachk.records import dataclass
 from tachk.report.packets.json import event_to_json
 from tachk.report.packets.text import event_to_text
-from tachk.xrce.events import decode, decode_serial
+from tachk.xrce.events import DEFAULT_PORT, decode, decode_serial
 from tachk.xrce.packets import CaptureError
 
 
@@ -22,17 +22,21 @@ class Decoding:
     """Attributes:
     serial: the file holds the bytes of a serial line.
     form: text or jsonl.
+    signals: where signals over time go; None: events are told.
     """
 
     file: Path
     ports: tuple[int, ...]
     serial: bool
     form: str
+    signals: Path | None
     output: Path | None
 
 
 def run_decode(decoding: Decoding) -> ExitStatus:
     """Raises UsageError for a file that is no capture."""
+    if decoding.signals is not None:
+        return _write_signals(decoding, decoding.signals)
     is_input = str(decoding.file) == "-"
     found = 0
     with (
@@ -41,7 +45,9 @@ def run_decode(decoding: Decoding) -> ExitStatus:
     ):
         start = None
         try:
-            for event in decode_serial(stream) if decoding.serial else decode(stream, decoding.ports):
+            for event in (
+                decode_serial(stream) if decoding.serial else decode(stream, decoding.ports or (DEFAULT_PORT,))
+            ):
                 start = event.time if start is None else start
                 found += 1
                 if decoding.form == "text":
@@ -54,6 +60,18 @@ def run_decode(decoding: Decoding) -> ExitStatus:
                 "tcpdump -i any -w FILE.pcap udp port 8888 makes a capture; --serial reads the bytes of a serial line",
             ) from None
     if not found and not decoding.serial:
-        ports = ", ".join(map(str, decoding.ports))
+        ports = ", ".join(map(str, decoding.ports or (DEFAULT_PORT,)))
         print(f"no packet to or from port {ports}; give the port of the Agent with --port", file=sys.stderr)
+    return ExitStatus.AS_EXPECTED
+
+
+def _write_signals(decoding: Decoding, to: Path) -> ExitStatus:
+    if decoding.serial:
+        raise UsageError("bytes of a serial line have no times, which signals need", "leave out --serial, or --signals")
+    if decoding.output is not None:
+        raise UsageError("--signals says where signals go, --output where lines go", "give one of the two")
+    from tachk.runtime.packets.trace_writing import write_trace
+    from tachk.runtime.trace_packets import open_packets
+
+    write_trace(open_packets(decoding.file, None, None, decoding.ports).read(), to)
     return ExitStatus.AS_EXPECTED

@@ -17,9 +17,8 @@ from tachk.cli import options
     metavar="PORT",
     type=options.Count(1, 65535),
     multiple=True,
-    default=(8888,),
-    show_default=True,
-    help="A UDP or TCP port of an Agent, or of a relay that clients take for one. Can be given several times.",
+    help="A UDP or TCP port of an Agent, or of a relay that clients take for one. Can be given several times. "
+    "Without it 8888, and with --signals each port to which a session is created.",
 )
 @click.option(
     "--serial",
@@ -28,6 +27,13 @@ from tachk.cli import options
 )
 @click.option(
     "form", "--format", type=click.Choice(["text", "jsonl"]), default="text", show_default=True, help="Form of a line."
+)
+@click.option(
+    "signals",
+    "--signals",
+    metavar="FILE",
+    type=options.type_of_file,
+    help="Write what each stream has sent, acknowledged and lost over time to a .csv or .parquet file; print no lines.",
 )
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the lines to a file.")
 @options.max_seconds()
