@@ -116,7 +116,7 @@ def test_clients_without_a_key_and_at_several_ports_have_names(tmp_path: Path):
     relayed = [CREATE_CLIENT, write(0)[28:]]
     path.write_bytes(pcap([udp(one, source, port) for one in relayed for source, port in ((1, 9001), (2, 8888))]))
     names = {name.split(".")[0] for name in columns(path, 8888, 9001) if name.startswith("client_")}
-    assert names == {"client_CCCCDDDD_at_8888", "client_CCCCDDDD_at_9001"}
+    assert names == {"client_CCCCDDDD", "client_CCCCDDDD_at_8888", "client_CCCCDDDD_at_9001"}
 
 
 def test_what_is_no_trace(tmp_path: Path):
