@@ -14,7 +14,7 @@ from click.testing import CliRunner
 import tachk
 from tachk.cli.main import app
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.runtime.packets.trace_writing import trace_frame, write_trace
+from tachk.runtime.packets.signal_files import table_of, write_signals
 from tachk.runtime.trace import Trace
 from tachk.runtime.trace_files import open_trace
 from tachk.xrce.streams import StreamState
@@ -83,7 +83,7 @@ def trace(tmp_path: Path) -> Trace:
 
 def test_csv_can_be_read_again(trace: Trace, tmp_path: Path):
     path = tmp_path / "signals.csv"
-    write_trace(trace, path)
+    write_signals(trace, path)
     again = open_trace(path).read()
     assert (again.unit, list(again.columns)) == ("s", list(trace.columns))
     assert np.array_equal(again.times * (trace.ticks_per_unit // again.ticks_per_unit), trace.times)
@@ -93,16 +93,17 @@ def test_csv_can_be_read_again(trace: Trace, tmp_path: Path):
 
 
 def test_a_data_frame_has_a_row_for_each_instant(trace: Trace):
-    frame = trace_frame(trace)
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame(table_of(trace))
     assert frame["arrive"].dtype == bool
-    assert frame.index[-1].total_seconds() == 4.001
+    assert frame["time"].iloc[-1].total_seconds() == 4.001
     assert tachk.monitor("G (sleep -> !arrive)", frame).truth is tachk.Truth.FALSE
 
 
 def test_parquet_can_be_read_again(trace: Trace, tmp_path: Path):
     pytest.importorskip("pyarrow")
     path = tmp_path / "signals.parquet"
-    write_trace(trace, path)
+    write_signals(trace, path)
     report = tachk.monitor("G (sleep -> F[0, 1 s] !arrive)", path)
     assert report.truth is tachk.monitor("G (sleep -> F[0, 1 s] !arrive)", trace).truth
 

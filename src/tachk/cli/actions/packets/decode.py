@@ -70,8 +70,8 @@ def _write_signals(decoding: Decoding, to: Path) -> ExitStatus:
         raise UsageError("bytes of a serial line have no times, which signals need", "leave out --serial, or --signals")
     if decoding.output is not None:
         raise UsageError("--signals says where signals go, --output where lines go", "give one of the two")
-    from tachk.runtime.packets.trace_writing import write_trace
+    from tachk.runtime.packets.signal_files import write_signals
     from tachk.runtime.trace_packets import open_packets
 
-    write_trace(open_packets(decoding.file, None, None, decoding.ports).read(), to)
+    write_signals(open_packets(decoding.file, None, None, decoding.ports).read(), to)
     return ExitStatus.AS_EXPECTED
