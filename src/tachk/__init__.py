@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         loads,
         random_network,
     )
+    from tachk.monitoring.mining import mine
     from tachk.monitoring.offline import MonitorReport, monitor
     from tachk.monitoring.online import Monitor
     from tachk.runtime.node_signal import Truth
@@ -63,6 +64,7 @@ __all__ = [
     "load",
     "loads",
     "measure",
+    "mine",
     "monitor",
     "random_network",
 ]
@@ -73,6 +75,7 @@ _MONITORING = {
     "MonitorReport": "tachk.monitoring.offline",
     "Truth": "tachk.runtime.node_signal",
     "measure": "tachk.xrce.measuring.measure",
+    "mine": "tachk.monitoring.mining",
     "monitor": "tachk.monitoring.offline",
 }
 

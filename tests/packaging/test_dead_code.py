@@ -26,7 +26,6 @@ USED_OTHERWISE = {
     "tachk.logic.patterns.patterns": "docs/sentence_pictures.py",
     "tachk.runtime.core_monitor.TruthMonitor": "traces in portions, compared with the oracle",
     "tachk.runtime.core_monitor.RobustnessMonitor": "traces in portions, compared with the oracle",
-    "tachk.runtime.core_monitor.robustness_signals": "the values at every instant, compared with the oracle",
     "tachk.runtime.linear_monitor.robustness_signal": "the values at every instant, compared with the oracle",
     "tachk.cli.commands.verifyta.run": "pyproject.toml: a console script",
 }

@@ -32,6 +32,7 @@ COMMANDS = (
     "conform",
     "proxy",
     "monitor",
+    "mine",
     "plot",
     "explain",
     "sentences",

@@ -66,6 +66,8 @@ class ViolationReporting:
 
     Attributes:
         all_violations: each, not only the first of each formula.
+        signals: a file for what formulas are worth over time.
     """
 
     all_violations: bool = False
+    signals: Path | None = None

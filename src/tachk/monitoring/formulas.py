@@ -13,6 +13,7 @@ from typing import Any
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, Severity, UsageError
 from tachk.diagnostics.span import Source, Span
+from tachk.diagnostics.suggestion import did_you_mean
 from tachk.frontend.findings import Findings
 from tachk.logic.constant_values import value_of, whole_quotient
 from tachk.logic.durations import resolve, scaled
@@ -22,12 +23,13 @@ from tachk.monitoring.given_constants import constants_by_name
 from tachk.operators import PrefixOperator
 from tachk.runtime.trace_files import TRACE_SUFFIXES
 from tachk.syntax import ast
-from tachk.syntax.formula import Formula
+from tachk.syntax.formula import Duration, Formula
 from tachk.syntax.formulas.parser import parse_formula
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.rewrite import rewrite
 from tachk.syntax.sentences.parser import parse_sentence, with_full_stop
 from tachk.syntax.source_files import is_xml, read_source
+from tachk.syntax.walk import nodes_of_kind
 from tachk.time_units import length_of
 
 FORMULA_SUFFIXES = (".stl",)
@@ -35,6 +37,9 @@ MODEL_SUFFIXES = (".ta", ".xta", ".xml")
 
 _NEVER_FORMULAS = tuple(suffix for suffix in TRACE_SUFFIXES if suffix != ".txt")
 """Formulas may stand in a plain text file, as traces may."""
+
+_CONSTANT = re.compile(r"const\s+(?P<name>[A-Za-z_]\w*)\s*=\s*(?P<value>-?\d+(?:\.\d+)?)\s*;?")
+"""A line of a file of formulas that gives a name a value."""
 
 _LINE = re.compile(r"(?P<name>[A-Za-z_]\w*)\s*(?:\"(?P<title>[^\"\n]*)\"\s*)?:(?!:)\s*")
 
@@ -46,7 +51,8 @@ class NamedFormula:
     formula: bounds still in the units in which they are written.
     sentence: its text if it was written as one, else empty.
     unit: what a bound without unit is measured in, such as ``10 ms``; empty: the unit of the trace.
-    constants: of the model that states it.
+    constants: of the model or the file that states it; a column of such a name comes first.
+    given: what somebody who monitors gives constants; a column of such a name is an error.
     """
 
     name: str
@@ -54,7 +60,8 @@ class NamedFormula:
     formula: Formula
     sentence: str = ""
     unit: str = ""
-    constants: Mapping[str, int] | None = None
+    constants: Mapping[str, Fraction | int] | None = None
+    given: Mapping[str, Fraction] | None = None
 
     @property
     def text(self) -> str:
@@ -64,7 +71,23 @@ class NamedFormula:
     @property
     def columns(self) -> frozenset[str]:
         """The columns that it speaks about; a constant of the model may be among them."""
-        return _columns_read(self.formula)
+        read = _columns_read(self.formula)
+        return read if self.given is None else read - self.given.keys()
+
+    @property
+    def names(self) -> frozenset[str]:
+        """All names in it, of columns and constants."""
+        bounds = {
+            name.name
+            for duration in nodes_of_kind(self.formula, Duration)
+            for name in nodes_of_kind(duration, ast.NameExpression)
+        }
+        return _columns_read(self.formula) | bounds
+
+    @property
+    def constant_names(self) -> frozenset[str]:
+        """The names that are constants where no column has them."""
+        return frozenset((*(self.constants or {}), *(self.given or {})))
 
 
 # One formula often judges many traces: what it alone tells is kept.
@@ -72,10 +95,15 @@ _printed = lru_cache(maxsize=256)(print_formula)
 _columns_read = lru_cache(maxsize=256)(monitoring.columns_read)
 
 
-def read_formulas(given: str | os.PathLike[str]) -> tuple[NamedFormula, ...]:
+def read_formulas(
+    given: str | os.PathLike[str], definitions: Mapping[str, str] | None = None
+) -> tuple[NamedFormula, ...]:
     """The formulas of a text, a file of formulas, or a model.
 
     A text is a formula or a sentence, which may lack its full stop here.
+
+    Args:
+        definitions: other values for constants of a model or a file, and values for names in bounds and conditions.
 
     Raises:
         InputError: with everything that is wrong.
@@ -85,8 +113,26 @@ def read_formulas(given: str | os.PathLike[str]) -> tuple[NamedFormula, ...]:
         path = Path(given)
         if path.suffix.lower() in _NEVER_FORMULAS:
             raise _exchanged(path)
-        return _model_formulas(path) if path.suffix.lower() in MODEL_SUFFIXES else _file_formulas(path)
-    return _text_formulas(given)
+        if path.suffix.lower() in MODEL_SUFFIXES:
+            return _model_formulas(path, definitions or {})
+        return defined(_file_formulas(path), definitions or {})
+    return defined(_text_formulas(given), definitions or {})
+
+
+def defined(formulas: tuple[NamedFormula, ...], definitions: Mapping[str, str | Fraction]) -> tuple[NamedFormula, ...]:
+    """The formulas with these values of constants. Raises UsageError for a name that none of them has."""
+    if not definitions:
+        return formulas
+    names = sorted({name for named in formulas for name in named.names})
+    values: dict[str, Fraction] = {}
+    for name, text in definitions.items():
+        if name not in names:
+            raise UsageError(f"-D {name}: no formula has this name", did_you_mean(name, names))
+        try:
+            values[name] = Fraction(text)
+        except (ValueError, ZeroDivisionError):
+            raise UsageError(f"-D {name}={text}: expected a number", "such as -D T=2.5") from None
+    return tuple(replace(named, given={**(named.given or {}), **values}) for named in formulas)
 
 
 @lru_cache(maxsize=256)
@@ -113,7 +159,10 @@ def in_trace_units(named: NamedFormula, columns: Collection[str], unit: str) -> 
 
     A name that is not a column but a constant of the model stands for its value. Raises InputError.
     """
-    constants = {n: v for n, v in (named.constants or {}).items() if n not in columns}
+    clash = next((name for name in named.given or {} if name in columns), None)
+    if clash is not None:
+        raise UsageError(f"-D {clash}: the trace has a column of this name", "rename the constant in the formula")
+    constants = {n: v for n, v in (named.constants or {}).items() if n not in columns} | dict(named.given or {})
     own = named.unit or unit
     remedy = "say what one unit of the trace's time is: --unit s, unit='s', or time [s] in the header"
     formula = resolve(named.formula, constants_by_name(constants), own, remedy)
@@ -121,13 +170,19 @@ def in_trace_units(named: NamedFormula, columns: Collection[str], unit: str) -> 
     def change(node: Any) -> Any:
         match node:
             case ast.NameExpression(name=name, span=span) if name in constants:
-                number = constants[name]
-                literal = ast.IntegerLiteral(span, abs(number))
-                return literal if number >= 0 else ast.UnaryExpression(span, PrefixOperator.MINUS, literal)
+                return _literal(span, Fraction(constants[name]))
             case _:
                 return node
 
     return rewrite(scaled(formula, _ratio(own, unit)), change)
+
+
+def _literal(span: Span, value: Fraction) -> ast.Expression:
+    """A number as it stands in a condition, in which numbers are floating-point ones."""
+    size = abs(value)
+    whole = size.denominator == 1
+    literal = ast.IntegerLiteral(span, int(size)) if whole else ast.FloatLiteral(span, repr(float(size)))
+    return literal if value >= 0 else ast.UnaryExpression(span, PrefixOperator.MINUS, literal)
 
 
 def _ratio(own: str, common: str) -> Fraction:
@@ -161,7 +216,11 @@ def _file_formulas(path: Path) -> tuple[NamedFormula, ...]:
     source = read_source(path)
     read: list[NamedFormula | tuple[Diagnostic, ...]] = []
     names: dict[str, Span] = {}
+    constants: dict[str, Fraction | int] = {}
     for span in _entries(source):
+        if (constant := _CONSTANT.fullmatch(span.text)) is not None:
+            constants[constant["name"]] = Fraction(constant["value"])
+            continue
         match = _LINE.match(source.text, span.start, span.end)
         name = match["name"] if match else f"p{len(read) + 1}"
         title = (match["title"] or "") if match else ""
@@ -171,6 +230,8 @@ def _file_formulas(path: Path) -> tuple[NamedFormula, ...]:
             continue
         names[name] = span
         read.append(_read(name, title, Span(source, start, span.end)))
+    if constants:
+        read = [replace(each, constants=constants) if isinstance(each, NamedFormula) else each for each in read]
     return _checked(read, str(path))
 
 
@@ -223,8 +284,8 @@ def _sentence(name: str, title: str, span: Span) -> NamedFormula | tuple[Diagnos
 # ---- models -------------------------------------------------------------------------------------------------------
 
 
-def _model_formulas(path: Path) -> tuple[NamedFormula, ...]:
-    items, unit, constants = _stated(path)
+def _model_formulas(path: Path, definitions: Mapping[str, str]) -> tuple[NamedFormula, ...]:
+    items, unit, constants = _stated(path, definitions)
     read: list[NamedFormula | tuple[Diagnostic, ...]] = []
     for item in items:
         if isinstance(item, ast.PropertyDeclaration) and isinstance(item.formula, ast.TemporalFormula):
@@ -240,7 +301,7 @@ def _model_formulas(path: Path) -> tuple[NamedFormula, ...]:
     return _checked(read, str(path))
 
 
-def _stated(path: Path) -> tuple[Sequence[ast.Item], str, dict[str, int]]:
+def _stated(path: Path, definitions: Mapping[str, str]) -> tuple[Sequence[ast.Item], str, dict[str, int]]:
     """The declarations of a model, its time unit, its constants.
 
     A file without a system line is not a model but a part of models, so its names have no meaning yet: it is read only.
@@ -257,18 +318,23 @@ def _stated(path: Path) -> tuple[Sequence[ast.Item], str, dict[str, int]]:
             if findings.has_errors:
                 raise InputError(findings.sorted())
             units = [f"{item.amount} {item.unit}" for item in items if isinstance(item, ast.TimeUnitDeclaration)]
-            return items, units[0] if units else "", _plain_constants(items)
-    loaded = load_model(source)
+            return items, units[0] if units else "", _plain_constants(items, definitions)
+    loaded = load_model(source, definitions)
     return loaded.items, loaded.heading.time_unit, dict(loaded.heading.constants)
 
 
-def _plain_constants(items: Iterable[ast.Item]) -> dict[str, int]:
-    """The constants whose values follow from numbers and each other alone."""
+def _plain_constants(items: Iterable[ast.Item], definitions: Mapping[str, str]) -> dict[str, int]:
+    """The constants whose values follow from numbers and each other alone. Raises UsageError for definitions of names
+    that are no such constants."""
     constants: dict[str, int] = {}
+    left = dict(definitions)
     for item in items:
         if isinstance(item, ast.VariableDeclaration) and (item.type is None or "const" in item.type.prefixes):
             for declarator in item.declarators:
                 if declarator.initialiser is None or declarator.dimensions:
+                    continue
+                if (text := left.pop(declarator.name.name, None)) is not None:
+                    constants[declarator.name.name] = _whole(declarator.name.name, text)
                     continue
                 try:
                     value = value_of(declarator.initialiser, constants_by_name(constants), whole_quotient)
@@ -276,4 +342,13 @@ def _plain_constants(items: Iterable[ast.Item]) -> dict[str, int]:
                     continue
                 if value.denominator == 1:
                     constants[declarator.name.name] = int(value)
+    for name in left:
+        raise UsageError(f"-D {name}: there is no such constant", did_you_mean(name, constants))
     return constants
+
+
+def _whole(name: str, text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise UsageError(f"-D {name}={text}: expected a whole number", "such as -D N=4") from None

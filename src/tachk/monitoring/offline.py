@@ -6,6 +6,7 @@ import math
 import os
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import lru_cache
 from io import StringIO
 from pathlib import Path
@@ -17,7 +18,7 @@ from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.suggestion import unknown_key
 from tachk.monitoring.compiler import compile as compile_formula
 from tachk.monitoring.compiler import ticks_needed
-from tachk.monitoring.formulas import NamedFormula, check_order, in_trace_units, read_formulas
+from tachk.monitoring.formulas import NamedFormula, check_order, defined, in_trace_units, read_formulas
 from tachk.monitoring.line_compiler import line_findings
 from tachk.monitoring.reading import Reading, reading_of
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, TimeRobustness, cell_time
@@ -37,6 +38,7 @@ from tachk.syntax.formula import Formula
 
 if TYPE_CHECKING:
     from tachk.report.json_report import Json
+    from tachk.report.monitor.formula_signals import FormulaSignal
     from tachk.report.monitor.signal_plot import Plot
 
 
@@ -68,6 +70,7 @@ def monitor(
     robustness: bool = True,
     time_robustness: bool = False,
     interpolation: str = "constant",
+    constants: Mapping[str, str | float | Fraction] | None = None,
     select: Collection[str] = (),
 ) -> MonitorReport:
     """Judges a recorded trace by one formula or several.
@@ -85,6 +88,8 @@ def monitor(
         robustness: compute how far each verdict is from changing.
         time_robustness: compute by how much time signals could be shifted before the verdict changes.
         interpolation: between rows ``"constant"`` values are held, ``"linear"`` numbers move in straight lines.
+        constants: values for names in bounds and conditions, such as ``{"T": 2.5}`` for ``F[0, T] p``; of a model,
+            other values of its constants.
         select: the names of the formulas that are judged; none: all.
 
     Raises:
@@ -93,7 +98,7 @@ def monitor(
     """
     ending = ending_of(end)
     check_order(formula, trace)
-    formulas = selected(formulas_of(formula), select)
+    formulas = selected(formulas_of(formula, constants), select)
     judging = Judging(ending, interpolation_of(interpolation), robustness, time_robustness)
     recording = open_trace(trace, time, unit, ports)
     source = os.fspath(formula) if isinstance(formula, (str, os.PathLike)) and Path(formula).suffix else ""
@@ -162,7 +167,9 @@ def prepare(
 
 def _resolved(named: NamedFormula, columns: tuple[str, ...], unit: str) -> tuple[Formula, int]:
     """The formula in units of a trace with these columns, and the ticks of a unit that it needs. Raises InputError."""
-    return _plainly_resolved(named, columns, unit) if named.constants is None else _newly_resolved(named, columns, unit)
+    if named.constants is None and named.given is None:
+        return _plainly_resolved(named, columns, unit)
+    return _newly_resolved(named, columns, unit)
 
 
 def _newly_resolved(named: NamedFormula, columns: tuple[str, ...], unit: str) -> tuple[Formula, int]:
@@ -222,15 +229,19 @@ def interpolation_of(name: str) -> Interpolation:
 
 def formulas_of(
     given: str | os.PathLike[str] | Sequence[str] | Sequence[NamedFormula],
+    constants: Mapping[str, str | float | Fraction] | None = None,
 ) -> tuple[NamedFormula, ...]:
     """The formulas of a text, a file, or several texts; these are named ``p1``, ``p2``, ... in order.
+
+    Args:
+        constants: values of constants of a model or a file, and of names in bounds and conditions.
 
     Raises:
         InputError: a formula is wrong.
         UsageError: something else is given.
     """
     if isinstance(given, (str, os.PathLike)):
-        return read_formulas(given)
+        return read_formulas(given, {name: str(value) for name, value in (constants or {}).items()})
     anything: object = given
     entries: tuple[object, ...] = tuple(anything) if isinstance(anything, Iterable) else (anything,)
     strange = next((entry for entry in entries if not isinstance(entry, (str, NamedFormula))), None)
@@ -240,10 +251,11 @@ def formulas_of(
             "give its text, several texts, or the path of a file of formulas or of a model",
         )
     ready = tuple(entry for entry in entries if isinstance(entry, NamedFormula))
+    values = {name: Fraction(str(value)) for name, value in (constants or {}).items()}
     if ready:
-        return ready
+        return defined(ready, values)
     read = [named for text in entries if isinstance(text, str) for named in read_formulas(text)]
-    return tuple(replace(named, name=f"p{number}") for number, named in enumerate(read, 1))
+    return defined(tuple(replace(named, name=f"p{number}") for number, named in enumerate(read, 1)), values)
 
 
 def verdict_on(
@@ -382,16 +394,28 @@ class MonitorReport(Sequence[MonitorVerdict]):
                 )
         return rows
 
+    def signal(self, name: str) -> FormulaSignal:
+        """The truth and the robustness of a formula at every instant of the trace, as arrays; of ``G f`` those of f."""
+        from tachk.report.monitor.formula_signals import signal_of
+
+        return signal_of(self.record, self[name])
+
     def plot(
-        self, path: str | os.PathLike[str] | None = None, begin: float | None = None, end: float | None = None
+        self,
+        path: str | os.PathLike[str] | None = None,
+        begin: float | None = None,
+        end: float | None = None,
+        robustness: bool = False,
     ) -> Plot:
         """Draws signals, subformulas and verdicts. A notebook shows the result.
 
         Args:
             path: a file to write; its ending says the format (svg, png, pdf).
             begin, end: the part that is drawn, in the units of the trace's clock; None: all of it.
+            robustness: draw the robustness of each formula over time, too.
         """
-        from tachk.report.monitor.signal_plot import Plot, Stretch, plot_record
+        from tachk.report.monitor.plot_rows import Stretch
+        from tachk.report.monitor.signal_plot import Plot, plot_record
 
         trace = self.record.trace
         origin, scale = float(trace.origin), trace.ticks_per_unit
@@ -401,8 +425,8 @@ class MonitorReport(Sequence[MonitorVerdict]):
             raise UsageError("the trace has nothing between these times")
         span = Stretch(left, right)
         if path is not None:
-            plot_record(self.record, Path(path), span)
-        return Plot(self.record, span)
+            plot_record(self.record, Path(path), span, robustness)
+        return Plot(self.record, span, robustness)
 
     def to_text(self, all_violations: bool = False) -> str:
         """What `tachk monitor` prints, with ``--all-violations`` or without."""

@@ -72,6 +72,7 @@ class Monitor:
         end: str = "undetermined",
         robustness: bool = False,
         all_violations: bool = False,
+        constants: Mapping[str, str | float | Fraction] | None = None,
         select: Sequence[str] = (),
         packets: Callable[[Ticks], Ticks] | None = None,
     ) -> None:
@@ -83,6 +84,7 @@ class Monitor:
             end: what counts where the trace ends too early to tell: ``"undetermined"``, ``"weak"``, ``"strong"``.
             robustness: keep bounds of the robustness too.
             all_violations: go on after the first violation of a formula, see `take_violations`.
+            constants: as for `tachk.monitor`.
             select: the names of the formulas that are watched; none: all.
             packets: of a capture, from times in units of ``10 ** -decimals`` to numbers of packets, 0 for none.
 
@@ -94,20 +96,15 @@ class Monitor:
         self._unit = known_unit(unit)
         self._robust = robustness
         self._packets = packets
-        formulas = selected(formulas_of(formula), select)
-        names = dict.fromkeys(
-            column for named in formulas for column in sorted(named.columns) if column not in (named.constants or {})
-        )
-        self.columns: tuple[str, ...] = tuple(names)
+        formulas = selected(formulas_of(formula, constants), select)
+        self.columns = _columns(formulas)
         resolved = _resolved(formulas, self.columns, self._unit)
         self.decimals = usual_decimals(self._unit) if decimals is None else decimals
         if not 0 <= self.decimals <= 18:
             raise UsageError(f"decimals={decimals}: expected 0 to 18")
         self._scale = math.lcm(10**self.decimals, *(ticks_needed(formula) for formula in resolved))
         programs = [compile_formula(tree, self.columns, self._scale) for tree in resolved]
-        self._watched = [
-            _Watched(named, program, named.text) for named, program in zip(formulas, programs, strict=True)
-        ]
+        self._watched = [_Watched(*each, each[0].text) for each in zip(formulas, programs, strict=True)]
         try:
             self._group = open_group(
                 programs,
@@ -423,6 +420,12 @@ def _exact_tick(scale: int, time: Any) -> int:
     if ticks.denominator != 1:
         raise UsageError(f"the time {time} is finer than 1/{scale}", "allow more decimals")
     return int(ticks)
+
+
+def _columns(formulas: Sequence[NamedFormula]) -> tuple[str, ...]:
+    """What the formulas read."""
+    names = (each for named in formulas for each in sorted(named.columns) if each not in named.constant_names)
+    return tuple(dict.fromkeys(names))
 
 
 def _resolved(formulas: Sequence[NamedFormula], columns: Sequence[str], unit: str) -> list[Formula]:

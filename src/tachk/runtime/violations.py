@@ -75,6 +75,11 @@ class Violations(Sequence[Finding]):
         return len(self._order)
 
     @property
+    def first_cells(self) -> NDArray[np.int64]:
+        """The first cells of all of them, in order."""
+        return np.concatenate([part.violated.first for part in self._parts])[self._order]
+
+    @property
     def parts(self) -> tuple[str, ...]:
         """The texts of what has to be true, such as ``p -> F[0, 5] q`` in ``G (p -> F[0, 5] q) && G r``."""
         return tuple(self._explainer.program.nodes[part.node].text for part in self._parts)

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 
+import tachk
 from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.monitoring.formulas import check_order, in_trace_units, read_formulas
+from tachk.runtime.node_signal import Truth
 from tachk.syntax.formulas.printer import print_formula
 
 FILE = """\
@@ -144,3 +146,37 @@ def test_formulas_and_trace_exchanged(trace: str, formulas: str, tmp_path: Path)
         check_order(tmp_path / trace, str(tmp_path / formulas))
     assert refusal.value.help == "the formulas come first, then the trace"
     check_order(tmp_path / formulas, tmp_path / trace)
+
+
+def test_names_get_values_from_definitions_and_from_lines_of_the_file(tmp_path: Path) -> None:
+    trace = {"t": [0, 1, 4], "p": [1, 0, 0], "q": [0, 0, 1], "x": [1, 2, 3]}
+    path = tmp_path / "plant.stl"
+    path.write_text("const T = 2.5\nconst MAX = 3;\nin_time: G (p -> F[0, T] q)\nlow: G (x <= MAX)\n")
+    assert [verdict.truth for verdict in tachk.monitor(path, trace)] == [Truth.FALSE, Truth.TRUE]
+    changed = tachk.monitor(path, trace, constants={"T": 4, "MAX": "2.5"})
+    assert [verdict.truth for verdict in changed] == [Truth.TRUE, Truth.FALSE]
+    assert tachk.monitor("G (p -> F[0, T] (x > L))", trace, constants={"T": 4, "L": 2.5}).truth is Truth.TRUE
+    monitor = tachk.Monitor("G (x <= L)", constants={"L": 2})
+    monitor.update(0, x=3)
+    assert monitor.advance(1) is Truth.FALSE
+    assert monitor.columns == ("x",)
+
+
+def test_a_definition_that_means_nothing_is_refused() -> None:
+    trace = {"t": [0], "x": [1]}
+    with pytest.raises(UsageError, match="no formula has this name"):
+        tachk.monitor("G (x < L)", trace, constants={"LL": 4})
+    with pytest.raises(UsageError, match="a column of this name"):
+        tachk.monitor("G (x < L)", trace, constants={"x": 4})
+    with pytest.raises(UsageError, match="expected a number"):
+        tachk.monitor("G (x < L)", trace, constants={"L": "many"})
+
+
+def test_constants_of_a_model_can_be_changed_with_what_is_computed_from_them(tmp_path: Path) -> None:
+    path = tmp_path / "part.ta"
+    path.write_text("const int N = 1;\nconst int T = 2 * N;\nproperty q : G (p -> F[0, T] q);\n")
+    trace = {"t": [0, 1, 4], "p": [1, 0, 0], "q": [0, 0, 1]}
+    assert tachk.monitor(path, trace).truth is Truth.FALSE
+    assert tachk.monitor(path, trace, constants={"N": 2}).truth is Truth.TRUE
+    with pytest.raises(UsageError, match="no such constant"):
+        tachk.monitor(path, trace, constants={"M": 2})

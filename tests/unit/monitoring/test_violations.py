@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 from pathlib import Path
+from random import Random
 from typing import Any
 from xml.etree import ElementTree
 
@@ -14,8 +16,18 @@ import pytest
 
 import tachk
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.monitoring.formulas import NamedFormula
+from tachk.monitoring.offline import Judging, verdict_on
+from tachk.monitoring.reading import HeldValues
+from tachk.report.monitor.formula_signals import signal_of, write_signals
 from tachk.report.monitor.junit import monitor_to_junit
+from tachk.report.monitor.record import MonitorRecord
+from tachk.runtime.node_signal import Truth
 from tachk.runtime.violations import TriggerCounts
+from tachk.syntax import formula as syntax
+from tachk.testing.exact_monitor import satisfaction
+from tachk.testing.formulas import FormulaShape, MonitoringCase, random_monitoring_case
+from tachk.testing.monitor_input import always, monitor_input, truth_of
 
 SCHEMA = Path(__file__).parents[3] / "docs/schema/monitor.schema.json"
 
@@ -151,3 +163,42 @@ def test_violations_of_arrays_are_those_of_the_whole_trace() -> None:
 def test_a_monitor_of_first_violations_has_no_others() -> None:
     with pytest.raises(UsageError, match="first violation only"):
         tachk.Monitor("G p").take_violations()
+
+
+def test_signals_are_those_of_the_definition_at_every_cell() -> None:
+    for seed in range(12):
+        case = random_monitoring_case(Random(seed), FormulaShape(depth=2, rows=8))
+        given = monitor_input(MonitoringCase(always(case.formula), case.trace))
+        verdict = verdict_on(NamedFormula("f", "", case.formula), given.program, given.trace, Judging(), HeldValues())
+        signal = signal_of(MonitorRecord(given.trace, "", (verdict,)), verdict)
+        asked = case.formula
+        while isinstance(asked, syntax.Always):
+            asked = asked.operand
+        exact = satisfaction(asked, case.trace)
+        cells = np.arange(2 * given.trace.end + 1)
+        there = signal.on(cells)
+        assert there.low is not None
+        assert there.high is not None
+        for cell in cells.tolist():
+            value = exact.value(given.instant(cell))
+            found = Truth(int(there.truth[cell])), float(there.low[cell]), float(there.high[cell])
+            assert found == (truth_of(value), float(value.low), float(value.high)), (seed, cell)
+
+
+def test_signals_are_arrays_and_a_table(tmp_path: Path) -> None:
+    report = tachk.monitor("G (x < 5)", TRACE, unit="s")
+    signal = report.signal("p1")
+    assert signal.formula == "x < 5"
+    assert signal.times.tolist() == [10, 11, 12, 13, 16, 18]
+    assert signal.after.tolist() == [False] * 6
+    assert [Truth(value) for value in signal.truth.tolist()] == [1, 0, 0, 1, 0, 1]
+    assert signal.low is not None
+    assert signal.low.tolist() == [4, 0, -1, 4, -2, 4]
+    assert set(signal.to_dict()) == {"time", "after", "truth", "low", "high"}
+    out = io.StringIO()
+    write_signals(report.record, out)
+    assert out.getvalue().splitlines()[:3] == [
+        "time [s],after,p1,p1.low,p1.high",
+        "10,false,true,4.0,4.0",
+        "11,false,false,0.0,0.0",
+    ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
 from tachk.monitoring.formulas import NamedFormula, check_order, read_formulas
 from tachk.monitoring.offline import selected
@@ -21,6 +22,7 @@ class Judged:
         trace: a path, or ``-`` for standard input.
         time, unit, ports: as of `open_trace`.
         names: of the formulas that are taken; none: all.
+        definitions: values of constants, as ``T=2.5``.
     """
 
     formula: str
@@ -29,11 +31,12 @@ class Judged:
     unit: str | None = None
     ports: tuple[int, ...] = ()
     names: tuple[str, ...] = ()
+    definitions: tuple[str, ...] = ()
 
     def formulas(self) -> tuple[NamedFormula, ...]:
         """Raises InputError, UsageError."""
         check_order(self.formula, self.trace)
-        return selected(read_formulas(self.formula), self.names)
+        return selected(read_formulas(self.formula, parse_definitions(self.definitions)), self.names)
 
     def recording(self) -> Recording:
         """Raises InputError, UsageError."""

@@ -36,6 +36,8 @@ def run_monitor(
             )
         if judging.time_robustness:
             raise UsageError("--time-robustness needs the whole trace", "leave out --online and --follow")
+        if told.signals is not None:
+            raise UsageError("--signals needs the whole trace", "leave out --online, --follow and --fail-fast")
         from tachk.cli.actions.monitor_online import run_online
 
         return run_online(judged, formulas, judging, rows, told, reporting)
@@ -44,6 +46,11 @@ def run_monitor(
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None:
             _write(record, reporting.form, out, told.all_violations)
+    if told.signals is not None:
+        from tachk.report.monitor.formula_signals import write_signals
+
+        with told.signals.open("w", encoding="utf-8") as file:
+            write_signals(record, file)
     return exit_status({verdict.truth for verdict in record.verdicts})
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from tachk.cli.actions.judged import Judged
@@ -9,9 +10,23 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.monitoring.offline import Judging, MonitorReport, judge
 
 
-def run_plot(judged: Judged, judging: Judging, output: Path, begin: float | None, end: float | None) -> ExitStatus:
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """Attributes:
+    output: the file of the picture.
+    begin, end: the part that is drawn, in units of the trace; None: all of it.
+    robustness: draw it over time.
+    """
+
+    output: Path
+    begin: float | None = None
+    end: float | None = None
+    robustness: bool = False
+
+
+def run_plot(judged: Judged, judging: Judging, drawn: Drawn) -> ExitStatus:
     """Draws a trace with what formulas are worth on it. The verdict has no influence on the exit status."""
     record = judge(judged.formulas(), judged.recording(), judging, judged.formula)
-    MonitorReport(record).plot(output, begin, end)
-    print(f"written: {output}")
+    MonitorReport(record).plot(drawn.output, drawn.begin, drawn.end, drawn.robustness)
+    print(f"written: {drawn.output}")
     return ExitStatus.AS_EXPECTED

@@ -35,6 +35,12 @@ from tachk.runtime.conventions import Ending
     help="Also compute how far each column can at least be shifted in time without changing a verdict.",
 )
 @click.option("--all-violations", is_flag=True, help="Tell all violations, not only the first of each formula.")
+@click.option(
+    "--signals",
+    metavar="FILE",
+    type=options.type_of_file,
+    help="Write the truth and the robustness of each formula over time, as comma-separated values.",
+)
 @click.option("--online", is_flag=True, help="Read the trace row by row, with bounded memory.")
 @click.option("--follow", is_flag=True, help="At the end of the file, wait for further rows.")
 @click.option("--live", is_flag=True, help="TRACE is a capture of packets that is being made: - or a file.")

@@ -25,12 +25,15 @@ from tachk.cli import options, trace_options
 @trace_options.columns
 @click.option("begin", "--from", metavar="TIME", type=float, help="Draw from this time.")
 @click.option("end", "--to", metavar="TIME", type=float, help="Draw up to this time.")
+@click.option("--robustness", is_flag=True, help="Draw the robustness of each formula over time, too.")
 @options.max_seconds()
-def command(output: Path, begin: float | None, end: float | None, seconds: float | None, **given: Any) -> None:
+def command(
+    output: Path, begin: float | None, end: float | None, robustness: bool, seconds: float | None, **given: Any
+) -> None:
     """Draw a trace, the values of formulas and of their parts on it, and where they are violated."""
     from tachk.cli.actions.judged import Judged
-    from tachk.cli.actions.plot import run_plot
+    from tachk.cli.actions.plot import Drawn, run_plot
     from tachk.monitoring.offline import Judging
 
     judged, judging = options.distributed(given, Judged, Judging)
-    options.finish(lambda: run_plot(judged, judging, output, begin, end), seconds)
+    options.finish(lambda: run_plot(judged, judging, Drawn(output, begin, end, robustness)), seconds)

@@ -31,6 +31,14 @@ class FormulaRows:
 
 
 @dataclass(frozen=True, slots=True)
+class Stretch:
+    """The part of a trace that is drawn, in ticks."""
+
+    begin: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True)
 class Band:
     """From ``begin`` to ``end``, in ticks; ``widened`` if it is narrower in truth."""
 

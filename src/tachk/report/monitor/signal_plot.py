@@ -22,8 +22,9 @@ from matplotlib.textpath import TextPath
 from matplotlib.ticker import MaxNLocator
 
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.report.monitor.plot_rows import Band, FormulaRows, bands_of, formula_rows, line, steps, thresholds
+from tachk.report.monitor.plot_rows import Band, FormulaRows, Stretch, bands_of, formula_rows, line, steps, thresholds
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, clock_text
+from tachk.report.monitor.robustness_plot import draw_robustness
 from tachk.report.monitor.text import answer_text, robustness_text
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Trace
@@ -60,20 +61,13 @@ _STYLE: dict[Any, Any] = {
 _METADATA: Any = {"Date": None, "Creator": "tachk"}
 
 
-@dataclass(frozen=True, slots=True)
-class Stretch:
-    """The part of a trace that is drawn, in ticks."""
-
-    begin: float
-    end: float
-
-
-def plot_record(record: MonitorRecord, path: str | Path, span: Stretch | None = None) -> None:
+def plot_record(record: MonitorRecord, path: str | Path, span: Stretch | None = None, robustness: bool = False) -> None:
     """Writes the picture of a record whose verdicts have their explainers.
 
     Args:
         path: its ending says the format.
         span: the part that is drawn; None: the whole trace.
+        robustness: draw it over time, too.
 
     Raises UsageError for an unknown format.
     """
@@ -81,7 +75,7 @@ def plot_record(record: MonitorRecord, path: str | Path, span: Stretch | None = 
     if target.suffix.lower() not in FORMATS:
         raise UsageError(f"{path}: pictures are written as {', '.join(FORMATS)}", "the ending of the name decides")
     with rc_context(_STYLE):
-        figure = draw_record(record, span)
+        figure = draw_record(record, span, robustness)
         metadata = _METADATA if target.suffix.lower() == ".svg" else None
         figure.savefig(target, dpi=150, metadata=metadata)
 
@@ -92,20 +86,21 @@ class Plot:
 
     record: MonitorRecord = field(repr=False)
     span: Stretch
+    robustness: bool = False
 
     @property
     def svg(self) -> str:
         """The text of a file."""
         out = StringIO()
         with rc_context(_STYLE):
-            draw_record(self.record, self.span).savefig(out, format="svg", metadata=_METADATA)
+            draw_record(self.record, self.span, self.robustness).savefig(out, format="svg", metadata=_METADATA)
         return out.getvalue()
 
     def _repr_svg_(self) -> str:
         return self.svg
 
 
-def draw_record(record: MonitorRecord, span: Stretch | None = None) -> Figure:
+def draw_record(record: MonitorRecord, span: Stretch | None = None, robustness: bool = False) -> Figure:
     """The picture as a matplotlib figure."""
     trace = record.trace
     span = span or Stretch(0, max(trace.end, 1))
@@ -115,18 +110,26 @@ def draw_record(record: MonitorRecord, span: Stretch | None = None) -> Figure:
     heights = [_GRAPH] * len(numbers)
     if flags:
         heights.append(_ROW * len(flags) + 0.1)
-    heights += [_ROW * len(rows.nodes) + 0.1 for _, rows in groups]
     signals = len(numbers) + bool(flags)
-    height = sum(heights) + _TITLE * len(groups) + _GAP * max(signals - 1, 0) + _TOP + _BOTTOM
+    gaps = [0.0, *[_GAP] * (signals - 1)] if signals else []
+    for _, rows in groups:
+        heights += [_ROW * len(rows.nodes) + 0.1, *[_GRAPH] * robustness]
+        gaps += [_TITLE, *[_GAP] * robustness]
+    height = sum(heights) + sum(gaps) + _TOP + _BOTTOM
     figure = Figure(figsize=(_WIDTH, height))
     FigureCanvasAgg(figure)
-    axes = _axes(figure, heights, signals, height)
+    axes = _axes(figure, heights, gaps, height)
+    tables = axes[signals :: 1 + robustness]
     for name, axis in zip(numbers, axes, strict=False):
         _draw_numbers(axis, trace, name, span, [v for v, _ in groups])
     if flags:
         _draw_flags(axes[len(numbers)], trace, flags, span)
-    for (verdict, rows), axis in zip(groups, axes[signals:], strict=True):
+    for (verdict, rows), axis in zip(groups, tables, strict=True):
         _draw_formula(axis, trace, verdict, rows, span)
+        _mark_violations(axis, verdict, span)
+    if robustness:
+        for (verdict, _), axis in zip(groups, axes[signals + 1 :: 2], strict=True):
+            draw_robustness(axis, record, verdict, span)
     for axis in axes:
         axis.set_xlim(span.begin, span.end)
     _draw_time(axes, trace, span)
@@ -135,18 +138,18 @@ def draw_record(record: MonitorRecord, span: Stretch | None = None) -> Figure:
         for axis in axes:
             _mark(axis, groups[0][0], span, axis is axes[0], trace)
     else:
-        for (verdict, _), axis in zip(groups, axes[signals:], strict=True):
+        for (verdict, _), axis in zip(groups, tables, strict=True):
             _mark(axis, verdict, span, False, trace)
     _legend(figure, height)
     return figure
 
 
-def _axes(figure: Figure, heights: Sequence[float], signals: int, height: float) -> list[Axes]:
-    """One axis for each height, from the top down, with room for a title above each formula."""
+def _axes(figure: Figure, heights: Sequence[float], gaps: Sequence[float], height: float) -> list[Axes]:
+    """One axis for each height, from the top down, with these gaps above them."""
     axes: list[Axes] = []
     top = height - _TOP
-    for number, size in enumerate(heights):
-        top -= _TITLE if number >= signals else _GAP if number else 0
+    for size, gap in zip(heights, gaps, strict=True):
+        top -= gap
         bottom = top - size
         axis = figure.add_axes((_LEFT, bottom / height, _RIGHT - _LEFT, size / height))
         axes.append(axis)
@@ -275,6 +278,19 @@ def _mark(axis: Axes, verdict: MonitorVerdict, span: Stretch, labelled: bool, tr
                 ha="right" if leftwards and fits else "left",
                 fontsize=_LABEL,
             )
+
+
+def _mark_violations(axis: Axes, verdict: MonitorVerdict, span: Stretch) -> None:
+    """A small triangle above each violation."""
+    if verdict.measured is not Truth.FALSE:
+        return
+    places = verdict.violations.first_cells / 2
+    shown = places[(places >= span.begin) & (places <= span.end)]
+    height = axis.get_ylim()[1]
+    (marks,) = axis.plot(
+        shown, [height] * len(shown), "v", color=_INK[Truth.FALSE], markersize=3.5, clip_on=False, zorder=6
+    )
+    marks.set_gid(f"violations-{verdict.name}")
 
 
 def _legend(figure: Figure, height: float) -> None:

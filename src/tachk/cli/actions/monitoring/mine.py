@@ -1,0 +1,62 @@
+"""`tachk mine`."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+
+from tachk.cli.arguments import parse_definitions
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.reporting import ReportForm, Reporting
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.monitoring.formulas import check_order
+from tachk.monitoring.mining import mine
+from tachk.runtime.conventions import Ending
+
+_NUMBER = r"-?\d+(?:\.\d+)?"
+_OVER = re.compile(rf"\s*(?P<name>[A-Za-z_]\w*)\s*=\s*(?P<low>{_NUMBER})\s*\.\.\s*(?P<high>{_NUMBER})\s*", re.ASCII)
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What is looked for; the fields are the arguments of `tachk.mine`."""
+
+    formula: str
+    traces: tuple[str, ...]
+    over: str
+    step: str | None = None
+    definitions: tuple[str, ...] = ()
+    name: str | None = None
+    unit: str | None = None
+    time: str | None = None
+    ending: Ending = Ending.UNDETERMINED
+
+
+def run_mine(asked: Asked, reporting: Reporting = Reporting()) -> ExitStatus:
+    """Finds the tightest value of a parameter."""
+    match = _OVER.fullmatch(asked.over)
+    if match is None:
+        raise UsageError(f"--over {asked.over}: expected NAME=LOW..HIGH", "for example --over T=0..200")
+    if asked.step is not None and re.fullmatch(r"\d*\.?\d+", asked.step) is None:
+        raise UsageError(f"--step {asked.step}: expected a positive number")
+    check_order(asked.formula, asked.traces[0])
+    found = mine(
+        asked.formula,
+        asked.traces,
+        {match["name"]: (match["low"], match["high"])},
+        step=asked.step,
+        time=asked.time,
+        unit=asked.unit,
+        end=asked.ending.value,
+        constants=parse_definitions(asked.definitions),
+        select=() if asked.name is None else (asked.name,),
+    )
+    with destination(reporting.output, reporting.quiet) as out:
+        if out is not None and reporting.form is ReportForm.JSON:
+            json.dump(found.to_dict(), out, indent=2)
+            out.write("\n")
+        elif out is not None:
+            out.write(found.to_text())
+    return ExitStatus.AS_EXPECTED if found.satisfiable else ExitStatus.NOT_AS_EXPECTED

@@ -1,0 +1,131 @@
+"""What `tachk mine` has found, as text and as docs/schema/mine.schema.json describes it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from tachk.report.json_report import Json
+from tachk.report.monitor.json import finding_to_json
+from tachk.report.monitor.record import MonitorRecord
+from tachk.report.monitor.words import explain_verdict
+from tachk.report.quantity import decimal
+
+
+@dataclass(frozen=True, slots=True)
+class MinedTrace:
+    """Attributes:
+    value: the tightest value with which this trace alone satisfies the formula; None: there is none in the range.
+    attained: whether the value itself does, or only those beyond it.
+    """
+
+    trace: str
+    value: Fraction | None
+    attained: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mined:
+    """Attributes:
+    name, formula: of the formula; as in a verdict.
+    tightest: "least" or "greatest": which of the values that satisfy it is the tightest one; None where it is not known
+        that the formula is monotone, so that values were tried one by one.
+    value: the tightest value with which all traces satisfy it; None: there is none.
+    attained: whether the value itself does, or only those beyond it.
+    exact: all values of the range were decided, not only multiples of a step.
+    trace: that which forbids tighter values; None: the whole range satisfies the formula.
+    violating: a tighter value; ``record`` tells how the trace violates the formula with it.
+    traces: the tightest value of each.
+    undecided: the traces that end too early to tell with this value.
+    ranges: where values were tried one by one, those that satisfy it: first and last of each stretch.
+    """
+
+    name: str
+    formula: str
+    parameter: str
+    low: Fraction
+    high: Fraction
+    tightest: str | None
+    value: Fraction | None
+    attained: bool
+    exact: bool
+    trace: str | None
+    violating: Fraction | None
+    record: MonitorRecord | None = field(repr=False)
+    traces: tuple[MinedTrace, ...]
+    undecided: tuple[str, ...]
+    ranges: tuple[tuple[Fraction, Fraction], ...]
+
+    @property
+    def satisfiable(self) -> bool:
+        """Whether some value in the range satisfies the formula on all traces."""
+        return self.value is not None or bool(self.ranges)
+
+    def to_dict(self) -> dict[str, Json]:
+        """As docs/schema/mine.schema.json describes it."""
+        record = self.record
+        return {
+            "name": self.name,
+            "formula": self.formula,
+            "parameter": self.parameter,
+            "low": _text(self.low),
+            "high": _text(self.high),
+            "monotone": self.tightest is not None,
+            "tightest": self.tightest,
+            "value": _text(self.value),
+            "attained": self.attained,
+            "exact": self.exact,
+            "trace": self.trace,
+            "violating": _text(self.violating),
+            "finding": None if record is None else finding_to_json(record, record.verdicts[0]),
+            "traces": [
+                {"trace": each.trace, "value": _text(each.value), "attained": each.attained} for each in self.traces
+            ],
+            "undecided": list(self.undecided),
+            "ranges": [[_text(first), _text(last)] for first, last in self.ranges],
+        }
+
+    def to_text(self) -> str:
+        """What `tachk mine` prints."""
+        return "".join(f"{line}\n" for line in self._lines())
+
+    __str__ = to_text
+
+    def _lines(self) -> Iterator[str]:
+        yield f"{self.name}: {self.formula}"
+        yield ""
+        within = f"from {_text(self.low)} to {_text(self.high)}"
+        if self.tightest is None:
+            yield f"it is not known that a larger {self.parameter} makes the formula only easier or only harder,"
+            yield f"so values {within} were tried one by one; those that satisfy it:"
+            found = [_text(a) if a == b else f"{_text(a)} to {_text(b)}" for a, b in self.ranges]
+            yield f"  {self.parameter} = {', '.join(each or '' for each in found)}" if found else "  none"
+            return
+        if self.value is None:
+            yield f"no {self.parameter} {within} satisfies it"
+        elif self.trace is None:
+            yield f"every {self.parameter} {within} satisfies it"
+        elif self.attained:
+            tried = "" if self.exact else ", of the values that were tried,"
+            yield f"{self.parameter} = {_text(self.value)} is{tried} the {self.tightest} that satisfies it"
+        else:
+            sign = ">" if self.tightest == "least" else "<"
+            yield f"every {self.parameter} {sign} {_text(self.value)} satisfies it, but {_text(self.value)} does not"
+        if self.undecided:
+            yield f"open at the end, which counts as satisfied: {', '.join(self.undecided)}"
+        if len(self.traces) > 1:
+            yield ""
+            width = max(len("trace"), *(len(each.trace) for each in self.traces))
+            yield f"  {'trace':{width}}  {self.tightest} {self.parameter}"
+            for each in self.traces:
+                value = "none" if each.value is None else f"{'' if each.attained else 'beyond '}{_text(each.value)}"
+                yield f"  {each.trace:{width}}  {value}"
+        if self.record is not None:
+            yield ""
+            yield f"{self.trace} with {self.parameter} = {_text(self.violating)}:"
+            yield from (f"  {line}" for line in explain_verdict(self.record, self.record.verdicts[0]))
+
+
+def _text(value: Fraction | None) -> str | None:
+    return None if value is None else decimal(value, 60)
