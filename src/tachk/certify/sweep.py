@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk.certify.certificate import Numbers, ragged
-from tachk.certify.elements import Elements
+from tachk.certify.elements import Elements, States
 from tachk.certify.zone_arrays import including, reached_from, upper_bounds, within
 from tachk.model.evaluate import Environment, execute
 from tachk.model.expressions import Binary, Expression, Unary
@@ -40,6 +40,9 @@ from tachk.words import Direction
 
 T = TypeVar("T")
 Truths = NDArray[np.bool_]
+Resets = tuple[tuple[int, int], ...]
+Pieces = dict[Resets, tuple[Numbers, States]]
+"""Rows with what has become of their discrete states, by what clocks have been set to."""
 _MISSING, _FAULTY = -1, -2
 """In place of the number of a row, or of an invariant."""
 
@@ -303,26 +306,13 @@ class Sweep:
 
     def _follow(self, rows: Numbers, participants: tuple[Participant, ...], guard: Disjunction) -> None:
         """Rows from which a transition leads out of the set are not fine."""
-        initial, meta = self.model.layout.initial, self.model.layout.meta
-
-        def effect(scratch: Environment) -> tuple[dict[int, int], dict[int, int]]:
-            cells = scratch.values
-            assert isinstance(cells, Watched)
-            for participant in participants:
-                bind_selects(self.model, participant, scratch)
-                execute(self.model.edge(participant).updates, scratch)
-            return {n: list.__getitem__(cells, n) for n in cells.written}, dict(scratch.resets)
-
-        for part, found in self._by_reads(self.states, rows[self.fine[rows]], effect):
-            if found is None:
-                self.fine[part] = False
-                continue
-            cells, resets = found
-            targets = self.states[part]
-            for n in (n for n, is_meta in enumerate(meta) if is_meta):
-                cells[n] = initial[n]
-            for n, value in cells.items():
-                targets[:, self.processes + n] = value
+        pieces: Pieces = {(): (rows[self.fine[rows]], self.states[rows[self.fine[rows]]])}
+        for participant in participants:
+            pieces = self._updated(pieces, participant)
+        for resets, (part, targets) in pieces.items():
+            for n, (initial, is_meta) in enumerate(zip(self.model.layout.initial, self.model.layout.meta, strict=True)):
+                if is_meta:
+                    targets[:, self.processes + n] = initial
             for participant in participants:
                 targets[:, participant.process] = self.model.edge(participant).target
             there = self.elements.find(targets)
@@ -332,9 +322,36 @@ class Sweep:
                 limits[lost], waits[lost] = self._limits(targets[lost]), False
             self.fine[part[limits == _FAULTY]] = False
             for constraints in guard:
-                self._cover(part, constraints, resets, there, limits, waits)
+                self._cover(part, constraints, dict(resets), there, limits, waits)
                 if self.asks_deadlock:
-                    self._enliven(part, constraints, resets, limits)
+                    self._enliven(part, constraints, dict(resets), limits)
+
+    def _updated(self, pieces: Pieces, participant: Participant) -> Pieces:
+        """What the updates of a participant make of rows; those where they are a run-time error are not fine."""
+
+        def effect(scratch: Environment) -> tuple[dict[int, int], dict[int, int]]:
+            cells = scratch.values
+            assert isinstance(cells, Watched)
+            bind_selects(self.model, participant, scratch)
+            execute(self.model.edge(participant).updates, scratch)
+            return {n: list.__getitem__(cells, n) for n in cells.written}, dict(scratch.resets)
+
+        after: dict[Resets, list[tuple[Numbers, States]]] = {}
+        for before, (rows, states) in pieces.items():
+            for part, found in self._by_reads(states, np.arange(len(rows)), effect):
+                if found is None:
+                    self.fine[rows[part]] = False
+                    continue
+                cells, resets = found
+                changed = states[part]
+                for n, value in cells.items():
+                    changed[:, self.processes + n] = value
+                key = tuple(sorted({**dict(before), **resets}.items()))
+                after.setdefault(key, []).append((rows[part], changed))
+        return {
+            key: (np.concatenate([r for r, _ in parts]), np.concatenate([s for _, s in parts]))
+            for key, parts in after.items()
+        }
 
     def _enliven(self, rows: Numbers, guard: Conjunction, resets: dict[int, int], limits: Numbers) -> None:
         """Elements are alive if a transition is possible from all of their valuations, now or later."""
