@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import struct
 from functools import cache
 from pathlib import Path
@@ -180,6 +181,9 @@ def test_the_reports(tmp_path: Path):
     result = CliRunner().invoke(app, ["measure", str(path), "--for", str(model), "--format", "settings"])
     assert result.output == "-D CLIENT_HEARTBEAT=5\n"
     assert "has no constant MESSAGES" in CliRunner().invoke(app, ["measure", str(path), "--for", str(model)]).output
+    model.write_text(f"time_unit = 500 ms; const int CLIENT_HEARTBEAT = 1; {process}", encoding="utf-8")
+    told = CliRunner().invoke(app, ["measure", str(path), "--for", str(model)]).output
+    assert "the unit of 500 ms is too coarse: CLIENT_HEARTBEAT is 100 ms" in told
     model.write_text(process, encoding="utf-8")
     result = CliRunner().invoke(app, ["measure", str(path), "--for", str(model)])
     assert (result.exit_code, "does not say how long its unit of time is" in result.stderr) == (2, True)
@@ -222,3 +226,19 @@ def test_what_else_recorded_captures_say():
     assert recorded("h5_").definitions()["AGENT_WINDOW"] == 16
     assert recorded("a5_").definitions()["HISTORY"] == 8
     assert recorded("h7_").definitions()["SUBSCRIPTION"] == 1
+
+
+@needs_recorded
+@pytest.mark.parametrize(("name", "answer"), [("c1_", "holds"), ("h7_", "holds"), ("i1_", "fails"), ("i2_", "fails")])
+def test_models_with_measured_constants_answer_as_the_captures_show(name: str, answer: str, tmp_path: Path):
+    folder = tmp_path / "models/micro_xrce_dds"
+    folder.mkdir(parents=True)
+    (tmp_path / "queries").symlink_to(ROOT / "queries")
+    (tmp_path / "models/lib").symlink_to(ROOT / "models/lib")
+    for path in (ROOT / "models/micro_xrce_dds").glob("*.ta"):
+        text = re.sub(r"^time_unit = .*;", "time_unit = 1 ms;", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
+        (folder / path.name).write_text(text, encoding="utf-8")
+    usual = {"CLIENT_HEARTBEAT": 100, "AGENT_HEARTBEAT": 200, "DEAD": 30000, "SLEEP": 50000}
+    model = tachk.load(str(folder / "client_3_0.ta"), **usual | recorded(name).definitions())
+    (verdict,) = model.verify(property="ECFS", trace=False).record.verdicts
+    assert verdict.answer.value == answer

@@ -92,10 +92,19 @@ def measurement_to_text(found: Measurement, time: ModelTime) -> str:
     chosen = time.chosen(found)
     scale = "" if time.milliseconds == 1 else f", in units of {time.milliseconds:g} ms"
     lines += ["", f"settings{f' for {time.model}' if time.model else ''}{scale}:", *_setting_lines(chosen, time)]
+    coarse = [one for one in chosen if one.is_time and _is_coarse(one, time)]
+    if coarse:
+        told = ", ".join(f"{one.name} is {one.value:g} ms" for one in coarse)
+        lines.append(f"the unit of {time.milliseconds:g} ms is too coarse: {told}")
     left_out = [one.name for one in found.settings if one not in chosen]
     if left_out:
         lines.append(f"{time.model} has no constant {', '.join(left_out)}")
     return "\n".join(lines) + "\n"
+
+
+def _is_coarse(setting: Setting, time: ModelTime) -> bool:
+    """Whether a time in units of the model is more than 2 % off."""
+    return abs(setting.in_units(time.milliseconds) * time.milliseconds - setting.value) > setting.value / 50
 
 
 def _quantity_lines(quantity: Quantity, several: bool) -> Iterator[str]:
