@@ -48,6 +48,13 @@ def test_small_recordings(tmp_path: Path, rows: str, expected: bool) -> None:
     assert accepted(tmp_path, rows) is expected
 
 
+def test_lateness_is_of_what_is_recorded(tmp_path: Path) -> None:
+    """The lamp is not seen before it goes on, the button may take effect later than it was recorded."""
+    assert accepted(tmp_path, "2,press,,\n4,light,1,7\n", tolerance="0", late="3") is False
+    assert accepted(tmp_path, "2,press,,\n10,light,1,7\n", tolerance="0", late="3") is True
+    assert accepted(tmp_path, "2,press,,\n14,light,1,7\n", tolerance="0", late="3") is False
+
+
 def test_least_tolerance(tmp_path: Path) -> None:
     rows = "2,press,,\n6,light,1,7\n40,light,0,0\n"
     least = tachk.conform(MODEL, _written(tmp_path, rows), tolerance="auto").tolerance

@@ -1,0 +1,116 @@
+"""Changes single events of captures that are runs, and counts how many of the changed ones are rejected.
+
+    python -m bench.conformance_mutations CAPTURES_FOLDER [-D NAME=VALUE]... [--seed 1] [--only PREFIX]
+
+One event of each kind of change for each capture, drawn at random; each capture at the first step of the ladder 5/5,
+10/20 ms at which it is a run unchanged. What is not rejected is listed: it has to be judged whether it is possible.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from random import Random
+
+import tachk
+from bench.conformance import histories, without_killed_agent
+from tachk.conformance.asking import constants_of
+from tachk.conformance.conform import conform
+from tachk.conformance.edits import Edit, edited
+from tachk.conformance.events import Event, Recording
+from tachk.conformance.packet_events import read_capture
+from tachk.engines.options import Limits
+
+LADDER = ((5, 5), (10, 20))
+MILLISECOND = Fraction(1, 10**6)
+
+Change = Callable[[Recording, int], Recording]
+
+
+def _cell(name: str, change: Callable[[int], int]) -> Change:
+    def changed(recording: Recording, number: int) -> Recording:
+        event = recording.events[number]
+        cells = {**event.cells, name: change(int(event.cells[name]))}
+        events = (*recording.events[:number], replace(event, cells=cells), *recording.events[number + 1 :])
+        return replace(recording, events=events)
+
+    return changed
+
+
+def _edit(what: str, by: int = 0) -> Change:
+    return lambda recording, number: edited(recording, Edit(number, what, by), MILLISECOND)
+
+
+def _gone(recording: Recording, number: int) -> Recording:
+    """Without a message and its arrivals."""
+    numbers = [n for n, event in enumerate(recording.events) if n == number or event.after == number]
+    for n in reversed(numbers):
+        recording = edited(recording, Edit(n, "lost"), MILLISECOND)
+    return recording
+
+
+def _is(kind: str) -> Callable[[Event], bool]:
+    return lambda event: event.name == "sent" and event.cells.get("kind") == kind
+
+
+CHANGES: dict[str, tuple[Callable[[Event], bool], Change]] = {
+    "message missing": (_is("DATA"), _gone),
+    "HEARTBEAT missing": (_is("HEARTBEAT"), _gone),
+    "HEARTBEAT number + 1": (_is("HEARTBEAT"), _cell("number", lambda n: n + 1)),
+    "HEARTBEAT 35 ms early": (_is("HEARTBEAT"), _edit("moved", -35)),
+    "ACKNACK missing": (_is("ACKNACK"), _gone),
+    "ACKNACK number + 1": (_is("ACKNACK"), _cell("number", lambda n: n + 1)),
+    "ACKNACK bitmap flipped": (_is("ACKNACK"), _cell("detail", lambda n: n ^ 1)),
+    "message sent twice": (_is("DATA"), _edit("doubled")),
+}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--model", default="models/micro_xrce_dds/recorded.ta")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", default="")
+    parser.add_argument("-D", dest="definitions", action="append", default=[])
+    asked = parser.parse_args()
+    random, counts = Random(asked.seed), Counter[tuple[str, str]]()
+    for path in sorted(asked.folder.glob(f"{asked.only}*.pcap")):
+        truth = json.loads(path.with_name(path.stem + ".truth.json").read_text(encoding="utf-8"))
+        given = {name: int(value) for name, value in (pair.split("=") for pair in asked.definitions)}
+        model = tachk.load(asked.model, **{"HISTORY": histories(truth), "INPUT_HISTORY": histories(truth)} | given)
+        assert model.loaded.recording is not None
+        recording = read_capture(path)
+        recording = without_killed_agent(recording, truth, recording.epoch)
+
+        def accepted(other: Recording, step: tuple[int, int], model: tachk.Model = model) -> bool | None:
+            exact = (Fraction(step[0]), Fraction(step[1]))
+            mapping, limits = model.loaded.recording, Limits(seconds=5, states=30_000)
+            assert mapping is not None
+            names = constants_of(model.loaded)
+            return conform(
+                model.network, mapping, other, names, *exact, limits=limits, run=False, explain=False
+            ).accepted
+
+        step = next((step for step in LADDER if accepted(recording, step)), None)
+        if step is None:
+            continue
+        for name, (fits, change) in CHANGES.items():
+            places = [n for n, event in enumerate(recording.events) if fits(event)]
+            if not places:
+                continue
+            number = random.choice(places)
+            answer = {True: "accepted", False: "rejected", None: "undecided"}[accepted(change(recording, number), step)]
+            counts[name, answer] += 1
+            if answer != "rejected":
+                print(f"{path.stem}: {name}, {recording.events[number].place}: {answer}", flush=True)
+    for name in CHANGES:
+        print(name, {answer: counts[name, answer] for answer in ("rejected", "accepted", "undecided")}, flush=True)
+
+
+if __name__ == "__main__":
+    main()
