@@ -182,3 +182,44 @@ def test_a_reading_thread_that_stops_keeps_the_packets_of_all_clients_waiting(tm
     report = tachk.load(path).verify(trace=False)
     found = {verdict.query.name: verdict.answer.value for verdict in report}
     assert found == {"latest": "holds", "later": "fails", "answered": "holds"}
+
+
+FREE = """
+const int CLIENTS = 1;
+const int MESSAGES = 2;
+const int AGENT_WINDOW = 4;
+const int HISTORY = 2;
+const int HEARTBEAT_LAW = 1;
+const int CLIENT_HEARTBEAT = 2;
+const bool GO_BACK = true;
+const bool GUARDED = true;
+const int PLACES = 1;
+const int LOSSES = 0;
+const int WAITING = 2;
+import "{models}/protocol.ta";
+import "{models}/../lib/messages.ta";
+import "{models}/../lib/free_application.ta";
+import "{models}/client_publisher.ta";
+process Driver() {{
+    clock age;
+    init location Start {{ to Written {{ sync write[PUB]!; assign offered = 1; }} }}
+    location Written {{ to Answered {{ sync arrive[PUB_DOWN][ACKNACK]!; assign number = 1, detail = 0, age = 0; }} }}
+    location Answered;
+}}
+publisher = ClientPublisher(PUB, send[PUB_UP], deliver[PUB_DOWN]);
+application = FreeApplication(PUB);
+driver = Driver();
+system driver, application, Socket, publisher;
+property late : E<> publisher.Overdue && publisher.timer > 5;
+property overdue : E<> publisher.Unconfirmed && application.Inside && publisher.timer > 2;
+property waits : E<> driver.Answered && driver.age > 3 && acked[PUB] == 0;
+property arrives : E<> driver.Answered && acked[PUB] == 1 && driver.age > 3;
+"""
+
+
+def test_what_reaches_a_client_outside_its_run_function_waits_in_its_socket(tmp_path: Path) -> None:
+    path = tmp_path / "free.ta"
+    path.write_text(FREE.format(models=MODELS.as_posix()), encoding="utf-8")
+    report = tachk.load(path).verify(trace=False)
+    found = {verdict.query.name: verdict.answer.value for verdict in report}
+    assert found == {"late": "holds", "overdue": "fails", "waits": "holds", "arrives": "holds"}
