@@ -64,7 +64,7 @@ def _run(chosen: Sequence[Mutant], folder: Path, log: Path, *, fresh: bool) -> d
         return found
     print(f"{len(found)} results are still valid, {len(waiting)} mutants to run", flush=True)
     # What takes seconds first, headers last, and one C++ file after the other, so that little is compiled twice.
-    order = (".py", ".cpp", ".hpp")
+    order = (".py", ".ta", ".cpp", ".hpp")
     waiting.sort(key=lambda entry: (order.index(Path(entry[0].file).suffix), entry[0].file))
     trial = _Trial(Workspace(ROOT, folder / "tree"))
     while waiting:
