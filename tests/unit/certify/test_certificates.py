@@ -104,6 +104,10 @@ XRCE: list[tuple[str, dict[str, int], int]] = [
     ("client_3_0.ta", ALONE, 9),
     ("publication.ta", {"MESSAGES": 1, "LOSSES": 0}, 6),
     ("subscription.ta", {"MESSAGES": 1, "QUOTA": 1, "SLEEPS": 0}, 9),
+    ("overtaking.ta", {"MESSAGES": 1}, 3),
+    ("fleet.ta", {"EACH": 1, "LOSSES": 0}, 5),
+    ("full_window.ta", {"MESSAGES": 1, "LOSSES": 0}, 4),
+    ("read_again.ta", {"MESSAGES": 2, "SLEEPS": 0}, 3),
 ]
 
 
