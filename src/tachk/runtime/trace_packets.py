@@ -41,6 +41,7 @@ PROPERTIES: Final = {
     "tenthAtAgent": ("allToAgent", False),
     "tenthAtClient": ("allToClient", False),
     "marked": ("lost", True),
+    "learned": ("unheard", True),
     "noticed": ("missing", True),
     "caughtUp": ("behind", True),
 }

@@ -153,6 +153,13 @@ class StreamState:
             return len(self._known) < behind - first
         return not all(number in self._known for number in range(first, behind))
 
+    def lacks_unheard(self, first: int, behind: int, sender: StreamState) -> bool:
+        """Whether a message of these has not been seen here, and the sender has not heard that it is missing."""
+        first = max(first, self.arrived, sender.arrived)
+        if first >= behind or (first == self.arrived and self._behind <= behind and len(self._seen) == behind - first):
+            return False
+        return not all(number in self._seen or number in sender._named for number in range(first, behind))
+
     def values(self) -> tuple[int, ...]:
         """The `SIGNALS` now."""
         outstanding = max(self.sent - self.arrived, 0)

@@ -116,6 +116,7 @@ def test_a_lost_message_is_lost_until_it_is_named(tmp_path: Path):
     talk = Talk().up(0, created()).up(10, write(0, 7), lost=True).up(20, heartbeat(0, 0)).down(30, acknack(0, 1))
     found = talk.up(40, write(0, 7)).down(50, acknack(1)).columns(tmp_path)
     assert found["lost"] == [0, 0, 1, 1, 1, 0, 0, 0, 0, 0, 0]
+    assert found["unheard"] == [0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 0]
     assert found["allToAgent"] == [1, 1, 0, 0, 0, 0, 0, 0, 0, 1, 1]
     assert found["client_CCCCDDDD_at_8888.to_agent.repaired"][-2:] == [1, 1]
     assert found["client_CCCCDDDD_at_9001.to_agent.confirmed"][-2:] == [0, 1]
@@ -201,6 +202,10 @@ def test_the_agent_waits_for_each_message(tmp_path: Path):
     assert (found["FARS"], found["FARS_each"]) == ("false", "true")
     talk.down(47_000, data(5, 5)).up(47_100, heartbeat(1, 0))
     assert talk.verdicts(tmp_path)["FARS_each"] == "undetermined"
+    assert (
+        Talk().up(0, created()).down(10, data(0, 0)).up(30_000, heartbeat(1, 0)).verdicts(tmp_path)["FARS_each"]
+        == "false"
+    )
     talk.up(68_000, heartbeat(1, 0))
     assert talk.verdicts(tmp_path)["FARS_each"] == "false"
 

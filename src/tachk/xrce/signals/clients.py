@@ -108,15 +108,16 @@ class Transfer:
         open: something that was sent has not arrived: of the client's messages at the Agent; of the Agent's messages
             as far as the Agent has heard.
         lost: something that was sent has not come to the other end, and that end has not named it as missing.
+        unheard: something that was sent has not come to the other end, and the sender has not heard that it is missing.
         waiting: where and when the Agent sent what is not confirmed; each for the messages before a number.
     """
 
-    __slots__ = ("lost", "open", "reached", "receiver", "sender", "to_agent", "waiting")
+    __slots__ = ("lost", "open", "reached", "receiver", "sender", "to_agent", "unheard", "waiting")
 
     def __init__(self, sender: StreamState, receiver: StreamState, to_agent: bool) -> None:
         self.sender, self.receiver, self.to_agent = sender, receiver, to_agent
         self.reached = 0
-        self.open = self.lost = False
+        self.open = self.lost = self.unheard = False
         self.waiting: deque[tuple[int, Wait]] = deque()
 
     def restart(self) -> None:
@@ -147,6 +148,7 @@ class Transfer:
             self.reached = receiver.arrived
         self.open = (self.reached if self.to_agent else self.sender.arrived) < sent
         self.lost = self.reached < sent and receiver.lacks(self.reached, sent)
+        self.unheard = self.reached < sent and receiver.lacks_unheard(self.reached, sent, self.sender)
 
 
 class Client:

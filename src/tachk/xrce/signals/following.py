@@ -32,11 +32,13 @@ SITUATION: Final = (
     "lost",
     "missing",
     "behind",
+    "unheard",
 )
 """Of all clients together: every message that clients have sent has arrived at the Agent; every sample that they have
 written has arrived at every reader; a client is silent for long; something came to such a client, which has not
 answered in time; the Agent has got what clients sent; readers have got it in order; a message of a client is neither
-there nor named as missing, or one of the Agent; the Agent has unconfirmed messages."""
+there nor named as missing, or one of the Agent; the Agent has unconfirmed messages; a message of a client is not there,
+and its client has not heard so."""
 
 _SESSION: Final = 0xFFFE
 """The object id of the client itself."""
@@ -118,6 +120,7 @@ class Follower:
         self.longest: Waited | None = None
         self._open = [0, 0]
         self._lost = [0, 0]
+        self._unheard = [0, 0]
         self._complete = self._ordered = self._unaltered = True
         self._changed = True
         self._known: tuple[int, ...] = ()
@@ -306,6 +309,7 @@ class Follower:
         for transfer in owner.transfers.values():
             self._open[transfer.to_agent] -= transfer.open
             self._lost[transfer.to_agent] -= transfer.lost
+            self._unheard[transfer.to_agent] -= transfer.unheard
         owner.forget()
         self._changed = True
 
@@ -319,13 +323,16 @@ class Follower:
     def _noted(self, stream: Stream) -> None:
         stream.log.note(self._row, stream.state.values())
         transfer = stream.transfer or stream.side.owner.transfer(stream)
-        was_open, was_lost = transfer.open, transfer.lost
+        was_open, was_lost, was_unheard = transfer.open, transfer.lost, transfer.unheard
         transfer.look()
         if transfer.open != was_open:
             self._open[transfer.to_agent] += transfer.open - was_open
             self._changed = True
         if transfer.lost != was_lost:
             self._lost[transfer.to_agent] += transfer.lost - was_lost
+            self._changed = True
+        if transfer.unheard != was_unheard:
+            self._unheard[transfer.to_agent] += transfer.unheard - was_unheard
             self._changed = True
         if not transfer.to_agent:
             ended = transfer.confirmed(self._row, self._time)
@@ -393,6 +400,7 @@ class Follower:
             self._lost[True] > 0,
             self._lost[False] > 0,
             self._open[False] > 0,
+            self._unheard[True] > 0,
         )
         if now != self._known:
             self._known = now
