@@ -23,7 +23,13 @@ def formula(function: Decorated) -> Decorated:
 def trace(more: str = "") -> Callable[[Decorated], Decorated]:
     names = [known.name for known in FORMATS]
     help = f"A {', '.join(names[:-1])} or {names[-1]} file{more}."
-    return click.argument("trace", type=click.Path(), help=help)
+    others = "Further files, joined by time: each value is held until its column changes."
+
+    def add(function: Decorated) -> Decorated:
+        function = click.argument("others", metavar="[TRACE]...", type=click.Path(), nargs=-1, help=others)(function)
+        return click.argument("trace", type=click.Path(), help=help)(function)
+
+    return add
 
 
 def columns(function: Decorated) -> Decorated:

@@ -7,13 +7,14 @@ conditions and weak until are written out in simpler operators; what occurs twic
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from math import lcm
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, InternalError
 from tachk.diagnostics.span import Span
 from tachk.diagnostics.suggestion import did_you_mean
+from tachk.monitoring.texts import Texts
 from tachk.operators import COMPARISONS, CONNECTIVES, BinaryOperator, PrefixOperator
 from tachk.runtime.monitor_program import (
     UNBOUNDED,
@@ -46,6 +47,7 @@ def compile(
     ticks_per_unit: int,
     *,
     booleans: Collection[str] | None = None,
+    texts: Texts | None = None,
 ) -> MonitorProgram:
     """The monitor of a formula whose durations are numbers, in time units of the trace.
 
@@ -55,11 +57,12 @@ def compile(
         booleans: the columns that hold truth values, if that is known: `a == b` of two such columns has infinite
             robustness, and one of them compared with a number is a number. Without it a column that is compared with a
             condition is taken for a truth value, any other one for a number.
+        texts: the columns that hold texts; None: those are not known that are not compared with a text.
 
     Raises:
         InputError: unknown columns, constructs without meaning on traces, durations that are not whole ticks.
     """
-    compiler = _Compiler(columns, ticks_per_unit, booleans)
+    compiler = _Compiler(columns, ticks_per_unit, booleans, texts)
     compiler.formula(formula)
     if sum(max(node.lower, node.upper) for node in compiler.nodes) >= LAST_TICK:
         message = f"the durations of this formula add up to more than 2**58 ticks, {ticks_per_unit} to a time unit"
@@ -103,6 +106,9 @@ def _number(duration: syntax.Duration) -> Fraction:
     return duration.value
 
 
+_EQUALITIES = (BinaryOperator.EQUAL, BinaryOperator.NOT_EQUAL)
+
+
 class _NotCompiled(Exception):
     """A part of the formula has been reported."""
 
@@ -112,6 +118,7 @@ class _Compiler:
     columns: Collection[str]
     ticks_per_unit: int
     booleans: Collection[str] | None
+    texts: Texts | None
     column_numbers: dict[str, int] = field(default_factory=dict)
     atoms: dict[MonitorAtom, int] = field(default_factory=dict)
     nodes: list[MonitorNode] = field(default_factory=list)
@@ -178,6 +185,11 @@ class _Compiler:
                         return self._negation(self._equivalence(text, first, second))
                     case _:
                         raise InternalError(f"monitors do not know the connective {operator}")
+            case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in RELATIONS and (
+                self._is_text(left) or self._is_text(right)
+            ):
+                differs = self._differing_texts(expression, left, right)
+                return differs if operator == BinaryOperator.NOT_EQUAL else self._node(NodeKind.NOT, text, differs)
             case ast.BinaryExpression(operator=operator, left=left, right=right) if operator in RELATIONS:
                 if operator in {BinaryOperator.EQUAL, BinaryOperator.NOT_EQUAL} and self._compares_truth(left, right):
                     same = self._equivalence(text, self.condition(left), self.condition(right))
@@ -186,6 +198,32 @@ class _Compiler:
                 return self._atom(MonitorAtom(RELATIONS[operator], self._value(left), self._value(right), text))
             case _:
                 return self._atom(MonitorAtom(Relation.TRUTH, self._value(expression), (), text))
+
+    def _is_text(self, expression: ast.Expression) -> bool:
+        if isinstance(expression, _NAMES):
+            return self.texts is not None and column_name(expression) in self.texts.columns
+        return isinstance(expression, ast.StringLiteral)
+
+    def _differing_texts(self, whole: ast.BinaryExpression, left: ast.Expression, right: ast.Expression) -> int:
+        """The node of `left != right` of texts: their numbers differ. The robustness is infinite, as of all truth."""
+        if whole.operator not in _EQUALITIES:
+            raise self._report("E0902", f"`{print_expression(whole)}`: texts have no order", whole.span, "use == or !=")
+        code = (*self._text_number(left), *self._text_number(right), ValueInstruction(ValueOperator.SUBTRACT))
+        text = print_expression(replace(whole, operator=BinaryOperator.NOT_EQUAL))
+        return self._atom(MonitorAtom(Relation.TRUTH, code, (), text))
+
+    def _text_number(self, side: ast.Expression) -> tuple[ValueInstruction, ...]:
+        """The number of a text; of one that does not occur on the trace -1."""
+        if isinstance(side, ast.StringLiteral):
+            labels = () if self.texts is None else self.texts.labels
+            number = labels.index(side.value) if side.value in labels else -1
+            return (ValueInstruction(ValueOperator.CONSTANT, float(number)),)
+        if isinstance(side, _NAMES) and (self.texts is None or self._is_text(side)):
+            return (ValueInstruction(ValueOperator.COLUMN, float(self._column(side))),)
+        if isinstance(side, _NAMES):
+            self._column(side)  # reported if it is not there at all
+        message = f"`{print_expression(side)}` is compared with a text, but holds none"
+        raise self._report("E0902", message, side.span, "texts are compared with texts")
 
     def _change(self, expression: ast.Expression, text: str) -> int:
         """A condition changes where it or its negation falls; anything else where its value becomes another."""
@@ -197,7 +235,8 @@ class _Compiler:
                 self._node(NodeKind.FALL, text, changing),
                 self._node(NodeKind.FALL, text, self._negation(changing)),
             )
-        atom = MonitorAtom(Relation.TRUTH, self._value(expression), (), print_expression(expression))
+        value = self._text_number(expression) if self._is_text(expression) else self._value(expression)
+        atom = MonitorAtom(Relation.TRUTH, value, (), print_expression(expression))
         return self._node(NodeKind.CHANGE, text, atom=self._atom_number(atom))
 
     def _compares_truth(self, left: ast.Expression, right: ast.Expression) -> bool:
@@ -219,6 +258,10 @@ class _Compiler:
         """Instructions that leave the value of an expression."""
         match expression:
             case ast.NameExpression() | ast.MemberExpression() | ast.IndexExpression():
+                if self._is_text(expression):
+                    name = print_expression(expression)
+                    message = f"`{name}` holds texts, where a number or a condition is expected"
+                    raise self._report("E0902", message, expression.span, f'compare it, as in `{name} == "ready"`')
                 return (ValueInstruction(ValueOperator.COLUMN, float(self._column(expression))),)
             case ast.IntegerLiteral(value=value) | ast.BooleanLiteral(value=value):
                 return (ValueInstruction(ValueOperator.CONSTANT, float(value)),)

@@ -21,6 +21,7 @@ from tachk.monitoring.compiler import ticks_needed
 from tachk.monitoring.formulas import NamedFormula, check_order, defined, in_trace_units, read_formulas
 from tachk.monitoring.line_compiler import line_findings
 from tachk.monitoring.reading import Reading, reading_of
+from tachk.monitoring.texts import Texts, text_columns
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, TimeRobustness, cell_time
 from tachk.report.monitor.text import print_monitor
 from tachk.runtime.conventions import Ending, Interpolation
@@ -28,6 +29,7 @@ from tachk.runtime.core_monitor import (
     RobustnessResult,
 )
 from tachk.runtime.linear_monitor import LAST_TICK_OF_LINES, Measure, reach_of, robustness
+from tachk.runtime.logs.joined import with_texts
 from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Recording, Trace
@@ -155,11 +157,13 @@ def prepare(
             found += error.diagnostics
     if found:
         raise InputError(found)
-    trace = recording.read(wanted).refined(math.lcm(*(ticks for _, ticks in resolved)))
+    texts = frozenset(name for formula, _ in resolved for name in text_columns(formula))
+    trace = with_texts(recording, texts & wanted).read(wanted).refined(math.lcm(*(ticks for _, ticks in resolved)))
     trace = replace(trace, interpolation=interpolation)
     booleans = frozenset(name for name, values in trace.columns.items() if values.dtype.kind == "u")
     formulas_in_units = [formula for formula, _ in resolved]
-    programs = tuple(_program(formula, known, trace.ticks_per_unit, booleans) for formula in formulas_in_units)
+    labels = Texts(trace.texts, trace.labels)
+    programs = tuple(_program(formula, known, trace.ticks_per_unit, booleans, labels) for formula in formulas_in_units)
     if interpolation is Interpolation.LINEAR:
         _check_lines(formulas_in_units, programs, trace)
     return trace, programs
@@ -184,8 +188,10 @@ _plainly_resolved = lru_cache(maxsize=256)(_newly_resolved)
 
 
 @lru_cache(maxsize=256)
-def _program(formula: Formula, columns: tuple[str, ...], ticks: int, booleans: frozenset[str] | None) -> MonitorProgram:
-    return compile_formula(formula, columns, ticks, booleans=booleans)
+def _program(
+    formula: Formula, columns: tuple[str, ...], ticks: int, booleans: frozenset[str] | None, texts: Texts | None = None
+) -> MonitorProgram:
+    return compile_formula(formula, columns, ticks, booleans=booleans, texts=texts)
 
 
 def _check_lines(formulas: Sequence[Formula], programs: Sequence[MonitorProgram], trace: Trace) -> None:

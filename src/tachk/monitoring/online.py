@@ -21,6 +21,7 @@ from tachk.monitoring.compiler import ticks_needed
 from tachk.monitoring.formulas import NamedFormula, in_trace_units
 from tachk.monitoring.offline import Judging, counted, ending_of, formulas_of, selected, verdict_on
 from tachk.monitoring.reading import HeldValues
+from tachk.monitoring.texts import TextNumbers, Texts, text_columns, texts_of
 from tachk.report.monitor.online_record import OnlineRecord, OnlineVerdict, OnlineViolation
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict
 from tachk.runtime.monitor_group import RowFault, open_group
@@ -99,11 +100,12 @@ class Monitor:
         formulas = selected(formulas_of(formula, constants), select)
         self.columns = _columns(formulas)
         resolved = _resolved(formulas, self.columns, self._unit)
+        self._texts = TextNumbers(resolved)
         self.decimals = usual_decimals(self._unit) if decimals is None else decimals
         if not 0 <= self.decimals <= 18:
             raise UsageError(f"decimals={decimals}: expected 0 to 18")
         self._scale = math.lcm(10**self.decimals, *(ticks_needed(formula) for formula in resolved))
-        programs = [compile_formula(tree, self.columns, self._scale) for tree in resolved]
+        programs = [compile_formula(tree, self.columns, self._scale, texts=self._texts.known) for tree in resolved]
         self._watched = [_Watched(*each, each[0].text) for each in zip(formulas, programs, strict=True)]
         try:
             self._group = open_group(
@@ -123,7 +125,7 @@ class Monitor:
 
     # ---- what comes in ----
 
-    def update(self, time: Time, values: Mapping[str, float] | None = None, **more: float) -> Truth:
+    def update(self, time: Time, values: Mapping[str, float | str] | None = None, **more: float | str) -> Truth:
         """Some columns have these values from this time on; the others keep theirs.
 
         None and NaN mean that a value stays; columns that no formula reads may be there.
@@ -132,6 +134,8 @@ class Monitor:
         without a value, for what is not a number, for a time before the one given last, and for a time that differs
         from that of the row before by too little to be counted. The monitor has then changed nothing.
         """
+        if self._texts.columns:
+            values, more = self._texts.in_row({**(values or {}), **more}, self.rows), {}
         truth = self._update(time, values, more)
         if truth is None:
             self._refuse(
@@ -148,6 +152,8 @@ class Monitor:
         Returns and raises the same as `update`.
         """
         factor = self._factors.get(decimals) or self._factor(decimals)
+        if self._texts.columns:
+            columns = self._texts.in_rows(columns, f"in what was pushed behind row {self.rows}")
         truth = self._push(times, columns, factor)
         if truth is None and self._group.fault()[0] in (RowFault.NOT_A_VALUE, RowFault.NOT_A_TIME):
             times, columns = self._whole_numbers(times), self._held(columns, len(times))
@@ -235,6 +241,11 @@ class Monitor:
     def watches_violations(self) -> bool:
         """Whether all violations are told."""
         return self._watch is not None
+
+    @property
+    def text_columns(self) -> frozenset[str]:
+        """The columns that hold texts, because a formula compares them with one."""
+        return self._texts.columns
 
     @property
     def unit(self) -> str:
@@ -390,12 +401,14 @@ class Monitor:
         """The violation on the rows that are kept, if it is found there as the first one."""
         ticks, kept, whole = self._group.kept()
         columns = {
-            name: held_values(values, name, "the trace") for name, values in zip(self.columns, kept, strict=True)
+            name: values if name in self._texts.columns else held_values(values, name, "the trace")
+            for name, values in zip(self.columns, kept, strict=True)
         }
         first = int(ticks[0])
         end = max(self._group.now(), int(ticks[-1])) - first
         packets = None if self._packets is None else self._packets(ticks // (self._scale // 10**self.decimals))
         trace = Trace("", ticks - first, columns, end, self._scale, self._unit, self._clock(first), packets=packets)
+        trace = self._texts.on(trace)
         verdict: MonitorVerdict = verdict_on(
             watched.named, watched.program, trace, Judging(robustness=False), HeldValues()
         )
@@ -435,7 +448,8 @@ def _resolved(formulas: Sequence[NamedFormula], columns: Sequence[str], unit: st
     for named in formulas:
         try:
             formula = in_trace_units(named, columns, unit)
-            compile_formula(formula, columns, ticks_needed(formula))
+            texts = Texts(text_columns(formula), texts_of(formula))
+            compile_formula(formula, columns, ticks_needed(formula), texts=texts)
             resolved.append(formula)
         except InputError as error:
             found += error.diagnostics

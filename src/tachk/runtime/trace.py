@@ -83,6 +83,8 @@ class Trace:
     unit: ``ms``, ``s``, ...; empty if nobody has said it.
     origin: what the clock of the recording showed when the trace began, in units.
     interpolation: what numbers do between rows.
+    texts: the columns that hold texts, as the places of these in ``labels``.
+    labels: the texts.
     packets: of a capture, the number of the packet of each row, 0 where there is none.
     """
 
@@ -94,6 +96,8 @@ class Trace:
     unit: str = ""
     origin: Fraction = Fraction(0)
     interpolation: Interpolation = Interpolation.CONSTANT
+    texts: frozenset[str] = frozenset()
+    labels: tuple[str, ...] = ()
     packets: Ticks | None = None
 
     def __post_init__(self) -> None:
@@ -129,7 +133,8 @@ class Trace:
 
     def moves(self, column: str) -> bool:
         """Whether the values of a column lie on lines between the rows."""
-        return self.interpolation is Interpolation.LINEAR and self.columns[column].dtype.kind == "f"
+        numbers = self.columns[column].dtype.kind == "f" and column not in self.texts
+        return numbers and self.interpolation is Interpolation.LINEAR
 
     def value(self, column: str, tick: Fraction) -> float:
         """The value of a column at an instant from the first row on."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from tachk import _core
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.logs.labels import Labels, texts_in
 from tachk.runtime.trace import LARGEST_TICK, FloatTimes, Ticks, Trace, Values
 from tachk.runtime.trace_header import Header, agreed_unit, known_unit, read_header
 
@@ -76,14 +77,18 @@ class TableRecording:
         times = (_supposed_times(instants) if self.supposing else None) or exact_ticks(instants, self.name)
         supposing = isinstance(times.ticks, FloatTimes)
         held: dict[str, Values] = {}
+        texts = Labels()
         for name, place in places.items():
+            if (words := texts_in(self.cells[place])) is not None:
+                held[name] = texts.codes(words, name, self.name)
+                continue
             supposed = _supposed_values(self.cells[place]) if supposing else None
             held[name] = held_values(self.cells[place], name, self.name) if supposed is None else supposed
         for name, values in held.items():
             if len(values) != len(times.ticks):
                 count = len(times.ticks)
                 raise UsageError(f"{self.name}: column {name!r} has {len(values)} values for {count} times")
-        return trace_of(self.name, times, self.unit, held)
+        return texts.on(trace_of(self.name, times, self.unit, held))
 
     def supposed(self) -> TableRecording:
         """The same, but times in floating point and numbers are supposed to be in order where a few samples are. The

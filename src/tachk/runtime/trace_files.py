@@ -6,7 +6,7 @@ A format is loaded when a trace of it is opened: the command line names all of t
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -42,6 +42,12 @@ def _packets(path: Path, time: str | None, unit: str | None, ports: Sequence[int
     return open_packets(path, time, unit, ports)
 
 
+def _jsonl(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    from tachk.runtime.logs.trace_jsonl import open_jsonl
+
+    return open_jsonl(path, time, unit)
+
+
 class TraceFormat(NamedTuple):
     """What people call it, how its files end, and what opens one: a path, and what else `open_trace` is told."""
 
@@ -56,7 +62,16 @@ CSV = TraceFormat("CSV", (".csv", ".tsv", ".txt"), _csv)
 PACKETS = TraceFormat("pcap", (".pcap", ".pcapng"), _packets)
 """A capture of a network."""
 
-FORMATS = (CSV, TraceFormat("Parquet", (".parquet", ".pq"), _parquet), TraceFormat("VCD", (".vcd",), _vcd), PACKETS)
+JSON_LINES = TraceFormat("JSON lines", (".jsonl", ".ndjson"), _jsonl)
+"""An object for each line."""
+
+FORMATS = (
+    CSV,
+    JSON_LINES,
+    TraceFormat("Parquet", (".parquet", ".pq"), _parquet),
+    TraceFormat("VCD", (".vcd",), _vcd),
+    PACKETS,
+)
 
 TRACE_SUFFIXES = tuple(suffix for known in FORMATS for suffix in known.suffixes)
 """By which a file is known to be a trace."""
@@ -90,7 +105,7 @@ class _Ready:
 
 
 def open_trace(source: Any, time: str | None = None, unit: str | None = None, ports: Sequence[int] = ()) -> Recording:
-    """Opens a file by its ending, a data frame, a mapping from names to arrays, or a `Trace`.
+    """Opens a file by its ending, a data frame, a mapping from names to arrays, a `Trace`, or several of these as one.
 
     Args:
         time: the name of the time column; without it ``time``, ``t`` or ``timestamp``.
@@ -104,6 +119,10 @@ def open_trace(source: Any, time: str | None = None, unit: str | None = None, po
     from tachk.runtime.trace import Trace
     from tachk.runtime.trace_arrays import open_table
 
+    if isinstance(source, (list, tuple)) and source and not any(isinstance(row, Mapping) for row in source):
+        from tachk.runtime.logs.joined import join
+
+        return join([open_trace(each, time, unit, ports) for each in source])
     path = None if isinstance(source, Trace) or not isinstance(source, (str, os.PathLike)) else Path(source)
     if ports and (path is None or path.suffix.lower() not in PACKETS.suffixes):
         raise UsageError(

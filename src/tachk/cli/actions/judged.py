@@ -20,6 +20,7 @@ class Judged:
     Attributes:
         formula: a formula, a sentence, or the path of a file of them or of a model.
         trace: a path, or ``-`` for standard input.
+        others: further paths, whose columns are joined to it.
         time, unit, ports: as of `open_trace`.
         names: of the formulas that are taken; none: all.
         definitions: values of constants, as ``T=2.5``.
@@ -27,6 +28,7 @@ class Judged:
 
     formula: str
     trace: str
+    others: tuple[str, ...] = ()
     time: str | None = None
     unit: str | None = None
     ports: tuple[int, ...] = ()
@@ -40,7 +42,8 @@ class Judged:
 
     def recording(self) -> Recording:
         """Raises InputError, UsageError."""
-        return open_trace(self.trace, self.time, self.unit, self.ports)
+        source = [self.trace, *self.others] if self.others else self.trace
+        return open_trace(source, self.time, self.unit, self.ports)
 
 
 def exit_status(truths: set[Truth]) -> ExitStatus:

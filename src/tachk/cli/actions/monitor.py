@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import TextIO
 
 from tachk.cli.actions.judged import Judged, exit_status
+from tachk.cli.actions.monitoring.standard_input import begins_dump, dump_in_a_file
 from tachk.cli.actions.row_by_row import RowByRow
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
@@ -28,6 +30,9 @@ def run_monitor(
 ) -> ExitStatus:
     """Judges a trace, whole or row by row."""
     formulas = judged.formulas()
+    if judged.trace == "-" and not judged.others and not rows.live and begins_dump():
+        with dump_in_a_file() as path:
+            return run_monitor(replace(judged, trace=path), judging, rows, told, reporting)
     if rows.online or rows.follow or rows.live or rows.fail_fast or judged.trace == "-":
         if judging.interpolation is not Interpolation.CONSTANT:
             raise UsageError(

@@ -19,10 +19,11 @@ from tachk.diagnostics.diagnostic import UsageError
 from tachk.monitoring.formulas import NamedFormula
 from tachk.monitoring.offline import Judging
 from tachk.monitoring.online import Monitor
+from tachk.runtime.logs.trace_jsonl import JsonStream
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.packets.live import LivePackets
 from tachk.runtime.trace_csv import CsvRecording, open_csv, open_csv_stream
-from tachk.runtime.trace_files import is_csv
+from tachk.runtime.trace_files import JSON_LINES, is_csv
 
 _PATIENCE = 0.2
 """Seconds between two looks at a file that may grow."""
@@ -54,6 +55,25 @@ class _GrowingFile:
         self._stream.close()
 
 
+class _Pushed:
+    """A stream of which a line has been read already, and is read again."""
+
+    def __init__(self, stream: BufferedReader, line: bytes) -> None:
+        self._stream = stream
+        self._line = line
+
+    def readline(self, size: int = -1, /) -> bytes:
+        line, self._line = self._line, b""
+        return line or self._stream.readline(size)
+
+    def read1(self, size: int = -1, /) -> bytes:
+        piece, self._line = self._line, b""
+        return piece or self._stream.read1(size)
+
+    def close(self) -> None:
+        self._stream.close()
+
+
 def run_online(
     judged: Judged,
     formulas: tuple[NamedFormula, ...],
@@ -77,6 +97,8 @@ def run_online(
         all_violations=told.all_violations,
         packets=recording.packets if isinstance(recording, LivePackets) else None,
     )
+    if monitor.text_columns and isinstance(recording, CsvRecording):
+        raise UsageError("row by row, texts are read from JSON lines, not from CSV", "leave out --online")
     with destination(reporting.output, reporting.quiet) as out:
         listener = _listener(monitor, reporting.form, out, judged.trace)
         # A file that is there to its end is read to its end where bounds or violations go on after the decision.
@@ -101,23 +123,37 @@ def _listener(monitor: Monitor, form: ReportForm, out: TextIO | None, name: str)
             return TextListener(monitor, name, out)
 
 
-def _open(judged: Judged, rows: RowByRow) -> CsvRecording | LivePackets:
+def _open(judged: Judged, rows: RowByRow) -> CsvRecording | JsonStream | LivePackets:
+    if judged.others:
+        raise UsageError("row by row only one file can be read", "leave out --online, --follow and --fail-fast")
     if rows.live:
         return open_live(judged.trace, judged.ports)
     if judged.trace == "-":
-        return open_csv_stream(cast("BufferedReader", sys.stdin.buffer), "-", judged.time, judged.unit)
+        stream = cast("BufferedReader", sys.stdin.buffer)
+        line = stream.readline()
+        if line.lstrip().startswith(b"{"):
+            return JsonStream("-", stream, judged.time, judged.unit, line)
+        return open_csv_stream(_Pushed(stream, line), "-", judged.time, judged.unit)
     path = Path(judged.trace)
-    if not is_csv(path):
-        raise UsageError(f"{path}: row by row only CSV can be read", "leave out --online")
-    if not rows.follow:
+    lines = path.suffix.lower() in JSON_LINES.suffixes
+    if not is_csv(path) and not lines:
+        raise UsageError(f"{path}: row by row only CSV and JSON lines can be read", "leave out --online")
+    if not rows.follow and not lines:
         return open_csv(path, judged.time, judged.unit)
     if not path.is_file():
         raise UsageError(f"there is no file {path}")
-    return open_csv_stream(_GrowingFile(path), str(path), judged.time, judged.unit)
+    if not lines:
+        return open_csv_stream(_GrowingFile(path), str(path), judged.time, judged.unit)
+    growing = _GrowingFile(path) if rows.follow else path.open("rb")
+    return JsonStream(str(path), growing, judged.time, judged.unit, growing.readline())
 
 
 def _fed(
-    monitor: Monitor, recording: CsvRecording | LivePackets, listener: Listener, whole: bool, fail_fast: bool
+    monitor: Monitor,
+    recording: CsvRecording | JsonStream | LivePackets,
+    listener: Listener,
+    whole: bool,
+    fail_fast: bool,
 ) -> bool:
     """Feeds the monitor until the rows end or, unless the whole is wanted, everything is decided; tells each verdict
     when it is. False: it has stopped at a violation, before the trace has ended."""

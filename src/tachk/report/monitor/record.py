@@ -113,6 +113,8 @@ def cell_text(trace: Trace, cell: int) -> str:
 def value_text(trace: Trace, column: str, cell: int) -> str:
     """The value of a column in a cell, beyond the end the last one."""
     value = trace.value(column, Fraction(cell // 2))
+    if column in trace.texts:
+        return f'"{trace.labels[int(value)]}"'
     if trace.columns[column].dtype.kind == "u":
         return "true" if value else "false"
     return f"{value:.6g}"

@@ -1,0 +1,132 @@
+"""Several recordings of one time as one: every value is held until its column changes, whichever file it comes from.
+
+The whole begins when all have begun, for before that something is not known, and ends when the last one does.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from math import lcm
+from pathlib import Path
+
+import numpy as np
+
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.logs.labels import Labels
+from tachk.runtime.logs.text_csv import TextCsv
+from tachk.runtime.trace import LARGEST_TICK, Recording, Trace, Values
+from tachk.runtime.trace_csv import CsvRecording
+from tachk.runtime.trace_header import no_such_column
+from tachk.time_units import length_of
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JoinedRecording:
+    """Attributes:
+    places: of each column: the number of the recording, and its name there.
+    """
+
+    name: str
+    recordings: tuple[Recording, ...] = field(repr=False)
+    places: dict[str, tuple[int, str]] = field(repr=False)
+
+    @property
+    def unit(self) -> str:
+        return self.recordings[0].unit
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        return tuple(self.places)
+
+    def read(self, columns: Collection[str] | None = None) -> Trace:
+        wanted = self.columns if columns is None else tuple(name for name in self.columns if name in columns)
+        for name in columns or ():
+            if name not in self.places:
+                raise no_such_column(name, self.columns, self.name)
+        traces = [
+            recording.read([own for number, own in (self.places[name] for name in wanted) if number == place])
+            for place, recording in enumerate(self.recordings)
+        ]
+        factors = [self._factor(trace) for trace in traces]
+        scale = lcm(
+            *((trace.ticks_per_unit / factor).numerator for trace, factor in zip(traces, factors, strict=True)),
+            *((trace.origin * factor).denominator for trace, factor in zip(traces, factors, strict=True)),
+        )
+        return self._joined(traces, factors, scale, wanted)
+
+    def _factor(self, trace: Trace) -> Fraction:
+        """How many units of the whole make one of a trace."""
+        own, common = length_of(trace.unit), length_of(self.unit)
+        return Fraction(1) if own is None or common is None else own / common
+
+    def _joined(self, traces: list[Trace], factors: list[Fraction], scale: int, wanted: Sequence[str]) -> Trace:
+        origins = [trace.origin * factor for trace, factor in zip(traces, factors, strict=True)]
+        ends = [trace.clock(trace.end) * factor for trace, factor in zip(traces, factors, strict=True)]
+        begin = max(origins)
+        if (max(ends) - min(origins)) * scale > LARGEST_TICK:
+            raise UsageError(f"{self.name} is too long to be counted in {scale} ticks per unit of time")
+        late = next((trace for trace, end in zip(traces, ends, strict=True) if end < begin), None)
+        if late is not None:
+            raise UsageError(
+                f"{late.name} ends before another file begins", "files that are joined show the same clock"
+            )
+        times = []
+        for trace, factor, origin in zip(traces, factors, origins, strict=True):
+            step = Fraction(scale) * factor / trace.ticks_per_unit
+            times.append(trace.times * int(step) + int((origin - begin) * scale))
+        instants = np.unique(np.concatenate([[0], *times]))
+        instants = instants[instants >= 0]
+        columns: dict[str, Values] = {}
+        texts = Labels()
+        for name in wanted:
+            number, own = self.places[name]
+            values = traces[number].columns[own]
+            if own in traces[number].texts:
+                values = texts.recoded(values, traces[number].labels, name)
+            columns[name] = values[np.searchsorted(times[number], instants, side="right") - 1]
+        end = int((max(ends) - begin) * scale)
+        return texts.on(Trace(self.name, instants, columns, end, scale, self.unit, begin))
+
+
+def with_texts(recording: Recording, columns: Collection[str]) -> Recording:
+    """A recording that reads some columns as texts. Most see for themselves what holds texts; a cell of CSV could be
+    anything."""
+    if not columns:
+        return recording
+    match recording:
+        case CsvRecording():
+            return TextCsv(recording, frozenset(columns))
+        case JoinedRecording(places=places, recordings=recordings):
+            own = [places[name] for name in columns if name in places]
+            parts = (
+                with_texts(part, [name for number, name in own if number == place])
+                for place, part in enumerate(recordings)
+            )
+            return replace(recording, recordings=tuple(parts))
+        case _:
+            return recording
+
+
+def join(recordings: Sequence[Recording]) -> Recording:
+    """One recording of several. Where two have a column of the same name, each is called after its file, as in
+    ``drive.speed``. Raises UsageError where that does not tell them apart, or one has a unit and another none."""
+    if len(recordings) == 1:
+        return recordings[0]
+    name = ", ".join(recording.name for recording in recordings)
+    units = {recording.unit for recording in recordings}
+    if "" in units and len(units) > 1:
+        nameless = next(recording.name for recording in recordings if not recording.unit)
+        raise UsageError(f"{nameless} does not say the unit of its times, and another file does", "give --unit")
+    names = (column for recording in recordings for column in recording.columns)
+    twice = {column for column, count in Counter(names).items() if count > 1}
+    places: dict[str, tuple[int, str]] = {}
+    for number, recording in enumerate(recordings):
+        for column in recording.columns:
+            called = f"{Path(recording.name).stem}.{column}" if column in twice else column
+            if called in places:
+                raise UsageError(f"two columns of these files are called {called!r}", "give the files other names")
+            places[called] = number, column
+    return JoinedRecording(name, tuple(recordings), places)

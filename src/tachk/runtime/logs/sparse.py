@@ -1,0 +1,93 @@
+"""Recordings whose columns change at instants of their own: messages of many kinds, files of several rates.
+
+Each column keeps its value until its next one. The trace begins when every column that is asked for has a value, for
+before that nothing is known of some; it ends with the last instant of all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.trace import Trace
+from tachk.runtime.trace_arrays import TableRecording
+from tachk.runtime.trace_header import Header, no_such_column
+
+_TIME = "time"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Changes:
+    """When a column changes, as numbers of instants in ascending order, and its values from then on."""
+
+    rows: NDArray[np.int64]
+    values: Any
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SparseRecording:
+    """Attributes:
+    times: of all instants in order, as ``trace_arrays.exact_ticks`` takes them.
+    changes: of each column; rows of the same number are one instant.
+    """
+
+    name: str
+    unit: str
+    times: NDArray[Any] = field(repr=False)
+    changes: Mapping[str, Changes] = field(repr=False)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        return tuple(self.changes)
+
+    def read(self, columns: Collection[str] | None = None) -> Trace:
+        wanted = self.columns if columns is None else tuple(name for name in self.columns if name in columns)
+        for name in columns or ():
+            if name not in self.changes:
+                raise no_such_column(name, self.columns, self.name)
+        known = [int(self.changes[name].rows[0]) for name in wanted if len(self.changes[name].rows)]
+        if len(known) < len(wanted):
+            empty = next(name for name in wanted if not len(self.changes[name].rows))
+            raise UsageError(f"{self.name}: column {empty!r} never has a value")
+        begin = max(known, default=0)
+        instants = np.arange(begin, len(self.times))
+        cells: list[Any] = [self.times[begin:]]
+        for name in wanted:
+            place = np.searchsorted(self.changes[name].rows, instants, side="right") - 1
+            cells.append(np.asarray(self.changes[name].values)[place])
+        return TableRecording(self.name, Header((_TIME, *wanted), 0, self.unit), cells).read(list(wanted))
+
+
+def sparse(name: str, unit: str, events: Sequence[tuple[int | Fraction, Mapping[str, Any]]]) -> SparseRecording:
+    """The recording of messages in the order of time: what each gives a value. None gives none."""
+    rows: dict[str, list[int]] = {}
+    values: dict[str, list[Any]] = {}
+    for number, (_, given) in enumerate(events):
+        for column, value in given.items():
+            places = rows.setdefault(column, [])
+            held = values.setdefault(column, [])
+            if value is not None:
+                places.append(number)
+                held.append(value)
+    times = np.empty(len(events), dtype=object)
+    times[:] = [time for time, _ in events]
+    changes = {column: Changes(np.array(places, np.int64), _array(values[column])) for column, places in rows.items()}
+    return SparseRecording(name, unit, times, changes)
+
+
+def _array(values: list[Any]) -> NDArray[Any]:
+    """One-dimensional, whatever the values are."""
+    kinds = {type(value) for value in values}
+    if kinds <= {int, float}:
+        return np.array(values, dtype=np.float64)
+    if kinds == {bool}:
+        return np.array(values, dtype=bool)
+    array = np.empty(len(values), dtype=object)
+    array[:] = values
+    return array
