@@ -23,8 +23,6 @@ from tachk.runtime.trace_csv import ByteStream, Rows
 from tachk.runtime.trace_header import TIME_NAMES, agreed_unit, known_unit
 from tachk.time_limit import check_time
 
-_EXAMPLE = 'each line is an object: {"time": 0.5, "speed": 3}'
-
 
 class _Number(str):
     """A decimal number as it is written; times are exact."""
