@@ -210,6 +210,12 @@ def test_the_agent_waits_for_each_message(tmp_path: Path):
     assert talk.verdicts(tmp_path)["FARS_each"] == "false"
 
 
+def test_a_message_that_waits_to_the_end_counts_from_when_it_was_sent(tmp_path: Path):
+    talk = Talk().up(0, created()).down(10, data(0, 0)).down(1_000, data(1, 1))
+    talk.up(10_000, acknack(1)).up(25_000, heartbeat(1, 0))
+    assert talk.verdicts(tmp_path)["FARS_each"] == "false"
+
+
 def test_an_acknack_of_what_was_never_sent_confirms_nothing(tmp_path: Path):
     talk = Talk().up(0, created()).down(10, data(0, 0)).up(20, acknack(9))
     assert talk.columns(tmp_path)["behind"][-1] == 1
