@@ -55,6 +55,7 @@ COMMAND_LINES = (
     "diff m.ta m.ta",
     "draw m.ta -o out.svg",
     "monitor p m.csv",
+    "mine G(F[0,T]x>0) m.csv --over T=0..9",
     "monitor p m.csv --online",
     "plot p m.csv -o out.svg",
     "explain m.ta",
