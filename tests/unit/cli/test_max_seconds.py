@@ -36,6 +36,13 @@ process Q(const int[0,40] id) {
 system P, Q;
 property p : A[] n < 3;
 """
+RECORDED = """
+chan press;
+process Lamp() { init location Off { to On { sync press?; } } location On; }
+process Finger() { init location Idle { to Idle { sync press!; } } }
+system Lamp, Finger;
+recording { replaces Finger; visible press as press(); tolerance 1; }
+"""
 VCD = "$timescale 1 ms $end\n$var wire 1 ! p $end\n$enddefinitions $end\n" + "".join(
     f"#{i}\n{i % 2}!\n" for i in range(60)
 )
@@ -60,6 +67,7 @@ COMMAND_LINES = (
     "plot p m.csv -o out.svg",
     "explain m.ta",
     "certify m.ta m.cert",
+    "conform r.ta r.csv",
     "decode m.pcap",
     "measure m.pcap",
     "chart m.pcap -o out.svg",
@@ -74,6 +82,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "m.ta").write_text(MODEL)
     (tmp_path / "m.csv").write_text("time,p\n0,1\n1,0\n")
+    (tmp_path / "r.ta").write_text(RECORDED)
+    (tmp_path / "r.csv").write_text("time,event\n2,press\n")
     (tmp_path / "r.stl").write_text("G (p -> F[0,3] q)\n")
     (tmp_path / "m.cert").write_bytes(b"")
     (tmp_path / "m.pcap").write_bytes(bytes.fromhex("d4c3b2a1 02000400 00000000 00000000 ffff0000 65000000"))
@@ -118,7 +128,9 @@ def test_questions_without_time_have_no_answer(folder: Path, capsys: pytest.Capt
     assert "can be satisfied is not known: time limit" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("line", ["check m.ta", "convert m.ta out.json", "explain G(p)", "diff m.ta m.ta"])
+@pytest.mark.parametrize(
+    "line", ["check m.ta", "convert m.ta out.json", "explain G(p)", "diff m.ta m.ta", "conform r.ta r.csv"]
+)
 def test_time_enough_changes_nothing(folder: Path, line: str) -> None:
     assert run(f"{line} --max-seconds 1000") == 0
 
@@ -161,6 +173,8 @@ def test_writing_ends(looks: Iterator[int], work: Callable[[LoadedModel], object
 def test_reading_a_trace_ends(tmp_path: Path, looks: Iterator[int]) -> None:
     (tmp_path / "m.vcd").write_text(VCD)
     (tmp_path / "m.csv").write_text("time,p\n0,1\n1,0\n")
+    (tmp_path / "r.ta").write_text(RECORDED)
+    (tmp_path / "r.csv").write_text("time,event\n2,press\n")
     (tmp_path / "r.stl").write_text("G (p -> F[0,3] q)\n")
     (tmp_path / "m.cert").write_bytes(b"")
     (tmp_path / "m.pcap").write_bytes(bytes.fromhex("d4c3b2a1 02000400 00000000 00000000 ffff0000 65000000"))

@@ -37,7 +37,8 @@ from tachk.cli.reporting import ReportForm
     metavar="PORT",
     type=click.IntRange(1, 65535),
     multiple=True,
-    help="Of a capture of packets: a port of an Agent, if it is not 8888. Can be given several times.",
+    help="Of a capture of packets: a port of an Agent, or of a relay that clients take for one; without this option "
+    "8888 and every port at which a session is created. Can be given several times.",
 )
 @click.option("--coverage", is_flag=True, help="Also tell which edges of the model the run that was found takes.")
 @click.option(

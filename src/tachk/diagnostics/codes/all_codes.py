@@ -15,7 +15,6 @@ from tachk.diagnostics.codes.model_codes import MODEL_CODES
 from tachk.diagnostics.codes.monitoring_codes import MONITORING_CODES
 from tachk.diagnostics.codes.observer_codes import OBSERVER_CODES
 from tachk.diagnostics.codes.proxy_codes import PROXY_CODES
-from tachk.diagnostics.codes.recording_codes import RECORDING_CODES
 from tachk.diagnostics.codes.run_time_codes import RUN_TIME_CODES
 from tachk.diagnostics.codes.sentence_codes import SENTENCE_CODES
 from tachk.diagnostics.codes.syntax_codes import SYNTAX_CODES
@@ -30,7 +29,6 @@ CODES: dict[str, Explanation] = {
     **XML_CODES,
     **MODEL_CODES,
     **DURATION_CODES,
-    **RECORDING_CODES,
     **LOWERING_CODES,
     **VERIFICATION_CODES,
     **RUN_TIME_CODES,

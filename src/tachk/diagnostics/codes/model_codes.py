@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from tachk.diagnostics.codes.name_codes import NAME_CODES
+from tachk.diagnostics.codes.recording_codes import RECORDING_CODES
 from tachk.diagnostics.codes.system_codes import SYSTEM_CODES
 from tachk.diagnostics.codes.type_codes import TYPE_CODES
 from tachk.diagnostics.explanation import Explanation
 
-MODEL_CODES: dict[str, Explanation] = {**NAME_CODES, **TYPE_CODES, **SYSTEM_CODES}
+MODEL_CODES: dict[str, Explanation] = {**NAME_CODES, **TYPE_CODES, **SYSTEM_CODES, **RECORDING_CODES}
