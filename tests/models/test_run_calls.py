@@ -93,6 +93,15 @@ def test_rounds_of_the_agent_may_be_late_by_the_jitter() -> None:
     assert answer("subscription", "ECRA", AGENT_JITTER=1) == "fails"
 
 
+@pytest.mark.parametrize(("missed", "latest"), [(0, 1), (1, 2)])
+def test_a_round_may_leave_out_a_client_that_has_just_been_created(missed: int, latest: int) -> None:
+    """Recordings have a first HEARTBEAT after one and a half periods."""
+    model = tachk.load(MODELS / "subscription.ta", MISSED_ROUNDS=missed)
+    query = "E<> agent.FirstRound && agent.round {} {} * AGENT_HEARTBEAT"
+    found = model.verify(query.format(">=", latest), query.format(">", latest), trace=False)
+    assert [verdict.answer.value for verdict in found] == ["holds", "fails"]
+
+
 def test_a_client_that_sleeps_at_will_has_been_silent_for_longer() -> None:
     """q + SLEEP + HBA < DEAD with q = LINGER = 2; at will, q grows up to the time between two samples."""
     settings = {"PACE": 4, "MESSAGES": 2, "KEEP": 2, "PLACES": 4}
