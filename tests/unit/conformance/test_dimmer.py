@@ -94,6 +94,31 @@ def test_coverage() -> None:
     assert [edge["times"] for edge in report["coverage"]] == [2, 2, 1]
 
 
+def test_several_recordings() -> None:
+    """Each is held against the model; edges are counted in those that are runs."""
+    files = [str(ROOT / "examples/dimmer" / name) for name in ("pressed.csv", "too_soon.csv", "pressed.csv")]
+    found = CliRunner().invoke(app, ["conform", str(MODEL), *files, "--coverage", "--format", "json"])
+    report = json.loads(found.stdout)
+    jsonschema.validate(report, SCHEMA)
+    assert found.exit_code == 10
+    assert [(each["recording"], each["accepted"]) for each in report["answers"]] == [
+        *zip(files, (True, False, True), strict=True)
+    ]
+    assert [edge["times"] for edge in report["coverage"]] == [4, 4, 2]
+
+
+@pytest.mark.parametrize(
+    ("files", "status"), [(("pressed.csv", "pressed.csv"), 20), (("too_soon.csv", "pressed.csv"), 10)]
+)
+def test_exit_status_of_several_recordings(files: tuple[str, ...], status: int) -> None:
+    """One that is no run weighs more than one that is not decided."""
+    limit = ["--max-states", "4"]
+    found = CliRunner().invoke(
+        app, ["conform", str(MODEL), *(str(ROOT / "examples/dimmer" / f) for f in files), *limit]
+    )
+    assert found.exit_code == status
+
+
 def test_order_of_what_was_sent_and_what_arrives(tmp_path: Path) -> None:
     """A press may not happen before the light of the row that it names."""
     rows = ["0,press,,,,", "4,light,1,7,a,", "60,light,0,0,b,", "60,press,,,,b", "63,light,1,7,,"]

@@ -10,11 +10,13 @@ from tachk.cli import options
 from tachk.cli.reporting import ReportForm
 
 
-@click.command(name="conform", short_help="Ask whether a recording is a run of a model.")
+@click.command(name="conform", short_help="Ask whether recordings are runs of a model.")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model with a `recording { ... }`.")
 @click.argument(
-    "recording",
-    metavar="FILE",
+    "recordings",
+    metavar="FILE...",
+    nargs=-1,
+    required=True,
     type=click.Path(),
     help="Recorded events: CSV, JSON lines (.jsonl), or a capture (.pcap).",
 )
@@ -40,16 +42,16 @@ from tachk.cli.reporting import ReportForm
     help="Of a capture of packets: a port of an Agent, or of a relay that clients take for one; without this option "
     "8888 and every port at which a session is created. Can be given several times.",
 )
-@click.option("--coverage", is_flag=True, help="Also tell which edges of the model the run that was found takes.")
+@click.option("--coverage", is_flag=True, help="Also tell which edges of the model the runs that were found take.")
 @click.option(
     "states", "--max-states", metavar="N", type=options.Count(min=1), help="Stop a search after storing N states."
 )
 @options.max_seconds()
 @options.report(ReportForm.TEXT, ReportForm.JSON)
 def command(seconds: float | None, **given: Any) -> None:
-    """Ask whether a recording of the real system is a run of a model.
+    """Ask whether recordings of the real system are runs of a model.
 
-    Exit status: 0 it is, 10 it is not, 20 undecided because a limit was hit, 2 bad input.
+    Exit status: 0 all are, 10 one is not, 20 one is undecided because a limit was hit, 2 bad input.
     """
     from tachk.cli.actions.conformance.conform import Conforming, run_conform
     from tachk.cli.reporting import Reporting

@@ -11,11 +11,19 @@ from tachk.conformance.edits import Edit
 from tachk.conformance.events import Event
 
 
-def conformance_to_json(found: Conformance, model: str, covered: Sequence[Covered] = ()) -> dict[str, Any]:
-    """One object. Times are those of the recording."""
-    recording = found.recording
+def conformance_to_json(found: Sequence[Conformance], model: str, covered: Sequence[Covered] = ()) -> dict[str, Any]:
+    """One object, with an answer for each recording."""
     return {
         "model": model,
+        "answers": [_answer(each) for each in found],
+        "coverage": [_covered(each) for each in covered],
+    }
+
+
+def _answer(found: Conformance) -> dict[str, Any]:
+    """Times are those of the recording."""
+    recording = found.recording
+    return {
         "recording": recording.source,
         "accepted": found.accepted,
         "reason": found.reason,
@@ -28,7 +36,6 @@ def conformance_to_json(found: Conformance, model: str, covered: Sequence[Covere
         "seconds": found.statistics.seconds,
         "refusal": _refusal(found),
         "edit": None if found.edit is None else _edit(found, found.edit),
-        "coverage": [_covered(each) for each in covered],
     }
 
 

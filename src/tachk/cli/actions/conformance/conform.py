@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from time import monotonic
 
 from tachk import api
 from tachk.cli.arguments import parse_definitions
@@ -23,7 +24,7 @@ class Conforming:
     """What is asked, as it was typed."""
 
     model: str
-    recording: str
+    recordings: tuple[str, ...]
     definitions: tuple[str, ...] = ()
     tolerance: str | None = None
     late: str | None = None
@@ -34,23 +35,29 @@ class Conforming:
 
 
 def run_conform(asked: Conforming, reporting: Reporting, seconds: float | None) -> ExitStatus:
-    """Holds a recording against a model, and reports."""
+    """Holds recordings against a model, and reports."""
     model = api.load(asked.model, **parse_definitions(asked.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
-    limits = Limits(states=asked.states, seconds=seconds)
-    found = api.conform(model, asked.recording, asked.tolerance, asked.late, asked.unit, asked.ports, limits)
-    covered = coverage(model.network, [found] if found.accepted else []) if asked.coverage else ()
+    limits, started = Limits(states=asked.states, seconds=seconds), monotonic()
+    found = [
+        api.conform(
+            model, each, asked.tolerance, asked.late, asked.unit, asked.ports, limits.after(monotonic() - started)
+        )
+        for each in asked.recordings
+    ]
+    covered = coverage(model.network, (each for each in found if each.accepted)) if asked.coverage else ()
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None:
             match reporting.form:
                 case ReportForm.TEXT:
-                    out.write(conformance_to_text(found, asked.model))
+                    out.writelines(conformance_to_text(each, asked.model) for each in found)
                     out.write(coverage_to_text(covered) if covered else "")
                 case ReportForm.JSON:
                     json.dump(conformance_to_json(found, asked.model, covered), out, indent=2)
                     out.write("\n")
                 case _:
                     raise UsageError(f"unknown format {reporting.form}")
-    if found.accepted is None:
-        return ExitStatus.UNKNOWN
-    return ExitStatus.AS_EXPECTED if found.accepted else ExitStatus.NOT_AS_EXPECTED
+    answers = {each.accepted for each in found}
+    if False in answers:
+        return ExitStatus.NOT_AS_EXPECTED
+    return ExitStatus.UNKNOWN if None in answers else ExitStatus.AS_EXPECTED
