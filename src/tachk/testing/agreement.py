@@ -193,12 +193,15 @@ def _by_goal(outcomes: dict[str, Outcome]) -> Iterator[tuple[int, dict[str, Stat
         yield goal, {name: outcome.goals[goal].status for name, outcome in outcomes.items()}
 
 
+_ORACLES = ("reference", "regions")
+
+
 def _runs(case: Case, outcomes: dict[str, Outcome], stopwatches: bool) -> Iterator[str]:
     model = prepare(case.network)
     for name, outcome in outcomes.items():
         for number, goal in enumerate(outcome.goals):
-            # The reference notes goals before it evaluates what else the state asks for.
-            if goal.path is None or (name == "reference" and outcome.fault is not None):
+            # The oracles note goals before they evaluate what else the state asks for.
+            if goal.path is None or (name in _ORACLES and outcome.fault is not None):
                 continue
             trace = concretise(model, goal.path, case.predicates[number])
             if trace is None:
