@@ -36,12 +36,15 @@ from tachk.syntax.source_files import read_source
 from tachk.time_limit import time_limit
 
 if TYPE_CHECKING:
+    from tachk.campaign.grid import Grid
+    from tachk.campaign.run import Progress as CampaignProgress
     from tachk.conformance.conform import Conformance
     from tachk.drawing.svg import Picture
     from tachk.engines.outcome import Statistics
     from tachk.properties.deep.findings import DeepCheck
     from tachk.properties.times import Times
     from tachk.properties.verify import VerifyProgress
+    from tachk.report.campaign.table import Sweep
     from tachk.report.region.synthesis import Synthesis
     from tachk.synthesis.parameters import Parameter
 
@@ -403,6 +406,64 @@ class Model:
             certify,
         )
         return Synthesis(region, self.loaded.heading.time_unit)
+
+    def sweep(
+        self,
+        *queries: str,
+        over: str | Iterable[str] | Grid,
+        property: str | Iterable[str] = (),
+        non_zeno: bool = False,
+        store: str | os.PathLike[str] | None = None,
+        processes: int | None = None,
+        dask: str | None = None,
+        options: Options | None = None,
+        limits: Limits | None = None,
+        seconds: float | None = None,
+        progress: Callable[[CampaignProgress], None] | None = None,
+    ) -> Sweep:
+        """Checks queries and properties for every combination of values of some constants, several at a time.
+
+        Args:
+            queries, property, non_zeno: as for `verify`.
+            over: such as ``"LOSSES=0..5"``, or several of them.
+            store: an SQLite file for finished cells: a sweep that was stopped, or killed, goes on where it was.
+            processes: how many cells are computed at a time; None: as many as the machine has cores.
+            dask: the address of the scheduler of a Dask cluster that computes in place of processes here.
+            limits: of each cell.
+            seconds: the limit on everything together; what is not finished then is missing in the table.
+            progress: called after each cell.
+
+        The processes import the program that calls this: a script needs ``if __name__ == "__main__":`` around it.
+
+        Raises:
+            InputError: a query is wrong.
+            UsageError: there is no such property or constant, or the file belongs to another sweep.
+        """
+        from functools import partial
+        from pathlib import Path
+
+        from tachk.campaign.cluster import compute_on_cluster
+        from tachk.campaign.grid import Grid, grid_of
+        from tachk.campaign.job import verification
+        from tachk.campaign.local import compute_locally
+        from tachk.campaign.run import run_campaign
+        from tachk.report.campaign.table import Sweep
+
+        grid = over if isinstance(over, Grid) else grid_of([over] if isinstance(over, str) else over)
+        questions = Questions(
+            self.path,
+            (property,) if isinstance(property, str) else tuple(property),
+            (),
+            tuple(Source("<query>", text) for text in queries),
+            non_zeno,
+        )
+        job = verification(self._written, grid.names, questions, options or Options(), limits or Limits())
+        if dask is not None:
+            compute = partial(compute_on_cluster, address=dask)
+        else:
+            compute = partial(compute_locally, processes=processes or os.cpu_count() or 1)
+        file = None if store is None else Path(store)
+        return Sweep(self.path, run_campaign(grid, job, file, compute, seconds, progress))
 
     def zone_graph(self, limit: int = 10_000) -> Any:
         """The symbolic states that are reachable and what leads from one to the other, as a `networkx.DiGraph`.

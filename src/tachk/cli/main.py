@@ -18,6 +18,7 @@ from tachk.cli.console_script import end_program
 COMMANDS = (
     "verify",
     "synthesize",
+    "sweep",
     "certify",
     "time",
     "check",

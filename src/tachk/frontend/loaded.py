@@ -112,7 +112,10 @@ def other_readings_of(loaded: LoadedModel) -> Iterator[tuple[str, LoadedModel]]:
 
 
 def with_constants(
-    loaded: LoadedModel, values: Mapping[str, int], properties: Collection[str], open_constants: Iterable[str] = ()
+    loaded: LoadedModel,
+    values: Mapping[str, int | str],
+    properties: Collection[str],
+    open_constants: Iterable[str] = (),
 ) -> LoadedModel:
     """The model with other values of global constants.
 

@@ -8,11 +8,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
@@ -22,14 +20,13 @@ from matplotlib.textpath import TextPath
 from matplotlib.ticker import MaxNLocator
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.report.figure_files import svg_of, write_figure
 from tachk.report.monitor.plot_rows import Band, FormulaRows, Stretch, bands_of, formula_rows, line, steps, thresholds
 from tachk.report.monitor.record import MonitorRecord, MonitorVerdict, clock_text
 from tachk.report.monitor.robustness_plot import draw_robustness
 from tachk.report.monitor.text import answer_text, robustness_text
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Trace
-
-FORMATS = (".svg", ".png", ".pdf")
 
 _WIDTH = 9.0
 _ROW = 0.24
@@ -48,17 +45,7 @@ _FACE = {Truth.TRUE: "#5a9367", Truth.FALSE: "#ffffff", Truth.UNDETERMINED: "#f1
 _INK = {Truth.TRUE: "#3d6b48", Truth.FALSE: "#a4161a", Truth.UNDETERMINED: "#777777"}
 _HATCH = {Truth.TRUE: "", Truth.FALSE: "//////", Truth.UNDETERMINED: ".."}
 _SIGNAL = "#22577a"
-_STYLE: dict[Any, Any] = {
-    "font.size": 9,
-    "font.family": "DejaVu Sans",
-    "hatch.linewidth": 0.7,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "svg.hashsalt": "tachk",
-    "svg.fonttype": "none",
-}
-
-_METADATA: Any = {"Date": None, "Creator": "tachk"}
+_STYLE = {"hatch.linewidth": 0.7, "axes.spines.top": False, "axes.spines.right": False}
 
 
 def plot_record(record: MonitorRecord, path: str | Path, span: Stretch | None = None, robustness: bool = False) -> None:
@@ -71,13 +58,7 @@ def plot_record(record: MonitorRecord, path: str | Path, span: Stretch | None = 
 
     Raises UsageError for an unknown format.
     """
-    target = Path(path)
-    if target.suffix.lower() not in FORMATS:
-        raise UsageError(f"{path}: pictures are written as {', '.join(FORMATS)}", "the ending of the name decides")
-    with rc_context(_STYLE):
-        figure = draw_record(record, span, robustness)
-        metadata = _METADATA if target.suffix.lower() == ".svg" else None
-        figure.savefig(target, dpi=150, metadata=metadata)
+    write_figure(path, lambda: draw_record(record, span, robustness), _STYLE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,10 +72,7 @@ class Plot:
     @property
     def svg(self) -> str:
         """The text of a file."""
-        out = StringIO()
-        with rc_context(_STYLE):
-            draw_record(self.record, self.span, self.robustness).savefig(out, format="svg", metadata=_METADATA)
-        return out.getvalue()
+        return svg_of(lambda: draw_record(self.record, self.span, self.robustness), _STYLE)
 
     def _repr_svg_(self) -> str:
         return self.svg

@@ -13,7 +13,6 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PatchCollection
@@ -23,25 +22,17 @@ from matplotlib.patches import Patch, Rectangle
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.properties.verdict import Answer
+from tachk.report.figure_files import write_figure
 from tachk.report.region.words import effort, inequalities, summary
 from tachk.synthesis.parameters import Parameter
 from tachk.synthesis.region import Evidence, Region, RegionCell
-
-FORMATS = (".svg", ".png", ".pdf")
 
 _MOST_MAPS = 12
 _FACE = {Answer.HOLDS: "#5a9367", Answer.FAILS: "#ffffff", Answer.UNKNOWN: "#e4e4e4"}
 _INK = {Answer.HOLDS: "#3d6b48", Answer.FAILS: "#a4161a", Answer.UNKNOWN: "#777777"}
 _HATCH = {Answer.HOLDS: "", Answer.FAILS: "////", Answer.UNKNOWN: "..."}
 _BORDER = "#22223b"
-_STYLE: dict[Any, Any] = {
-    "font.size": 9,
-    "font.family": "DejaVu Sans",
-    "hatch.linewidth": 0.5,
-    "svg.hashsalt": "tachk",
-    "svg.fonttype": "none",
-}
-_METADATA: Any = {"Date": None, "Creator": "tachk"}
+_STYLE = {"hatch.linewidth": 0.5}
 _LINE = 0.19
 
 
@@ -50,12 +41,7 @@ def plot_region(region: Region, path: str | Path) -> None:
 
     Raises UsageError for an unknown format, and where a region has more maps than one picture can show.
     """
-    target = Path(path)
-    if target.suffix.lower() not in FORMATS:
-        raise UsageError(f"{path}: pictures are written as {', '.join(FORMATS)}", "the ending of the name decides")
-    with rc_context(_STYLE):
-        metadata = _METADATA if target.suffix.lower() == ".svg" else None
-        draw_region(region).savefig(target, dpi=150, metadata=metadata)
+    write_figure(path, lambda: draw_region(region), _STYLE)
 
 
 def draw_region(region: Region) -> Figure:

@@ -1,0 +1,100 @@
+"""Cells computed by an existing Dask cluster, in batches, since a task costs Dask some milliseconds.
+
+The cluster's workers need tachk in the same version. What a worker had begun when it was lost, Dask gives to another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from time import monotonic
+from typing import Any
+
+from tachk.campaign.grid import Values
+from tachk.campaign.job import Verification, unknown_row
+from tachk.campaign.local import KILLED, Computed
+from tachk.diagnostics.diagnostic import UsageError
+
+BATCH_SECONDS = 0.5
+"""What a batch is meant to take."""
+
+_FIRST = 4
+_MOST = 1000
+_AHEAD = 3
+_PATIENCE = "10s"
+
+
+def compute_on_cluster(
+    job: Verification, cells: Sequence[Values], seconds: float | None, address: str
+) -> Iterator[Computed]:
+    """Each cell as soon as its batch is computed, in any order, until so many seconds have passed.
+
+    Ending the iteration early cancels what is left.
+
+    Args:
+        address: of the cluster's scheduler, such as ``tcp://10.0.0.1:8786``.
+
+    Raises UsageError where Dask is not installed, or there is no cluster at the address.
+    """
+    try:
+        from distributed import Client, KilledWorker, as_completed
+    except ImportError:
+        raise UsageError("--dask needs Dask", "install it: pip install 'tachk[distributed]'") from None
+    try:
+        client = Client(address, timeout=_PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise UsageError(f"--dask {address}: {error}", "give the address of a scheduler: tcp://HOST:PORT") from None
+    with client:
+        shared = client.scatter(job, broadcast=True, hash=False)
+        batches = _Batches(list(cells))
+        running: dict[str, tuple[Values, ...]] = {}
+        done: Any = as_completed(timeout=seconds)
+
+        def submit() -> None:
+            batch = batches.next()
+            if batch:
+                future = client.submit(compute_batch, shared, batch, pure=False)
+                running[future.key] = batch
+                done.add(future)
+
+        for _ in range(_AHEAD * max(1, sum(client.nthreads().values()))):
+            submit()
+        with suppress(TimeoutError):
+            for future in done:
+                batch = running.pop(future.key)
+                try:
+                    computed = future.result()
+                except KilledWorker:
+                    computed = [_killed(job, values) for values in batch]
+                batches.took(sum(each.seconds for each in computed), len(batch))
+                submit()
+                yield from computed
+
+
+def _killed(job: Verification, values: Values) -> Computed:
+    return Computed(values, tuple(unknown_row(name, KILLED) for name in job.asked), 0.0)
+
+
+class _Batches:
+    """Cuts the cells into batches whose size follows what cells have taken so far."""
+
+    def __init__(self, left: list[Values]) -> None:
+        self._left = left[::-1]
+        self._size = _FIRST
+
+    def next(self) -> tuple[Values, ...]:
+        return tuple(self._left.pop() for _ in range(min(self._size, len(self._left))))
+
+    def took(self, seconds: float, cells: int) -> None:
+        mean = max(seconds / cells, 1e-6)
+        self._size = max(1, min(_MOST, round(BATCH_SECONDS / mean)))
+
+
+def compute_batch(job: Verification, cells: Sequence[Values]) -> list[Computed]:
+    """What a worker does."""
+    computed = []
+    for values in cells:
+        began = monotonic()
+        rows = job.rows(values)
+        computed.append(Computed(values, rows, monotonic() - began))
+    return computed

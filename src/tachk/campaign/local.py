@@ -1,0 +1,144 @@
+"""Cells computed by processes on this machine.
+
+Each process has one cell at a time, so that it is known which cell a killed process was at: the others go on.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing import get_context, parent_process
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import SpawnProcess
+from threading import Thread
+from time import monotonic
+from traceback import format_exc
+
+from tachk.campaign.grid import Values
+from tachk.campaign.job import Row, Verification, unknown_row
+
+KILLED = "the process that computed it was killed"
+_ATTEMPTS = 2
+
+_CONTEXT = get_context("spawn")
+
+
+@dataclass(frozen=True, slots=True)
+class Computed:
+    """What came of a cell, and how many seconds it took."""
+
+    values: Values
+    rows: tuple[Row, ...]
+    seconds: float
+
+
+@dataclass(slots=True)
+class _Worker:
+    process: SpawnProcess
+    pipe: Connection
+    cell: Values | None = None
+
+
+def compute_locally(
+    job: Verification, cells: Sequence[Values], seconds: float | None, processes: int
+) -> Iterator[Computed]:
+    """Each cell as soon as it is computed, in any order, until so many seconds have passed.
+
+    A cell whose process was killed, for want of memory say, is tried once more; then its answers are unknown. Ending
+    the iteration early ends the processes.
+    """
+    ends = None if seconds is None else monotonic() + seconds
+    left = list(reversed(cells))
+    attempts: dict[Values, int] = {}
+    workers = [_started() for _ in range(min(processes, len(cells)))]
+    try:
+        for worker in workers:
+            _send(worker, job)
+            _give(worker, left)
+        while busy := [worker for worker in workers if worker.cell is not None]:
+            ready = wait([worker.pipe for worker in busy], None if ends is None else max(0.0, ends - monotonic()))
+            if not ready:
+                return
+            for worker in busy:
+                if worker.pipe in ready:
+                    computed = _received(worker, job, left, attempts)
+                    _give(worker, left)
+                    if computed is not None:
+                        yield computed
+    finally:
+        for worker in workers:
+            _end(worker)
+
+
+def _received(worker: _Worker, job: Verification, left: list[Values], attempts: dict[Values, int]) -> Computed | None:
+    """The cell that a process has finished; None where it was killed and the cell is to be tried again."""
+    values = worker.cell
+    assert values is not None
+    try:
+        rows, seconds, defect = worker.pipe.recv()
+    except (EOFError, OSError):
+        _end(worker)
+        again = _started()
+        worker.process, worker.pipe = again.process, again.pipe
+        _send(worker, job)
+        attempts[values] = attempts.get(values, 0) + 1
+        if attempts[values] < _ATTEMPTS:
+            left.append(values)
+            return None
+        return Computed(values, tuple(unknown_row(name, KILLED) for name in job.asked), 0.0)
+    if defect:
+        raise RuntimeError(f"in cell {values} of {job.names}:\n{defect}")
+    return Computed(values, rows, seconds)
+
+
+def _started() -> _Worker:
+    ours, theirs = _CONTEXT.Pipe()
+    process = _CONTEXT.Process(target=_work, args=(theirs,), daemon=True)
+    process.start()
+    theirs.close()
+    return _Worker(process, ours)
+
+
+def _give(worker: _Worker, left: list[Values]) -> None:
+    worker.cell = left.pop() if left else None
+    if worker.cell is not None:
+        _send(worker, worker.cell)
+
+
+def _send(worker: _Worker, what: Verification | Values) -> None:
+    with suppress(OSError):  # it was killed, as reading from it will tell
+        worker.pipe.send(what)
+
+
+def _end(worker: _Worker) -> None:
+    worker.process.kill()
+    worker.process.join()
+    worker.pipe.close()
+
+
+def _work(pipe: Connection) -> None:
+    """What a process does until it is killed. Ctrl-C is for the program that started it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with_parent, daemon=True).start()
+    job = pipe.recv()
+    while True:
+        values = pipe.recv()
+        began = monotonic()
+        rows: tuple[Row, ...] = ()
+        defect = ""
+        try:
+            rows = job.rows(values)
+        except Exception:
+            defect = format_exc()
+        pipe.send((rows, monotonic() - began, defect))
+
+
+def _end_with_parent() -> None:
+    """A program that is killed cannot end its processes."""
+    parent = parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(0)

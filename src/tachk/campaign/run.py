@@ -1,0 +1,96 @@
+"""A campaign: what is missing in its file is computed and put into it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic
+
+from tachk.campaign.grid import Grid, Values
+from tachk.campaign.job import Row, Verification
+from tachk.campaign.local import Computed
+from tachk.campaign.store import opened
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a campaign is.
+
+    Attributes:
+        cells: how many there are.
+        finished: how many of them are finished, those of earlier runs included.
+        earlier: how many were finished before this run.
+        seconds: since this run began.
+    """
+
+    cells: int
+    finished: int
+    earlier: int
+    seconds: float
+
+    @property
+    def seconds_left(self) -> float | None:
+        """An estimate; None before the first cell."""
+        done = self.finished - self.earlier
+        return self.seconds / done * (self.cells - self.finished) if done else None
+
+
+@dataclass(frozen=True, slots=True)
+class Campaign:
+    """What a campaign has found.
+
+    Attributes:
+        rows: of all finished cells, in the order of the grid.
+        earlier: how many cells were finished before this run.
+        unfinished: how many cells are not finished: the time was over, or the user stopped it.
+        interrupted: the user stopped it.
+        seconds: of this run, in wall-clock time.
+    """
+
+    grid: Grid
+    job: Verification
+    rows: tuple[Row, ...]
+    earlier: int
+    unfinished: int
+    interrupted: bool
+    seconds: float
+
+
+Computing = Callable[[Verification, tuple[Values, ...], float | None], Iterator[Computed]]
+"""Computes cells, in any order, until so many seconds have passed."""
+
+
+def run_campaign(
+    grid: Grid,
+    job: Verification,
+    file: Path | None,
+    compute: Computing,
+    seconds: float | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Campaign:
+    """Computes the cells that the file does not have.
+
+    Args:
+        file: None to keep what is found in memory only.
+        compute: such as `tachk.campaign.local.compute_locally` with a number of processes.
+        seconds: the limit on the time of this run; what is not finished then can be computed by another run.
+
+    Raises UsageError where the file cannot be used.
+    """
+    began = monotonic()
+    interrupted = False
+    with opened(file, grid.names, job.parts()) as store:
+        known = store.finished()
+        missing = tuple(values for values in grid.cells() if values not in known)
+        finished = earlier = len(grid) - len(missing)
+        try:
+            for cell in compute(job, missing, seconds):
+                store.add(cell.values, cell.rows, cell.seconds)
+                finished += 1
+                if progress is not None:
+                    progress(Progress(len(grid), finished, earlier, monotonic() - began))
+        except KeyboardInterrupt:
+            interrupted = True
+        rows = tuple(store.rows(grid.cells()))
+    return Campaign(grid, job, rows, earlier, len(grid) - finished, interrupted, monotonic() - began)

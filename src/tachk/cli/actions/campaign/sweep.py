@@ -1,0 +1,132 @@
+"""`tachk sweep`."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from tachk import api
+from tachk.campaign.grid import grid_of
+from tachk.campaign.run import Progress
+from tachk.cli.arguments import parse_size
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.guard import print_diagnostics
+from tachk.cli.reporting import ReportForm, Reporting
+from tachk.cli.terminal import can_rewrite_lines
+from tachk.engines.options import Limits
+from tachk.properties.verdict import Answer
+from tachk.records import dataclass
+from tachk.report.campaign.table import Sweep
+
+_EVERY = "all"
+
+
+@dataclass(frozen=True, slots=True)
+class Sweeping:
+    """What is asked, as it was typed.
+
+    Attributes:
+        over: constants with their values.
+        processes: None for as many as there are cores.
+        dask: the address of a scheduler, in place of processes here.
+        picture: the file of the heat map.
+        show: the column that it shows.
+        seconds_each: the limit of each cell.
+        states: the limit of each search.
+        max_memory: such as ``2G``.
+    """
+
+    model: str
+    queries: tuple[str, ...] = ()
+    over: tuple[str, ...] = ()
+    properties: tuple[str, ...] = ()
+    store: Path | None = None
+    processes: int | None = None
+    dask: str | None = None
+    picture: Path | None = None
+    show: str = "answer"
+    seconds_each: float | None = None
+    states: int | None = None
+    max_memory: str | None = None
+    non_zeno: bool = False
+
+
+def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> ExitStatus:
+    """Computes the table, and reports."""
+    grid = grid_of(asked.over)
+    memory = None if asked.max_memory is None else parse_size(asked.max_memory)
+    first = {axis.name: axis.values[0] for axis in grid.axes}
+    model = api.load(asked.model, **first)
+    print_diagnostics((*model.refusals, *model.warnings))
+    named = tuple(name for name in asked.properties if name != _EVERY or _EVERY in {q.name for q in model.properties})
+    with _progress(reporting.quiet) as progress:
+        found = model.sweep(
+            *asked.queries,
+            over=grid,
+            property=named,
+            non_zeno=asked.non_zeno,
+            store=asked.store,
+            processes=asked.processes,
+            dask=asked.dask,
+            limits=Limits(states=asked.states, seconds=asked.seconds_each, memory_bytes=memory),
+            seconds=seconds,
+            progress=progress,
+        )
+    if asked.picture is not None:
+        found.plot(asked.picture, asked.show)
+    _write(found, reporting)
+    if found.campaign.interrupted:
+        return ExitStatus.INTERRUPTED
+    unknown = any(row["answer"] == Answer.UNKNOWN.value for row in found.rows)
+    return ExitStatus.UNKNOWN if unknown or found.campaign.unfinished else ExitStatus.AS_EXPECTED
+
+
+def _write(found: Sweep, reporting: Reporting) -> None:
+    parquet = reporting.output if reporting.output and reporting.output.suffix == ".parquet" else None
+    if parquet is not None:
+        found.to_parquet(parquet)
+    with destination(None if parquet else reporting.output, reporting.quiet) as out:
+        if out is None:
+            return
+        match reporting.form:
+            case ReportForm.CSV:
+                out.write(found.to_csv())
+            case ReportForm.JSON:
+                json.dump(found.to_dict(), out, indent=2)
+                out.write("\n")
+            case _:
+                out.write(found.to_text())
+
+
+@contextmanager
+def _progress(quiet: bool) -> Iterator[Callable[[Progress], None] | None]:
+    """A bar on a terminal; elsewhere a line for each tenth of the cells, so that logs show that it is alive."""
+    if quiet:
+        yield None
+        return
+    if not can_rewrite_lines(sys.stderr):
+        yield _Tenths()
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    columns = TextColumn("cells"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn()
+    with Bar(*columns, console=Console(file=sys.stderr), transient=True) as bar:
+        task = bar.add_task("cells", total=None)
+        yield lambda now: bar.update(task, total=now.cells, completed=now.finished)
+
+
+class _Tenths:
+    def __init__(self) -> None:
+        self._told = -1
+
+    def __call__(self, now: Progress) -> None:
+        tenth = 10 * now.finished // now.cells
+        if self._told == -1 or tenth > self._told:
+            self._told = tenth
+            print(f"{now.finished} of {now.cells} cells", file=sys.stderr, flush=True)

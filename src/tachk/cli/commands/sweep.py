@@ -1,0 +1,95 @@
+"""The options of `tachk sweep`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from tachk.cli import options
+from tachk.cli.reporting import ReportForm
+
+
+@click.command(name="sweep", short_help="Check a model for many values of its constants.")
+@click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
+@click.argument("queries", metavar="[QUERY]...", nargs=-1, required=False, help="Queries.")
+@click.option(
+    "over",
+    "-D",
+    "--define",
+    metavar="NAME=VALUES",
+    multiple=True,
+    help="Set a global constant of the model to each of these values: 3, 1..5, 10,50,100 or 0..60:5.",
+)
+@click.option(
+    "properties",
+    "--property",
+    metavar="NAME",
+    multiple=True,
+    help="A property of the model; `all` for every one, which is the default.",
+)
+@click.option(
+    "store",
+    "--store",
+    metavar="FILE",
+    type=options.type_of_file,
+    help="Keep finished cells in this SQLite file. A sweep that was stopped goes on where it was.",
+)
+@click.option(
+    "processes",
+    "-j",
+    "--processes",
+    metavar="N",
+    type=options.Count(min=1),
+    help="Compute so many cells at a time; without it as many as the machine has cores.",
+)
+@click.option("dask", "--dask", metavar="ADDRESS", help="Compute on the Dask cluster with this scheduler.")
+@options.report(ReportForm.TEXT, ReportForm.CSV, ReportForm.JSON)
+@click.option(
+    "picture",
+    "--heat-map",
+    metavar="FILE",
+    type=options.type_of_file,
+    help="Draw a map of the values into this .svg, .png or .pdf file.",
+)
+@click.option(
+    "show",
+    "--show",
+    metavar="COLUMN",
+    default="answer",
+    show_default=True,
+    help="What the map shows: answer, or a column of numbers such as states_stored, seconds, run_end.",
+)
+@click.option(
+    "seconds_each",
+    "--cell-seconds",
+    metavar="SECONDS",
+    type=options.Seconds(min=0),
+    help="Stop the check of a cell after this time; its answers are unknown then.",
+)
+@click.option(
+    "states",
+    "--max-states",
+    metavar="N",
+    type=options.Count(min=1),
+    help="Stop a search after storing N states; its answers are unknown then.",
+)
+@click.option("max_memory", "--max-memory", metavar="SIZE", help="Stop a search that takes more memory, such as 2G.")
+@click.option("non_zeno", "--non-zeno", is_flag=True, help="Count only runs in which time diverges.")
+@options.max_seconds("Stop after this time. Cells that are not finished then are missing; --store lets them follow.")
+def command(**given: Any) -> None:
+    """Check a model for every combination of values of its constants.
+
+    \b
+    tachk sweep fischer.ta -D N=2..4 -D WRITE=1..5 --property mutual_exclusion
+    tachk sweep model.ta -D LOSSES=0..5 -D SLICE=10,50,100 --store sweep.sqlite -o table.parquet
+
+    With -o and a name that ends in .parquet, tachk writes the table there and prints the report.
+    Exit status: 0 every answer is known, 20 some are unknown or cells are not finished, 2 bad input.
+    """
+    from tachk.cli.actions.campaign.sweep import Sweeping, run_sweep
+    from tachk.cli.reporting import Reporting
+
+    seconds = given.pop("seconds")
+    asked, reporting = options.distributed(given, Sweeping, Reporting)
+    options.finish(lambda: run_sweep(asked, reporting, seconds))

@@ -1,0 +1,46 @@
+"""Writing matplotlib figures: the same bytes for the same figure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from tachk.diagnostics.diagnostic import UsageError
+
+FORMATS = (".svg", ".png", ".pdf")
+
+_STYLE: dict[Any, Any] = {
+    "font.size": 9,
+    "font.family": "DejaVu Sans",
+    "svg.hashsalt": "tachk",
+    "svg.fonttype": "none",
+}
+_METADATA: Any = {"Date": None, "Creator": "tachk"}
+
+
+def write_figure(path: str | Path, draw: Callable[[], Figure], style: Mapping[Any, Any]) -> None:
+    """Draws a figure into a file whose ending says the format.
+
+    Args:
+        style: matplotlib's parameters beside those of all pictures.
+
+    Raises UsageError for an unknown format.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in FORMATS:
+        raise UsageError(f"{path}: pictures are written as {', '.join(FORMATS)}", "the ending of the name decides")
+    with rc_context({**_STYLE, **style}):
+        draw().savefig(target, dpi=150, metadata=_METADATA if target.suffix.lower() == ".svg" else None)
+
+
+def svg_of(draw: Callable[[], Figure], style: Mapping[Any, Any]) -> str:
+    """The text that `write_figure` writes into a file that ends in ``.svg``."""
+    out = StringIO()
+    with rc_context({**_STYLE, **style}):
+        draw().savefig(out, format="svg", metadata=_METADATA)
+    return out.getvalue()
