@@ -439,31 +439,16 @@ class Model:
             InputError: a query is wrong.
             UsageError: there is no such property or constant, or the file belongs to another sweep.
         """
-        from functools import partial
-        from pathlib import Path
-
-        from tachk.campaign.cluster import compute_on_cluster
         from tachk.campaign.grid import Grid, grid_of
         from tachk.campaign.job import verification
-        from tachk.campaign.local import compute_locally
-        from tachk.campaign.run import run_campaign
+        from tachk.campaign.run import computing, run_campaign
         from tachk.report.campaign.table import Sweep
 
+        named = (property,) if isinstance(property, str) else tuple(property)
+        questions = Questions(self.path, named, (), tuple(Source("<query>", text) for text in queries), non_zeno)
         grid = over if isinstance(over, Grid) else grid_of([over] if isinstance(over, str) else over)
-        questions = Questions(
-            self.path,
-            (property,) if isinstance(property, str) else tuple(property),
-            (),
-            tuple(Source("<query>", text) for text in queries),
-            non_zeno,
-        )
         job = verification(self._written, grid.names, questions, options or Options(), limits or Limits())
-        if dask is not None:
-            compute = partial(compute_on_cluster, address=dask)
-        else:
-            compute = partial(compute_locally, processes=processes or os.cpu_count() or 1)
-        file = None if store is None else Path(store)
-        return Sweep(self.path, run_campaign(grid, job, file, compute, seconds, progress))
+        return Sweep(self.path, run_campaign(grid, job, store, computing(processes, dask), seconds, progress))
 
     def zone_graph(self, limit: int = 10_000) -> Any:
         """The symbolic states that are reachable and what leads from one to the other, as a `networkx.DiGraph`.

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from importlib import import_module
 from time import monotonic
 from typing import Any
 
@@ -18,10 +19,12 @@ from tachk.diagnostics.diagnostic import UsageError
 BATCH_SECONDS = 0.5
 """What a batch is meant to take."""
 
+PATIENCE = "10s"
+"""How long the scheduler is waited for."""
+
 _FIRST = 4
 _MOST = 1000
 _AHEAD = 3
-_PATIENCE = "10s"
 
 
 def compute_on_cluster(
@@ -37,18 +40,18 @@ def compute_on_cluster(
     Raises UsageError where Dask is not installed, or there is no cluster at the address.
     """
     try:
-        from distributed import Client, KilledWorker, as_completed
+        distributed: Any = import_module("distributed")
     except ImportError:
         raise UsageError("--dask needs Dask", "install it: pip install 'tachk[distributed]'") from None
     try:
-        client = Client(address, timeout=_PATIENCE, set_as_default=False)
+        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         raise UsageError(f"--dask {address}: {error}", "give the address of a scheduler: tcp://HOST:PORT") from None
     with client:
-        shared = client.scatter(job, broadcast=True, hash=False)
+        shared = client.submit(_given, job, pure=False)  # unlike scattered data Dask can make it again
         batches = _Batches(list(cells))
         running: dict[str, tuple[Values, ...]] = {}
-        done: Any = as_completed(timeout=seconds)
+        done = distributed.as_completed(loop=client.loop, timeout=seconds)
 
         def submit() -> None:
             batch = batches.next()
@@ -64,11 +67,15 @@ def compute_on_cluster(
                 batch = running.pop(future.key)
                 try:
                     computed = future.result()
-                except KilledWorker:
+                    batches.took(sum(each.seconds for each in computed), len(batch))
+                except distributed.KilledWorker:
                     computed = [_killed(job, values) for values in batch]
-                batches.took(sum(each.seconds for each in computed), len(batch))
                 submit()
                 yield from computed
+
+
+def _given(job: Verification) -> Verification:
+    return job
 
 
 def _killed(job: Verification, values: Values) -> Computed:

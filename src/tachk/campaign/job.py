@@ -15,6 +15,7 @@ from tachk.frontend.findings import Findings
 from tachk.frontend.loaded import LoadedModel, with_constants
 from tachk.frontend.overrides import constant_overrides
 from tachk.properties.answering import answers
+from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.questions import Questions, checked
 from tachk.properties.verdict import Answer, Verdict
 from tachk.records import dataclass
@@ -126,6 +127,8 @@ def unknown_row(name: str, reason: str) -> Row:
 def _row(verdict: Verdict) -> Row:
     statistics, run = verdict.statistics, verdict.trace
     reason = verdict.reason or ("" if verdict.unsupported is None else verdict.unsupported.message)
+    if verdict.fault is not None:
+        reason = f"{reason}: {diagnostic_of(verdict.fault).message}"
     least, largest = next(((found.least, found.largest) for found in verdict.extremes), (None, None))
     return {
         "property": verdict.query.name,

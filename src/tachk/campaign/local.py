@@ -21,7 +21,8 @@ from tachk.campaign.grid import Values
 from tachk.campaign.job import Row, Verification, unknown_row
 
 KILLED = "the process that computed it was killed"
-_ATTEMPTS = 2
+ATTEMPTS = 2
+"""How often a cell is given to a process."""
 
 _CONTEXT = get_context("spawn")
 
@@ -85,7 +86,7 @@ def _received(worker: _Worker, job: Verification, left: list[Values], attempts: 
         worker.process, worker.pipe = again.process, again.pipe
         _send(worker, job)
         attempts[values] = attempts.get(values, 0) + 1
-        if attempts[values] < _ATTEMPTS:
+        if attempts[values] < ATTEMPTS:
             left.append(values)
             return None
         return Computed(values, tuple(unknown_row(name, KILLED) for name in job.asked), 0.0)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
+from functools import partial
 from time import monotonic
 
+from tachk.campaign.cluster import compute_on_cluster
 from tachk.campaign.grid import Grid, Values
 from tachk.campaign.job import Row, Verification
-from tachk.campaign.local import Computed
+from tachk.campaign.local import Computed, compute_locally
 from tachk.campaign.store import opened
 
 
@@ -61,10 +63,21 @@ Computing = Callable[[Verification, tuple[Values, ...], float | None], Iterator[
 """Computes cells, in any order, until so many seconds have passed."""
 
 
+def computing(processes: int | None, dask: str | None) -> Computing:
+    """How cells are computed: by a Dask cluster where there is an address of one, else by processes here.
+
+    Args:
+        processes: how many; None: as many as the machine has cores.
+    """
+    if dask is not None:
+        return partial(compute_on_cluster, address=dask)
+    return partial(compute_locally, processes=processes or os.cpu_count() or 1)
+
+
 def run_campaign(
     grid: Grid,
     job: Verification,
-    file: Path | None,
+    file: str | os.PathLike[str] | None,
     compute: Computing,
     seconds: float | None = None,
     progress: Callable[[Progress], None] | None = None,
@@ -73,7 +86,7 @@ def run_campaign(
 
     Args:
         file: None to keep what is found in memory only.
-        compute: such as `tachk.campaign.local.compute_locally` with a number of processes.
+        compute: see `computing`.
         seconds: the limit on the time of this run; what is not finished then can be computed by another run.
 
     Raises UsageError where the file cannot be used.

@@ -10,11 +10,11 @@ read it while the campaign runs::
 from __future__ import annotations
 
 import json
+import os
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 
 from tachk.campaign.grid import Values
 from tachk.campaign.job import COLUMNS, Row
@@ -63,7 +63,7 @@ class Store:
 
 
 @contextmanager
-def opened(path: Path | None, names: tuple[str, ...], parts: Mapping[str, str]) -> Iterator[Store]:
+def opened(path: str | os.PathLike[str] | None, names: tuple[str, ...], parts: Mapping[str, str]) -> Iterator[Store]:
     """The file of a campaign, made if it does not exist.
 
     Args:
@@ -101,7 +101,9 @@ def _transaction(database: sqlite3.Connection) -> Iterator[None]:
     database.execute("commit")
 
 
-def _prepare(database: sqlite3.Connection, path: Path | None, names: Sequence[str], parts: Mapping[str, str]) -> None:
+def _prepare(
+    database: sqlite3.Connection, path: str | os.PathLike[str] | None, names: Sequence[str], parts: Mapping[str, str]
+) -> None:
     wanted = {"format": _FORMAT, **parts}
     tables = {name for (name,) in database.execute("select name from sqlite_master where type = 'table'")}
     if tables:

@@ -83,16 +83,18 @@ def parse_definitions(definitions: Iterable[str]) -> dict[str, str]:
         if _RANGE.fullmatch(expression):
             raise UsageError(
                 f"-D {definition}: one value at a time",
-                f"for all of them: tachk synthesize MODEL --property NAME --over {name}={_as_range(expression)}",
+                f"for all of them: tachk sweep MODEL -D {name}={_as_range(expression)}",
             )
         result[name] = expression
     return result
 
 
 def _as_range(values: str) -> str:
-    """Several values as `tachk synthesize` takes them."""
+    """Several values as `tachk sweep` takes them."""
     ends = re.fullmatch(r"(-?\d+)\s*(?:\.\.\.?|:)\s*(-?\d+)", values)
-    return f"{ends[1]}..{ends[2]}" if ends else "LOW..HIGH"
+    if ends:
+        return f"{ends[1]}..{ends[2]}"
+    return values if "," in values else "LOW..HIGH"
 
 
 def parse_size(text: str) -> int:

@@ -44,8 +44,11 @@ COMMANDS = (
 )
 """In the order of the help."""
 
-_ABOUT_PACKETS = frozenset({"chart", "decode", "measure", "proxy"})
-"""Their modules are in a folder of their own."""
+_FOLDERS = {
+    **dict.fromkeys(("chart", "decode", "measure", "proxy"), "packets"),
+    **dict.fromkeys(("synthesize", "sweep"), "many_values"),
+}
+"""Of commands whose modules are in folders of their own."""
 
 
 COMPLETION_VARIABLE = "_TACHK_COMPLETE"
@@ -53,8 +56,8 @@ COMPLETION_VARIABLE = "_TACHK_COMPLETE"
 
 
 def load_command(name: str) -> click.Command:
-    """The command of a name: `tachk.cli.commands.NAME.command`, or in the folder `packets`."""
-    folder = "packets." if name in _ABOUT_PACKETS else ""
+    """The command of a name: `tachk.cli.commands.NAME.command`, or in one of the folders."""
+    folder = f"{_FOLDERS[name]}." if name in _FOLDERS else ""
     command = import_module(f"tachk.cli.commands.{folder}{name.replace('-', '_')}").command
     assert isinstance(command, click.Command)
     return command

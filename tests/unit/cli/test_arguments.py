@@ -55,17 +55,17 @@ def test_a_range_of_values_is_refused_with_the_reason(values: str) -> None:
     with pytest.raises(UsageError, match=f"-D N={values}: one value at a time") as caught:
         parse_definitions([f"N={values}"])
     assert caught.value.help is not None
-    assert "tachk synthesize MODEL --property NAME --over N=" in caught.value.help
+    assert "tachk sweep MODEL -D N=" in caught.value.help
 
 
 @pytest.mark.parametrize(
-    ("values", "said"), [("1..3", "1..3"), ("-1...4", "-1..4"), ("2:5", "2..5"), ("1,2", "LOW..HIGH")]
+    ("values", "said"), [("1..3", "1..3"), ("-1...4", "-1..4"), ("2:5", "2..5"), ("1,2", "1,2"), ("0:1:5", "LOW..HIGH")]
 )
 def test_a_range_of_values_is_said_as_the_command_for_it_takes_it(values: str, said: str) -> None:
     with pytest.raises(UsageError) as caught:
         parse_definitions([f"N={values}"])
     assert caught.value.help is not None
-    assert caught.value.help.endswith(f"--over N={said}")
+    assert caught.value.help.endswith(f"-D N={said}")
 
 
 @pytest.mark.parametrize("value", ["B ? 1 : 3", "f(1, 2)", "M", "-3", "1 + 2"])

@@ -53,6 +53,7 @@ WITHOUT = {"sentences", "models", "completion", "verifyta", "proxy"}
 COMMAND_LINES = (
     "verify m.ta",
     "synthesize m.ta --property p --over N=1..2",
+    "sweep m.ta -D N=1..2 --quiet",
     "time m.ta --to n==2",
     "check m.ta",
     "fmt m.ta",

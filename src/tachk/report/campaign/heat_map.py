@@ -35,7 +35,7 @@ _MOST_MAPS = 24
 _COLUMNS = 3
 _MAP = 2.6
 _GAP = 0.95
-_HEAD, _FOOT = 0.75, 0.5
+_HEAD, _FOOT = 0.7, -0.1
 _MOST_LABELLED = 12
 _WIDE_RANGE = 100
 """From this proportion of the largest to the least on, the scale is logarithmic."""

@@ -73,7 +73,7 @@ def command(**given: Any) -> None:
     With -o and a name that ends in .png, .svg or .pdf, tachk draws the region into that file and prints the report.
     Exit status: 0 the region is not empty, 10 it is empty, 20 something is unknown.
     """
-    from tachk.cli.actions.synthesize import Varied, run_synthesize
+    from tachk.cli.actions.many_values.synthesize import Varied, run_synthesize
     from tachk.cli.reporting import Reporting
     from tachk.engines.options import Limits
 

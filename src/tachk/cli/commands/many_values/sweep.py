@@ -87,7 +87,7 @@ def command(**given: Any) -> None:
     With -o and a name that ends in .parquet, tachk writes the table there and prints the report.
     Exit status: 0 every answer is known, 20 some are unknown or cells are not finished, 2 bad input.
     """
-    from tachk.cli.actions.campaign.sweep import Sweeping, run_sweep
+    from tachk.cli.actions.many_values.sweep import Sweeping, run_sweep
     from tachk.cli.reporting import Reporting
 
     seconds = given.pop("seconds")

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from time import monotonic
 
 from tachk import api
 from tachk.campaign.grid import grid_of
@@ -21,6 +22,7 @@ from tachk.engines.options import Limits
 from tachk.properties.verdict import Answer
 from tachk.records import dataclass
 from tachk.report.campaign.table import Sweep
+from tachk.time_limit import time_limit
 
 _EVERY = "all"
 
@@ -60,7 +62,9 @@ def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> E
     grid = grid_of(asked.over)
     memory = None if asked.max_memory is None else parse_size(asked.max_memory)
     first = {axis.name: axis.values[0] for axis in grid.axes}
-    model = api.load(asked.model, **first)
+    started = monotonic()
+    with time_limit(seconds):
+        model = api.load(asked.model, **first)
     print_diagnostics((*model.refusals, *model.warnings))
     named = tuple(name for name in asked.properties if name != _EVERY or _EVERY in {q.name for q in model.properties})
     with _progress(reporting.quiet) as progress:
@@ -73,7 +77,7 @@ def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> E
             processes=asked.processes,
             dask=asked.dask,
             limits=Limits(states=asked.states, seconds=asked.seconds_each, memory_bytes=memory),
-            seconds=seconds,
+            seconds=None if seconds is None else max(0.0, seconds - (monotonic() - started)),
             progress=progress,
         )
     if asked.picture is not None:
