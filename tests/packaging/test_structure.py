@@ -25,16 +25,20 @@ MODULES = sorted(PYTHON.rglob("*.py"))
 SOURCES = sorted(path for path in CORE.rglob("*") if path.suffix in {".cpp", ".hpp"})
 
 LIBRARIES = {
+    "asammdf": {"runtime.logs"},
     "click": {"cli"},
     "construct": {"xrce"},
+    "h5py": {"runtime.logs"},
     "hypothesis": {"testing"},
     "jinja2": {"formats.uppaal", "report"},
     "lark": {"syntax.parsing"},
     "markupsafe": {"formats.uppaal"},
     "matplotlib": {"report"},
+    "mcap": {"runtime.logs"},
     "networkx": {"drawing.placement", "report.run"},
     "numpy": {"certify", "formats.munta", "monitoring", "report.monitor", "runtime", "synthesis", "testing", "xrce"},
     "pyarrow": {"report.campaign", "runtime"},
+    "rosbags": {"runtime.logs"},
     "resvg_py": {"drawing"},
     "rich": {"cli", "monitoring", "report"},
     "vcd": {"runtime"},

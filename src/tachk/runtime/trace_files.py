@@ -48,6 +48,32 @@ def _jsonl(path: Path, time: str | None, unit: str | None, ports: Sequence[int])
     return open_jsonl(path, time, unit)
 
 
+def _mcap(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    from tachk.runtime.logs.trace_mcap import open_mcap
+
+    return open_mcap(path, time, unit)
+
+
+def _bag(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    from tachk.runtime.logs.trace_rosbag import open_bag
+
+    return open_bag(path, time, unit)
+
+
+def _hdf5(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    from tachk.runtime.logs.trace_hdf5 import open_hdf5
+
+    return open_hdf5(path, time, unit)
+
+
+def _mdf(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> Recording:
+    from tachk.runtime.logs.trace_mdf import open_mdf
+
+    if time is not None:
+        raise UsageError("channels of an MDF file have times of their own, none to choose")
+    return open_mdf(path, unit)
+
+
 class TraceFormat(NamedTuple):
     """What people call it, how its files end, and what opens one: a path, and what else `open_trace` is told."""
 
@@ -71,6 +97,10 @@ FORMATS = (
     TraceFormat("Parquet", (".parquet", ".pq"), _parquet),
     TraceFormat("VCD", (".vcd",), _vcd),
     PACKETS,
+    TraceFormat("MCAP", (".mcap",), _mcap),
+    TraceFormat("ROS bag", (".bag", ".db3"), _bag),
+    TraceFormat("HDF5", (".h5", ".hdf5"), _hdf5),
+    TraceFormat("MDF", (".mf4", ".mdf"), _mdf),
 )
 
 TRACE_SUFFIXES = tuple(suffix for known in FORMATS for suffix in known.suffixes)
@@ -133,7 +163,9 @@ def open_trace(source: Any, time: str | None = None, unit: str | None = None, po
     if path is None:
         return open_table(source, time, unit)
     if path.is_dir():
-        raise UsageError(f"{path} is a folder, not a trace")
+        if (path / "metadata.yaml").is_file():
+            return _bag(path, time, unit, ports)
+        raise UsageError(f"{path} is a folder, not a trace", "a bag of ROS 2 is one with metadata.yaml")
     for known in FORMATS:
         if path.suffix.lower() in known.suffixes:
             return known.open(path, time, unit, ports)

@@ -1,6 +1,7 @@
 """Several recordings of one time as one: every value is held until its column changes, whichever file it comes from.
 
-The whole begins when all have begun, for before that something is not known, and ends when the last one does.
+The whole begins when all that give a column have begun, for before that something is not known, and ends when the last
+one of all does.
 """
 
 from __future__ import annotations
@@ -65,10 +66,11 @@ class JoinedRecording:
     def _joined(self, traces: list[Trace], factors: list[Fraction], scale: int, wanted: Sequence[str]) -> Trace:
         origins = [trace.origin * factor for trace, factor in zip(traces, factors, strict=True)]
         ends = [trace.clock(trace.end) * factor for trace, factor in zip(traces, factors, strict=True)]
-        begin = max(origins)
+        giving = {self.places[name][0] for name in wanted} or range(len(traces))
+        begin = max(origins[number] for number in giving)
         if (max(ends) - min(origins)) * scale > LARGEST_TICK:
             raise UsageError(f"{self.name} is too long to be counted in {scale} ticks per unit of time")
-        late = next((trace for trace, end in zip(traces, ends, strict=True) if end < begin), None)
+        late = next((traces[number] for number in giving if ends[number] < begin), None)
         if late is not None:
             raise UsageError(
                 f"{late.name} ends before another file begins", "files that are joined show the same clock"

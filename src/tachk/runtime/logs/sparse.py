@@ -64,8 +64,17 @@ class SparseRecording:
         return TableRecording(self.name, Header((_TIME, *wanted), 0, self.unit), cells).read(list(wanted))
 
 
-def sparse(name: str, unit: str, events: Sequence[tuple[int | Fraction, Mapping[str, Any]]]) -> SparseRecording:
-    """The recording of messages in the order of time: what each gives a value. None gives none."""
+def sparse(
+    name: str,
+    unit: str,
+    events: Sequence[tuple[int | Fraction, Mapping[str, Any]]],
+    instants: NDArray[np.datetime64] | None = None,
+) -> SparseRecording:
+    """The recording of messages in the order of time: what each gives a value. None gives none.
+
+    Args:
+        instants: the times of the events, where they are those of a calendar.
+    """
     rows: dict[str, list[int]] = {}
     values: dict[str, list[Any]] = {}
     for number, (_, given) in enumerate(events):
@@ -75,8 +84,9 @@ def sparse(name: str, unit: str, events: Sequence[tuple[int | Fraction, Mapping[
             if value is not None:
                 places.append(number)
                 held.append(value)
-    times = np.empty(len(events), dtype=object)
-    times[:] = [time for time, _ in events]
+    times: NDArray[Any] = np.empty(len(events), dtype=object) if instants is None else instants
+    if instants is None:
+        times[:] = [time for time, _ in events]
     changes = {column: Changes(np.array(places, np.int64), _array(values[column])) for column, places in rows.items()}
     return SparseRecording(name, unit, times, changes)
 

@@ -1,0 +1,71 @@
+"""Traces in ROS bags, read by rosbags: folders of ROS 2 with ``metadata.yaml``, and ``.bag`` files of ROS 1."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from tachk.runtime.logs.foreign import not_installed, reading
+from tachk.runtime.logs.messages import LOG_TIME, SAMPLES, MessageRecording
+from tachk.runtime.trace_header import agreed_unit
+
+
+@dataclass(frozen=True, eq=False)
+class BagMessages:
+    """The messages of a bag."""
+
+    path: Path
+
+    @cached_property
+    def _summary(self) -> tuple[Collection[str], int | None]:
+        with self._reading() as reader:
+            return tuple(reader.topics), reader.end_time - 1 if reader.message_count else None
+
+    @property
+    def topics(self) -> Collection[str]:
+        return self._summary[0]
+
+    @property
+    def end(self) -> int | None:
+        return self._summary[1]
+
+    def decoded(self, topics: Collection[str]) -> Iterator[tuple[str, int, Any]]:
+        with self._reading() as reader:
+            for connection, time, raw in reader.messages([each for each in reader.connections if each.topic in topics]):
+                yield connection.topic, time, reader.deserialize(raw, connection.msgtype)
+
+    def samples(self) -> Iterator[tuple[str, Any]]:
+        with self._reading() as reader:
+            for connection in list(reader.connections):
+                for _, _, raw in islice(reader.messages([connection]), SAMPLES):
+                    yield connection.topic, reader.deserialize(raw, connection.msgtype)
+
+    @contextmanager
+    def _reading(self) -> Iterator[Any]:
+        from rosbags.highlevel import AnyReader
+        from rosbags.typesys import Stores, get_typestore
+
+        with (
+            reading(self.path, "ROS bag"),
+            AnyReader([self.path], default_typestore=get_typestore(Stores.LATEST)) as reader,
+        ):
+            yield reader
+
+
+def open_bag(path: Path, time: str | None, unit: str | None) -> MessageRecording:
+    """Opens a bag. Raises UsageError, also where rosbags is not installed.
+
+    Args:
+        time: ``log_time``, which is what None means, or a field such as ``header.stamp``.
+    """
+    try:
+        import rosbags.highlevel  # noqa: F401
+    except ModuleNotFoundError:
+        raise not_installed("ROS bags", "rosbags", "mcap") from None
+    agreed_unit("s", unit, str(path))
+    return MessageRecording(str(path), BagMessages(path), None if time == LOG_TIME else time)
