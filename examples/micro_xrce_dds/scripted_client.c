@@ -1,14 +1,22 @@
 /* A Micro XRCE-DDS client that does what its arguments say, for experiments with a real Agent.
  *
- *   scripted_client PORT KEY ROLE [history=N] STEP...
+ *   scripted_client WHERE KEY ROLE [OPTION...] STEP...
  *
- * PORT is that of an Agent or a relay on 127.0.0.1, KEY the client key in hexadecimal, ROLE is publisher, subscriber or
- * both. The samples of topic "Numbers" are 1, 2, 3, ...; both reliable streams have N slots (8).
+ * WHERE is the UDP port of an Agent or a relay on 127.0.0.1, tcp:PORT or serial:DEVICE; KEY the client key in
+ * hexadecimal, ROLE is publisher, subscriber or both. The samples of topic "Numbers" are 1, 2, 3, ...
+ *
+ * Options:
+ *   history=N          both reliable streams have N slots (8)
+ *   size=N             a sample has N octets (4); what does not fit into a slot is sent in fragments
+ *   besteffort         samples are written to and asked from a best-effort stream
+ *   topic=NAME         another topic
  *
  * Steps, done one after the other:
  *   write              give the next sample to the library; it is sent by the next step that runs the session
  *   insist MS          write; if the library refuses the sample, run the session for MS and try again, up to 500 times
  *   run MS             run the session for so long
+ *   time MS            run the session until nothing has come for so long
+ *   data MS            run the session until a sample comes, at most so long
  *   confirm MS         run the session until everything is confirmed, at most so long
  *   read N             ask for N samples (READ_DATA), 65535 for all that come
  *   sleep MS           the radio is off: nothing is sent, what arrives is gone
@@ -22,12 +30,15 @@
  * It is linked with libmicroxrcedds_client and libmicrocdr and reads the counters of the output stream, which the
  * library keeps in a structure that its headers show.
  */
+#include <fcntl.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <termios.h>
 #include <time.h>
+#include <unistd.h>
 #include <ucdr/microcdr.h>
 #include <uxr/client/client.h>
 #include <uxr/client/util/ping.h>
@@ -37,10 +48,16 @@
 #define MOST_REPETITIONS 500
 
 static uxrSession session;
-static uxrUDPTransport transport;
-static uxrStreamId output, input;
+static uxrUDPTransport udp;
+static uxrTCPTransport tcp;
+static uxrSerialTransport serial;
+static uxrStreamId output, input, samples_out;
 static uxrObjectId writer, reader;
 static uint32_t written;
+static uint32_t sample_size = 4;
+static int descriptor;
+static char topic_name[40] = "Numbers";
+static uint8_t best_effort_buffer[MTU];
 static uint8_t output_buffer[MTU * MOST_SLOTS], input_buffer[MTU * MOST_SLOTS];
 
 static void tell(const char* event, const char* name, long value) {
@@ -66,8 +83,10 @@ static void on_sample(uxrSession* of, uxrObjectId object, uint16_t request, uxrS
 static bool write_sample(void) {
     ucdrBuffer buffer;
 
-    if (uxr_prepare_output_stream(&session, output, writer, &buffer, 4) == UXR_INVALID_REQUEST_ID) return false;
+    if (uxr_prepare_output_stream(&session, samples_out, writer, &buffer, sample_size) == UXR_INVALID_REQUEST_ID)
+        return false;
     ucdr_serialize_uint32_t(&buffer, ++written);
+    for (uint32_t i = 4; i < sample_size; i++) ucdr_serialize_uint8_t(&buffer, (uint8_t)i);
     tell("written", "index", written);
     return true;
 }
@@ -91,8 +110,11 @@ static void wait_ms(long ms) {
 static void discard_what_arrived(void) {
     char octets[2048];
     long count = 0;
+    int flags = fcntl(descriptor, F_GETFL);
 
-    while (recv(transport.platform.poll_fd.fd, octets, sizeof octets, MSG_DONTWAIT) >= 0) count++;
+    fcntl(descriptor, F_SETFL, flags | O_NONBLOCK);
+    while (read(descriptor, octets, sizeof octets) > 0) count++;
+    fcntl(descriptor, F_SETFL, flags);
     tell("awake", "discarded", count);
 }
 
@@ -112,6 +134,10 @@ static int fail(const char* what) {
 static bool step(const char* name, long number) {
     if (!strcmp(name, "run")) {
         uxr_run_session_timeout(&session, (int)number);
+    } else if (!strcmp(name, "time")) {
+        uxr_run_session_time(&session, (int)number);
+    } else if (!strcmp(name, "data")) {
+        uxr_run_session_until_data(&session, (int)number);
     } else if (!strcmp(name, "confirm")) {
         tell("confirmed", "result", uxr_run_session_until_confirm_delivery(&session, (int)number));
     } else if (!strcmp(name, "insist")) {
@@ -168,44 +194,95 @@ static int steps(int count, char** arguments) {
 static bool create_entities(bool publishes, bool subscribes) {
     uxrObjectId participant = uxr_object_id(1, UXR_PARTICIPANT_ID), topic = uxr_object_id(1, UXR_TOPIC_ID);
     uxrObjectId publisher = uxr_object_id(1, UXR_PUBLISHER_ID), subscriber = uxr_object_id(1, UXR_SUBSCRIBER_ID);
+    char topic_reference[48], writer_reference[48], reader_reference[48];
     uint16_t requests[6];
     uint8_t answers[6];
     size_t n = 0;
 
+    snprintf(topic_reference, sizeof topic_reference, "%s__t", topic_name);
+    snprintf(writer_reference, sizeof writer_reference, "%s__dw", topic_name);
+    snprintf(reader_reference, sizeof reader_reference, "%s__dr", topic_name);
     writer = uxr_object_id(1, UXR_DATAWRITER_ID);
     reader = uxr_object_id(1, UXR_DATAREADER_ID);
     requests[n++] = uxr_buffer_create_participant_ref(&session, output, participant, 0, "participant", UXR_REPLACE);
-    requests[n++] = uxr_buffer_create_topic_ref(&session, output, topic, participant, "Numbers__t", UXR_REPLACE);
+    requests[n++] = uxr_buffer_create_topic_ref(&session, output, topic, participant, topic_reference, UXR_REPLACE);
     if (publishes) {
         requests[n++] = uxr_buffer_create_publisher_xml(&session, output, publisher, participant, "", UXR_REPLACE);
-        requests[n++] = uxr_buffer_create_datawriter_ref(&session, output, writer, publisher, "Numbers__dw", UXR_REPLACE);
+        requests[n++] = uxr_buffer_create_datawriter_ref(&session, output, writer, publisher, writer_reference, UXR_REPLACE);
     }
     if (subscribes) {
         requests[n++] = uxr_buffer_create_subscriber_xml(&session, output, subscriber, participant, "", UXR_REPLACE);
-        requests[n++] = uxr_buffer_create_datareader_ref(&session, output, reader, subscriber, "Numbers__dr", UXR_REPLACE);
+        requests[n++] = uxr_buffer_create_datareader_ref(&session, output, reader, subscriber, reader_reference, UXR_REPLACE);
     }
     return uxr_run_session_until_all_status(&session, 10000, requests, answers, n);
 }
 
-int main(int count, char** arguments) {
-    int i = 4;
-    uint16_t history = 8;
+static uxrCommunication* connect_to(const char* where) {
+    struct termios attributes;
 
-    if (count < 5) return fail("PORT KEY publisher|subscriber|both [history=N] STEP...");
-    if (!strncmp(arguments[i], "history=", 8)) history = (uint16_t)atoi(arguments[i++] + 8);
-    if (!history || history > MOST_SLOTS || history & (history - 1)) return fail("history must be 1, 2, 4, ... 64");
-    if (!uxr_init_udp_transport(&transport, UXR_IPv4, "127.0.0.1", arguments[1])) return fail("no transport");
-    uxr_init_session(&session, &transport.comm, (uint32_t)strtoul(arguments[2], NULL, 16));
+    if (!strncmp(where, "tcp:", 4)) {
+        if (!uxr_init_tcp_transport(&tcp, UXR_IPv4, "127.0.0.1", where + 4)) return NULL;
+        descriptor = tcp.platform.poll_fd.fd;
+        return &tcp.comm;
+    }
+    if (!strncmp(where, "serial:", 7)) {
+        descriptor = open(where + 7, O_RDWR | O_NOCTTY);
+        if (descriptor < 0 || tcgetattr(descriptor, &attributes)) return NULL;
+        cfmakeraw(&attributes);
+        tcsetattr(descriptor, TCSANOW, &attributes);
+        return uxr_init_serial_transport(&serial, descriptor, 0, 1) ? &serial.comm : NULL;
+    }
+    if (!uxr_init_udp_transport(&udp, UXR_IPv4, "127.0.0.1", where)) return NULL;
+    descriptor = udp.platform.poll_fd.fd;
+    return &udp.comm;
+}
+
+/* Reads the options and gives the number of the first argument behind them, or -1. */
+static int read_options(int count, char** arguments, uint16_t* history, bool* best_effort) {
+    int i = 4;
+
+    for (; i < count; i++) {
+        if (!strncmp(arguments[i], "history=", 8)) {
+            *history = (uint16_t)atoi(arguments[i] + 8);
+        } else if (!strncmp(arguments[i], "size=", 5)) {
+            sample_size = (uint32_t)atoi(arguments[i] + 5);
+        } else if (!strncmp(arguments[i], "topic=", 6)) {
+            snprintf(topic_name, sizeof topic_name, "%s", arguments[i] + 6);
+        } else if (!strcmp(arguments[i], "besteffort")) {
+            *best_effort = true;
+        } else {
+            break;
+        }
+    }
+    if (!*history || *history > MOST_SLOTS || *history & (*history - 1)) return fail("history must be 1, 2, 4, ... 64"), -1;
+    if (sample_size < 4) return fail("a sample has at least 4 octets"), -1;
+    return i;
+}
+
+int main(int count, char** arguments) {
+    uint16_t history = 8;
+    bool best_effort = false;
+    uxrCommunication* communication;
+    int i;
+
+    if (count < 5) return fail("WHERE KEY publisher|subscriber|both [OPTION...] STEP...");
+    if ((i = read_options(count, arguments, &history, &best_effort)) < 0) return 2;
+    communication = connect_to(arguments[1]);
+    if (!communication) return fail("no transport");
+    uxr_init_session(&session, communication, (uint32_t)strtoul(arguments[2], NULL, 16));
     uxr_set_topic_callback(&session, on_sample, NULL);
     if (!uxr_create_session(&session)) return fail("no answer to CREATE_CLIENT");
-    output = uxr_create_output_reliable_stream(&session, output_buffer, (size_t)MTU * history, history);
+    output = samples_out = uxr_create_output_reliable_stream(&session, output_buffer, (size_t)MTU * history, history);
     input = uxr_create_input_reliable_stream(&session, input_buffer, (size_t)MTU * history, history);
+    if (best_effort) {
+        samples_out = uxr_create_output_best_effort_stream(&session, best_effort_buffer, MTU);
+        input = uxr_create_input_best_effort_stream(&session);
+    }
     if (!create_entities(strcmp(arguments[3], "subscriber"), strcmp(arguments[3], "publisher")))
         return fail("the Agent refuses the entities");
     tell("ready", NULL, 0);
     if (steps(count - i, arguments + i)) return 2;
     tell("done", NULL, 0);
     uxr_delete_session_retries(&session, 1);
-    uxr_close_udp_transport(&transport);
     return 0;
 }

@@ -8,7 +8,8 @@ client c sends is on the link 2 c, what the Agent sends to it on 2 c + 1. The ev
     written(client, detail)                       a client puts a new message into its output stream
     created_again(client)                         one more CREATE_CLIENT of a session reaches the Agent
 
-A message with several submessages is one event. The recording of a client ends where it deletes its session.
+A message with several submessages is one event. The recording of a client ends where it deletes its session. Fragments and
+best-effort streams have no words there: a capture that has them is refused.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ SUFFIXES = (".pcap", ".pcapng")
 _CLIENT_OBJECT = "FFFE"
 _STATUS, _READ = -16, -32
 _UNLIMITED = 65535
+_SAMPLES = (Kind.WRITE_DATA, Kind.DATA, Kind.READ_DATA)
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +53,10 @@ def read_capture(path: Path, ports: Iterable[int] = ()) -> Recording:
     except (CaptureError, OSError) as error:
         raise UsageError(f"{path}: {error}") from None
     if not found.transmissions:
-        raise UsageError(f"{path} has no message of DDS-XRCE", "give the port of the Agent with --port")
+        raise UsageError(
+            f"{path} has no message of DDS-XRCE by UDP or TCP",
+            "give the port of the Agent with --port; serial lines cannot be held against a model",
+        )
     return _Reader(path, found.transmissions, len(found.links)).recording(found.begin, found.end)
 
 
@@ -121,6 +126,7 @@ class _Reader:
     def _contents(self, one: Transmission) -> Iterator[_Content]:
         """What the automata know of a message: what is in a reliable stream, ACKNACK, HEARTBEAT, a question."""
         first = one.events[0]
+        self._reject_unknown(one)
         if first.is_reliable and first.sequence is not None:
             yield _Content("DATA", first.sequence, self._carried(one.events))
             return
@@ -134,6 +140,17 @@ class _Reader:
                 yield _Content("ACKNACK", start, sum(1 << (number - start) % 65536 for number in missing))
             elif event.kind is Kind.GET_INFO and one.to_agent:
                 yield _Content("PING", 0, 0)
+
+    def _reject_unknown(self, one: Transmission) -> None:
+        """Raises UsageError for what the automata have no word for and would take for silence."""
+        for event in one.events:
+            if event.kind is Kind.FRAGMENT:
+                self._reject(one, "is a FRAGMENT: the automata know only whole messages")
+            if event.kind in _SAMPLES and not event.is_reliable:
+                self._reject(one, f"is {_name(event)} of a best-effort stream: the automata know only reliable ones")
+
+    def _reject(self, one: Transmission, why: str) -> None:
+        raise UsageError(f"{self.path}, packet {one.packet}: this {why}", "tachk monitor judges such captures, too")
 
     def _carried(self, events: Sequence[Submessage]) -> int | None:
         """What a message of a reliable stream carries: a sample, or what is created, answered, asked for."""
@@ -159,6 +176,10 @@ def _of_client(number: int) -> Iterator[tuple[str, int]]:
     yield "client", number
     yield "link", 2 * number
     yield "link", 2 * number + 1
+
+
+def _name(event: Submessage) -> str:
+    return event.kind.name if event.kind is not None else "malformed"
 
 
 def _integer(value: object) -> int:
