@@ -22,6 +22,8 @@ from tachk.frontend.scope import ValueSymbol
 from tachk.model.expressions import Constant
 
 AUTO = "auto"
+CLIENTS, CLIENT = "CLIENTS", "client"
+"""What models in the words of `models/micro_xrce_dds/protocol.ta` call the number of clients, and events the client."""
 _STATES_OF_EDIT = 20_000
 """So many states at most are stored for each edit of a recording that is tried."""
 
@@ -45,6 +47,7 @@ def conform_file(
 
     events = _read(Path(recording), unit, ports)
     constants = constants_of(loaded)
+    _check_clients(events, constants)
     started = monotonic()
     lateness = None if late is None else duration(late, network.time_unit)
 
@@ -77,6 +80,15 @@ def _read(path: Path, unit: str | None, ports: Sequence[int]) -> Recording:
     if unit is not None:
         raise UsageError("a capture has its own times: it takes no unit")
     return read_capture(path, ports)
+
+
+def _check_clients(recording: Recording, constants: Constants) -> None:
+    """Raises UsageError if a recording has more clients than the model."""
+    known, found = constants(CLIENTS), len({event.cells[CLIENT] for event in recording.events if CLIENT in event.cells})
+    if known is not None and found > known:
+        raise UsageError(
+            f"{recording.source} has {found} clients (or sessions), but the model {known}", f"set -D {CLIENTS}={found}"
+        )
 
 
 def constants_of(loaded: LoadedModel) -> Constants:

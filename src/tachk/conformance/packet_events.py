@@ -8,8 +8,8 @@ client c sends is on the link 2 c, what the Agent sends to it on 2 c + 1. The ev
     written(client, detail)                       a client puts a new message into its output stream
     created_again(client)                         one more CREATE_CLIENT of a session reaches the Agent
 
-A message with several submessages is one event. The recording of a client ends where it deletes its session. Fragments and
-best-effort streams have no words there: a capture that has them is refused.
+A message with several submessages is one event. The recording of a client ends where it deletes its session. Fragments
+and best-effort streams have no words there: a capture that has them is refused.
 """
 
 from __future__ import annotations

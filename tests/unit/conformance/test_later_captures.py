@@ -1,0 +1,98 @@
+"""Captures of the real programs of kinds that nobody had looked at when the automata were made.
+
+Each lies in `tests/data/captures/later`, with what the clients were told to do, what they printed, the rules of the
+relay, and the settings of the model, of which nothing is fitted to the capture.
+"""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import tachk
+from tachk.conformance.asking import constants_of
+from tachk.conformance.conform import conform
+from tachk.conformance.packet_events import read_capture
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.xrce.events import decode
+from tachk.xrce.wire import Kind
+
+ROOT = Path(__file__).parents[3]
+MODEL = ROOT / "models/micro_xrce_dds/recorded.ta"
+CAPTURES = ROOT / "tests/data/captures/later"
+
+
+def truth(name: str) -> Any:
+    return json.loads((CAPTURES / f"{name}.json").read_text(encoding="utf-8"))
+
+
+def settings(name: str, **others: object) -> dict[str, Any]:
+    given = dict(word.split("=") for word in truth(name)["settings"].split() if "=" in word)
+    return {key: value == "true" if value in ("true", "false") else int(value) for key, value in given.items()} | others
+
+
+def accepted(name: str, late: int = 5, states: int = 80_000, **others: object) -> bool | None:
+    model = tachk.load(MODEL, **settings(name, **others))
+    assert model.loaded.recording is not None
+    found = conform(
+        model.network,
+        model.loaded.recording,
+        read_capture(CAPTURES / f"{name}.pcap"),
+        constants_of(model.loaded),
+        Fraction(5),
+        Fraction(late),
+        limits=tachk.Limits(states=states),
+        run=False,
+        explain=False,
+    )
+    return found.accepted
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in CAPTURES.glob("*.pcap")))
+def test_everything_decodes_and_agrees_with_what_the_clients_printed(name: str) -> None:
+    for client in truth(name)["clients"]:
+        with (CAPTURES / f"{name}.pcap").open("rb") as capture:
+            events = list(decode(capture, [client["port"]]))
+        assert not any(event.problem for event in events)
+        begun = {str(event.fields["piece"])[16:24] for event in events if event.kind is Kind.FRAGMENT}
+        for kind, what in ((Kind.WRITE_DATA, "written"), (Kind.DATA, "received")):
+            printed = {line["index"].to_bytes(4, "little").hex() for line in client["printed"] if line["event"] == what}
+            seen = {str(event.fields["sample"])[:8] for event in events if event.kind is kind}
+            assert printed <= (seen or begun)
+
+
+@pytest.mark.parametrize(
+    "name", ["micro_ros_spin_losses", "micro_ros_time_losses", "two_publishers_losses", "restarted", "client_2_0"]
+)
+def test_is_a_run(name: str) -> None:
+    assert accepted(name) is True
+
+
+def test_agent_overtakes_in_its_queue() -> None:
+    """A HEARTBEAT right behind the message that it announces is answered first."""
+    assert accepted("micro_ros_spin_losses", states=49_000, BUSY=0) is not True
+
+
+def test_radio_is_off() -> None:
+    """What came during the sleep is gone, though nothing was lost on the way."""
+    assert accepted("dead_time_3s") is True
+    assert accepted("dead_time_3s", SLEEPS=False) is False
+
+
+def test_heartbeats_of_the_old_client() -> None:
+    assert accepted("client_2_0", HEARTBEAT_LAW=1, CLIENT_HEARTBEAT=100) is False
+
+
+def test_more_clients_than_the_model_has() -> None:
+    with pytest.raises(UsageError, match=r"has 3 clients .*set -D CLIENTS=3"):
+        tachk.conform(str(MODEL), str(CAPTURES / "two_publishers_losses.pcap"))
+
+
+@pytest.mark.parametrize(("name", "what"), [("fragments_losses", "FRAGMENT"), ("best_effort", "best-effort stream")])
+def test_what_is_not_modelled_is_named(name: str, what: str) -> None:
+    with pytest.raises(UsageError, match=what):
+        read_capture(CAPTURES / f"{name}.pcap")
