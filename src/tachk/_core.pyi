@@ -113,6 +113,8 @@ class CsvReader:
         cells: int,
         time: int,
         columns: Sequence[int],
+        texts: Sequence[int],
+        dates: bool,
         first_line: int,
         decimals: int,
         most_decimals: int,
@@ -122,7 +124,9 @@ class CsvReader:
     def reserve(self, rows: int) -> None: ...
     def rows(self) -> int: ...
     def decimals(self) -> int: ...
-    def take(self) -> tuple[NDArray[np.int64], list[NDArray[np.float64] | NDArray[np.uint8]]]: ...
+    def take(
+        self,
+    ) -> tuple[NDArray[np.int64], list[NDArray[np.float64] | NDArray[np.uint8]], list[list[bytes]]]: ...
     def fault(self) -> tuple[CsvFaultKind, int, int, int, int, bytes] | None: ...
 
 class OfflineTruth:

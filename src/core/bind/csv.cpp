@@ -26,10 +26,12 @@ namespace {
 using FaultTuple = std::tuple<tachk::CsvFaultKind, std::uint64_t, std::uint64_t, std::uint64_t, int, nb::bytes>;
 
 std::unique_ptr<tachk::CsvReader> make_reader(char separator, std::uint32_t cells, std::uint32_t time,
-                                              const std::vector<std::uint32_t>& columns, std::uint64_t first_line,
-                                              std::uint32_t decimals, std::uint32_t most_decimals) {
+                                              const std::vector<std::uint32_t>& columns,
+                                              const std::vector<std::uint32_t>& texts, bool dates,
+                                              std::uint64_t first_line, std::uint32_t decimals,
+                                              std::uint32_t most_decimals) {
   return std::make_unique<tachk::CsvReader>(
-      tachk::CsvOptions{separator, cells, time, columns, first_line, decimals, most_decimals});
+      tachk::CsvOptions{separator, cells, time, columns, texts, dates, first_line, decimals, most_decimals});
 }
 
 }  // namespace
@@ -51,7 +53,8 @@ void bind_csv(nb::module_& m) {
       .value("LINE_TOO_LONG", Kind::line_too_long);
   nb::class_<tachk::CsvReader>(m, "CsvReader")
       .def(nb::new_(&make_reader), nb::kw_only(), nb::arg("separator"), nb::arg("cells"), nb::arg("time"),
-           nb::arg("columns"), nb::arg("first_line"), nb::arg("decimals"), nb::arg("most_decimals"))
+           nb::arg("columns"), nb::arg("texts"), nb::arg("dates"), nb::arg("first_line"), nb::arg("decimals"),
+           nb::arg("most_decimals"))
       .def(
           "feed",
           [](tachk::CsvReader& self, const nb::bytes& piece) {
@@ -68,12 +71,17 @@ void bind_csv(nb::module_& m) {
           "take",
           [](tachk::CsvReader& self) {
             nb::list columns;
-            for (tachk::CsvColumn& column : self.take_columns())
+            nb::list labels;
+            for (tachk::CsvColumn& column : self.take_columns()) {
               columns.append(column.is_number ? as_array(std::move(column.numbers))
                                               : as_array(std::move(column.truths)));
-            return nb::make_tuple(as_array(self.take_times()), columns);
+              nb::list texts;
+              for (const std::string& text : column.labels) texts.append(nb::bytes(text.data(), text.size()));
+              labels.append(texts);
+            }
+            return nb::make_tuple(as_array(self.take_times()), columns, labels);
           },
-          "The rows read since the last time: (times, columns).")
+          "The rows read since the last time: (times, columns, for each the texts that its numbers stand for).")
       .def(
           "fault",
           [](const tachk::CsvReader& self) -> std::optional<FaultTuple> {

@@ -12,6 +12,8 @@
 #include <system_error>
 #include <utility>
 
+#include "csv/date_text.hpp"
+
 namespace tachk {
 
 namespace {
@@ -116,6 +118,7 @@ bool is_missing(std::string_view text) {
 CsvReader::CsvReader(CsvOptions options)
     : plan_(options.cells, skip),
       separator_(options.separator),
+      dates_(options.dates),
       decimals_(options.decimals),
       most_decimals_(options.most_decimals),
       line_(options.first_line - 1),
@@ -127,6 +130,8 @@ CsvReader::CsvReader(CsvOptions options)
     const std::uint32_t cell = options.columns[i];
     if (cell >= options.cells || plan_[cell] != skip) throw std::invalid_argument("CsvReader: cell taken twice");
     plan_[cell] = static_cast<std::int32_t>(i);
+    if (std::find(options.texts.begin(), options.texts.end(), cell) != options.texts.end())
+      columns_[i].is_text = columns_[i].is_number = true;
   }
 }
 
@@ -182,7 +187,16 @@ std::vector<CsvColumn> CsvReader::take_columns() {
     taken[i].numbers = std::exchange(column.numbers, {});
     taken[i].is_number = column.is_number;
     taken[i].has_words = column.has_words;
+    taken[i].is_text = column.is_text;
     taken[i].last = column.last;
+    if (!column.is_text) continue;
+    // The texts are numbered anew: a stream of many texts needs no more memory than a piece of it.
+    taken[i].labels = std::exchange(column.labels, {});
+    column.places.clear();
+    if (taken[i].labels.empty()) continue;
+    column.labels.push_back(taken[i].labels[static_cast<std::size_t>(column.last)]);
+    column.places.emplace(column.labels.front(), 0);
+    column.last = 0;
   }
   return taken;
 }
@@ -211,9 +225,15 @@ const char* CsvReader::read_line(const char* begin) {
   const auto cells = static_cast<std::int32_t>(plan_.size());
   for (std::int32_t cell = 0; cell < cells; ++cell) {
     const std::int32_t step = plan_[static_cast<std::size_t>(cell)];
-    const char* const end = step == is_time ? read_time(p, begin, cell)
-                            : step == skip  ? skip_cell(p, begin, cell)
-                                            : read_value(columns_[static_cast<std::size_t>(step)], p, begin, cell);
+    const char* end = nullptr;
+    if (step == is_time) {
+      end = dates_ ? read_date(p, begin, cell) : read_time(p, begin, cell);
+    } else if (step == skip) {
+      end = skip_cell(p, begin, cell);
+    } else {
+      CsvColumn& column = columns_[static_cast<std::size_t>(step)];
+      end = column.is_text ? read_text(column, p, begin, cell) : read_value(column, p, begin, cell);
+    }
     if (end == nullptr) return nullptr;
     const bool last = cell + 1 == cells;
     if ((*end == '\n') != last)
@@ -249,6 +269,28 @@ const char* CsvReader::read_time(const char* begin, const char* line, std::int32
   return rest;
 }
 
+const char* CsvReader::read_date(const char* begin, const char* line, std::int32_t cell) {
+  const char* p = past_blanks(begin, separator_);
+  const bool quoted = *p == '"';
+  if (quoted) ++p;
+  if (ends_cell(*p)) return fail(CsvFaultKind::missing_time, begin, line, cell);
+  DateText date{p};
+  date.scan(separator_);
+  if (quoted) date.sign('"');
+  if (!date.right) return fail(CsvFaultKind::not_a_number, begin, line, cell);
+  const char* const rest = close_cell(date.p, begin, line, cell);
+  if (rest == nullptr) return nullptr;
+  if (date.too_fine) return fail(CsvFaultKind::time_too_fine, begin, line, cell);
+  std::int64_t total = date.seconds;
+  bool fits = true;
+  for (std::int64_t n = 0; n < date.decimals; ++n) fits = fits && !__builtin_mul_overflow(total, 10, &total);
+  fits = fits && !__builtin_add_overflow(total, date.fraction, &total);
+  CsvFaultKind problem = CsvFaultKind::time_too_large;
+  const std::uint64_t size = fits ? static_cast<std::uint64_t>(std::abs(total)) : 0;
+  if (!fits || !put_time(size, date.decimals, total < 0, problem)) return fail(problem, begin, line, cell);
+  return rest;
+}
+
 // Appends mantissa * 10^-decimals; where it is finer than the times so far, all of them are counted in finer units.
 bool CsvReader::put_time(std::uint64_t mantissa, std::int64_t decimals, bool negative, CsvFaultKind& problem) {
   problem = CsvFaultKind::time_too_large;
@@ -275,6 +317,35 @@ bool CsvReader::put_time(std::uint64_t mantissa, std::int64_t decimals, bool neg
   times_.push_back(time);
   last_time_ = time;
   return true;
+}
+
+const char* CsvReader::read_text(CsvColumn& column, const char* begin, const char* line, std::int32_t cell) {
+  const char* p = past_blanks(begin, separator_);
+  std::string text;
+  const char* rest = p;
+  if (*p == '"') {
+    for (++rest; *rest != '"' || rest[1] == '"'; ++rest) {
+      if (*rest == '\n') return fail(CsvFaultKind::open_quote, begin, line, cell);
+      if (*rest == '"') ++rest;  // two quotes stand for one
+      text.push_back(*rest);
+    }
+    rest = close_cell(rest + 1, begin, line, cell);
+    if (rest == nullptr) return nullptr;
+  } else {
+    while (!ends_cell(*rest)) ++rest;
+    const char* end = rest;
+    while (end != p && is_blank(end[-1])) --end;
+    text.assign(p, end);
+  }
+  if (!text.empty()) {
+    const auto [place, is_new] = column.places.try_emplace(text, static_cast<double>(column.labels.size()));
+    if (is_new) column.labels.push_back(text);
+    column.last = place->second;
+  } else if (!any_row_) {
+    return fail(CsvFaultKind::missing_value, begin, line, cell);
+  }
+  column.numbers.push_back(column.last);
+  return rest;
 }
 
 const char* CsvReader::read_value(CsvColumn& column, const char* begin, const char* line, std::int32_t cell) {

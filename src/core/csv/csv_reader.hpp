@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 namespace tachk {
@@ -42,6 +43,8 @@ struct CsvOptions {
   std::uint32_t cells = 1;             // in each row
   std::uint32_t time = 0;              // the cell of the time
   std::vector<std::uint32_t> columns;  // the cells of the values that are kept; others may hold anything
+  std::vector<std::uint32_t> texts;    // those of them that hold texts
+  bool dates = false;                  // times are dates of ISO 8601, counted in seconds since 1970
   std::uint64_t first_line = 1;        // the number of the first line that is fed
   std::uint32_t decimals = 0;          // the times are counted in units of 10^-decimals at least
   std::uint32_t most_decimals = 18;    // a finer time is a fault
@@ -53,7 +56,10 @@ struct CsvColumn {
   std::vector<double> numbers;
   bool is_number = false;
   bool has_words = false;
+  bool is_text = false;  // then the numbers are places in `labels`
   double last = 0;
+  std::vector<std::string> labels;
+  std::unordered_map<std::string, double> places;
 };
 
 class CsvReader {
@@ -82,6 +88,8 @@ class CsvReader {
   const char* read_lines(const char* begin, const char* end);
   const char* read_line(const char* begin);
   const char* read_time(const char* begin, const char* line, std::int32_t cell);
+  const char* read_date(const char* begin, const char* line, std::int32_t cell);
+  const char* read_text(CsvColumn& column, const char* begin, const char* line, std::int32_t cell);
   const char* read_value(CsvColumn& column, const char* begin, const char* line, std::int32_t cell);
   const char* read_slow_value(CsvColumn& column, const char* begin, const char* line, std::int32_t cell);
   const char* skip_cell(const char* begin, const char* line, std::int32_t cell);
@@ -94,6 +102,7 @@ class CsvReader {
 
   std::vector<std::int32_t> plan_;  // for each cell: skip, is_time, or the number of the column
   char separator_;
+  bool dates_;
   std::uint32_t decimals_;
   std::uint32_t most_decimals_;
   std::uint64_t line_;

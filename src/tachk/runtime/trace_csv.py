@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -17,8 +17,10 @@ from tachk import _core
 from tachk._core import CsvFaultKind
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.diagnostics.span import Source, Span
+from tachk.runtime.logs.dates import is_date
+from tachk.runtime.logs.labels import Labels
 from tachk.runtime.trace import LARGEST_TICK, Ticks, Trace, Values
-from tachk.runtime.trace_header import Header, read_header
+from tachk.runtime.trace_header import Header, agreed_unit, read_header
 from tachk.time_limit import check_time
 
 PIECE = 1 << 20
@@ -47,10 +49,11 @@ class Rows:
 
     Attributes:
         times: as the clock of the recording shows them, in units of ``10 ** -decimals``.
+        columns: numbers or truth values; of columns of texts the texts.
     """
 
     times: Ticks
-    columns: dict[str, Values]
+    columns: dict[str, Any]
     decimals: int
 
 
@@ -62,6 +65,8 @@ class CsvRecording:
         opened: gives the stream, standing behind the header; of a pipe it can be used once.
         line: the number of the first line behind the header.
         size: bytes of the whole, where that is known.
+        dates: the times are dates.
+        texts: the columns whose cells are texts.
     """
 
     name: str
@@ -70,6 +75,8 @@ class CsvRecording:
     separator: str
     line: int
     size: int | None = None
+    dates: bool = False
+    texts: frozenset[str] = frozenset()
 
     @property
     def unit(self) -> str:
@@ -94,15 +101,20 @@ class CsvRecording:
                 read += len(piece)
         reader.finish()
         self._refuse(reader, "at most 18 digits in all, those behind the point included")
-        rows = self._taken(reader, places)
-        if len(rows.times) == 0:
+        times, cells, labels = reader.take()
+        if len(times) == 0:
             raise UsageError(f"{self.name} has no rows", "the verdict needs at least the state at the beginning")
-        first, last = int(rows.times[0]), int(rows.times[-1])
+        first, last = int(times[0]), int(times[-1])
         if last - first > LARGEST_TICK:
-            raise UsageError(f"{self.name} is too long to be counted in units of 1e-{rows.decimals}")
-        scale = 10**rows.decimals
-        np.subtract(rows.times, first, out=rows.times)
-        return Trace(self.name, rows.times, rows.columns, last - first, scale, self.unit, Fraction(first, scale))
+            raise UsageError(f"{self.name} is too long to be counted in units of 1e-{reader.decimals()}")
+        scale = 10 ** reader.decimals()
+        np.subtract(times, first, out=times)
+        texts = Labels()
+        held: dict[str, Values] = {
+            name: texts.recoded(values, _decoded(words), name) if name in self.texts else values
+            for name, values, words in zip(places, cells, labels, strict=True)
+        }
+        return texts.on(Trace(self.name, times, held, last - first, scale, self.unit, Fraction(first, scale)))
 
     def blocks(self, columns: Collection[str] | None, decimals: int) -> Iterator[Rows]:
         """The rows as they come, never more in memory than one piece of the stream.
@@ -131,15 +143,20 @@ class CsvRecording:
             cells=len(self.header.names),
             time=self.header.time,
             columns=list(places.values()),
+            texts=[place for name, place in places.items() if name in self.texts],
+            dates=self.dates,
             first_line=self.line,
             decimals=decimals,
             most_decimals=most_decimals,
         )
 
-    @staticmethod
-    def _taken(reader: _core.CsvReader, places: dict[str, int]) -> Rows:
-        times, columns = reader.take()
-        return Rows(times, dict(zip(places, columns, strict=True)), reader.decimals())
+    def _taken(self, reader: _core.CsvReader, places: dict[str, int]) -> Rows:
+        times, columns, labels = reader.take()
+        held: dict[str, Any] = dict(zip(places, columns, strict=True))
+        for name, words in zip(places, labels, strict=True):
+            if name in self.texts:
+                held[name] = np.array(_decoded(words), dtype=object)[held[name].astype(np.int64)]
+        return Rows(times, held, reader.decimals())
 
     def _refuse(self, reader: _core.CsvReader, finest: str) -> None:
         """Raises InputError for what the reader stopped at.
@@ -220,7 +237,7 @@ def _advice_on_a_cell(value: str, is_time: bool) -> str:
     if _DECIMAL_COMMA.fullmatch(value):
         return f"numbers have a decimal point: {value.strip().replace(',', '.')}"
     if is_time and _DATE.match(value):
-        return "in text, times are numbers, such as seconds from the beginning; dates are read from Parquet and pandas"
+        return "dates are written as 2026-03-01T12:00:00.25Z, and then all times are dates"
     if is_time:
         return "times are numbers such as 0.25 or 2e3"
     return "cells hold numbers such as -1.5 or 2e3, true or false, or nothing where the value stays"
@@ -240,17 +257,68 @@ def open_csv(path: str | Path, time: str | None = None, unit: str | None = None)
             header, separator, line = _header(stream, str(path), time, unit)
             offset = stream.tell()
             size = file.stat().st_size
+            header, dates = _with_dates(header, separator, _first_row(stream), unit, str(path))
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
-    return CsvRecording(str(path), opened, header, separator, line, size)
+    return CsvRecording(str(path), opened, header, separator, line, size, dates)
 
 
 def open_csv_stream(stream: ByteStream, name: str, time: str | None = None, unit: str | None = None) -> CsvRecording:
     """Reads the header of a stream, which can be read once. Raises InputError and UsageError."""
     header, separator, line = _header(stream, name, time, unit)
-    return CsvRecording(name, lambda: stream, header, separator, line)
+    begin = _first_row(stream)
+    header, dates = _with_dates(header, separator, begin, unit, name)
+    return CsvRecording(name, lambda: PushedBack(stream, begin), header, separator, line, None, dates)
+
+
+class PushedBack:
+    """A stream some of which has been read already, and is read again."""
+
+    def __init__(self, stream: ByteStream, first: bytes) -> None:
+        self._stream = stream
+        self._first = first
+
+    def readline(self, size: int = -1, /) -> bytes:
+        if not self._first:
+            return self._stream.readline(size)
+        line, end, self._first = self._first.partition(b"\n")
+        return line + end
+
+    def read1(self, size: int = -1, /) -> bytes:
+        piece, self._first = self._first, b""
+        return piece or self._stream.read1(size)
+
+    def close(self) -> None:
+        self._stream.close()
+
+
+def _first_row(stream: ByteStream) -> bytes:
+    """The lines up to the first row, included."""
+    lines = b""
+    while line := stream.readline(_LONGEST_HEADER):
+        lines += line
+        if line.strip() and not line.lstrip().startswith(b"#"):
+            break
+    return lines
+
+
+def _with_dates(header: Header, separator: str, begin: bytes, unit: str | None, name: str) -> tuple[Header, bool]:
+    """The header with the unit of its times, and whether these are dates, which count seconds since 1970.
+
+    Args:
+        begin: lines up to the first row, included.
+    """
+    row = begin.rstrip(b"\r\n").rpartition(b"\n")[2].decode("utf-8", "replace").replace("\0", "")
+    cells = next(csv.reader([row], delimiter=separator, skipinitialspace=True), [])
+    if header.time >= len(cells) or not is_date(cells[header.time]):
+        return header, False
+    return replace(header, unit=agreed_unit("s", header.unit or unit, name)), True
+
+
+def _decoded(words: Sequence[bytes]) -> tuple[str, ...]:
+    return tuple(word.decode("utf-8", "replace") for word in words)
 
 
 _ENDS_OF_LINES = "end lines with a line feed, and put names with other control characters between double quotes"

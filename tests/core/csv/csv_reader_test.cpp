@@ -83,6 +83,23 @@ void fixed_decimals() {
   CHECK(reader.fault()->kind == CsvFaultKind::time_too_fine);
 }
 
+void reads_dates_and_texts() {
+  CsvOptions options = two_columns();
+  options.texts = {2};
+  options.dates = true;
+  CsvReader reader(options);
+  CHECK(reader.feed("1970-01-01,1,\"a \"\"b\"\"\"\n1970-01-02T01:00:00.250+01:00,0,\n"));
+  CHECK((reader.take_times() == std::vector<std::int64_t>{0, 8640025}));
+  const std::vector<CsvColumn> first = reader.take_columns();
+  CHECK((first[1].labels == std::vector<std::string>{"a \"b\""}) && first[0].labels.empty());
+  CHECK(reader.feed("2000-02-29 00:00Z,0,\n2000-03-01,0,c\n"));
+  CHECK((reader.take_times() == std::vector<std::int64_t>{95178240000, 95186880000}));
+  const std::vector<CsvColumn> second = reader.take_columns();
+  CHECK((second[1].numbers == std::vector<double>{0, 1}));
+  CHECK((second[1].labels == std::vector<std::string>{"a \"b\"", "c"}));
+  CHECK(!reader.feed("2001-02-29,0,c\n") && reader.fault()->kind == CsvFaultKind::not_a_number);
+}
+
 void bad_options_are_refused() {
   for (const int wrong : {0, 1, 2}) {
     CsvOptions options = two_columns();
@@ -107,5 +124,6 @@ int main() {
   a_fault_keeps_the_rows_before();
   taking_goes_on();
   fixed_decimals();
+  reads_dates_and_texts();
   bad_options_are_refused();
 }

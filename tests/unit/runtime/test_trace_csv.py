@@ -134,16 +134,24 @@ def test_missing_files() -> None:
         open_csv("no/such.csv")
 
 
-def core(text: bytes, cuts: list[int], decimals: int = 0) -> tuple[object, ...]:
+def core(text: bytes, cuts: list[int], decimals: int = 0, texts: tuple[int, ...] = ()) -> tuple[object, ...]:
     reader = _core.CsvReader(
-        separator=",", cells=3, time=0, columns=[1, 2], first_line=1, decimals=decimals, most_decimals=18
+        separator=",",
+        cells=3,
+        time=0,
+        columns=[1, 2],
+        texts=texts,
+        dates=False,
+        first_line=1,
+        decimals=decimals,
+        most_decimals=18,
     )
     edges = [0, *sorted(cut % (len(text) + 1) for cut in cuts), len(text)]
     for begin, end in pairwise(edges):
         reader.feed(text[begin:end])
     reader.finish()
-    times, columns = reader.take()
-    return times.tolist(), reader.decimals(), [(c.dtype.kind, c.tolist()) for c in columns], reader.fault()
+    times, columns, labels = reader.take()
+    return times.tolist(), reader.decimals(), [(c.dtype.kind, c.tolist()) for c in columns], labels, reader.fault()
 
 
 CELLS = st.sampled_from(["0", "1", "true", "-2.5", "1e-3", "", " 7 ", '"3"', "x", "123456789.123456789", "1e400"])
@@ -157,6 +165,7 @@ LINES = st.one_of(
 def test_it_does_not_matter_where_pieces_are_cut(lines: list[str], ending: str, last: bool, cuts: list[int]) -> None:
     text = (ending.join(lines) + (ending if last else "")).encode()
     assert core(text, cuts) == core(text, [])
+    assert core(text, cuts, texts=(2,)) == core(text, [], texts=(2,))
 
 
 @given(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=1, max_size=20), st.data())
@@ -170,7 +179,7 @@ def test_numbers_are_read_as_python_reads_them(numbers: list[float], data: st.Da
 @given(st.lists(st.decimals(0, 10**6, places=6), min_size=1, max_size=10).map(sorted))
 def test_times_are_exact(times: list[object]) -> None:
     text = "".join(f"{time},0,0\n" for time in times).encode()
-    ticks, decimals, _, problem = core(text, [])
+    ticks, decimals, _, _, problem = core(text, [])
     assert problem is None
     assert [Fraction(tick, 10**decimals) for tick in ticks] == [Fraction(str(time)) for time in times]  # type: ignore
 
@@ -201,7 +210,7 @@ def test_blocks_refuse_times_that_are_finer_than_said(tmp_path: Path) -> None:
     [
         ("t;x\n0;1,5\n", "numbers have a decimal point: 1.5"),
         ("t;x\n0,5;1\n", "numbers have a decimal point: 0.5"),
-        ("t,x\n2024-01-31T12:00:00,1\n", "dates are read from Parquet and pandas"),
+        ("t,x\n0,1\n2024-01-31T12:00:00,1\n", "then all times are dates"),
         ("t,x\nsoon,1\n", "times are numbers such as"),
         ("t,x\n0,yes\n", "true or false"),
         ("t,x\n0,inf\n", "leave the cell empty"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from dataclasses import replace
 from io import BufferedReader
 from pathlib import Path
 from typing import TextIO, cast
@@ -22,7 +23,7 @@ from tachk.monitoring.online import Monitor
 from tachk.runtime.logs.trace_jsonl import JsonStream
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.packets.live import LivePackets
-from tachk.runtime.trace_csv import CsvRecording, open_csv, open_csv_stream
+from tachk.runtime.trace_csv import CsvRecording, PushedBack, open_csv, open_csv_stream
 from tachk.runtime.trace_files import JSON_LINES, is_csv
 
 _PATIENCE = 0.2
@@ -55,25 +56,6 @@ class _GrowingFile:
         self._stream.close()
 
 
-class _Pushed:
-    """A stream of which a line has been read already, and is read again."""
-
-    def __init__(self, stream: BufferedReader, line: bytes) -> None:
-        self._stream = stream
-        self._line = line
-
-    def readline(self, size: int = -1, /) -> bytes:
-        line, self._line = self._line, b""
-        return line or self._stream.readline(size)
-
-    def read1(self, size: int = -1, /) -> bytes:
-        piece, self._line = self._line, b""
-        return piece or self._stream.read1(size)
-
-    def close(self) -> None:
-        self._stream.close()
-
-
 def run_online(
     judged: Judged,
     formulas: tuple[NamedFormula, ...],
@@ -97,8 +79,8 @@ def run_online(
         all_violations=told.all_violations,
         packets=recording.packets if isinstance(recording, LivePackets) else None,
     )
-    if monitor.text_columns and isinstance(recording, CsvRecording):
-        raise UsageError("row by row, texts are read from JSON lines, not from CSV", "leave out --online")
+    if isinstance(recording, CsvRecording):
+        recording = replace(recording, texts=monitor.text_columns)
     with destination(reporting.output, reporting.quiet) as out:
         listener = _listener(monitor, reporting.form, out, judged.trace)
         # A file that is there to its end is read to its end where bounds or violations go on after the decision.
@@ -133,7 +115,7 @@ def _open(judged: Judged, rows: RowByRow) -> CsvRecording | JsonStream | LivePac
         line = stream.readline()
         if line.lstrip().startswith(b"{"):
             return JsonStream("-", stream, judged.time, judged.unit, line)
-        return open_csv_stream(_Pushed(stream, line), "-", judged.time, judged.unit)
+        return open_csv_stream(PushedBack(stream, line), "-", judged.time, judged.unit)
     path = Path(judged.trace)
     lines = path.suffix.lower() in JSON_LINES.suffixes
     if not is_csv(path) and not lines:

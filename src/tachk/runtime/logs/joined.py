@@ -17,7 +17,6 @@ import numpy as np
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.logs.labels import Labels
-from tachk.runtime.logs.text_csv import TextCsv
 from tachk.runtime.trace import LARGEST_TICK, Recording, Trace, Values
 from tachk.runtime.trace_csv import CsvRecording
 from tachk.runtime.trace_header import no_such_column
@@ -100,7 +99,7 @@ def with_texts(recording: Recording, columns: Collection[str]) -> Recording:
         return recording
     match recording:
         case CsvRecording():
-            return TextCsv(recording, frozenset(columns))
+            return replace(recording, texts=recording.texts.union(columns))
         case JoinedRecording(places=places, recordings=recordings):
             own = [places[name] for name in columns if name in places]
             parts = (
