@@ -32,7 +32,7 @@ LIBRARIES = {
     "hypothesis": {"testing"},
     "jinja2": {"formats.uppaal", "report"},
     "lark": {"syntax.parsing"},
-    "markupsafe": {"formats.uppaal"},
+    "markupsafe": {"formats.uppaal", "report.page"},
     "matplotlib": {"report"},
     "mcap": {"runtime.logs"},
     "networkx": {"drawing.placement", "report.run"},

@@ -12,7 +12,7 @@ from tachk import resources
 
 CHECKOUT = Path(__file__).parents[2]
 DATA_FOLDERS = ("grammar", "templates", "models", "queries")
-DATA_SUFFIXES = {".lark", ".j2", ".css", ".ta", ".xta", ".xml", ".q", ".stl", ".md"}
+DATA_SUFFIXES = {".lark", ".j2", ".css", ".js", ".ta", ".xta", ".xml", ".q", ".stl", ".md"}
 PACKAGE = Path(tachk.__file__).parent
 
 installed_only = pytest.mark.skipif(PACKAGE.is_relative_to(CHECKOUT / "src"), reason="tachk is not installed")

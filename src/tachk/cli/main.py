@@ -19,6 +19,7 @@ COMMANDS = (
     "verify",
     "synthesize",
     "sweep",
+    "report",
     "certify",
     "time",
     "check",

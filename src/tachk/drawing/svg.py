@@ -10,7 +10,7 @@ from math import hypot
 from tachk.drawing.label_text import LINE_HEIGHT, edge_labels, location_labels, text_height, text_width
 from tachk.drawing.placement.geometry import RADIUS
 from tachk.syntax import ast
-from tachk.syntax.picture_layout import EdgeLayout, LabelLayout, NodeLayout, Point, TemplateLayout, keyed_edges
+from tachk.syntax.picture_layout import EdgeKey, EdgeLayout, LabelLayout, NodeLayout, Point, TemplateLayout, keyed_edges
 from tachk.syntax.printing.expression_printer import print_parameters
 
 _MARGIN = 24
@@ -18,7 +18,7 @@ _BASELINE = 12
 _BRANCHPOINT_RADIUS = 4
 _ARROW_LENGTH, _ARROW_WIDTH = 11, 4.5
 
-_STYLE = """\
+STYLE = """\
 text{font:12px "DejaVu Sans",Verdana,Arial,sans-serif;white-space:pre}
 .title{font-size:14px;font-weight:bold}
 .node{fill:#c5d9f1;stroke:#1f3b63}
@@ -36,6 +36,7 @@ text{font:12px "DejaVu Sans",Verdana,Arial,sans-serif;white-space:pre}
 .synchronisation{fill:#008b8b}
 .assignment{fill:#0000cd}
 .probability{fill:#8b4513}"""
+"""A rule in each line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +69,7 @@ class Picture:
             (
                 f'<svg xmlns="http://www.w3.org/2000/svg" width="{self.width}" height="{self.height}" {self.view}>',
                 f"<title>{escape(self.title)}</title>",
-                f"<style>{_STYLE}</style>",
+                f"<style>{STYLE}</style>",
                 f'<rect x="{self.left}" y="{self.top}" width="{self.width}" height="{self.height}" fill="#fff"/>',
                 self.content,
                 "</svg>",
@@ -88,7 +89,7 @@ def draw_template(template: ast.Template, layout: TemplateLayout) -> Picture:
     """
     picture = _Canvas()
     for key, edge in keyed_edges(template):
-        _draw_edge(picture, template, layout, edge, layout.edges.get(key, EdgeLayout()), key.source)
+        _draw_edge(picture, template, layout, edge, layout.edges.get(key, EdgeLayout()), key)
     for location in template.locations:
         _draw_location(picture, location, layout.nodes.get(location.name.name, NodeLayout()))
     for branchpoint in template.branchpoints:
@@ -150,7 +151,8 @@ def _draw_location(picture: _Canvas, location: ast.LocationDeclaration, layout: 
     picture.see(x - RADIUS, y - RADIUS)
     picture.see(x + RADIUS, y + RADIUS)
     colour = f' style="fill:{escape(layout.colour)}"' if layout.colour else ""
-    picture.add(f'<circle class="node" cx="{x}" cy="{y}" r="{RADIUS}"{colour}/>')
+    name = escape(location.name.name)
+    picture.add(f'<circle class="node" data-location="{name}" cx="{x}" cy="{y}" r="{RADIUS}"{colour}/>')
     if location.initial:
         picture.add(f'<circle class="node" cx="{x}" cy="{y}" r="{RADIUS - 4}"{colour}/>')
     mark = "C" if location.committed else "∪" if location.urgent else ""
@@ -179,14 +181,14 @@ def _draw_edge(
     layout: TemplateLayout,
     edge: ast.EdgeDeclaration,
     edge_layout: EdgeLayout,
-    source: str,
+    key: EdgeKey,
 ) -> None:
-    ends = [layout.nodes.get(name, NodeLayout()).position for name in (source, edge.target.name)]
+    ends = [layout.nodes.get(name, NodeLayout()).position for name in (key.source, key.target)]
     start, end = ends
     if start is None or end is None:
         return
     branchpoints = {point.name.name for point in template.branchpoints}
-    radii = [_BRANCHPOINT_RADIUS if name in branchpoints else RADIUS for name in (source, edge.target.name)]
+    radii = [_BRANCHPOINT_RADIUS if name in branchpoints else RADIUS for name in (key.source, key.target)]
     nails = edge_layout.nails or (_loop_nails(start) if start == end else ())
     points = [start, *nails, end]
     for point in points:
@@ -196,7 +198,7 @@ def _draw_edge(
     path = " ".join(f"{x:g},{y:g}" for x, y in (*line[:-1], *_neck(line)))
     colour = f' style="stroke:{escape(edge_layout.colour)}"' if edge_layout.colour else ""
     kind = "edge" if edge.controllable else "edge uncontrollable"
-    picture.add(f'<polyline class="{kind}" points="{path}"{colour}/>')
+    picture.add(f'<polyline class="{kind}" data-edge="{escape(key.text)}" points="{path}"{colour}/>')
     head = " ".join(f"{x:g},{y:g}" for x, y in _head(line))
     picture.add(f'<polygon class="head" points="{head}"/>')
     _draw_labels(picture, _with_comment(edge_labels(edge), edge.doc), edge_layout.labels)

@@ -29,6 +29,11 @@ class EdgeKey(NamedTuple):
     target: str
     occurrence: int = 0
 
+    @property
+    def text(self) -> str:
+        """What pictures call the edge."""
+        return f"{self.source} {self.target} {self.occurrence}"
+
 
 LOCATION_LABELS = ("invariant", "exponentialrate", "comments")
 EDGE_LABELS = (*(kind.label for kind in ClauseKind), "comments")

@@ -1,0 +1,129 @@
+"""The page of `tachk report`."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+from fractions import Fraction
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+import tachk
+from tachk.cli.main import app
+
+ROOT = Path(__file__).parents[4]
+FISCHER = str(ROOT / "models/classics/fischer.ta")
+BRIDGE = """
+process P() {
+    state Left, Right;
+    init Left;
+    trans Left -> Right { guard x > 2 && n < 9; assign n = n + 1; }, Right -> Left { assign n = n + 1, x = 0; };
+}
+clock x; int[0, 100] n;
+system P;
+property seen "over </script><script>alert(1)</script>" : E<> n == 3 expect holds;
+property never : A[] n < 3 expect fails;
+"""
+EMPTY = {"meta", "link", "br", "img", "input", "circle", "line", "rect", "polyline", "polygon", "path"}
+
+
+class Checked(HTMLParser):
+    """Reads a page: every element is closed, and where it leads to."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.addresses: list[str] = []
+        self.ids: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = dict(attrs)
+        self.addresses += [value for name in ("src", "href") if (value := given.get(name))]
+        self.ids += [value for name in ("id",) if (value := given.get(name))]
+        if tag not in EMPTY:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        pass
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open and self.open.pop() == tag
+
+
+def page(tmp_path: Path, *arguments: str, status: int = 0) -> str:
+    output = tmp_path / "report.html"
+    result = CliRunner().invoke(app, ["report", *arguments, "-o", str(output)])
+    assert result.exit_code == status, result.output
+    return output.read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def bridge(tmp_path: Path) -> str:
+    path = tmp_path / "bridge.ta"
+    path.write_text(BRIDGE, encoding="utf-8")
+    return str(path)
+
+
+def test_needs_nothing_else(tmp_path: Path) -> None:
+    """It is well-formed, and everything it shows is in it."""
+    checked = Checked(page(tmp_path, FISCHER, "-D", "N=3"))
+    assert not checked.open
+    assert len(set(checked.ids)) == len(checked.ids)
+    inside = ("#", "data:image/svg+xml;base64,")
+    assert all(address.startswith(inside) for address in checked.addresses)
+    assert {f"#{name}" for name in checked.ids} >= {each for each in checked.addresses if each.startswith("#")}
+
+
+def test_text_of_the_model_is_text(tmp_path: Path, bridge: str) -> None:
+    text = page(tmp_path, bridge)
+    assert "<script>alert" not in text
+    assert "&lt;script&gt;alert" in text
+
+
+def test_playback_is_the_run(tmp_path: Path, bridge: str) -> None:
+    run = json.loads(re.findall(r'class="run">(.*?)</script>', page(tmp_path, bridge))[0])
+    verdict = tachk.load(bridge).verify(property="seen")["seen"]
+    assert verdict.trace is not None
+    states = run["states"]
+    assert [state["variables"]["n"] for state in states] == ["0", "1", "2", "3"]
+    assert [state["locations"]["P"] for state in states] == ["Left", "Right", "Left", "Right"]
+    on, back = ["P", "Left Right 0"], ["P", "Right Left 0"]
+    assert [state["moved"] for state in states] == [[], [on], [back], [on]]
+    assert [Fraction(state["time"]) for state in states] == [state.time for state in verdict.trace.states]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status"), [(["--max-states", "1"], 20), (["A[] n < 2"], 10), (["A[] n <= 100"], 0), (["n <"], 2)]
+)
+def test_status(tmp_path: Path, bridge: str, arguments: list[str], status: int) -> None:
+    result = CliRunner().invoke(app, ["report", bridge, *arguments, "-o", str(tmp_path / "report.html")])
+    assert result.exit_code == status
+
+
+def test_added_pictures(tmp_path: Path, bridge: str) -> None:
+    picture = tmp_path / "map.svg"
+    picture.write_text('<svg xmlns="http://www.w3.org/2000/svg"/>', encoding="utf-8")
+    assert "<figcaption>map.svg</figcaption>" in page(tmp_path, bridge, "--picture", str(picture))
+    page(tmp_path, bridge, "--picture", bridge, status=2)
+    page(tmp_path, bridge, "--picture", str(tmp_path / "none.svg"), status=2)
+
+
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="there is no chromium")
+def test_in_a_browser(tmp_path: Path, bridge: str) -> None:
+    """The script shows the last step of each run, and lights up where the process is and which edge it took."""
+    (tmp_path / "page.html").write_text(page(tmp_path, bridge), encoding="utf-8")
+    command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}"]
+    shown = subprocess.run(
+        [*command, "--dump-dom", (tmp_path / "page.html").as_uri()], capture_output=True, text=True, check=True
+    ).stdout
+    assert "3 of 3, time" in shown
+    assert re.search(r'class="node here" data-location="Right"', shown)
+    assert re.search(r'class="edge taken" data-edge="Left Right 0"', shown)
+    assert not re.search(r'class="node here" data-location="Left"', shown)
