@@ -10,7 +10,17 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 CORE, TESTS = ROOT / "src" / "core", ROOT / "tests" / "core"
 
-FLOORS = ("zones", "program", "machine", "certificates", "states", "symbolic", "reachability", "liveness")
+FLOORS = (
+    "zones",
+    "program",
+    "machine",
+    "certificates",
+    "simulation",
+    "states",
+    "symbolic",
+    "reachability",
+    "liveness",
+)
 """From the lowest up."""
 
 if not CORE.is_dir():

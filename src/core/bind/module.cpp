@@ -19,6 +19,7 @@
 #include "offline.hpp"
 #include "online.hpp"
 #include "reachability/explorer.hpp"
+#include "simulated/simulation.hpp"
 
 namespace nb = nanobind;
 
@@ -153,4 +154,5 @@ NB_MODULE(_core, m) {
   bind_linear(m);
   bind_online(m);
   bind_group(m);
+  bind_simulation(m);
 }

@@ -31,6 +31,7 @@ COMMANDS = (
     "decode",
     "measure",
     "chart",
+    "simulate",
     "conform",
     "proxy",
     "monitor",
@@ -48,6 +49,7 @@ COMMANDS = (
 _FOLDERS = {
     **dict.fromkeys(("chart", "decode", "measure", "proxy"), "packets"),
     **dict.fromkeys(("synthesize", "sweep"), "many_values"),
+    "simulate": "simulation",
 }
 """Of commands whose modules are in folders of their own."""
 

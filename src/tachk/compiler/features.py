@@ -93,6 +93,19 @@ def check_supported(network: Network, query: Query) -> None:
             check_predicate(predicate, known_values(network, [predicate]))
 
 
+def check_simulated(network: Network) -> None:
+    """Raises UnsupportedError, naming the place, if the network cannot be simulated."""
+    _check_urgency(network)
+    _check_rates(network)
+    if network.has_priorities:
+        processes = {process.priority for process in network.processes}
+        named = [v for v in network.all_variables() if set(v.priorities) - {network.default_priority}]
+        span = network.processes[0].span if len(processes) > 1 or not named else named[0].span
+        raise UnsupportedError(
+            Diagnostic("E0723", "priorities are not simulated", span, "leave them out, or verify the model instead")
+        )
+
+
 def _check_no_deadlock(predicate: Expression) -> None:
     for part in walk(predicate):
         if isinstance(part, Deadlock):

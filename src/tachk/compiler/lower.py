@@ -24,6 +24,8 @@ from tachk.compiler.goal import Observed, compile_goal
 from tachk.compiler.intervals import interval
 from tachk.compiler.program import (
     NO_CODE,
+    Chances,
+    Computed,
     Condition,
     Goal,
     Measure,
@@ -37,7 +39,9 @@ from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.connectives import negation
 from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, Field, Index, Reference, Variable
-from tachk.model.network import Edge, Location, Network, Process
+from tachk.model.floating import DOUBLE
+from tachk.model.floating_calls import constant_number
+from tachk.model.network import Chance, Edge, Location, Network, Process
 from tachk.model.traversal import called_functions, statement_expressions, walk
 from tachk.model.types import ChannelType, ClockType, leaves
 from tachk.operators import BinaryOperator
@@ -120,6 +124,26 @@ def lower_measures(
             goals.append(beyond)
     lowering.generator.finish()
     return lowering.program(observed), tuple(goals), tuple(measures)
+
+
+def lower_simulation(network: Network, observed: Sequence[Expression | int]) -> tuple[Program, Chances]:
+    """The program of a network, and what a simulation needs beside it: also the code of the expressions that it
+    observes, and the slots of these numbers.
+
+    Raises as `lower` does, and UnsupportedError for a rate or weight that cannot be computed.
+    """
+    known = known_values(network, [each for each in observed if not isinstance(each, int)])
+    lowering = _lowered(network, known)
+    rates = tuple(
+        tuple(lowering.chance(location.exponential_rate, known) for location in process.locations)
+        for process in network.processes
+    )
+    choices, weights = lowering.branches(known)
+    values = tuple(
+        Computed(slot=each) if isinstance(each, int) else lowering.computed(each, known) for each in observed
+    )
+    lowering.generator.finish()
+    return lowering.program([]), Chances(rates, choices, weights, values)
 
 
 @dataclass(frozen=True, slots=True)
@@ -325,6 +349,43 @@ class _Lowering:
                     self.reset_unit = gcd(self.reset_unit, divisor(fold(node.value, known), known))
                     for clock in self.compiler.possible_clocks(fold_place(node.target, known), known):
                         self.reset_values[clock] = max(self.reset_values.get(clock, 0), high)
+
+    # ---- chances ----------------------------------------------------------------------------------------------------
+
+    def chance(self, value: Chance | None, known: Known) -> Computed:
+        """A rate or weight; what is not given is 1. Raises UnsupportedError for what is wrong with it."""
+        if value is None:
+            return Computed(constant=1.0)
+        if isinstance(value, Diagnostic):
+            raise UnsupportedError(replace(value, code="E0722"))
+        return self.computed(value, known)
+
+    def computed(self, value: Expression, known: Known) -> Computed:
+        """An integer or floating point expression."""
+        folded = fold(value, known)
+        number = folded.value if isinstance(folded, Constant) else constant_number(folded)
+        if number is not None:
+            return Computed(constant=float(number))
+        return Computed(code=self.generator.value_code(value, known), floating=value.type == DOUBLE)
+
+    def branches(self, known: Known) -> tuple[tuple[int, ...], tuple[Computed, ...]]:
+        """For each edge the first one that is a branch of the same way into a branchpoint, and its weight."""
+        choices: list[int] = []
+        weights: list[Computed] = []
+        first: dict[tuple[int, int, tuple[int, ...]], int] = {}
+        for number, instance in enumerate(self.edges):
+            edge = self.network.processes[instance.process].edges[instance.edge]
+            if edge.branch is None:
+                choices.append(number)
+                weights.append(Computed(constant=1.0))
+                continue
+            way = instance.process, edge.branch.way, instance.selects[: edge.branch.selects]
+            choices.append(first.setdefault(way, number))
+            bound = known
+            for variable, value in zip(edge.selects, instance.selects, strict=True):
+                bound = bound.with_bound(variable, value)
+            weights.append(self.chance(edge.branch.weight, bound))
+        return tuple(choices), tuple(weights)
 
     # ---- the whole --------------------------------------------------------------------------------------------------
 

@@ -220,3 +220,35 @@ class Measure:
     largest: bool
     clock: int = 0
     code: int = NO_CODE
+
+
+@dataclass(frozen=True, slots=True)
+class Computed:
+    """A number: a constant, what code computes, or what a slot holds.
+
+    Attributes:
+        floating: the code's value is the number of a slot that holds a floating point number.
+        slot: its number; -1 for none.
+    """
+
+    constant: float = 0.0
+    code: int = NO_CODE
+    floating: bool = False
+    slot: int = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Chances:
+    """What a simulation needs beside a program.
+
+    Attributes:
+        rates: of the exponential distribution of each location of each process.
+        choices: of each edge; edges with the same number are branches of one way into a branchpoint.
+        weights: of each edge, among those of its choice.
+        observed: what is recorded of each state.
+    """
+
+    rates: tuple[tuple[Computed, ...], ...]
+    choices: tuple[int, ...]
+    weights: tuple[Computed, ...]
+    observed: tuple[Computed, ...]

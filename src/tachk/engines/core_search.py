@@ -114,11 +114,12 @@ def fault_of(program: Program, search: CoreSearch) -> RunTimeFault:
         raise InternalError("the search stopped at a run-time error that it does not remember")
     kind, position, path, edges = fault
     transition = transition_of(program, edges) if edges else None
-    site = _site(program, position)
+    site = site_of(program, position)
     return RunTimeFault(RuntimeErrorKind[kind.name], site, transitions_of(program, path), transition)
 
 
-def _site(program: Program, position: int) -> Span:
+def site_of(program: Program, position: int) -> Span:
+    """The place in the text of a position of the code."""
     found = bisect_right(program.sites, position, key=lambda site: site[0])
     return program.sites[found - 1][1] if found else NOWHERE
 

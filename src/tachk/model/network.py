@@ -6,12 +6,16 @@ Its semantics is stated in docs/semantics.md.
 
 from __future__ import annotations
 
+from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.model.expressions import Expression, Variable
 from tachk.records import dataclass
 from tachk.words import Direction
 
 DEFAULT_PRIORITY = 0
+
+Chance = Expression | Diagnostic
+"""A rate or weight, an integer or floating point expression; or why it is none. Only simulation looks at it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +25,7 @@ class Location:
         which at most one side has clocks.
     rates: pairs (clock, rate): while control is here the clock runs with that rate, an integer expression that is
         0 (stopped) or 1.
+    exponential_rate: of the time that the process waits here where no invariant ends it; None: 1.
     """
 
     name: str
@@ -30,6 +35,7 @@ class Location:
     committed: bool = False
     doc: str = ""
     span: Span = NOWHERE
+    exponential_rate: Chance | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +45,21 @@ class Synchronisation:
     channel: Expression
     direction: Direction
     span: Span = NOWHERE
+
+
+@dataclass(frozen=True, slots=True)
+class Branching:
+    """Where an edge comes from a branchpoint: which of the edges of the process are branches of the same way into it.
+
+    Attributes:
+        way: its number in the process.
+        selects: how many of the edge's select variables belong to the way in.
+        weight: how often the branch is taken, in proportion to the others; None: 1.
+    """
+
+    way: int
+    selects: int = 0
+    weight: Chance | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +80,7 @@ class Edge:
     updates: tuple[Expression, ...] = ()
     doc: str = ""
     spans: tuple[Span, ...] = (NOWHERE,)
+    branch: Branching | None = None
 
 
 @dataclass(frozen=True, slots=True)

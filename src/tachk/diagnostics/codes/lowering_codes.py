@@ -91,4 +91,16 @@ LOWERING_CODES: dict[str, Explanation] = {
         "to B { guard x >= 3; sync now!; }",
         "location Waiting { invariant x <= 3; to Ready { guard x >= 3; } }\nlocation Ready { to B { sync now!; } }",
     ),
+    "E0722": Explanation(
+        "rate or weight that is not computed",
+        "A simulation needs the rate of each location and the weight of each branch as a number. A search does not "
+        "look at them, so that it accepts any. They may use constants, also floating point ones, and integers.",
+        "location A { exponential_rate speed; to B; }",
+        "location A { exponential_rate 1 : 20; to B; }",
+    ),
+    "E0723": Explanation(
+        "priorities in a simulation",
+        "Who draws the least delay acts first: the race of processes has no place for priorities of channels and "
+        "processes yet. Searches obey them.",
+    ),
 }

@@ -9,11 +9,11 @@ from __future__ import annotations
 import json
 from itertools import islice
 
-from tachk.diagnostics.diagnostic import UsageError
+from tachk.diagnostics.diagnostic import Diagnostic, UsageError
 from tachk.formats.network_json.expression_reader import ExpressionReader
 from tachk.formats.network_json.expression_writer import ExpressionWriter
 from tachk.formats.network_json.types import Json
-from tachk.model.network import Edge, Location, Network, Process, Signal, Synchronisation
+from tachk.model.network import Branching, Chance, Edge, Location, Network, Process, Signal, Synchronisation
 from tachk.time_limit import check_time
 from tachk.words import Direction
 
@@ -87,6 +87,20 @@ def _location(location: Location, writer: ExpressionWriter) -> Json:
         "urgent": location.urgent,
         "committed": location.committed,
         "doc": location.doc,
+        **_chance("exponential_rate", location.exponential_rate, writer),
+    }
+
+
+def _chance(name: str, value: Chance | None, writer: ExpressionWriter) -> dict[str, Json]:
+    """A rate or weight, where there is one that can be computed."""
+    return {} if value is None or isinstance(value, Diagnostic) else {name: writer.expression(value)}
+
+
+def _branch(branching: Branching, writer: ExpressionWriter) -> Json:
+    return {
+        "way": branching.way,
+        "selects": branching.selects,
+        **_chance("weight", branching.weight, writer),
     }
 
 
@@ -106,6 +120,7 @@ def _edge(edge: Edge, writer: ExpressionWriter) -> Json:
         },
         "updates": writer.expressions(edge.updates),
         "doc": edge.doc,
+        **({} if edge.branch is None else {"branch": _branch(edge.branch, writer)}),
     }
 
 
@@ -133,7 +148,15 @@ def _network(value: Json) -> Network:
 def _read_location(value: Json, reader: ExpressionReader) -> Location:
     rates = tuple((reader.expression(r["clock"]), reader.expression(r["rate"])) for r in value["rates"])
     invariant = reader.optional(value["invariant"])
-    return Location(value["name"], invariant, rates, value["urgent"], value["committed"], value["doc"])
+    return Location(
+        value["name"],
+        invariant,
+        rates,
+        value["urgent"],
+        value["committed"],
+        value["doc"],
+        exponential_rate=reader.optional(value.get("exponential_rate")),
+    )
 
 
 def _read_edge(value: Json, reader: ExpressionReader) -> Edge:
@@ -145,4 +168,16 @@ def _read_edge(value: Json, reader: ExpressionReader) -> Edge:
             reader.expression(value["synchronisation"]["channel"]), Direction(value["synchronisation"]["direction"])
         )
     updates = reader.expressions(value["updates"])
-    return Edge(value["source"], value["target"], selects, guard, synchronisation, updates, value["doc"])
+    branch = value.get("branch")
+    return Edge(
+        value["source"],
+        value["target"],
+        selects,
+        guard,
+        synchronisation,
+        updates,
+        value["doc"],
+        branch=None
+        if branch is None
+        else Branching(branch["way"], branch["selects"], reader.optional(branch.get("weight"))),
+    )

@@ -15,9 +15,10 @@ from tachk.frontend.expressions.places import assignable, converted
 from tachk.frontend.expressions.typed_expressions import condition, expression, type_reader
 from tachk.frontend.expressions.typing import can_assign, describe
 from tachk.frontend.scope import BrokenSymbol, LocationSymbol, Scope, Symbol, ValueSymbol
+from tachk.frontend.templates.chances import chance, rate
 from tachk.frontend.templates.rates import invariant_parts
 from tachk.model.expressions import Assign, Expression, Reference, Variable, VariableKind
-from tachk.model.network import Edge, Location, Process, Synchronisation
+from tachk.model.network import Branching, Edge, Location, Process, Synchronisation
 from tachk.model.traversal import compares_clocks
 from tachk.model.types import ChannelType, element_type
 from tachk.records import dataclass
@@ -64,7 +65,16 @@ class Body:
         for node in self.template.locations:
             invariant, rates = invariant_parts(node.invariant, self.scope, self.context)
             result.append(
-                Location(node.name.name, invariant, rates, node.urgent, node.committed, node.doc, node.name.span)
+                Location(
+                    node.name.name,
+                    invariant,
+                    rates,
+                    node.urgent,
+                    node.committed,
+                    node.doc,
+                    node.name.span,
+                    rate(node, self.scope, self.context),
+                )
             )
         return tuple(result)
 
@@ -84,17 +94,17 @@ class Body:
             if source is not None and target is not None:
                 incoming.append((branch, edge, inner))
         result: list[Edge] = []
-        for branch, edge, inner in incoming:
+        for way, (branch, edge, inner) in enumerate(incoming):
             point = branch.edge.target.name
             if point not in points:
                 result.append(edge)
                 continue
-            result += [self._joined(edge, inner, node, target) for node, target in outgoing[point]]
+            result += [self._joined(way, edge, inner, node, target) for node, target in outgoing[point]]
         self._dead_branchpoints()
         return tuple(result)
 
-    def _joined(self, edge: Edge, scope: Scope, node: ast.EdgeDeclaration, target: int) -> Edge:
-        """The edge made of a way into a branchpoint and a way out of it; either may carry the synchronisation."""
+    def _joined(self, way: int, edge: Edge, scope: Scope, node: ast.EdgeDeclaration, target: int) -> Edge:
+        """The edge made of a way into a branchpoint, with its number, and a way out of it; either may synchronise."""
         selects, inner = self._selects(node, scope)
         synchronisation, updates = edge.synchronisation, (*edge.updates, *self._updates(node, inner))
         if node.synchronisation is not None:
@@ -116,6 +126,7 @@ class Body:
             updates=updates,
             spans=(*edge.spans, node.span),
             doc=edge.doc or node.doc,
+            branch=Branching(way, len(edge.selects), chance(node.probability, "a weight", inner, self.context)),
         )
 
     def _dead_branchpoints(self) -> None:

@@ -1,0 +1,85 @@
+// tachk._core.Simulation; used through tachk.engines.simulation.simulator.
+#include "simulation.hpp"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "../arrays.hpp"
+#include "program/program.hpp"
+#include "simulation/runs.hpp"
+
+namespace nb = nanobind;
+
+namespace {
+
+std::vector<std::int64_t> widened(const std::vector<std::uint32_t>& numbers) {
+  return {numbers.begin(), numbers.end()};
+}
+
+}  // namespace
+
+void bind_simulation(nb::module_& m) {
+  nb::enum_<tachk::Policy>(m, "Policy")
+      .value("STOCHASTIC", tachk::Policy::stochastic)
+      .value("UNIFORM", tachk::Policy::uniform)
+      .value("EARLIEST", tachk::Policy::earliest)
+      .value("LATEST", tachk::Policy::latest);
+  nb::enum_<tachk::Ending>(m, "Ending")
+      .value("HORIZON", tachk::Ending::horizon)
+      .value("DEADLOCK", tachk::Ending::deadlock)
+      .value("TIME_LOCK", tachk::Ending::time_lock)
+      .value("ZENO", tachk::Ending::zeno)
+      .value("STEPS", tachk::Ending::steps)
+      .value("FAULT", tachk::Ending::fault)
+      .value("INITIAL", tachk::Ending::initial);
+  m.def("ticks_per_unit", [] { return tachk::ticks_per_unit; }, "How finely simulated time is counted.");
+  m.def("latest_end", [] { return tachk::latest_end; }, "The longest run, in ticks.");
+  nb::class_<tachk::RunRecord>(m, "RunRecord", "A run that has been simulated; times are in ticks.")
+      .def_ro("ending", &tachk::RunRecord::ending)
+      .def_ro("end", &tachk::RunRecord::end)
+      .def_ro("transitions", &tachk::RunRecord::transitions)
+      .def_prop_ro(
+          "fault", [](const tachk::RunRecord& self) { return std::make_tuple(self.fault, self.position); },
+          "(kind, code position) of the run-time error of a run with the ending FAULT.")
+      .def(
+          "times", [](const tachk::RunRecord& self) { return as_array(std::vector(self.times)); },
+          "Of the initial state and of each transition.")
+      .def(
+          "sizes", [](const tachk::RunRecord& self) { return as_array(widened(self.sizes)); },
+          "How many edges each action has; the initial one none.")
+      .def(
+          "edges", [](const tachk::RunRecord& self) { return as_array(widened(self.edges)); },
+          "The numbers of these edges, one action after the other.")
+      .def(
+          "observed", [](const tachk::RunRecord& self) { return as_array(std::vector(self.observed)); },
+          "What was observed, row by row; floating point numbers as their bits.")
+      .def(
+          "clocks", [](const tachk::RunRecord& self) { return as_array(std::vector(self.clocks)); },
+          "The values of the clocks, row by row.");
+  nb::class_<tachk::Simulation>(m, "Simulation", "Runs of a program with their probabilities.")
+      .def(nb::new_([](const std::vector<std::int64_t>& image, const std::vector<std::int64_t>& chances) {
+             return std::make_unique<tachk::Simulation>(tachk::decode_program(image), chances);
+           }),
+           nb::arg("image"), nb::arg("chances"))
+      .def(
+          "run",
+          [](const tachk::Simulation& self, tachk::Policy policy, std::uint64_t seed, std::uint64_t first,
+             std::uint64_t runs, tachk::Ticks until, std::uint64_t steps, unsigned threads, bool actions, bool observed,
+             bool clocks) {
+            const nb::gil_scoped_release released;
+            tachk::RunLimits limits;
+            limits.until = until;
+            limits.steps = steps;
+            return self.run({seed, first, runs, threads, policy, limits, {actions, observed, clocks}});
+          },
+          nb::kw_only(), nb::arg("policy"), nb::arg("seed"), nb::arg("first"), nb::arg("runs"), nb::arg("until"),
+          nb::arg("steps"), nb::arg("threads"), nb::arg("actions"), nb::arg("observed"), nb::arg("clocks"),
+          "The runs of these numbers, in order.");
+}

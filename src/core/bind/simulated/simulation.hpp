@@ -1,0 +1,6 @@
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+// Adds the simulator to the module.
+void bind_simulation(nanobind::module_& m);

@@ -1,0 +1,69 @@
+#include "simulation/chances.hpp"
+
+#include <bit>
+#include <cstddef>
+#include <cstring>
+#include <stdexcept>
+
+namespace tachk {
+namespace {
+
+class Decoder {
+ public:
+  Decoder(std::span<const std::int64_t> image, const Program& program) : image_(image), program_(program) {}
+
+  Chances decode() {
+    Chances chances;
+    for (const Process& process : program_.processes) {
+      std::vector<Number>& rates = chances.rates.emplace_back();
+      for (std::size_t n = 0; n < process.locations.size(); ++n) rates.push_back(number());
+    }
+    for (std::size_t n = 0; n < program_.edges.size(); ++n) {
+      const std::int64_t choice = next();
+      if (choice < 0 || static_cast<std::size_t>(choice) >= program_.edges.size())
+        throw std::invalid_argument("bad choice in image");
+      chances.choices.push_back(static_cast<std::uint32_t>(choice));
+      chances.weights.push_back(number());
+    }
+    while (position_ < image_.size()) chances.observed.push_back(number());
+    return chances;
+  }
+
+ private:
+  std::int64_t next() {
+    if (position_ >= image_.size()) throw std::invalid_argument("image of chances is too short");
+    return image_[position_++];
+  }
+  Number number() {
+    const std::int64_t kind = next();
+    const std::int64_t given = next();
+    if (kind < 0 || kind > 3) throw std::invalid_argument("bad kind of number in image");
+    if (kind == 0) return {Number::Kind::constant, std::bit_cast<double>(given), no_code};
+    const std::size_t limit = kind == 3 ? program_.slots.size() : program_.code.size();
+    if (given < 0 || static_cast<std::size_t>(given) >= limit)
+      throw std::invalid_argument("bad code position or slot in image");
+    return {static_cast<Number::Kind>(kind), 0.0, static_cast<std::int32_t>(given)};
+  }
+
+  std::span<const std::int64_t> image_;
+  const Program& program_;
+  std::size_t position_ = 0;
+};
+
+}  // namespace
+
+double Number::value(Machine& machine, std::int32_t* slots) const {
+  if (kind == Kind::constant) return constant;
+  if (kind == Kind::slot) return static_cast<double>(slots[code]);
+  const std::int64_t result = machine.value(code, slots);
+  if (kind == Kind::integer_code) return static_cast<double>(result);
+  const auto high = static_cast<std::uint32_t>(slots[result]);
+  const auto low = static_cast<std::uint32_t>(slots[result + 1]);
+  return std::bit_cast<double>(std::uint64_t{high} << 32 | low);
+}
+
+Chances decode_chances(std::span<const std::int64_t> image, const Program& program) {
+  return Decoder(image, program).decode();
+}
+
+}  // namespace tachk

@@ -1,0 +1,38 @@
+// What a program does not say because no search asks for it: with which rates and weights things happen.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "machine/machine.hpp"
+#include "program/program.hpp"
+
+namespace tachk {
+
+// A number that is known, computed by code from the discrete state, or in a slot of it.
+struct Number {
+  enum class Kind : std::int32_t { constant, integer_code, floating_code, slot };
+
+  Kind kind = Kind::constant;
+  double constant = 1.0;
+  std::int32_t code = no_code;  // or the number of the slot
+
+  bool integer() const { return kind == Kind::integer_code || kind == Kind::slot; }
+  // Throws ModelFault.
+  double value(Machine& machine, std::int32_t* slots) const;
+};
+
+struct Chances {
+  std::vector<std::vector<Number>> rates;  // of each location of each process: of its exponential distribution
+  std::vector<Number> weights;             // of each edge
+  // Of each edge: edges with the same number are the branches of one way into a branchpoint.
+  std::vector<std::uint32_t> choices;
+  std::vector<Number> observed;  // what is recorded
+};
+
+// Reads the flat form that tachk.engines.simulation.simulator writes. Throws std::invalid_argument if the numbers do
+// not fit the program.
+Chances decode_chances(std::span<const std::int64_t> image, const Program& program);
+
+}  // namespace tachk

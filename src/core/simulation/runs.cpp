@@ -1,0 +1,93 @@
+#include "simulation/runs.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+namespace tachk {
+
+Simulation::Simulation(Program program, std::span<const std::int64_t> chances)
+    : program_(std::move(program)), chances_(decode_chances(chances, program_)), tables_(program_, chances_) {}
+
+std::vector<RunRecord> Simulation::run(const Order& order) const {
+  std::vector<RunRecord> records(order.runs);
+  std::atomic<std::uint64_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failing;
+  const auto work = [&] {
+    try {
+      Simulator simulator(program_, chances_, tables_, order.policy);
+      for (std::uint64_t n = next++; n < order.runs; n = next++) run_one(simulator, order, order.first + n, records[n]);
+    } catch (...) {
+      const std::lock_guard lock(failing);
+      failure = std::current_exception();
+      next = order.runs;
+    }
+  };
+  std::vector<std::thread> others;
+  const auto wanted = static_cast<unsigned>(std::min<std::uint64_t>(order.threads, order.runs));
+  for (unsigned n = 1; n < wanted; ++n) others.emplace_back(work);
+  work();
+  for (std::thread& other : others) other.join();
+  if (failure) std::rethrow_exception(failure);
+  return records;
+}
+
+void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t number, RunRecord& record) const {
+  const RunLimits& limits = order.limits;
+  try {
+    if (!simulator.begin(order.seed, number)) {
+      record.ending = Ending::initial;
+      return;
+    }
+    keep(simulator, order.recording, record);
+    std::uint64_t at_once = 0;
+    std::optional<Ending> ending;
+    while (!ending) {
+      if (record.transitions >= limits.steps) {
+        ending = Ending::steps;
+        break;
+      }
+      const Ticks before = simulator.now();
+      ending = simulator.step(limits);
+      if (ending) break;
+      ++record.transitions;
+      keep(simulator, order.recording, record);
+      at_once = simulator.now() == before ? at_once + 1 : 0;
+      if (at_once >= limits.steps_at_once) ending = Ending::zeno;
+    }
+    record.ending = *ending;
+  } catch (const ModelFault& fault) {
+    record.ending = Ending::fault;
+    record.fault = fault.kind;
+    record.position = fault.position;
+  }
+  record.end = simulator.now();
+}
+
+void Simulation::keep(Simulator& simulator, const Recording& recording, RunRecord& record) const {
+  if (!recording.actions && !recording.observed && !recording.clocks) return;
+  const Ticks now = simulator.now();
+  record.times.push_back(now);
+  if (recording.actions) {
+    record.sizes.push_back(static_cast<std::uint32_t>(simulator.edges().size()));
+    record.edges.insert(record.edges.end(), simulator.edges().begin(), simulator.edges().end());
+  }
+  if (recording.observed)
+    for (const Number& number : chances_.observed) {
+      const double value = number.value(simulator.machine(), simulator.slots());
+      record.observed.push_back(number.integer() ? static_cast<std::int64_t>(value)
+                                                 : std::bit_cast<std::int64_t>(value));
+    }
+  if (recording.clocks)
+    for (int clock = 1; clock < program_.dimension(); ++clock)
+      record.clocks.push_back(simulator.clocks().value(static_cast<std::size_t>(clock), now));
+}
+
+}  // namespace tachk

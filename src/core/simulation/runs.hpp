@@ -1,0 +1,63 @@
+// Many runs, by several threads, each recorded on its own.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "machine/opcode.hpp"
+#include "program/program.hpp"
+#include "simulation/chances.hpp"
+#include "simulation/simulator.hpp"
+#include "simulation/tables.hpp"
+
+namespace tachk {
+
+// What is kept of a run beside how it ends.
+struct Recording {
+  bool actions = false;   // the edges of each transition
+  bool observed = false;  // the values of `Chances::observed` in each state
+  bool clocks = false;    // the values of all clocks in each state
+};
+
+struct RunRecord {
+  Ending ending = Ending::horizon;
+  Ticks end = 0;
+  std::uint64_t transitions = 0;
+  FaultKind fault = FaultKind::range;  // of a run that ends with one
+  std::int32_t position = no_code;     // where in the code
+  std::vector<Ticks> times;            // of the initial state and of each transition, if anything is kept
+  std::vector<std::uint32_t> sizes;    // of each action
+  std::vector<std::uint32_t> edges;    // of all of them
+  std::vector<std::int64_t> observed;  // row by row; doubles as their bits
+  std::vector<Ticks> clocks;           // row by row
+};
+
+struct Order {
+  std::uint64_t seed = 0;
+  std::uint64_t first = 0;  // the number of the first run
+  std::uint64_t runs = 1;
+  unsigned threads = 1;
+  Policy policy = Policy::stochastic;
+  RunLimits limits;
+  Recording recording;
+};
+
+class Simulation {
+ public:
+  Simulation(Program program, std::span<const std::int64_t> chances);
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  // The runs in the order of their numbers, whatever the number of threads.
+  std::vector<RunRecord> run(const Order& order) const;
+
+ private:
+  void run_one(Simulator& simulator, const Order& order, std::uint64_t number, RunRecord& record) const;
+  void keep(Simulator& simulator, const Recording& recording, RunRecord& record) const;
+
+  Program program_;
+  Chances chances_;
+  Tables tables_;
+};
+
+}  // namespace tachk

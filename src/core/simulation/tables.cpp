@@ -1,0 +1,70 @@
+#include "simulation/tables.hpp"
+
+#include <algorithm>
+
+#include "simulation/reads.hpp"
+
+namespace tachk {
+namespace {
+
+std::uint64_t clocks_of(const Condition& condition, const Program& program) {
+  std::uint64_t clocks = 0;
+  for (const Atom& atom : condition.atoms) clocks |= clock_group(atom.left) | clock_group(atom.right);
+  for (const ComputedConstraint& constraint : condition.computed) {
+    if (constraint.left_code != no_code || constraint.right_code != no_code) return UINT64_MAX;
+    clocks |= clock_group(static_cast<std::size_t>(constraint.left));
+    clocks |= clock_group(static_cast<std::size_t>(constraint.right));
+  }
+  return program.has_stopwatches ? UINT64_MAX : clocks;
+}
+
+bool may_be_urgent(const Edge& edge, const Program& program) {
+  const auto first = program.channels.begin() + edge.channel;
+  return std::any_of(first, first + edge.channels, [](const Channel& channel) { return channel.urgent; });
+}
+
+}  // namespace
+
+Tables::Tables(const Program& program, const Chances& chances) : listening(program.channels.size()) {
+  for (std::size_t p = 0; p < program.processes.size(); ++p) {
+    first_place.push_back(places.size());
+    const std::vector<Location>& locations = program.processes[p].locations;
+    for (std::size_t n = 0; n < locations.size(); ++n)
+      places.push_back({&locations[n], &chances.rates[p][n], {}, {}, {}, {}});
+  }
+  for (std::uint32_t number = 0; number < program.edges.size(); ++number) {
+    const Edge& edge = program.edges[number];
+    Station& place = places[first_place[edge.process] + static_cast<std::size_t>(edge.source)];
+    has_branches |= chances.choices[number] != number;
+    if (!edge.internal() && !edge.sends) {
+      place.receives.push_back(number);
+      for (std::uint32_t n = 0; n < edge.channels; ++n) {
+        std::vector<std::uint32_t>& listeners = listening[static_cast<std::size_t>(edge.channel) + n];
+        if (listeners.empty() || listeners.back() != edge.process) listeners.push_back(edge.process);
+      }
+      continue;
+    }
+    place.outputs.push_back(number);
+    if (!edge.internal() && may_be_urgent(edge, program)) {
+      place.urgent.push_back(number);
+      has_urgent_channels = true;
+    }
+  }
+  for (Station& place : places) {
+    Reads reads(program);
+    reads.add(place.location->invariant);
+    reads.add(place.rate->code);
+    place.clocks = clocks_of(place.location->invariant, program);
+    for (const std::uint32_t number : place.outputs) {
+      reads.add(program.edges[number].guard);
+      place.clocks |= clocks_of(program.edges[number].guard, program);
+    }
+    place.clocks &= ~clock_group(0) | (program.clocks >= 64 ? clock_group(0) : 0);
+    place.reads = reads.slots();
+    reads_locations |= reads.reads_locations();
+  }
+  for (std::uint32_t slot = 0; slot < program.state_slots; ++slot)
+    if (program.slots[slot].meta) meta_slots.push_back(slot);
+}
+
+}  // namespace tachk

@@ -1,0 +1,1 @@
+"""`tachk simulate`: runs of a model are drawn, judged and written."""

@@ -1,0 +1,214 @@
+"""`tachk simulate`."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections import Counter
+from contextlib import nullcontext
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+
+from tachk import api
+from tachk.cli.actions.judged import exit_status
+from tachk.cli.arguments import parse_definitions
+from tachk.cli.exit_status import ExitStatus, worst
+from tachk.cli.guard import print_diagnostics
+from tachk.cli.reporting import TableForm
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.engines.simulation.policy import Policy
+from tachk.engines.simulation.simulator import LATEST_END, TICKS_PER_UNIT, Drawing, Ending, Recorded, Simulated
+from tachk.model.network import Network
+from tachk.monitoring.formulas import NamedFormula, read_formulas
+from tachk.monitoring.offline import Judging, judge
+from tachk.runtime.node_signal import Truth
+from tachk.runtime.trace import Trace
+from tachk.simulation.columns import all_columns, chosen_columns
+from tachk.simulation.runs import Runs
+from tachk.simulation.tables import Writer, decimal_time, run_writer
+from tachk.time_units import NANOSECONDS, length_of
+
+
+@dataclass(frozen=True, slots=True)
+class Simulating:
+    """What is asked, as it was typed."""
+
+    model: str
+    runs: int = 1
+    until: str = "100"
+    seed: int = 0
+    policy: Policy = Policy.STOCHASTIC
+    first: int = 0
+    threads: int = 1
+    steps: int | None = None
+    record: tuple[str, ...] = ()
+    formulas: str | None = None
+    definitions: tuple[str, ...] = ()
+    output: Path | None = None
+    form: TableForm = TableForm.TEXT
+
+
+@dataclass(slots=True)
+class _Tally:
+    """What the runs were like.
+
+    Attributes:
+        endings: how many runs end so.
+        examples: the first run of each ending, and when it ends in ticks.
+        truths: for each formula how many runs have each verdict.
+        violating: for each formula the runs on which it is false.
+    """
+
+    transitions: int = 0
+    endings: Counter[Ending] = field(default_factory=Counter)
+    examples: dict[Ending, tuple[int, int]] = field(default_factory=dict)
+    faults: list[str] = field(default_factory=list)
+    truths: dict[str, Counter[Truth]] = field(default_factory=dict)
+    violating: dict[str, list[int]] = field(default_factory=dict)
+
+    def add(self, run: Simulated) -> None:
+        self.transitions += run.transitions
+        self.endings[run.ending] += 1
+        self.examples.setdefault(run.ending, (run.number, run.end))
+        if run.fault is not None and not self.faults:
+            kind, span = run.fault
+            self.faults.append(f"{span}: {kind.name.lower().replace('_', ' ')}")
+
+    def judge(self, name: str, number: int, truth: Truth) -> None:
+        self.truths.setdefault(name, Counter())[truth] += 1
+        if truth is Truth.FALSE:
+            self.violating.setdefault(name, []).append(number)
+
+
+def run_simulate(asked: Simulating) -> ExitStatus:
+    """Draws runs, judges and writes them, and prints a summary."""
+    definitions = parse_definitions(asked.definitions)
+    model = api.load(asked.model, **definitions)
+    print_diagnostics((*model.refusals, *model.warnings))
+    network = model.network
+    formulas = () if asked.formulas is None else read_formulas(asked.formulas, definitions if _is_model(asked) else {})
+    until = _ticks(asked.until, network)
+    needed = sorted({name for formula in formulas for name in formula.columns - formula.constant_names})
+    columns = list(chosen_columns(network, asked.record) if asked.record else all_columns(network))
+    known = {column.name for column in columns}
+    columns += chosen_columns(network, [name for name in needed if name not in known])
+    runs = Runs(network, columns)
+    drawing = Drawing(asked.seed, until, asked.policy, asked.steps, asked.threads)
+    observed = asked.output is not None or bool(formulas)
+    tally = _Tally()
+    with nullcontext() if asked.output is None else run_writer(asked.output) as write:
+        for run in runs.draw(drawing, range(asked.first, asked.first + asked.runs), Recorded(observed=observed)):
+            tally.add(run)
+            if observed and len(run.times):
+                _keep(runs.trace(run), run.number, formulas, tally, write)
+    _print(asked, tally, network)
+    faults = ExitStatus.NOT_AS_EXPECTED if tally.endings[Ending.FAULT] else ExitStatus.AS_EXPECTED
+    truths = {truth for counts in tally.truths.values() for truth in counts}
+    return worst([faults, exit_status(truths)])
+
+
+def _is_model(asked: Simulating) -> bool:
+    return asked.formulas is not None and Path(asked.formulas).suffix in (".ta", ".xta", ".xml", ".stl")
+
+
+def _keep(trace: Trace, number: int, formulas: tuple[NamedFormula, ...], tally: _Tally, write: Writer | None) -> None:
+    """Judges a run, and writes it unless no formula is false on it."""
+    kept = not formulas
+    if formulas:
+        record = judge(formulas, _Held(trace), Judging(robustness=False))
+        for verdict in record.verdicts:
+            tally.judge(verdict.name, number, verdict.truth)
+            kept = kept or verdict.truth is Truth.FALSE
+    if kept and write is not None:
+        write(number, trace)
+
+
+@dataclass(frozen=True, slots=True)
+class _Held:
+    """A trace in memory, as monitors open it."""
+
+    trace: Trace
+
+    @property
+    def name(self) -> str:
+        return self.trace.name
+
+    @property
+    def unit(self) -> str:
+        return self.trace.unit
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        return tuple(self.trace.columns)
+
+    def read(self, columns: object = None) -> Trace:
+        return self.trace
+
+
+def _ticks(written: str, network: Network) -> int:
+    """A time in ticks: a number of units of the model, or a duration. Raises UsageError."""
+    number = written.strip().rstrip("abcdefghijklmnopqrstuvwxyz").strip()
+    unit = written.strip()[len(number) :].strip()
+    try:
+        time = Fraction(number)
+    except (ValueError, ZeroDivisionError):
+        raise UsageError(f"--until {written}: expected a time", "for example 100, or 3 min") from None
+    if unit:
+        length = length_of(network.time_unit)
+        if unit not in NANOSECONDS or length is None:
+            raise UsageError(
+                f"--until {written}: {'the model has no time unit' if length is None else 'unknown unit'}",
+                "give a number of time units of the model",
+            )
+        time = time * NANOSECONDS[unit] / length
+    if not 0 < time <= LATEST_END:
+        raise UsageError(f"--until {written}: runs last more than 0 and at most {int(LATEST_END)} time units")
+    return int(time * TICKS_PER_UNIT)
+
+
+# ---- the summary ----------------------------------------------------------------------------------------------------
+
+
+def _print(asked: Simulating, tally: _Tally, network: Network) -> None:
+    if asked.form is TableForm.JSON:
+        json.dump(_json(asked, tally), sys.stdout, indent=2)
+        print()
+        return
+    runs = "1 run" if asked.runs == 1 else f"{asked.runs} runs"
+    print(f"{asked.model}: {runs} until {asked.until}, {tally.transitions} transitions, seed {asked.seed}")
+    for ending, count in tally.endings.most_common():
+        number, end = tally.examples[ending]
+        where = (
+            "" if ending is Ending.HORIZON else f", the first is run {number} at {decimal_time(end, TICKS_PER_UNIT)}"
+        )
+        print(f"{count:8} end with: {ending}{where}")
+    for fault in tally.faults:
+        print(f"  {fault}")
+    for name, counts in tally.truths.items():
+        told = ", ".join(f"{truth} on {counts[truth]}" for truth in (Truth.TRUE, Truth.FALSE, Truth.UNDETERMINED))
+        violating = tally.violating.get(name, [])
+        print(f"{name}: {told}" + (f"; the first violation is in run {violating[0]}" if violating else ""))
+
+
+def _json(asked: Simulating, tally: _Tally) -> dict[str, object]:
+    return {
+        "model": asked.model,
+        "runs": asked.runs,
+        "first": asked.first,
+        "until": asked.until,
+        "seed": asked.seed,
+        "policy": asked.policy.value,
+        "transitions": tally.transitions,
+        "endings": {ending.value: count for ending, count in tally.endings.items()},
+        "formulas": [
+            {
+                "name": name,
+                "true": counts[Truth.TRUE],
+                "false": counts[Truth.FALSE],
+                "undetermined": counts[Truth.UNDETERMINED],
+                "violating": tally.violating.get(name, []),
+            }
+            for name, counts in tally.truths.items()
+        ],
+    }

@@ -1,0 +1,86 @@
+"""The options of `tachk simulate`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from tachk.cli import options
+from tachk.cli.reporting import TableForm
+from tachk.engines.simulation.policy import Policy
+
+
+@click.command(name="simulate", short_help="Draw random runs of a model.")
+@click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
+@click.option("--runs", metavar="N", type=options.Count(1, 10**9), default=1, show_default=True, help="How many runs.")
+@click.option(
+    "--until",
+    metavar="TIME",
+    default="100",
+    show_default=True,
+    help="How long they are: a number of time units of the model, or a duration such as 3 min.",
+)
+@click.option(
+    "--seed",
+    metavar="S",
+    type=options.Count(0, 2**63 - 1),
+    default=0,
+    show_default=True,
+    help="The same seed gives the same runs.",
+)
+@click.option(
+    "--policy",
+    type=options.Choice(Policy),
+    default=Policy.STOCHASTIC.value,
+    show_default=True,
+    help="How long a process waits before it acts.",
+)
+@click.option(
+    "first", "--first", metavar="N", type=options.Count(0, 2**62), default=0, help="The number of the first run; 0."
+)
+@click.option(
+    "--threads", metavar="N", type=options.Count(1, 256), default=1, help="They make no difference to the runs."
+)
+@click.option("steps", "--max-steps", metavar="N", type=options.Count(1, 2**62), help="End a run after N transitions.")
+@click.option(
+    "record",
+    "--record",
+    metavar="NAME",
+    multiple=True,
+    help="Write only this signal, process, variable, or P.location. Can be given several times.",
+)
+@click.option(
+    "formulas",
+    "--monitor",
+    metavar="FORMULA",
+    help="Judge each run by a formula, a sentence, or a file of them or a model; write the runs that violate one.",
+)
+@options.definitions
+@click.option(
+    "output",
+    "-o",
+    "--output",
+    metavar="FILE",
+    type=options.type_of_file,
+    help="Write the runs: .csv, .jsonl, .parquet, .vcd; {run} in its name makes a file for each run.",
+)
+@click.option(
+    "form",
+    "--format",
+    type=options.Choice((TableForm.TEXT, TableForm.JSON)),
+    default=TableForm.TEXT.value,
+    show_default=True,
+    help="Form of the summary.",
+)
+@options.max_seconds()
+def command(seconds: float | None, **given: Any) -> None:
+    """Draw random runs of a model: every process draws how long it waits, and the first one acts.
+
+    Exit status: 0 the runs were drawn and violate no formula, 10 some do or end with a run-time error, 20 some formula
+    is undetermined and none is false, 2 bad input, 3 something that is not simulated.
+    """
+    from tachk.cli.actions.simulation.simulate import Simulating, run_simulate
+
+    (asked,) = options.distributed(given, Simulating)
+    options.finish(lambda: run_simulate(asked), seconds)

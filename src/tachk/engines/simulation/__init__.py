@@ -1,0 +1,1 @@
+"""Runs drawn by the core: `policy` says how, `simulator` draws them."""

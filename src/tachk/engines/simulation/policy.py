@@ -1,0 +1,17 @@
+"""How processes choose moments. Imports nothing heavy."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+
+class Policy(StrEnum):
+    """How long a process waits before it acts, within its guards and its invariant."""
+
+    STOCHASTIC = "stochastic"
+    """UPPAAL's: uniformly up to the end of its invariant, else by the exponential distribution of its location."""
+    UNIFORM = "uniform"
+    """Uniformly while its guards hold, else exponentially; weights do not count."""
+    EARLIEST = "earliest"
+    LATEST = "latest"
+    """The earliest moment where there is no latest one."""

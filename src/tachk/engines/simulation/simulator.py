@@ -1,0 +1,171 @@
+"""The simulator of the core: a program with its chances goes there, runs come back as arrays."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator, Sequence
+from enum import StrEnum
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tachk import _core
+from tachk.compiler.program import Chances, Computed, Program
+from tachk.diagnostics.span import Span
+from tachk.engines.core_search import site_of, transition_of
+from tachk.engines.program_image import encode
+from tachk.engines.simulation.policy import Policy
+from tachk.model.fault import RuntimeErrorKind
+from tachk.records import dataclass
+from tachk.semantics.timed_trace import Transition
+
+TICKS_PER_UNIT = _core.ticks_per_unit()
+"""How finely simulated time is counted."""
+LATEST_END = Fraction(_core.latest_end(), TICKS_PER_UNIT)
+"""The longest run, in units of time."""
+
+Numbers = NDArray[np.int64]
+
+
+class Ending(StrEnum):
+    """Why a run ends."""
+
+    HORIZON = "horizon"
+    """It is as long as it was to be."""
+    DEADLOCK = "deadlock"
+    """Nothing can happen, and time cannot pass."""
+    TIME_LOCK = "time-lock"
+    """An invariant ends, and nothing can happen."""
+    ZENO = "no time passes"
+    STEPS = "steps"
+    """It has as many transitions as it may have."""
+    FAULT = "run-time error"
+    INITIAL = "no initial state"
+    """The initial state violates an invariant."""
+
+
+@dataclass(frozen=True, slots=True)
+class Simulated:
+    """A run.
+
+    Attributes:
+        number: of the run; with the seed it determines the run.
+        end: in ticks.
+        times: of the initial state and of the states after each transition, in ticks; empty if nothing was recorded.
+        observed: a row for each of these states; floating point numbers as their bits.
+        clocks: the same of the values of the clocks, in ticks.
+        fault: what went wrong and where, in a run that ends with a run-time error.
+    """
+
+    number: int
+    ending: Ending
+    end: int
+    transitions: int
+    times: Numbers
+    observed: Numbers
+    clocks: Numbers
+    actions: tuple[Transition, ...] = ()
+    fault: tuple[RuntimeErrorKind, Span] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """What is recorded of runs beside how they end."""
+
+    actions: bool = False
+    observed: bool = False
+    clocks: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """Which runs are drawn.
+
+    Attributes:
+        until: when they end, in ticks.
+        steps: how many transitions they may have; None: any number.
+        threads: they make no difference to the runs.
+    """
+
+    seed: int = 0
+    until: int = 100 * TICKS_PER_UNIT
+    policy: Policy = Policy.STOCHASTIC
+    steps: int | None = None
+    threads: int = 1
+
+
+class Simulator:
+    """Runs of a program."""
+
+    def __init__(self, program: Program, chances: Chances) -> None:
+        self._program = program
+        self._observed = len(chances.observed)
+        self._core = _core.Simulation(encode(program, ()), list(_image(chances)))
+
+    def runs(self, drawing: Drawing, numbers: range, recorded: Recorded) -> Iterator[Simulated]:
+        """The runs of these numbers, which follow one another."""
+        found = self._core.run(
+            policy=_core.Policy[drawing.policy.name],
+            seed=drawing.seed,
+            first=numbers.start,
+            runs=len(numbers),
+            until=drawing.until,
+            steps=2**63 if drawing.steps is None else drawing.steps,
+            threads=drawing.threads,
+            actions=recorded.actions,
+            observed=recorded.observed,
+            clocks=recorded.clocks,
+        )
+        for number, record in zip(numbers, found, strict=True):
+            yield self._simulated(number, record, recorded)
+
+    def _simulated(self, number: int, record: _core.RunRecord, recorded: Recorded) -> Simulated:
+        times = record.times()
+        ending = Ending[record.ending.name]
+        fault = None
+        if ending is Ending.FAULT:
+            kind, position = record.fault
+            fault = RuntimeErrorKind[kind.name], site_of(self._program, position)
+        return Simulated(
+            number,
+            ending,
+            record.end,
+            record.transitions,
+            times,
+            record.observed().reshape(len(times), self._observed if recorded.observed else 0),
+            record.clocks().reshape(len(times), self._program.clocks if recorded.clocks else 0),
+            tuple(self._actions(record)) if recorded.actions else (),
+            fault,
+        )
+
+    def _actions(self, record: _core.RunRecord) -> Iterator[Transition]:
+        edges = record.edges().tolist()
+        first = 0
+        for size in record.sizes().tolist():
+            if size:
+                yield transition_of(self._program, edges[first : first + size])
+            first += size
+
+
+def _image(chances: Chances) -> Iterator[int]:
+    """The numbers that `src/core/simulation/chances.cpp` reads."""
+    for rates in chances.rates:
+        yield from _numbers(rates)
+    for choice, weight in zip(chances.choices, chances.weights, strict=True):
+        yield choice
+        yield from _number(weight)
+    yield from _numbers(chances.observed)
+
+
+def _numbers(numbers: Sequence[Computed]) -> Iterator[int]:
+    for number in numbers:
+        yield from _number(number)
+
+
+def _number(number: Computed) -> tuple[int, int]:
+    if number.slot >= 0:
+        return 3, number.slot
+    if number.code < 0:
+        return 0, struct.unpack("<q", struct.pack("<d", number.constant))[0]
+    return 2 if number.floating else 1, number.code

@@ -1,0 +1,4 @@
+"""Simulated runs of models.
+
+In order of reading: `columns` (what is recorded), `runs` (drawing runs, and traces of them), `tables` (files of runs).
+"""

@@ -1,0 +1,99 @@
+"""What is recorded of each state of a run: columns of a trace."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Sequence
+
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.diagnostics.suggestion import did_you_mean
+from tachk.model.expressions import Expression, LocationTest
+from tachk.model.floating import DOUBLE
+from tachk.model.network import Network
+from tachk.model.types import BoolType, ChannelType, ClockType, IntType, ScalarType, Type, leaves
+from tachk.records import dataclass
+
+_LOCATION = re.compile(r"(?P<process>.+)\.(?P<location>[A-Za-z_]\w*)")
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """Attributes:
+    value: an expression, or the number of a slot of the program.
+    truth: whether its values are truth values.
+    labels: of a column of texts, those that its values stand for.
+    """
+
+    name: str
+    value: Expression | int
+    truth: bool = False
+    labels: tuple[str, ...] = ()
+
+
+def all_columns(network: Network) -> tuple[Column, ...]:
+    """The signals of a model, then the location of each process, then the variables that can change."""
+    return (*_signals(network), *_locations(network), *_variables(network))
+
+
+def chosen_columns(network: Network, names: Collection[str]) -> tuple[Column, ...]:
+    """The columns of these names, among them truth values called ``P.location``. Raises UsageError."""
+    known = {column.name: column for column in reversed(all_columns(network))}
+    result = []
+    for name in names:
+        column = known.get(name) or _at_location(network, name)
+        if column is None:
+            raise UsageError(
+                f"there is no signal, process, location or variable {name!r} to record",
+                did_you_mean(name, known) or f"there are: {', '.join(list(reversed(known))[:20])}",
+            )
+        result.append(column)
+    return tuple(result)
+
+
+def observed(columns: Sequence[Column]) -> list[Expression | int]:
+    return [column.value for column in columns]
+
+
+def _signals(network: Network) -> Iterator[Column]:
+    for signal in network.signals:
+        if not isinstance(signal.expression.type, ClockType):
+            yield Column(signal.name, signal.expression, isinstance(signal.expression.type, BoolType))
+
+
+def _locations(network: Network) -> Iterator[Column]:
+    for number, process in enumerate(network.processes):
+        if len(process.locations) > 1:
+            yield Column(process.name, number, labels=tuple(place.name for place in process.locations))
+
+
+def _variables(network: Network) -> Iterator[Column]:
+    slot = len(network.processes)
+    for variable in network.all_variables():
+        for path, type_ in leaves(variable.type):
+            if _is_recorded(type_) and variable.type != DOUBLE and not network.resets(variable):
+                yield Column(variable.name + path, slot, isinstance(type_, BoolType))
+            slot += 1
+
+
+def _is_recorded(type_: Type) -> bool:
+    match type_:
+        case IntType(low, high):
+            return low < high
+        case BoolType() | ScalarType():
+            return True
+        case _:
+            assert isinstance(type_, ClockType | ChannelType)
+            return False
+
+
+def _at_location(network: Network, name: str) -> Column | None:
+    match = _LOCATION.fullmatch(name)
+    if match is None:
+        return None
+    for number, process in enumerate(network.processes):
+        if process.name != match["process"]:
+            continue
+        for place, location in enumerate(process.locations):
+            if location.name == match["location"]:
+                return Column(name, LocationTest(number, place), truth=True)
+    return None

@@ -1,0 +1,178 @@
+"""Runs as files: one table of all of them (CSV, JSON lines, Parquet), or a file for each (also VCD)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any, TextIO
+
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.trace import Trace
+from tachk.time_units import NANOSECONDS
+
+RUN = "{run}"
+"""Stands for the number of the run in the name of a file for each run."""
+
+_VCD_TIMES = {
+    "ns": ("1 fs", 1, 1000),
+    "us": ("1 fs", 1, 1),
+    "ms": ("1 ps", 1, 1),
+    "s": ("1 ns", 1, 1),
+    "min": ("1 ns", 60, 1),
+    "h": ("1 ns", 3600, 1),
+    "d": ("1 ns", 24 * 3600, 1),
+}
+"""For each unit the unit of a dump, and how many of these are a tick of 1e-9 units: a fraction. No unit: seconds."""
+
+Writer = Callable[[int, Trace], None]
+Row = tuple[str, list[Any]]
+
+
+@contextmanager
+def run_writer(path: Path) -> Iterator[Writer]:
+    """What writes runs, given with their numbers. Raises UsageError for an unknown ending of the file."""
+    kinds = {".csv": _csv, ".jsonl": _json_lines, ".parquet": _parquet, ".pq": _parquet, ".vcd": _vcd}
+    opened = kinds.get(path.suffix.lower())
+    if opened is None:
+        raise UsageError(f"{path}: runs are written as {', '.join(kinds)}", "give the file one of these endings")
+    if RUN not in path.name:
+        with opened(path) as write:
+            yield write
+        return
+
+    def write_own(number: int, trace: Trace) -> None:
+        with opened(path.with_name(path.name.replace(RUN, str(number)))) as write:
+            write(number, trace)
+
+    yield write_own
+
+
+@contextmanager
+def _csv(path: Path) -> Iterator[Writer]:
+    with path.open("w", encoding="utf-8", newline="") as out:
+        begun = False
+
+        def write(number: int, trace: Trace) -> None:
+            nonlocal begun
+            if not begun:
+                unit = f" [{trace.unit}]" if trace.unit else ""
+                out.write(",".join(["run", f"time{unit}", *map(_quoted, trace.columns)]) + "\n")
+                begun = True
+            for time, values in _rows(trace):
+                out.write(f"{number},{time},{','.join(map(_cell, values))}\n")
+
+        yield write
+
+
+@contextmanager
+def _json_lines(path: Path) -> Iterator[Writer]:
+    with path.open("w", encoding="utf-8") as out:
+
+        def write(number: int, trace: Trace) -> None:
+            name = f"time [{trace.unit}]" if trace.unit else "time"
+            head = f'{{"run": {number}, "{name}": '
+            for time, values in _rows(trace):
+                row = json.dumps(dict(zip(trace.columns, values, strict=True)))
+                out.write(f"{head}{time}{', ' + row[1:] if len(row) > 2 else '}'}\n")
+
+        yield write
+
+
+@contextmanager
+def _parquet(path: Path) -> Iterator[Writer]:
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        raise UsageError("Parquet files need pyarrow", "pip install 'tachk[parquet]'") from None
+    with ExitStack() as stack:
+        file: Any = None
+
+        def write(number: int, trace: Trace) -> None:
+            nonlocal file
+            if trace.unit:
+                nanoseconds = trace.times * NANOSECONDS[trace.unit] // trace.ticks_per_unit
+                times = pyarrow.array(nanoseconds.astype("timedelta64[ns]"))
+            else:
+                times = pyarrow.array(trace.times / trace.ticks_per_unit)
+            table = pyarrow.table({"run": [number] * trace.rows, "time": times, **dict(_columns(trace))})
+            if file is None:
+                file = stack.enter_context(parquet.ParquetWriter(path, table.schema))
+            file.write_table(table)
+
+        yield write
+
+
+@contextmanager
+def _vcd(path: Path) -> Iterator[Writer]:
+    written = False
+
+    def write(number: int, trace: Trace) -> None:
+        nonlocal written
+        if written:
+            raise UsageError(
+                f"{path}: a value change dump holds one run", f"write {path.stem}-{RUN}.vcd for a file for each run"
+            )
+        written = True
+        with path.open("w", encoding="ascii", errors="replace") as out:
+            _write_vcd(trace, out)
+
+    yield write
+
+
+def _write_vcd(trace: Trace, out: TextIO) -> None:
+    from vcd import VCDWriter
+
+    scale, numerator, denominator = _VCD_TIMES[trace.unit or "s"]
+    with VCDWriter(out, timescale=scale, date="", comment=trace.name) as dump:
+        variables = {}
+        for name, values in _columns(trace):
+            kind = "string" if name in trace.texts else "wire" if trace.columns[name].dtype.kind == "u" else "integer"
+            scope, _, own = name.rpartition(".")
+            variables[name] = dump.register_var(
+                scope or "model", own, kind, size=1 if kind == "wire" else 32, init=values[0]
+            )
+        kept = dict(_columns(trace))
+        for row, time in enumerate(trace.times.tolist()):
+            for name, variable in variables.items():
+                dump.change(variable, time * numerator // denominator, kept[name][row])
+        dump.close(trace.end * numerator // denominator)
+
+
+def _columns(trace: Trace) -> Iterator[tuple[str, list[Any]]]:
+    """The values of each column as Python has them."""
+    for name, values in trace.columns.items():
+        if name in trace.texts:
+            yield name, [trace.labels[place] for place in values.astype(int).tolist()]
+        elif values.dtype.kind == "u":
+            yield name, values.astype(bool).tolist()
+        else:
+            yield name, [int(value) if value == int(value) else value for value in values.tolist()]
+
+
+def _rows(trace: Trace) -> Iterable[Row]:
+    times = [decimal_time(time, trace.ticks_per_unit) for time in trace.times.tolist()]
+    columns: Mapping[str, list[Any]] = dict(_columns(trace))
+    return zip(times, map(list, zip(*columns.values(), strict=True)) if columns else ([] for _ in times), strict=True)
+
+
+def decimal_time(ticks: int, per_unit: int) -> str:
+    """Exact: ``per_unit`` is a power of ten."""
+    whole, rest = divmod(ticks, per_unit)
+    return f"{whole}.{str(per_unit + rest)[1:]}".rstrip("0").rstrip(".")
+
+
+def _cell(value: Any) -> str:
+    match value:
+        case bool():
+            return "1" if value else "0"
+        case str():
+            return _quoted(value)
+        case _:
+            return str(value)
+
+
+def _quoted(text: str) -> str:
+    return '"' + text.replace('"', '""') + '"' if any(c in text for c in ',"\n') else text

@@ -1,0 +1,1 @@
+"""Simulated runs as the judge replays them."""

@@ -1,0 +1,72 @@
+"""What is not simulated is named; searches do not mind."""
+
+from __future__ import annotations
+
+import pytest
+
+import tachk
+from tachk.diagnostics.diagnostic import UnsupportedError, UsageError
+from tachk.simulation.columns import all_columns, chosen_columns
+from tachk.simulation.runs import Runs
+
+
+def _code(text: str) -> str:
+    with pytest.raises(UnsupportedError) as caught:
+        Runs(tachk.loads(text).network, ())
+    return caught.value.diagnostic.code
+
+
+def test_a_rate_that_cannot_be_computed_is_refused_by_simulation_only() -> None:
+    text = """
+        double z = 1.5;
+        process P() { init location A { exponential_rate z; to B; } location B; }
+        system P;
+        property p : E<> P.B;
+    """
+    assert _code(text) == "E0722"
+    assert tachk.loads(text).verify()["p"].answer is tachk.Answer.HOLDS
+
+
+def test_a_weight_that_is_no_number_is_refused() -> None:
+    assert (
+        _code(
+            """
+            process P() {
+                clock x;
+                init location A { to way; }
+                branchpoint way { to A { probability x; } to A; }
+            }
+            system P;
+            """
+        )
+        == "E0722"
+    )
+
+
+def test_priorities_are_refused() -> None:
+    assert _code("process P() { init location A { to A; } } process Q() { init location A; } system P < Q;") == "E0723"
+
+
+def test_clock_guards_on_urgent_channels_are_refused() -> None:
+    text = """
+        urgent broadcast chan c;
+        process P() { clock x; init location A { to A { guard x > 2; sync c!; } } }
+        system P;
+    """
+    assert _code(text) == "E0721"
+
+
+def test_columns_are_signals_locations_and_variables() -> None:
+    network = tachk.loads(
+        """
+        int[0, 3] n; const int K = 2; bool b; int[0, 1] a[2]; meta int m; clock x;
+        signal many = n > K;
+        process P() { int[0, 5] k; init location A { to B; } location B; }
+        process Q() { init location A; }
+        system P, Q;
+        """
+    ).network
+    assert [column.name for column in all_columns(network)] == ["many", "P", "n", "b", "a[0]", "a[1]", "P.k"]
+    assert [column.truth for column in chosen_columns(network, ["P.B", "n"])] == [True, False]
+    with pytest.raises(UsageError):
+        chosen_columns(network, ["P.C"])

@@ -1,0 +1,93 @@
+"""Simulated runs are runs: the judge accepts them, and they go nowhere where the search does not."""
+
+from __future__ import annotations
+
+from collections import Counter
+from random import Random
+
+import pytest
+
+from tachk.certify.replay import replay
+from tachk.compiler.lower import lower
+from tachk.diagnostics.diagnostic import InputError, UnsupportedError
+from tachk.engines.options import Limits
+from tachk.engines.simulation.policy import Policy
+from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded
+from tachk.engines.zone import explore_everything
+from tachk.model.network import Network
+from tachk.semantics.discrete import prepare
+from tachk.semantics.step import deadlocked, possible
+from tachk.simulation.runs import Runs
+from tachk.testing import Shape, random_case
+from tachk.testing.simulated.timed import WITH_STATES, state_columns, timed_trace
+
+SHAPES = (
+    Shape(),
+    Shape(clocks=2),
+    Shape(diagonals=True, clocks=2),
+    Shape(stopwatches=True),
+    Shape(language=True, exact=0.4, processes=2, clocks=2, constant=3),
+    Shape(language=True, clocks_on_broadcast=True, locations=3, clocks=2),
+)
+
+
+def _networks(count: int, seed: int) -> list[Network]:
+    return [random_case(Random(seed + n), SHAPES[n % len(SHAPES)]).network for n in range(count)]
+
+
+@pytest.mark.parametrize("policy", Policy)
+def test_the_judge_accepts_each_run(policy: Policy) -> None:
+    endings: Counter[Ending] = Counter()
+    for number, network in enumerate(_networks(30, seed=4100)):
+        try:
+            runs = Runs(network, state_columns(network))
+        except (UnsupportedError, InputError):
+            continue
+        model = prepare(network)
+        drawing = Drawing(number, 20 * TICKS_PER_UNIT, policy, steps=25)
+        for run in runs.draw(drawing, range(2), WITH_STATES):
+            endings[run.ending] += 1
+            if run.ending is Ending.INITIAL:
+                continue
+            trace = timed_trace(network, run)
+            assert len(trace.steps) == run.transitions
+            replay(model, trace)
+            if run.ending is Ending.DEADLOCK:
+                assert deadlocked(model, trace.states[-1])
+                assert not possible(model, trace.states[-1])
+    assert {Ending.HORIZON, Ending.DEADLOCK, Ending.STEPS} <= endings.keys()
+
+
+def test_runs_take_only_edges_that_the_search_takes() -> None:
+    taken_by_runs = 0
+    for number, network in enumerate(_networks(40, seed=4300)):
+        try:
+            runs = Runs(network, ())
+        except (UnsupportedError, InputError):
+            continue
+        outcome, taken = explore_everything(lower(network)[0], (), limits=Limits(states=2000))
+        if outcome.reason:
+            continue
+        drawing = Drawing(number, 50 * TICKS_PER_UNIT, steps=100)
+        for run in runs.draw(drawing, range(10), Recorded(actions=True)):
+            used = {(p.process, p.edge) for action in run.actions for p in action.participants}
+            assert used <= taken
+            taken_by_runs += len(used)
+    assert taken_by_runs > 500
+
+
+def test_threads_and_batches_make_no_difference() -> None:
+    network = _networks(1, seed=4102)[0]
+    runs = Runs(network, state_columns(network))
+
+    def drawn(threads: int, first: int, last: int) -> list[tuple[object, ...]]:
+        drawing = Drawing(7, 20 * TICKS_PER_UNIT, steps=50, threads=threads)
+        return [
+            (run.number, run.ending, run.end, run.times.tobytes(), run.observed.tobytes())
+            for run in runs.draw(drawing, range(first, last), WITH_STATES)
+        ]
+
+    together = drawn(1, 0, 100)
+    assert together == drawn(2, 0, 100)
+    assert together[70:80] == drawn(2, 70, 80)
+    assert len({run[3] for run in together}) > 50
