@@ -1,9 +1,16 @@
-"""Is a recording a run of a model? The search for that run, by the zone engine."""
+"""Is a recording a run of a model? The search for that run, by the zone engine.
+
+Parts of the model that share nothing are searched one by one, each with its own events. That is exact: a part of which
+the events of others are forgotten has every run that it has in a run of the whole, so if it has none there is none; and
+runs of all parts that are apart are a run of the whole. Where neither says yes or no, the whole is searched.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from fractions import Fraction
+from math import ceil
 
 from tachk.certify.replay import replay
 from tachk.compiler.features import check_selections
@@ -11,13 +18,14 @@ from tachk.compiler.lower import Measured, lower, lower_measures
 from tachk.conformance.edits import Edit
 from tachk.conformance.events import Recording
 from tachk.conformance.followers import Following, follow
+from tachk.conformance.parts import Part, can_be_apart, parts_of, restricted, set_apart
 from tachk.conformance.queues import Constants, Queues, make_queues
 from tachk.conformance.refusal import Offer, end_of, offers, state_text
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.engines.concretise import concretise
 from tachk.engines.measuring import measure
 from tachk.engines.options import Limits, Options, SearchOrder
-from tachk.engines.outcome import Outcome, Statistics, Status
+from tachk.engines.outcome import Statistics, Status
 from tachk.engines.zone import explore
 from tachk.model.expressions import BOOL, Constant
 from tachk.model.network import Network
@@ -35,17 +43,31 @@ class Refusal:
 
     Attributes:
         path: of a run that has as many events of the recording as possible.
-        happened: how many of them, in each queue.
+        happened: how many events of the recording happen before, in all parts of the model.
         event: the number of the event that cannot come next; None if all have come and the model would not be silent.
-        state: the locations of the model there.
+        state: the locations of that part of the model there.
         offers: what it could do there.
     """
 
     path: tuple[Transition, ...]
-    happened: tuple[int, ...]
+    happened: int
     event: int | None
     state: str
     offers: tuple[Offer, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A run of a part of the model that goes along with its events.
+
+    Attributes:
+        path: its transitions in the network that follows the recording.
+        trace: the same with exact times; None where that was not asked for.
+    """
+
+    following: Following
+    path: tuple[Transition, ...]
+    trace: TimedTrace | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +75,8 @@ class Conformance:
     """Attributes:
     accepted: the recording is a run of the model; None where a limit was hit first.
     tolerance, late: with which this was found, in units of the model.
-    run: a run of the followed network that shows it; None where none was asked for.
-    path: its transitions.
+    time_unit: of the model.
+    runs: of all parts of the model, which show it.
     refusal: where the recording leaves the model; None where it does not, or that was not found in the limits.
     reason: why there is no answer; empty if there is one.
     edit: of the recording, with which it would be a run; None where it is one, or none was found.
@@ -63,12 +85,11 @@ class Conformance:
     accepted: bool | None
     tolerance: Fraction
     late: Fraction
+    time_unit: str
     recording: Recording
-    following: Following
     queues: Queues
     statistics: Statistics
-    run: TimedTrace | None = None
-    path: tuple[Transition, ...] = ()
+    runs: tuple[Run, ...] = ()
     refusal: Refusal | None = None
     reason: str = ""
     edit: Edit | None = None
@@ -85,6 +106,7 @@ def conform(
     limits: Limits = Limits(),
     run: bool = True,
     explain: bool = True,
+    divide: bool = True,
 ) -> Conformance:
     """Whether a recording is a run of a model.
 
@@ -92,6 +114,7 @@ def conform(
         tolerance, late: in units of the model; None: as the model says.
         run: make a run that shows it, and replay it.
         explain: find where the recording leaves the model, by a second search.
+        divide: search parts that share nothing one by one; no verdict depends on it.
 
     Raises UsageError for a recording that does not fit the model, UnsupportedError.
     """
@@ -99,37 +122,108 @@ def conform(
     late = mapping.late if late is None else late
     late = tolerance if late is None else late
     queues = make_queues(network, mapping, recording, constants, tolerance, late)
-    following = follow(network, mapping, queues)
-    check_selections(following.network)
-    program, goals = lower(following.network, [following.done], following.tables)
-    outcome = explore(program, goals, options, limits)
-    found = outcome.goals[0]
-    base = Conformance(None, tolerance, late, recording, following, queues, outcome.statistics)
-
-    def refusal() -> Refusal | None:
-        return _furthest(following, queues, options, limits) if explain else None
-
-    match found.status:
-        case Status.REACHED:
-            path = found.path or ()
-            return _with(base, accepted=True, path=path, run=_run(following, path) if run else None)
-        case Status.UNREACHABLE if not outcome.reason:
-            return _with(base, accepted=False, refusal=refusal())
-        case _:
-            return _with(base, reason=_reason(outcome), refusal=refusal())
-
-
-def _reason(outcome: Outcome) -> str:
-    return outcome.reason or "unknown"
-
-
-def _with(base: Conformance, **changes: object) -> Conformance:
-    from dataclasses import replace
-
-    return replace(base, **changes)  # type: ignore[arg-type]
+    kept = tuple(n for n in range(len(network.processes)) if n not in mapping.replaced)
+    whole = Part(kept, tuple(range(len(queues.queues))))
+    parts = parts_of(network, mapping, queues) if divide else (whole,)
+    search = _Search(network, mapping, queues, options, limits, explain)
+    apart = len(parts) > 1 and can_be_apart(network, kept, queues)
+    answers = search.apart(parts, (0, ceil(tolerance))) if apart else None
+    if answers is None:
+        answers = [search.part(whole, queues)]
+    found = Conformance(
+        None, tolerance, late, network.time_unit, recording, queues, _total(a.statistics for a in search.answers)
+    )
+    refusing = [answer for answer in answers if answer.accepted is not True]
+    if not refusing:
+        runs = (Run(a.following, a.path, _trace(a.following, a.path) if run else None) for a in answers)
+        return replace(found, accepted=True, runs=tuple(runs))
+    refused = [answer for answer in refusing if answer.accepted is False]
+    return replace(
+        found,
+        accepted=False if refused else None,
+        refusal=_earliest(search, refused or refusing) if explain else None,
+        reason="" if refused else refusing[0].reason,
+    )
 
 
-def _run(following: Following, path: tuple[Transition, ...]) -> TimedTrace:
+@dataclass(frozen=True, slots=True)
+class _Answer:
+    """What one search has found, about a part or the whole."""
+
+    accepted: bool | None
+    following: Following
+    queues: Queues
+    statistics: Statistics
+    path: tuple[Transition, ...]
+    reason: str
+
+
+class _Search:
+    """Searches of the parts of one network for runs that go along with one recording."""
+
+    def __init__(
+        self, network: Network, mapping: RecordingMap, queues: Queues, options: Options, limits: Limits, explain: bool
+    ) -> None:
+        self.network = network
+        self.mapping = mapping
+        self.queues = queues
+        self.options = options
+        self.limits = limits
+        self.explain = explain
+        self.answers: list[_Answer] = []
+
+    def part(self, part: Part, queues: Queues, to_the_end: bool = False) -> _Answer:
+        own = restricted(queues, part)
+        following = follow(self.network, self.mapping, own, part.processes, to_the_end)
+        check_selections(following.network)
+        program, goals = lower(following.network, [following.done], following.tables)
+        outcome = explore(program, goals, self.options, self.left())
+        found = outcome.goals[0]
+        accepted = {Status.REACHED: True, Status.UNREACHABLE: None if outcome.reason else False}.get(found.status)
+        reason = "" if accepted is not None else outcome.reason or "unknown"
+        answer = _Answer(accepted, following, own, outcome.statistics, found.path or (), reason)
+        self.answers.append(answer)
+        return answer
+
+    def apart(self, parts: Sequence[Part], delays: Sequence[int]) -> list[_Answer] | None:
+        """An answer for each part; None if these do not tell of the whole."""
+        free = []
+        for part in parts:
+            free.append(self.part(part, self.queues))
+            if free[-1].accepted is False and not self.explain:
+                return free
+        if any(answer.accepted is False for answer in free):
+            return free
+        for delay in delays:
+            cut = set_apart(self.queues, parts, delay)
+            found = [] if cut is None else self._all(parts, cut)
+            if len(found) == len(parts):
+                return found
+        return None
+
+    def _all(self, parts: Sequence[Part], queues: Queues) -> list[_Answer]:
+        """Answers of parts, up to the first that is not accepted."""
+        found = []
+        for part in parts:
+            answer = self.part(part, queues, to_the_end=True)
+            if not answer.accepted:
+                break
+            found.append(answer)
+        return found
+
+    def left(self) -> Limits:
+        """The limits of the next search."""
+        return self.limits.after(sum(answer.statistics.seconds for answer in self.answers))
+
+
+def _total(statistics: Iterable[Statistics]) -> Statistics:
+    first, *others = statistics
+    for other in others:
+        first = first.then(other)
+    return first
+
+
+def _trace(following: Following, path: tuple[Transition, ...]) -> TimedTrace:
     """The run along a path, judged by other code than what found it."""
     model = prepare(following.network)
     trace = concretise(model, path, following.done)
@@ -139,22 +233,34 @@ def _run(following: Following, path: tuple[Transition, ...]) -> TimedTrace:
     return trace
 
 
-def _furthest(following: Following, queues: Queues, options: Options, limits: Limits) -> Refusal | None:
-    """A run that goes along with the recording as far as any."""
+def _earliest(search: _Search, refusing: Sequence[_Answer]) -> Refusal | None:
+    """Where the recording leaves the model first, of all parts that do not go along with it."""
+    found = [refusal for answer in refusing if (refusal := _furthest(search, answer)) is not None]
+    return min(found, key=lambda each: (each.event is None, each.event or 0), default=None)
+
+
+def _furthest(search: _Search, answer: _Answer) -> Refusal | None:
+    """A run of a part that goes along with the recording as far as any."""
+    following, queues = answer.following, answer.queues
     measured = Measured(_TRUE, following.progress, largest=True)
     program, goals, measures = lower_measures(following.network, [measured], following.tables)
-    _, (found,) = measure(program, goals, measures, options, limits)
+    _, (found,) = measure(program, goals, measures, search.options, search.left())
     if found is None:
         return None
-    happened = tuple(_happened(following, queues, found.path))
+    happened = _happened(following, queues, found.path)
     waiting = [
         (queue.latest[count], queue.events[count])
         for queue, count in zip(queues.queues, happened, strict=True)
         if count < len(queue.events)
     ]
     event = min(waiting)[1] if waiting else None
+    own = {number for queue in queues.queues for number in queue.events}
+    others = [
+        n for queue in search.queues.queues for n in queue.events if n not in own and (event is None or n < event)
+    ]
     state = state_text(following, end_of(following, found.path))
-    return Refusal(found.path, happened, event, state, offers(following, queues, found.path))
+    allowed = offers(following, queues, found.path)
+    return Refusal(found.path, sum(happened) + len(others), event, state, allowed)
 
 
 def _happened(following: Following, queues: Queues, path: Sequence[Transition]) -> list[int]:

@@ -29,15 +29,15 @@ class Covered:
 def coverage(network: Network, found: Iterable[Conformance]) -> tuple[Covered, ...]:
     """Each edge of the processes that no recording replaces. One run is counted for each accepted recording."""
     taken: Counter[tuple[int, int]] = Counter()
-    kept: tuple[int, ...] = ()
-    for each in found:
-        following = each.following
-        kept = following.kept
-        first = len(following.network.processes) - len(kept)
-        for transition in each.path:
+    kept: set[int] = set()
+    for run in (run for each in found for run in each.runs):
+        own = run.following.kept
+        kept.update(own)
+        first = len(run.following.network.processes) - len(own)
+        for transition in run.path:
             for participant in transition.participants:
                 if participant.process >= first:
-                    taken[kept[participant.process - first], participant.edge] += 1
+                    taken[own[participant.process - first], participant.edge] += 1
     return tuple(
         Covered(
             network.processes[number].name,
@@ -46,6 +46,6 @@ def coverage(network: Network, found: Iterable[Conformance]) -> tuple[Covered, .
             edge.doc,
             taken[number, place],
         )
-        for number in kept
+        for number in sorted(kept)
         for place, edge in enumerate(network.processes[number].edges)
     )

@@ -21,9 +21,11 @@ from tachk.model.builder import NetworkBuilder, ProcessBuilder, Term
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable, VariableKind
 from tachk.model.network import Edge, Network, Process, Synchronisation
 from tachk.model.recording import RecordingMap
+from tachk.model.traversal import process_expressions
 from tachk.model.types import ArrayType, ChannelType, IntType, element_type
 from tachk.operators import CONSTANT_HIGH, CONSTANT_LOW
 from tachk.records import dataclass
+from tachk.reduction.spectators import mentioned
 from tachk.semantics.timed_trace import Transition
 from tachk.words import Direction
 
@@ -83,11 +85,19 @@ class Following:
         ), tuple(said)
 
 
-def follow(network: Network, mapping: RecordingMap, queues: Queues) -> Following:
-    """The network that follows a recording. Raises UsageError for what the model does not allow to be followed."""
+def follow(
+    network: Network, mapping: RecordingMap, queues: Queues, kept: tuple[int, ...], to_the_end: bool = False
+) -> Following:
+    """The network that follows a recording.
+
+    Args:
+        kept: the numbers of the processes that are left.
+        to_the_end: it is done only when no event of the recording can happen any more.
+
+    Raises UsageError for what the model does not allow to be followed.
+    """
     if network.has_priorities:
         raise UsageError("a model with priorities cannot be held against a recording", "leave out the priorities")
-    kept = tuple(n for n in range(len(network.processes)) if n not in mapping.replaced)
     processes = tuple(network.processes[n] for n in kept)
     builder = NetworkBuilder("recording.", VariableKind.GLOBAL)
     now = builder.clock("now")
@@ -96,7 +106,7 @@ def follow(network: Network, mapping: RecordingMap, queues: Queues) -> Following
     followers = [QueueProcess(builder, queues, n, now, positions).build() for n in range(len(queues.queues))]
     hidden = _outsider(builder, mapping, processes)
     released = _released(mapping, queues, processes)
-    done = now >= queues.quiet_until
+    done = now >= (queues.horizon - 1 if to_the_end else queues.quiet_until)
     progress: Term | int = 0
     for position, queue in zip(positions, queues.queues, strict=True):
         done = done & (position == len(queue.events))
@@ -105,7 +115,7 @@ def follow(network: Network, mapping: RecordingMap, queues: Queues) -> Following
     whole = replace(
         network,
         processes=tuple(_with_channels(p, released) for p in (*made, *processes)),
-        variables=(*(released.get(v, v) for v in network.variables), *builder.variables),
+        variables=(*(released.get(v, v) for v in _mentioned(network, processes, queues)), *builder.variables),
         signals=(),
         hidden=(*network.hidden, *(p.name for p in made)),
     )
@@ -114,6 +124,14 @@ def follow(network: Network, mapping: RecordingMap, queues: Queues) -> Following
     assert isinstance(now.expression, Reference)
     tables = frozenset(v for v in builder.variables if isinstance(v.type, ArrayType))
     return Following(whole, kept, len(hidden), now.expression.variable, variables, tables, done.expression, total)
+
+
+def _mentioned(network: Network, processes: Sequence[Process], queues: Queues) -> Iterator[Variable]:
+    """The variables of the network that these processes and queues speak of."""
+    columns = [column for queue in queues.queues for _, column in queue.visible.columns]
+    channels = [queue.visible.channel for queue in queues.queues]
+    _, found = mentioned([*(e for p in processes for e in process_expressions(p)), *columns, *channels])
+    return (variable for variable in network.variables if variable in found)
 
 
 def _check_hearable(queues: Queues, processes: Sequence[Process]) -> None:

@@ -79,7 +79,11 @@ class QueueProcess:
 
     def _hear(self, process: ProcessBuilder, here: LocationHandle, indices: Indices, matches: Term) -> None:
         """The edges that receive an event of the model."""
-        channel, count, quiet = Term(_channel(self.queue, indices)), len(self.queue.events), self.queue.quiet_until
+        channel, count, quiet = (
+            Term(channel_of_queue(self.queue, indices)),
+            len(self.queue.events),
+            self.queue.quiet_until,
+        )
         same = self.position < count
         for name, expression in self.queue.visible.columns:
             said = self.columns[name] == Term(substitute(expression, indices, set()))
@@ -116,14 +120,14 @@ class QueueProcess:
                         f"`{name}` of `{self.queue.visible.event}`, which comes from outside, has no place to go to",
                         "an event from outside sets variables, and is none of their expressions",
                     )
-        channel = Term(_channel(self.queue, indices))
+        channel = Term(channel_of_queue(self.queue, indices))
         process.edge(here, here, guard=guard, send=channel, updates=[*updates, self.position.assign(self.position + 1)])
 
     def _needs(self) -> Iterator[tuple[int, Term]]:
         """The queues that events of this one wait for, with how many of their events must have happened."""
         needed = self.queue.needed
-        for other in sorted({need[0] for need in needed if need is not None}):
-            counts = [need[1] if need is not None and need[0] == other else 0 for need in needed]
+        for other in sorted({queue for needs in needed for queue, _ in needs}):
+            counts = [max((count for queue, count in needs if queue == other), default=0) for needs in needed]
             yield other, self._entry(f"needs[{other}]", [*counts, 0])
 
 
@@ -135,7 +139,8 @@ def cases(queue: Queue) -> Iterator[dict[Variable, Expression]]:
         yield {variable: Constant(value) for variable, value in chosen.items()}
 
 
-def _channel(queue: Queue, indices: Indices) -> Expression:
+def channel_of_queue(queue: Queue, indices: Indices) -> Expression:
+    """The element of the channel that has these indices."""
     visible = queue.visible
     return element(visible.channel, [indices[i] if isinstance(i, Variable) else i for i in visible.indices])
 

@@ -41,7 +41,8 @@ class Queue:
         events: the numbers of its events in the recording.
         values: for each event what its columns say; None where a cell is empty.
         earliest, latest: for each event between which times it happens; neither decreases.
-        needed: for each event, how many events of another queue must have happened before: (queue, how many), if any.
+        recorded: for each event when it was recorded.
+        needed: for each event, how many events of other queues must have happened before: pairs (queue, how many).
         optional: for each event, whether it may be left out.
         quiet_until: what happens until then has been recorded.
     """
@@ -53,7 +54,8 @@ class Queue:
     values: tuple[tuple[int | None, ...], ...]
     earliest: tuple[int, ...]
     latest: tuple[int, ...]
-    needed: tuple[tuple[int, int] | None, ...] = ()
+    recorded: tuple[int, ...] = ()
+    needed: tuple[tuple[tuple[int, int], ...], ...] = ()
     optional: tuple[bool, ...] = ()
     quiet_until: int = 0
 
@@ -114,7 +116,8 @@ def make_queues(
                 tuple(values for _, values in found),
                 tuple(_rising(max(floor(time - before), 0) for time in times)),
                 tuple(reversed([-t for t in _rising(-ceil(time + behind) for time in reversed(times))])),
-                tuple(None if n is None or n not in place else (place[n][0], place[n][1] + 1) for n in needed),
+                tuple(map(floor, times)),
+                tuple(() if n is None or n not in place else ((place[n][0], place[n][1] + 1),) for n in needed),
                 tuple(recording.events[number].optional for number, _ in found),
                 max(floor((_recorded_until(recording, visible, common) - origin) * scale - late), 0),
             )

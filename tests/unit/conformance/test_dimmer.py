@@ -26,8 +26,8 @@ def accepted(tmp_path: Path, rows: str, **given: str) -> bool | None:
 def test_run_of_the_model(tmp_path: Path) -> None:
     found = tachk.conform(MODEL, ROOT / "examples/dimmer/pressed.csv")
     assert found.accepted
-    assert found.run is not None
-    assert sum(step.transition is not None for step in found.run.steps) == 5
+    assert found.runs[0].trace is not None
+    assert sum(step.transition is not None for step in found.runs[0].trace.steps) == 5
 
 
 @pytest.mark.parametrize(
@@ -126,8 +126,8 @@ def test_order_of_what_was_sent_and_what_arrives(tmp_path: Path) -> None:
     file.write_text("time,event,on,level,id,after\n" + "\n".join(rows), encoding="utf-8")
     found = tachk.conform(MODEL, file)
     assert found.accepted
-    assert found.run is not None
-    order = [len(step.transition.participants) for step in found.run.steps if step.transition is not None]
+    assert found.runs[0].trace is not None
+    order = [len(step.transition.participants) for step in found.runs[0].trace.steps if step.transition is not None]
     assert len(order) == 5
 
 

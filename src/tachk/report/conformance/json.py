@@ -29,7 +29,7 @@ def _answer(found: Conformance) -> dict[str, Any]:
         "reason": found.reason,
         "tolerance": float(found.tolerance),
         "late": float(found.late),
-        "time_unit": found.following.network.time_unit,
+        "time_unit": found.time_unit,
         "events": len(recording.events) - found.queues.other,
         "other_events": found.queues.other,
         "states": found.statistics.states_stored,
@@ -59,7 +59,7 @@ def _refusal(found: Conformance) -> dict[str, Any] | None:
         return None
     event = None if refusal.event is None else _event(found.recording.events[refusal.event])
     return {
-        "happened": sum(refusal.happened),
+        "happened": refusal.happened,
         "event": event,
         "state": refusal.state,
         "allowed": [

@@ -21,7 +21,7 @@ def _lines(found: Conformance, model: str) -> Iterator[str]:
     yield f"{recording.source}: {grouped(count)} {'event' if count == 1 else 'events'} of {model}"
     if found.queues.other:
         yield f"{grouped(found.queues.other)} others are of no kind that the model speaks of"
-    unit = found.following.network.time_unit
+    unit = found.time_unit
     allowed = f"tolerance {units_text(found.tolerance, unit)}, late {units_text(found.late, unit)}"
     match found.accepted:
         case True:
@@ -52,7 +52,7 @@ def _refusal(found: Conformance) -> Iterator[str]:
     refusal = found.refusal
     if refusal is None:
         return
-    happened = sum(refusal.happened)
+    happened = refusal.happened
     yield f"the longest run goes along with {grouped(happened)} of them"
     if refusal.event is None:
         yield "after the last event the model does something that was not recorded"

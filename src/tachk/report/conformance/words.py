@@ -32,7 +32,7 @@ def edit_text(found: Conformance, edit: Edit) -> str:
             return f"{name} had come twice"
         case _:
             later = "later" if edit.by > 0 else "earlier"
-            return f"{name} had come {units_text(Fraction(abs(edit.by)), found.following.network.time_unit)} {later}"
+            return f"{name} had come {units_text(Fraction(abs(edit.by)), found.time_unit)} {later}"
 
 
 def units_text(amount: Fraction, unit: str) -> str:
