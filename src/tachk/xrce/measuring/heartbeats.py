@@ -32,6 +32,12 @@ _MILLISECOND: Final = 1e6
 _AT_ONCE: Final = 5.0
 """Milliseconds."""
 
+_TICK: Final = 1.0
+"""Milliseconds by which a client's timer is late: its clock has no finer steps."""
+
+_FEW: Final = 4
+"""With fewer waits, what else a client does cannot be told from its period."""
+
 _CLEARLY: Final = 1.25
 """By how much two times have to differ to tell two laws apart."""
 
@@ -133,6 +139,8 @@ def client_law(found: Sequence[Wait]) -> tuple[HeartbeatLaw | None, tuple[Wait, 
     if not counted:
         return None, (), 0
     law = max(HeartbeatLaw, key=lambda each: counted[each])
+    if 2 * counted[law] <= counted.total():
+        return None, (), 0
     return law, tuple(wait for vote, wait in votes if vote is law), counted.total() - counted[law]
 
 
@@ -187,10 +195,22 @@ def client_period(found: Sequence[Wait], law: HeartbeatLaw | None) -> Quantity:
     if len(since) == 1 and since[0].value > 3 * USUAL_PERIOD:
         how = "one HEARTBEAT, after a time in which the timer may have been started again and again"
         return Quantity(name, title, Unit.MILLISECONDS, tuple(since), None, Confidence.BOUND, how)
-    value = roundest(min(s.value for s in prompt), _middle(prompt), len(prompt))
-    how = f"the roundest number near the shortest waits, {len(prompt)} of {len(since)}"
     confidence = Confidence.MEASURED if len(prompt) > 1 else Confidence.ONE_SAMPLE
+    shortest = min(s.value for s in prompt)
+    fitting = [s for s in since if _fits_usual(s.value)]
+    if len(prompt) < _FEW and law is not HeartbeatLaw.DOUBLING and fitting:
+        how = f"the usual period, which {len(fitting)} of {len(since)} fit"
+        confidence = Confidence.MEASURED if len(fitting) > 1 else Confidence.ONE_SAMPLE
+        return Quantity(name, title, Unit.MILLISECONDS, tuple(since), USUAL_PERIOD, confidence, how)
+    value = roundest(shortest - _TICK, max(_middle(prompt), shortest), len(prompt))
+    how = f"the roundest number near the shortest waits, {len(prompt)} of {len(since)}"
     return Quantity(name, title, Unit.MILLISECONDS, tuple(since), value, confidence, how)
+
+
+def _fits_usual(wait: float) -> bool:
+    """Whether a wait may be that of the usual period: recorded a little early at its end or late at its begin, or kept
+    by what else the client had to do."""
+    return 0.85 * USUAL_PERIOD < wait < 1.2 * USUAL_PERIOD
 
 
 def agent_rounds(conversation: Conversation) -> tuple[list[Sample], list[Sample]]:
@@ -228,12 +248,16 @@ def agent_period(between: Sequence[Sample], first: Sequence[Sample]) -> tuple[Qu
     if not between:
         how = "the Agent sends no two HEARTBEATs with messages unacknowledged all the time between them"
         return seen(name, title, (), how), phase
-    between = [one for one in between if one.value < _LEFT_OUT * _middle(between)]
-    prompt = punctual(between)
-    middle = _middle(prompt)
-    value = roundest(sorted(s.value for s in prompt)[len(prompt) // 4], middle, len(prompt))
-    how = f"the roundest number near the median of the shortest, {len(prompt)} of {len(between)}"
-    confidence = Confidence.MEASURED if len(prompt) > 1 else Confidence.ONE_SAMPLE
+    middle = _middle(between)
+    between = [one for one in between if one.value < _LEFT_OUT * middle]
+    regular = [one for one in between if abs(one.value - middle) < middle / 10]
+    if 2 * len(regular) <= len(between):
+        how = f"only {len(regular)} of {len(between)} are near their median: something delays them"
+        return Quantity(name, title, Unit.MILLISECONDS, tuple(between), None, Confidence.BOUND, how), phase
+    middle = sorted(s.value for s in regular)[(len(regular) - 1) // 2]
+    value = roundest(middle, middle, len(regular))
+    how = f"the roundest number near the median of the regular ones, {len(regular)} of {len(between)}"
+    confidence = Confidence.MEASURED if len(regular) > 1 else Confidence.ONE_SAMPLE
     return Quantity(name, title, Unit.MILLISECONDS, tuple(between), value, confidence, how), phase
 
 

@@ -8,14 +8,17 @@ from pathlib import Path
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.records import dataclass
-from tachk.xrce.measuring import heartbeats, sleeps, traffic
+from tachk.xrce.measuring import faults, heartbeats, keeping, sleeps, traffic
 from tachk.xrce.measuring.conversation import Conversation, conversations
 from tachk.xrce.measuring.heartbeats import USUAL_PERIOD, HeartbeatLaw, Starving
 from tachk.xrce.measuring.quantity import Confidence, Quantity, Sample, Unit, seen
-from tachk.xrce.measuring.settings import Findings, Setting, settings
+from tachk.xrce.measuring.settings import Findings, Setting, Way, settings
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.transmissions import Recording, read_transmissions
 from tachk.xrce.wire import Kind
+
+_LATE_READING = 2000.0
+"""Milliseconds from the first sample to READ_DATA; what is shorter is set-up."""
 
 _NO_RELAY = "only a capture of both sides of a relay shows what is lost, copied or late"
 
@@ -82,6 +85,8 @@ class _Measuring:
         slices, inbound = _run_slices(starved, period)
         history = traffic.window("history", "window of the client", self.of_clients)
         window = traffic.window("agent_window", "window of the Agent", [c for c, _ in self.of_agents])
+        stopped = [(file, stop) for file, recording in self.recordings for stop in self._stops(file, recording, asleep)]
+        late = [(file, one) for file, recording in self.recordings for one in keeping.late_readings(recording)]
         quantities = (
             law_told,
             period,
@@ -95,13 +100,19 @@ class _Measuring:
             history,
             window,
             *self._network(),
+            faults.stops_quantity(stopped),
+            keeping.kept_quantity(late),
         )
         readings = [asking for _, recording in self.recordings for asking in sleeps.readings(recording)]
         known = {quantity.name: quantity for quantity in quantities}
         dozing = tuple(sleep for _, sleep in asleep)
         written, pace = self._publisher()
         again = sum(_created_again(recording) for _, recording in self.recordings)
-        findings = Findings(known, law, dozing, tuple(readings), written, pace, again, self._lost(asleep))
+        ways = tuple(dict.fromkeys(self._way(file, stop) for file, stop in stopped))
+        reading_late = tuple(one for _, one in late if one.waited > _LATE_READING)
+        findings = Findings(
+            known, law, dozing, tuple(readings), reading_late, ways, written, pace, again, self._lost(asleep)
+        )
         problems = tuple(f"{file}: {recording.problem}" for file, recording in self.recordings if recording.problem)
         return Measurement(files, quantities, settings(findings), problems)
 
@@ -164,6 +175,17 @@ class _Measuring:
         lost = sum(one.is_lost for one in known)
         how = f"{lost} of {len(known)} packets came to a relay and not out of it"
         return replace(loss, value=100 * lost / len(known), confidence=Confidence.MEASURED, how=how)
+
+    def _stops(
+        self, file: str, recording: Recording, asleep: Sequence[tuple[str, sleeps.Sleep]]
+    ) -> Iterator[faults.Stop]:
+        """Ways that stop for good while both ends are awake."""
+        silent = [sleep for name, sleep in asleep if name == file]
+        return faults.stops(recording, lambda one: any(sleep.covers(one) for sleep in silent))
+
+    def _way(self, file: str, stop: faults.Stop) -> Way:
+        writes = any(c.file == file and c.link == stop.link and traffic.writes(c) for c in self.of_clients)
+        return Way(writes, stop.to_agent)
 
     def _lost(self, asleep: Sequence[tuple[str, sleeps.Sleep]]) -> int | None:
         """How many packets were lost on their way to somebody who was awake; None where that was not recorded."""

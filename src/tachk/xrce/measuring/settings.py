@@ -10,13 +10,17 @@ from typing import Final
 
 from tachk.records import dataclass
 from tachk.xrce.measuring.heartbeats import USUAL_PERIOD, HeartbeatLaw
+from tachk.xrce.measuring.keeping import LateReading
 from tachk.xrce.measuring.quantity import Confidence, Quantity
 from tachk.xrce.measuring.sleeps import UNLIMITED, Asking, Sleep
 
 _LAWS: Final = {HeartbeatLaw.STEADY: 0, HeartbeatLaw.REARMED: 1, HeartbeatLaw.DOUBLING: 2}
-_PUSH, _PULL, _PUSH_PING = 0, 1, 2
+_PUSH, _PULL, _PUSH_PING, _READ_LATE = 0, 1, 2, 4
 _WINDOW: Final = 16
 """Messages that the Agent has unacknowledged at most. For n that are missing it sends n(n+1)/2 repetitions."""
+
+_USUAL_HISTORY: Final = 4
+"""Slots that a client has at least: those of micro-ROS."""
 
 _NO_STARVATION: Final = "no capture shows that run calls are shorter than the heartbeat: taken to be as long"
 
@@ -47,6 +51,19 @@ class Setting:
 
 
 @dataclass(frozen=True, slots=True)
+class Way:
+    """One way of a link: of a client that writes samples, or of one that does not."""
+
+    of_writer: bool
+    to_agent: bool
+
+    @property
+    def bit(self) -> int:
+        """Of the link in the models: client_publisher to Agent, back, client_subscriber to Agent, back."""
+        return 1 << 2 * (not self.of_writer) + (not self.to_agent)
+
+
+@dataclass(frozen=True, slots=True)
 class Findings:
     """What settings are made of.
 
@@ -57,6 +74,8 @@ class Findings:
         readings: every READ_DATA.
         written: samples of the client that waits longest for an ACKNACK.
         pace: of the same client.
+        late_readings: first READ_DATA of clients for which samples were waiting.
+        stopped: ways on which nothing comes through in the end.
         created_again: how often CREATE_CLIENT came to the Agent when the client had sent messages of its streams.
         lost: packets lost on their way to somebody awake; None where nobody looked.
     """
@@ -65,6 +84,8 @@ class Findings:
     law: HeartbeatLaw | None
     sleeps: tuple[Sleep, ...]
     readings: tuple[Asking, ...]
+    late_readings: tuple[LateReading, ...]
+    stopped: tuple[Way, ...]
     written: int
     pace: Quantity
     created_again: int
@@ -91,7 +112,16 @@ def _client(found: Findings) -> Iterator[Setting]:
     yield from _time("PACE", found.pace)
     yield _spin(found.quantities["run_slice"], period.value or USUAL_PERIOD)
     yield from _time("TRAFFIC", found.quantities["traffic"])
-    yield from _count("HISTORY", found.quantities["history"])
+    yield from _history(found.quantities["history"])
+
+
+def _history(history: Quantity) -> Iterator[Setting]:
+    """A power of two, as the client demands."""
+    if history.confidence is Confidence.MEASURED:
+        yield from _count("HISTORY", history)
+    elif history.value is not None and history.value > _USUAL_HISTORY:
+        slots = 1 << math.ceil(math.log2(history.value))
+        yield Setting("HISTORY", slots, False, history.confidence, f"{history.how}; it is a power of two")
 
 
 def _spin(slices: Quantity, period: float) -> Setting:
@@ -114,10 +144,21 @@ def _network(found: Findings) -> Iterator[Setting]:
         how = f"lost on the way to somebody awake: {found.lost}"
         how += "; one, whichever it is, is what the model tries" if found.lost > 1 else ""
         yield Setting("LOSSES", min(found.lost, 1), False, Confidence.MEASURED, how)
+    overtaking = found.quantities["overtaking"]
+    if overtaking.samples:
+        how = f"packets that came after one sent later: {len(overtaking.samples)}; one is what the model tries"
+        yield Setting("LATES", 1, False, overtaking.confidence, how)
+    if found.stopped:
+        stopped = found.quantities["stopped"]
+        bits = sum({way.bit for way in found.stopped})
+        yield Setting("BREAKS", bits, False, stopped.confidence, stopped.how)
 
 
 def _subscriber(found: Findings) -> Iterator[Setting]:
     limited = [asking for asking in found.readings if asking.samples not in (UNLIMITED, 0)]
+    kept = found.quantities["kept"]
+    if kept.value is not None and kept.confidence is not Confidence.BOUND:
+        yield Setting("KEEP", kept.value, False, kept.confidence, kept.how)
     copies = found.created_again
     if copies:
         how = f"CREATE_CLIENT reached the Agent again while messages were under way: {copies}"
@@ -129,15 +170,25 @@ def _subscriber(found: Findings) -> Iterator[Setting]:
         samples = limited[0].samples
         yield Setting("QUOTA", 1 if samples is None else samples, False, Confidence.MEASURED, how)
         yield from _pulling(limited)
+    elif found.late_readings:
+        yield from _reading_late(found.late_readings)
     elif spoken:
         how = "after its silence the client speaks first"
         yield Setting("SUBSCRIPTION", _PUSH_PING, False, Confidence.MEASURED, how)
     elif found.readings:
         yield Setting("SUBSCRIPTION", _PUSH, False, Confidence.MEASURED, "READ_DATA asks without limit")
-    if found.readings and not limited:
+    if found.readings and not limited and not found.late_readings:
         sleep = found.quantities["sleep"]
         yield Setting("SLEEPS", min(len(found.sleeps), 1), False, sleep.confidence, sleep.how)
         yield from _time("SLEEP", sleep)
+
+
+def _reading_late(found: tuple[LateReading, ...]) -> Iterator[Setting]:
+    how = f"samples that had been written before READ_DATA: {max(one.written for one in found)}"
+    yield Setting("SUBSCRIPTION", _READ_LATE, False, Confidence.MEASURED, how)
+    yield Setting("SLEEPS", 1, False, Confidence.MEASURED, how)
+    longest = max(one.waited for one in found)
+    yield Setting("SLEEP", longest, True, Confidence.ONE_SAMPLE, "from the first sample to READ_DATA")
 
 
 def _pulling(limited: list[Asking]) -> Iterator[Setting]:

@@ -120,9 +120,12 @@ def dead_time(found: Sequence[tuple[Conversation, Recording]], period: float | N
         how = f"more than {most.value:.0f} ms: the Agent still sent a HEARTBEAT then"
         return Quantity(name, title, Unit.MILLISECONDS, (most,), None, Confidence.BOUND, how)
     low, high = max(low.value for low, _ in bounds), min(high.value for _, high in bounds)
+    if high < low:
+        how = f"one capture says more than {low:.0f} ms, another one less than {high:.0f} ms"
+        return seen(name, title, (), how)
     how = f"the roundest number from the last HEARTBEAT ({low:.0f} ms) to the next that did not come ({high:.0f} ms)"
     samples = tuple(sample for pair in bounds for sample in pair)
-    value = roundest(low, max(high, low), 100)
+    value = roundest(low, high, 100)
     return Quantity(name, title, Unit.MILLISECONDS, samples, value, Confidence.MEASURED, how)
 
 

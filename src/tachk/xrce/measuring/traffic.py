@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Final
 
@@ -149,19 +150,31 @@ def copies(file: str, recording: Recording) -> Iterator[Sample]:
 
 
 def overtakings(file: str, recording: Recording) -> Iterator[Sample]:
-    """Messages that arrive before one that was sent before them; how many milliseconds before."""
+    """Messages that arrive before one that was sent before them; how many milliseconds before.
+
+    Of messages with the same content that one counts which makes it the least surprising.
+    """
     for one, late in _overtaken(recording.transmissions):
         places = Place(file, one.packet), Place(file, late.packet)
         yield Sample((late.arrived - one.arrived) / _MILLISECOND, places)
 
 
-def _overtaken(transmissions: Iterable[Transmission]) -> Iterator[tuple[Transmission, Transmission]]:
-    latest: dict[tuple[int, bool], Transmission] = {}
+def _overtaken(transmissions: Sequence[Transmission]) -> Iterator[tuple[Transmission, Transmission]]:
+    """Pairs that cannot be explained otherwise: whichever of the messages with its content the first is, it was sent
+    after the second, whichever of those with its content that is."""
+    sent: dict[tuple[object, ...], list[int]] = {}
     for one in transmissions:
-        if not one.arrivals:
-            continue
-        way = one.link, one.to_agent
-        if way in latest and latest[way].arrived > one.arrived:
-            yield one, latest[way]
-        else:
-            latest[way] = one
+        sent.setdefault(_content(one), []).append(one.sent)
+    arrived = sorted((one for one in transmissions if one.arrivals), key=lambda one: one.arrived)
+    newest: dict[tuple[int, bool], tuple[int, Transmission]] = {}
+    for one in arrived:
+        way, times = (one.link, one.to_agent), sent[_content(one)]
+        at_most = times[bisect_right(times, one.arrived) - 1]
+        if way in newest and newest[way][0] > at_most:
+            yield newest[way][1], one
+        if way not in newest or newest[way][0] < times[0]:
+            newest[way] = times[0], one
+
+
+def _content(one: Transmission) -> tuple[object, ...]:
+    return one.link, one.to_agent, *((e.kind, e.stream, e.sequence, str(e.fields)) for e in one.events)
