@@ -22,15 +22,21 @@ class ModelTime:
         milliseconds: in a unit of time of the model.
         constants: those that the model has; None for a model that is not known, which may have all of them.
         model: its name.
+    is_for_recordings: whether recordings are held against it.
     """
 
     milliseconds: float = 1.0
     constants: frozenset[str] | None = None
     model: str = ""
+    is_for_recordings: bool = False
+
+    def all(self, found: Measurement) -> tuple[Setting, ...]:
+        """Those for such models."""
+        return found.recorded if self.is_for_recordings else found.settings
 
     def chosen(self, found: Measurement) -> list[Setting]:
         """The settings that the model has."""
-        return [one for one in found.settings if self.constants is None or one.name in self.constants]
+        return [one for one in self.all(found) if self.constants is None or one.name in self.constants]
 
 
 def settings_line(found: Measurement, time: ModelTime) -> str:
@@ -45,16 +51,18 @@ def measurement_to_json(found: Measurement, time: ModelTime) -> dict[str, Any]:
         "problems": list(found.problems),
         "quantities": [_quantity_to_json(quantity) for quantity in found.quantities],
         "unit_ms": time.milliseconds,
-        "settings": [
-            {
-                "name": one.name,
-                "value": one.in_units(time.milliseconds),
-                "ms": one.value if one.is_time else None,
-                "confidence": one.confidence.value,
-                "how": one.how,
-            }
-            for one in time.chosen(found)
-        ],
+        "settings": [_setting_to_json(one, time) for one in time.chosen(found)],
+        "recorded_settings": [_setting_to_json(one, ModelTime()) for one in found.recorded],
+    }
+
+
+def _setting_to_json(setting: Setting, time: ModelTime) -> dict[str, Any]:
+    return {
+        "name": setting.name,
+        "value": setting.in_units(time.milliseconds),
+        "ms": setting.value if setting.is_time else None,
+        "confidence": setting.confidence.value,
+        "how": setting.how,
     }
 
 
@@ -96,9 +104,11 @@ def measurement_to_text(found: Measurement, time: ModelTime) -> str:
     if coarse:
         told = ", ".join(f"{one.name} is {one.value:g} ms" for one in coarse)
         lines.append(f"the unit of {time.milliseconds:g} ms is too coarse: {told}")
-    left_out = [one.name for one in found.settings if one not in chosen]
+    left_out = [one.name for one in time.all(found) if one not in chosen]
     if left_out:
         lines.append(f"{time.model} has no constant {', '.join(left_out)}")
+    if not time.model:
+        lines += ["settings for models of recordings, in ms:", *_setting_lines(list(found.recorded), time)]
     return "\n".join(lines) + "\n"
 
 

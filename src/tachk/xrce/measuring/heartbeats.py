@@ -107,6 +107,15 @@ def _overdue(activity: Moment, beat: Beat) -> bool:
     return isinstance(activity, Sent) and _between(activity, beat) < _AT_ONCE
 
 
+def overdue(conversation: Conversation) -> Iterator[Sample]:
+    """From a message to the HEARTBEAT that follows it at once: the client was in no run function when it was due."""
+    before: Moment | None = None
+    for moment in conversation.moments:
+        if isinstance(moment, Beat) and isinstance(before, Sent) and moment.unacknowledged and _overdue(before, moment):
+            yield Sample(_between(before, moment), (conversation.place(before), conversation.place(moment)))
+        before = moment
+
+
 def starvings(conversation: Conversation, period: float) -> Iterator[Starving]:
     """Stretches longer than the period in which a client has unacknowledged messages, sends no HEARTBEAT and gets no
     ACKNACK.

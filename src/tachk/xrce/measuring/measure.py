@@ -9,9 +9,10 @@ from pathlib import Path
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.records import dataclass
 from tachk.xrce.measuring import faults, heartbeats, keeping, sleeps, traffic
-from tachk.xrce.measuring.conversation import Conversation, conversations
+from tachk.xrce.measuring.conversation import Conversation, Sent, conversations
 from tachk.xrce.measuring.heartbeats import USUAL_PERIOD, HeartbeatLaw, Starving
 from tachk.xrce.measuring.quantity import Confidence, Quantity, Sample, Unit, seen
+from tachk.xrce.measuring.recorded_settings import Recorded, recorded_settings
 from tachk.xrce.measuring.settings import Findings, Setting, Way, settings
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.transmissions import Recording, read_transmissions
@@ -29,12 +30,14 @@ class Measurement:
     files: the captures, together.
     quantities: everything that was looked for, also what no capture shows.
     settings: constants of a model of the protocol; see `tachk.xrce.measuring.settings`.
+    recorded: those of a model that recordings are held against; see `tachk.xrce.measuring.recorded_settings`.
     problems: which captures end too early, and why.
     """
 
     files: tuple[str, ...]
     quantities: tuple[Quantity, ...]
     settings: tuple[Setting, ...]
+    recorded: tuple[Setting, ...] = ()
     problems: tuple[str, ...] = ()
 
     def quantity(self, name: str) -> Quantity:
@@ -44,6 +47,10 @@ class Measurement:
     def definitions(self, milliseconds: float = 1.0) -> dict[str, int]:
         """The settings as constants of a model whose unit of time has so many milliseconds; `tachk.load` takes them."""
         return {setting.name: setting.in_units(milliseconds) for setting in self.settings}
+
+    def recorded_definitions(self, milliseconds: float = 1.0) -> dict[str, int]:
+        """The same for a model that `tachk.conform` holds recordings against."""
+        return {setting.name: setting.in_units(milliseconds) for setting in self.recorded}
 
 
 def measure(*files: str | Path, ports: Iterable[int] = ()) -> Measurement:
@@ -111,10 +118,25 @@ class _Measuring:
         ways = tuple(dict.fromkeys(self._way(file, stop) for file, stop in stopped))
         reading_late = tuple(one for _, one in late if one.waited > _LATE_READING)
         findings = Findings(
-            known, law, dozing, tuple(readings), reading_late, ways, written, pace, again, self._lost(asleep)
+            known, law, dozing, tuple(readings), reading_late, ways, written, pace, again, self._lost(asleep, stopped)
         )
         problems = tuple(f"{file}: {recording.problem}" for file, recording in self.recordings if recording.problem)
-        return Measurement(files, quantities, settings(findings), problems)
+        chosen = settings(findings)
+        by_name = {setting.name: setting for setting in chosen}
+        recorded = recorded_settings(Recorded(known, by_name, self._samples(), self._longest()))
+        return Measurement(files, quantities, chosen, recorded, problems)
+
+    def _samples(self) -> int:
+        kinds = Kind.WRITE_DATA, Kind.DATA
+        return max(
+            len({str(e.fields["sample"]) for one in recording.transmissions for e in one.events if e.kind in kinds})
+            for _, recording in self.recordings
+        )
+
+    def _longest(self) -> int:
+        everybody = [*self.of_clients, *(conversation for conversation, _ in self.of_agents)]
+        numbers = (moment.number for c in everybody for moment in c.moments if isinstance(moment, Sent))
+        return max(numbers, default=0) + 1
 
     def _publisher(self) -> tuple[int, Quantity]:
         """How many samples the client writes that waits longest for an ACKNACK, and its pace."""
@@ -147,6 +169,9 @@ class _Measuring:
         for who, found, way in sides:
             title = f"from a lost message of the {who} to its arrival"
             yield _of(f"repair_{way}", title, found, traffic.repairs, "no lost message is seen to arrive later")
+        title = "from a message to a HEARTBEAT that was due when the client was in no run function"
+        missing = "no HEARTBEAT follows a message at once"
+        yield _of("overdue_heartbeat", title, self.of_clients, heartbeats.overdue, missing)
         title = "between two samples that a client writes"
         yield _of("pace", title, self.of_clients, traffic.paces, "no client writes twice")
 
@@ -157,9 +182,11 @@ class _Measuring:
             yield self._together(loss, to_agent)
         none = "no packet arrives {}" if any(link.relay for _, r in self.recordings for link in r.links) else _NO_RELAY
         overtaking = "how much earlier a packet arrives than one that was sent before it"
+        answering = "from a message that comes to a client to its next ACKNACK"
         never = none.format("before an older one")
         for name, title, function, unit, missing in (
             ("delay", "delay of a packet", traffic.delays, Unit.MILLISECONDS, _NO_RELAY),
+            ("client_reaction", answering, traffic.reactions, Unit.MILLISECONDS, _NO_RELAY),
             ("copies", "arrivals of a packet that was copied", traffic.copies, Unit.COUNT, none.format("twice")),
             ("overtaking", overtaking, traffic.overtakings, Unit.MILLISECONDS, never),
         ):
@@ -187,12 +214,17 @@ class _Measuring:
         writes = any(c.file == file and c.link == stop.link and traffic.writes(c) for c in self.of_clients)
         return Way(writes, stop.to_agent)
 
-    def _lost(self, asleep: Sequence[tuple[str, sleeps.Sleep]]) -> int | None:
-        """How many packets were lost on their way to somebody who was awake; None where that was not recorded."""
+    def _lost(
+        self, asleep: Sequence[tuple[str, sleeps.Sleep]], stopped: Sequence[tuple[str, faults.Stop]]
+    ) -> int | None:
+        """How many packets were lost on their way to somebody who was awake, on a way that did not stop for good; None
+        where that was not recorded."""
         if not any(link.relay for _, recording in self.recordings for link in recording.links):
             return None
         return sum(
-            one.is_lost and not any(name == file and s.covers(one) for name, s in asleep)
+            one.is_lost
+            and not any(name == file and sleep.covers(one) for name, sleep in asleep)
+            and not any(name == file and one in stop.messages for name, stop in stopped)
             for file, recording in self.recordings
             for one in recording.transmissions
         )

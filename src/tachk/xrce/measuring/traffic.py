@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Final
@@ -30,6 +30,25 @@ def round_trips(conversation: Conversation) -> Iterator[Sample]:
                 waiting.remove(sent)
                 places = conversation.place(sent), conversation.place(moment)
                 yield Sample((moment.time - sent.time) / _MILLISECOND, places)
+
+
+def reactions(file: str, recording: Recording) -> Iterator[Sample]:
+    """From a message that comes to a client to its next ACKNACK: it answers everything."""
+    for link in range(len(recording.links)):
+        ours = [one for one in recording.transmissions if one.link == link]
+        answers = [one for one in ours if one.to_agent and any(event.kind is Kind.ACKNACK for event in one.events)]
+        times = [one.sent for one in answers]
+        for one in ours:
+            if one.to_agent or not one.arrivals or not _wants_answer(one):
+                continue
+            place = bisect_left(times, one.arrived)
+            if place < len(answers):
+                places = Place(file, one.arrivals[0].packet), Place(file, answers[place].packet)
+                yield Sample((times[place] - one.arrived) / _MILLISECOND, places)
+
+
+def _wants_answer(one: Transmission) -> bool:
+    return any(event.is_reliable or event.kind is Kind.HEARTBEAT for event in one.events)
 
 
 def repairs(conversation: Conversation) -> Iterator[Sample]:

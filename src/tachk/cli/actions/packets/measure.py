@@ -48,10 +48,12 @@ def run_measure(measuring: Measuring) -> ExitStatus:
 def _time_of(path: str | None) -> ModelTime:
     if path is None:
         return ModelTime()
-    network = api.load(path).network
+    model = api.load(path)
+    network = model.network
     unit = length_of(network.time_unit) if network.time_unit else None
     if unit is None:
         raise UsageError(
             f"{path} does not say how long its unit of time is", "settings need that: time_unit = 1 ms; in the model"
         )
-    return ModelTime(float(unit / 10**6), frozenset(name for name, _ in network.constants), path)
+    names = frozenset(name for name, _ in network.constants)
+    return ModelTime(float(unit / 10**6), names, path, model.loaded.recording is not None)

@@ -34,7 +34,8 @@ from tachk.cli import options
     type=click.Choice(["text", "json", "settings"]),
     default="text",
     show_default=True,
-    help="Form of the report; settings: a line of -D options for tachk verify.",
+    help="Form of the report; settings: a line of -D options for tachk verify, or for tachk conform if the model has a "
+    "`recording`.",
 )
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
 @options.max_seconds()

@@ -1,0 +1,82 @@
+"""Measured quantities as constants of a model that recordings are held against: `recorded.ta` and its like.
+
+A recording brings its losses, delays and applications along, so these are periods, windows and what is not exact.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+from tachk.records import dataclass
+from tachk.xrce.measuring.quantity import Confidence, Quantity
+from tachk.xrce.measuring.settings import Setting
+
+_OUTSIDE = 50.0
+"""Milliseconds after which a client that does not answer is taken to be outside its run function."""
+
+_ROUND_TIMES = 1.1
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """What such settings are made of.
+
+    Attributes:
+        quantities: by their names.
+        settings: those for models that are checked; by their names.
+        samples: how many different ones are in the captures.
+        longest: how many messages the longest stream has.
+    """
+
+    quantities: Mapping[str, Quantity]
+    settings: Mapping[str, Setting]
+    samples: int
+    longest: int
+
+
+def recorded_settings(found: Recorded) -> tuple[Setting, ...]:
+    """The constants that captures say something about."""
+    return tuple(_settings(found))
+
+
+def _settings(found: Recorded) -> Iterator[Setting]:
+    # a stream of the models has room for 2 * MESSAGES + 16 messages
+    messages = max(found.samples, (found.longest - 15) // 2, 1)
+    how = f"different samples: {found.samples}; messages in the longest stream: {found.longest}"
+    yield Setting("MESSAGES", messages, False, Confidence.MEASURED, how)
+    for name in ("HEARTBEAT_LAW", "CLIENT_HEARTBEAT", "HISTORY", "AGENT_HEARTBEAT", "DEAD", "AGENT_WINDOW", "KEEP"):
+        if name in found.settings:
+            yield found.settings[name]
+    for name, of in (("CLIENT_JITTER", "client_heartbeat"), ("AGENT_JITTER", "agent_heartbeat")):
+        yield _jitter(name, found.quantities[of])
+    yield Setting("EXACT_BITMAPS", 1, False, Confidence.MEASURED, "packets have every bit of a bitmap")
+    yield from _missed_rounds(found.quantities)
+    yield from _pauses(found.quantities["client_reaction"], found.quantities["overdue_heartbeat"])
+
+
+def _jitter(name: str, period: Quantity) -> Setting:
+    """How much later than due HEARTBEATs come, but for the latest tenth: what delays those is none of the timer."""
+    if period.value is None or period.confidence is not Confidence.MEASURED:
+        return Setting(name, 5, True, Confidence.ASSUMED, "the period was not seen often enough; what is usual")
+    near = sorted(s.value for s in period.samples if s.value < _ROUND_TIMES * period.value)
+    late = near[max(math.ceil(0.9 * len(near)) - 1, 0)] - period.value if near else 0.0
+    how = f"nine of ten waits are at most {late:.1f} ms longer than the period"
+    return Setting(name, max(math.ceil(late), 1), True, Confidence.MEASURED, how)
+
+
+def _pauses(reaction: Quantity, overdue: Quantity) -> Iterator[Setting]:
+    """Whether applications leave the run function for longer."""
+    if reaction.maximum is not None and reaction.maximum > _OUTSIDE:
+        how = f"a client answered only after {reaction.maximum:.0f} ms"
+        yield Setting("PAUSES", 1, False, reaction.confidence, how)
+    elif overdue.samples:
+        how = f"HEARTBEATs that were overdue when a client called its run function: {len(overdue.samples)}"
+        yield Setting("PAUSES", 1, False, overdue.confidence, how)
+
+
+def _missed_rounds(quantities: Mapping[str, Quantity]) -> Iterator[Setting]:
+    period, first = quantities["agent_heartbeat"].value, quantities["agent_first_heartbeat"].maximum
+    if first is not None and first > _ROUND_TIMES * (period or first):
+        how = f"the first HEARTBEAT came {first:.0f} ms after the message, more than a period"
+        yield Setting("MISSED_ROUNDS", 1, False, Confidence.MEASURED, how)
