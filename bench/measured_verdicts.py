@@ -3,8 +3,8 @@
     python bench/measured_verdicts.py FOLDER [--only PREFIX] [--model MODEL] [--seconds 20]
 
 For each FILE.pcap of the folder: the settings of `tachk measure`, and for each of the seven properties what `tachk
-monitor` says of the capture and `tachk verify` of the model. It contradicts the capture where a property that the capture
-violates holds in the model; `open` is what the capture ends too early for.
+monitor` says of the capture and `tachk verify` of the model. It contradicts the capture where a property that the
+capture violates holds in the model; `open` is what the capture ends too early for.
 """
 
 from __future__ import annotations
