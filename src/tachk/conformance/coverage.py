@@ -14,12 +14,14 @@ from tachk.records import dataclass
 class Covered:
     """Attributes:
     process: its name.
+    template: the name of its template.
     source, target: the names of the locations.
     doc: what the edge does, in the words of the model.
     times: how often it was taken.
     """
 
     process: str
+    template: str
     source: str
     target: str
     doc: str
@@ -41,6 +43,7 @@ def coverage(network: Network, found: Iterable[Conformance]) -> tuple[Covered, .
     return tuple(
         Covered(
             network.processes[number].name,
+            network.processes[number].template,
             network.processes[number].locations[edge.source].name,
             network.processes[number].locations[edge.target].name,
             edge.doc,

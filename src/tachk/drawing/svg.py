@@ -25,6 +25,10 @@ text{font:12px "DejaVu Sans",Verdana,Arial,sans-serif;white-space:pre}
 .edge{fill:none;stroke:#222}
 .uncontrollable{stroke-dasharray:6 4}
 .head{fill:#222}
+.taken{stroke:#1a7f37;stroke-width:2.5}
+.taken-head{fill:#1a7f37}
+.never{stroke:#b35900;stroke-dasharray:3 4}
+.never-head{fill:#b35900}
 .nail{fill:#222}
 .name{fill:#8b1a1a}
 .invariant{fill:#a020f0}
@@ -81,15 +85,21 @@ class Picture:
         return self.svg
 
 
-def draw_template(template: ast.Template, layout: TemplateLayout) -> Picture:
+def draw_template(
+    template: ast.Template, layout: TemplateLayout, taken: Mapping[EdgeKey, int] | None = None
+) -> Picture:
     """The picture of a template; what has no place in the layout is left out.
 
     Colours and marks are UPPAAL's: a double circle for the initial location, C for committed, U for urgent, a dashed
     line for an edge that the environment controls.
+
+    Args:
+        taken: how often each edge was taken: edges that were are green and thick, others orange and dotted.
     """
     picture = _Canvas()
     for key, edge in keyed_edges(template):
-        _draw_edge(picture, template, layout, edge, layout.edges.get(key, EdgeLayout()), key)
+        often = None if taken is None else taken.get(key, 0)
+        _draw_edge(picture, template, layout, edge, layout.edges.get(key, EdgeLayout()), key, often)
     for location in template.locations:
         _draw_location(picture, location, layout.nodes.get(location.name.name, NodeLayout()))
     for branchpoint in template.branchpoints:
@@ -97,7 +107,11 @@ def draw_template(template: ast.Template, layout: TemplateLayout) -> Picture:
         if centre is not None:
             picture.see(centre.x, centre.y)
             picture.add(f'<circle class="head" cx="{centre.x}" cy="{centre.y}" r="{_BRANCHPOINT_RADIUS}"/>')
-    return picture.finish(template.name.name, f"{template.name.name}({print_parameters(template.parameters)})")
+    title = f"{template.name.name}({print_parameters(template.parameters)})"
+    if taken is not None:
+        edges = [key for key, _ in keyed_edges(template)]
+        title += f" · {sum(taken.get(key, 0) > 0 for key in edges)} of {len(edges)} edges taken"
+    return picture.finish(template.name.name, title)
 
 
 def together(name: str, pictures: Sequence[Picture]) -> Picture:
@@ -182,6 +196,7 @@ def _draw_edge(
     edge: ast.EdgeDeclaration,
     edge_layout: EdgeLayout,
     key: EdgeKey,
+    often: int | None,
 ) -> None:
     ends = [layout.nodes.get(name, NodeLayout()).position for name in (key.source, key.target)]
     start, end = ends
@@ -198,9 +213,11 @@ def _draw_edge(
     path = " ".join(f"{x:g},{y:g}" for x, y in (*line[:-1], *_neck(line)))
     colour = f' style="stroke:{escape(edge_layout.colour)}"' if edge_layout.colour else ""
     kind = "edge" if edge.controllable else "edge uncontrollable"
-    picture.add(f'<polyline class="{kind}" data-edge="{escape(key.text)}" points="{path}"{colour}/>')
+    covered = "" if often is None else "taken" if often else "never"
+    classes = f"{kind} {covered}".rstrip()
+    picture.add(f'<polyline class="{classes}" data-edge="{escape(key.text)}" points="{path}"{colour}/>')
     head = " ".join(f"{x:g},{y:g}" for x, y in _head(line))
-    picture.add(f'<polygon class="head" points="{head}"/>')
+    picture.add(f'<polygon class="{f"{covered}-head" if covered else "head"}" points="{head}"/>')
     _draw_labels(picture, _with_comment(edge_labels(edge), edge.doc), edge_layout.labels)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from tachk.diagnostics.diagnostic import InputError, UsageError
@@ -15,18 +16,24 @@ from tachk.frontend.overrides import constant_overrides
 from tachk.loading.imports import Importer
 from tachk.loading.model_files import read_model
 from tachk.syntax import ast
-from tachk.syntax.picture_layout import Layout
+from tachk.syntax.picture_layout import EdgeKey, Layout, keyed_edges
 from tachk.syntax.rewrite import rewrite
 from tachk.syntax.source_files import read_source
 
+Taken = Mapping[str, Mapping[EdgeKey, int]]
+"""How often the edges of templates were taken, by the names of templates."""
 
-def draw_file(path: str | os.PathLike[str], constants: Mapping[str, str] | None = None) -> tuple[Picture, ...]:
+
+def draw_file(
+    path: str | os.PathLike[str], constants: Mapping[str, str] | None = None, taken: Taken | None = None
+) -> tuple[Picture, ...]:
     """A picture of each template of a model file and of what it imports, in order.
 
     The file need not be a complete model: only its text is read.
 
     Args:
         constants: other values for global constants, shown in place of their names.
+        taken: how often edges were taken; only the templates that it knows are drawn.
 
     Raises:
         InputError: the text is wrong; carries every finding.
@@ -46,14 +53,17 @@ def draw_file(path: str | os.PathLike[str], constants: Mapping[str, str] | None 
     if findings.has_errors:
         raise InputError(findings.sorted())
     drawn = [_with_values(item, values) if isinstance(item, ast.Template) else item for item in items]
-    return draw_items(drawn, read.layout or read_layout_beside(path), source.name)
+    return draw_items(drawn, read.layout or read_layout_beside(path), source.name, taken)
 
 
-def draw_items(items: Iterable[ast.Item], layout: Layout | None, name: str) -> tuple[Picture, ...]:
+def draw_items(
+    items: Iterable[ast.Item], layout: Layout | None, name: str, taken: Taken | None = None
+) -> tuple[Picture, ...]:
     """A picture of each template among declarations.
 
     Args:
         name: what a message calls them.
+        taken: how often edges were taken; only the templates that it knows are drawn.
 
     Raises:
         UsageError: there is no template.
@@ -62,7 +72,28 @@ def draw_items(items: Iterable[ast.Item], layout: Layout | None, name: str) -> t
     if not templates:
         raise UsageError(f"{name} has no template to draw")
     known = {} if layout is None else layout.templates
-    return tuple(draw_template(template, complete(template, known.get(template.name.name))) for template in templates)
+    if taken is None:
+        return tuple(draw_template(one, complete(one, known.get(one.name.name))) for one in templates)
+    covered = {one.name.name: _counted(one, taken[one.name.name]) for one in templates if one.name.name in taken}
+    if not covered:
+        raise UsageError(f"no template of {name} is in the coverage", "draw the model that `tachk conform` was given")
+    return tuple(draw_template(one, complete(one, known.get(place)), taken[place]) for place, one in covered.items())
+
+
+def _counted(template: ast.Template, taken: Mapping[EdgeKey, int]) -> ast.Template:
+    """The template with comments on its edges that say how often they were taken, and nothing else: what is long would
+    stand far from its edge."""
+    often = {id(edge): taken.get(key, 0) for key, edge in keyed_edges(template)}
+
+    def counted(edge: ast.EdgeDeclaration) -> ast.EdgeDeclaration:
+        return replace(edge, doc=f"{often[id(edge)]}×" if often[id(edge)] else "never")
+
+    def changed(edges: tuple[ast.EdgeDeclaration, ...]) -> tuple[ast.EdgeDeclaration, ...]:
+        return tuple(counted(edge) for edge in edges)
+
+    locations = tuple(replace(one, edges=changed(one.edges)) for one in template.locations)
+    branchpoints = tuple(replace(one, edges=changed(one.edges)) for one in template.branchpoints)
+    return replace(template, locations=locations, branchpoints=branchpoints, edges=changed(template.edges))
 
 
 def _with_values(template: ast.Template, values: Mapping[str, ast.Expression]) -> ast.Template:

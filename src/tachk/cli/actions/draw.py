@@ -9,17 +9,25 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.drawing.png import to_png
 from tachk.drawing.svg import together
+from tachk.report.conformance.taken_edges import read_taken
 from tachk.report.pictures import draw_file, named
 
 _SUFFIXES = (".svg", ".png")
 
 
-def run_draw(model: str, output: Path, template: str | None, definitions: tuple[str, ...] = ()) -> ExitStatus:
+def run_draw(
+    model: str,
+    output: Path,
+    template: str | None,
+    definitions: tuple[str, ...] = (),
+    coverage: Path | None = None,
+) -> ExitStatus:
     """Writes the pictures of a model: all in one if the output is named ``.svg`` or ``.png``, else one SVG each."""
     suffix = output.suffix.lower()
     if suffix and suffix not in _SUFFIXES and not output.is_dir():
         raise UsageError(f"{output}: pictures are written as .svg or .png", "without an ending, to a folder")
-    pictures = draw_file(model, parse_definitions(definitions))
+    taken = None if coverage is None else read_taken(coverage)
+    pictures = draw_file(model, parse_definitions(definitions), taken)
     if template is not None:
         pictures = (named(pictures, template),)
     if suffix in _SUFFIXES:

@@ -22,10 +22,22 @@ from tachk.cli import options
     help="The folder for one .svg file per template, or one .svg or .png file for all.",
 )
 @click.option("--template", metavar="NAME", help="Draw this template only.")
+@click.option(
+    "coverage",
+    "--coverage",
+    metavar="FILE",
+    type=options.type_of_file,
+    help="Draw which edges recordings have taken, and how often; tachk conform --coverage --format json writes it.",
+)
 @options.definitions
 @options.max_seconds()
 def command(
-    model: str, output: Path, template: str | None, definitions: tuple[str, ...], seconds: float | None
+    model: str,
+    output: Path,
+    template: str | None,
+    coverage: Path | None,
+    definitions: tuple[str, ...],
+    seconds: float | None,
 ) -> None:
     """Draw the templates of a model as SVG or PNG.
 
@@ -34,4 +46,4 @@ def command(
     """
     from tachk.cli.actions.draw import run_draw
 
-    options.finish(lambda: run_draw(model, output, template, definitions), seconds)
+    options.finish(lambda: run_draw(model, output, template, definitions, coverage), seconds)

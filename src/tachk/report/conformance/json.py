@@ -46,6 +46,7 @@ def _edit(found: Conformance, edit: Edit) -> dict[str, Any]:
 def _covered(each: Covered) -> dict[str, Any]:
     return {
         "process": each.process,
+        "template": each.template,
         "source": each.source,
         "target": each.target,
         "doc": each.doc,
