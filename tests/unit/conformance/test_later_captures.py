@@ -18,6 +18,8 @@ from tachk.conformance.asking import constants_of
 from tachk.conformance.conform import conform
 from tachk.conformance.packet_events import read_capture
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.monitoring.offline import monitor
+from tachk.runtime.node_signal import Truth
 from tachk.xrce.events import decode
 from tachk.xrce.wire import Kind
 
@@ -96,3 +98,9 @@ def test_more_clients_than_the_model_has() -> None:
 def test_what_is_not_modelled_is_named(name: str, what: str) -> None:
     with pytest.raises(UsageError, match=what):
         read_capture(CAPTURES / f"{name}.pcap")
+
+
+def test_two_writers_write_the_same_bytes() -> None:
+    """The second session writes 1, 2, 3, ... again, and its samples arrive before the Agent acknowledges them."""
+    for formula in ("G (allToAgent -> F[0, 100 ms] allToClient)", "G FDDSisSent"):
+        assert monitor(formula, CAPTURES / "restarted.pcap").truth is Truth.TRUE

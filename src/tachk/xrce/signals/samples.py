@@ -1,12 +1,14 @@
 """Samples on their way from writers to readers: which ones a reader has not got, and whether it got them in order.
 
 Samples are known by their bytes. What a reader gets and no client has written comes from elsewhere, and is not judged.
+A capture may show that a reader has got a sample before it shows that it was written. If several writers have a topic,
+each may write the same bytes: a reader may get them as often as there were writers.
 """
 
 from __future__ import annotations
 
 import re
-from collections import OrderedDict, deque
+from collections import Counter, OrderedDict, deque
 from typing import Final, NamedTuple
 
 _MOST_UNREAD: Final = 1 << 16
@@ -33,24 +35,27 @@ class TooManyUnread(Exception):
 
 
 class _Remembered:
-    """The last samples of many."""
+    """The last samples of many, and how often each was there."""
 
     def __init__(self) -> None:
-        self._samples: OrderedDict[int, None] = OrderedDict()
+        self._samples: OrderedDict[int, int] = OrderedDict()
 
     def add(self, sample: int) -> None:
-        self._samples[sample] = None
+        self._samples[sample] = self._samples.get(sample, 0) + 1
         if len(self._samples) > _MOST_REMEMBERED:
             self._samples.popitem(last=False)
 
-    def __contains__(self, sample: int) -> bool:
-        return sample in self._samples
+    def count(self, sample: int) -> int:
+        return self._samples.get(sample, 0)
 
     def discard(self, sample: int) -> bool:
-        """Forgets it. Returns whether it was there."""
-        found = sample in self._samples
-        self._samples.pop(sample, None)
-        return found
+        """Forgets it once. Returns whether it was there."""
+        found = self._samples.get(sample, 0)
+        if found > 1:
+            self._samples[sample] = found - 1
+        else:
+            self._samples.pop(sample, None)
+        return found > 0
 
 
 Owner = tuple[object, int]
@@ -90,8 +95,8 @@ class Reader:
         if self.unread > _MOST_UNREAD:
             raise TooManyUnread(f"a reader lacks more than {_MOST_UNREAD} samples")
 
-    def got(self, sample: int) -> None:
-        """It has got this."""
+    def got(self, sample: int, writers: int = 1) -> None:
+        """It has got this; so many writers of its topic have been created."""
         places = [(owed.index(sample), writer) for writer, owed in self._owed.items() if sample in owed]
         if places:
             place, writer = min(places, key=lambda found: found[0])
@@ -100,7 +105,7 @@ class Reader:
                 self._passed.add(owed.popleft())
             self.unread -= place + 1
             self.skipped += place
-        elif sample in self._passed:
+        elif self._passed.count(sample) > 0 and self._passed.count(sample) + self._early.count(sample) >= writers:
             self.disordered = True
         else:
             self._early.add(sample)
@@ -119,9 +124,11 @@ class Exchange:
     def __init__(self) -> None:
         self._writers: dict[Owner, Topic] = {}
         self._readers: dict[Owner, Reader] = {}
+        self._creations: Counter[Topic] = Counter()
 
     def new_writer(self, writer: Owner, topic: Topic) -> None:
         self._writers[writer] = topic
+        self._creations[topic] += 1
 
     def new_reader(self, reader: Owner, topic: Topic) -> None:
         """A reader that is there already goes on; one that had been deleted begins anew."""
@@ -144,7 +151,10 @@ class Exchange:
     def got(self, reader: Owner, sample: int) -> None:
         if reader not in self._readers:
             self._readers[reader] = Reader(None)
-        self._readers[reader].got(sample)
+        topic = self._readers[reader].topic
+        self._readers[reader].got(
+            sample, sum(n for t, n in self._creations.items() if topic is None or t in (None, topic))
+        )
 
     def standing(self) -> Standing:
         readers = self._readers.values()
