@@ -68,7 +68,15 @@ def test_everything_decodes_and_agrees_with_what_the_clients_printed(name: str) 
 
 
 @pytest.mark.parametrize(
-    "name", ["micro_ros_spin_losses", "micro_ros_time_losses", "two_publishers_losses", "restarted", "client_2_0"]
+    "name",
+    [
+        "micro_ros_spin_losses",
+        "micro_ros_time_losses",
+        "two_publishers_losses",
+        "restarted",
+        "client_2_0",
+        "client_2_0_losses",
+    ],
 )
 def test_is_a_run(name: str) -> None:
     assert accepted(name) is True
