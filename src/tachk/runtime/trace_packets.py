@@ -13,7 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from pathlib import Path
 from typing import Final
 
@@ -92,7 +92,7 @@ def open_packets(path: Path, time: str | None, unit: str | None, ports: Sequence
         raise UsageError("a capture has its own times: it takes neither a time column nor a unit")
     try:
         with path.open("rb") as stream:
-            recorded = read_recorded(stream, ports)
+            recorded = read_recorded(stream, ports, signals=False)
     except (CaptureError, TooManyUnread) as error:
         raise UsageError(f"{path}: {error}") from None
     except FileNotFoundError:
@@ -102,27 +102,45 @@ def open_packets(path: Path, time: str | None, unit: str | None, ports: Sequence
     if not len(recorded.times):
         asked = ", ".join(map(str, ports or (DEFAULT_PORT,)))
         raise UsageError(f"{path} has no packet to or from port {asked}", "give the port of the Agent with --port")
-    return PacketRecording(str(path), recorded, dict(_signals(recorded, partial(read_transmissions, path, ports))))
+    again = _Again(path, ports)
+    return PacketRecording(str(path), recorded, dict(_signals(recorded, again)))
 
 
-def _signals(recorded: Recorded, transmissions: Callable[[], Recording]) -> Iterator[tuple[str, Callable[[], Values]]]:
+class _Again:
+    """What is read of a capture where somebody asks for it."""
+
+    def __init__(self, path: Path, ports: Sequence[int]) -> None:
+        self._path, self._ports = path, ports
+
+    def transmissions(self) -> Recording:
+        """What a lossy hop did to messages."""
+        return read_transmissions(self._path, self._ports)
+
+    @cached_property
+    def streams(self) -> tuple[StreamHistory, ...]:
+        """The streams with what they have signalled."""
+        with self._path.open("rb") as stream:
+            return read_recorded(stream, self._ports).streams
+
+
+def _signals(recorded: Recorded, again: _Again) -> Iterator[tuple[str, Callable[[], Values]]]:
     count = len(recorded.times)
     seen = Counter(name for name, _ in {(_name(one), one.agent.port) for one in recorded.clients})
 
     def place(one: StreamHistory | ClientHistory) -> str:
         return _name(one) + (f"_at_{one.agent.port}" if seen[_name(one)] > 1 else "")
 
-    hops = cache(lambda: hop_changes(transmissions(), recorded.packets))
+    hops = cache(lambda: hop_changes(again.transmissions(), recorded.packets))
     for key in dict.fromkeys(one.key for one in recorded.clients if one.key and seen[_name(one)] > 1):
         for to_agent in (True, False):
             for number, signal in enumerate(HOP_SIGNALS):
                 name = column_of(f"client_{key}", to_agent, FIRST_RELIABLE_STREAM, signal)
                 yield name, partial(_hop, hops, (key, to_agent), number, count)
-    for history in recorded.streams:
+    for number, history in enumerate(recorded.streams):
         for signal in SIGNALS:
             yield (
                 column_of(place(history), history.to_agent, history.stream, signal),
-                partial(_values, history, signal, count),
+                partial(_values, again, number, signal, count),
             )
     for client in recorded.clients:
         yield f"{place(client)}.asleep", partial(_flag, client.changes, 0, count, False)
@@ -139,8 +157,8 @@ def column_of(client: str, to_agent: bool, stream: int, signal: str) -> str:
     return f"{client}.{way}{other}.{signal}"
 
 
-def _values(history: StreamHistory, signal: str, count: int) -> Values:
-    return history.signal(signal, count).astype(np.uint8 if signal == "confirmed" else float)
+def _values(again: _Again, number: int, signal: str, count: int) -> Values:
+    return again.streams[number].signal(signal, count).astype(np.uint8 if signal == "confirmed" else float)
 
 
 def _hop(hops: Callable[[], Mapping[Direction, Changes]], of: Direction, number: int, count: int) -> Values:

@@ -130,26 +130,39 @@ def _pcap(pending: _Pending, order: str, unit: int) -> Iterator[Packets]:
         raise CaptureError("the file ends inside its header")
     (link,) = struct.unpack_from(order + "I", pending.take(24), 20)
     link &= 0xFFFF  # above are flags about checksums
-    record = struct.Struct(order + "IIII")
-    gathered = _Gathered()
+    size_of = struct.Struct(order + "I").unpack_from
+    given = 0
     ended = False
     while not ended:
         more = pending.more()
         ended = more is False
         octets, at = pending.octets, 0
-        while at + 16 <= len(octets):
-            seconds, fraction, size, original = record.unpack_from(octets, at)
+        begins: list[int] = []
+        last = len(octets) - 16
+        while at <= last:
+            (size,) = size_of(octets, at + 8)
             if size > _LARGEST_BLOCK:
-                raise CaptureError(f"packet {gathered.given + len(gathered.rows) + 1} claims to have {size} bytes")
-            if at + 16 + size > len(octets):
+                raise CaptureError(f"packet {given + len(begins) + 1} claims to have {size} bytes")
+            behind = at + 16 + size
+            if behind > last + 16:
                 break
-            time = seconds * 1_000_000_000 + fraction * unit
-            gathered.rows.append((at + 16, size, max(original - size, 0), time, link))
-            at += 16 + size
-        if gathered.rows or more is None:
-            yield gathered.packets(pending.take(at))
+            begins.append(at)
+            at = behind
+        if begins or more is None:
+            yield _pcap_packets(pending.take(at), np.array(begins, np.int64), order, unit, link, given + 1)
+            given += len(begins)
     if pending.octets:
-        raise CaptureError(f"the file ends inside packet {gathered.given + 1}")
+        raise CaptureError(f"the file ends inside packet {given + 1}")
+
+
+def _pcap_packets(octets: bytearray, begins: Numbers, order: str, unit: int, link: int, first: int) -> Packets:
+    """The packets whose headers begin at these places."""
+    held = np.frombuffer(octets, np.uint8)
+    headers = held[begins[:, None] + np.arange(16)].view(order + "u4").astype(np.int64)
+    seconds, fraction, size, original = headers.T
+    times = seconds * 1_000_000_000 + fraction * unit
+    missing = np.maximum(original - size, 0)
+    return Packets(held, begins + 16, size, missing, times, np.full(len(begins), link, np.int64), first)
 
 
 @dataclass(frozen=True, slots=True)

@@ -98,12 +98,17 @@ class StreamState:
 
     def _know(self, number: int) -> None:
         self._known.add(number)
-        self._behind = max(self._behind, number + 1)
+        if number >= self._behind:
+            self._behind = number + 1
 
     def _arrive(self, behind: int) -> None:
         """All before this number has arrived."""
         numbers = range(self.arrived, behind)
         self.arrived = behind
+        if len(numbers) == 1 and not self._named:
+            self._seen.discard(numbers.start)
+            self._known.discard(numbers.start)
+            return
         if self._named:
             self.repaired += sum(number < behind for number in self._named)
             self._named = {number for number in self._named if number >= behind}
@@ -118,9 +123,12 @@ class StreamState:
         """Notes what a message carries. Returns whether it carried something else before."""
         if number < self.arrived:
             return False
-        content = self.contents.setdefault(number, {})
-        if len(self.contents) > _MOST_KEPT:
-            del self.contents[next(iter(self.contents))]
+        content = self.contents.get(number)
+        if content is None:
+            self.contents[number] = {place: item}
+            if len(self.contents) > _MOST_KEPT:
+                del self.contents[next(iter(self.contents))]
+            return False
         return content.setdefault(place, item) != item
 
     def heartbeat(self, first: int, last: int) -> None:
@@ -137,10 +145,10 @@ class StreamState:
         if not self._begun:
             self.restart(first)
         before, self.acknowledged = self.arrived, near(first, self.sent)
-        self.missing = bitmap.bit_count()
         if before < self.acknowledged <= self.sent:
             self._arrive(self.acknowledged)
-        for bit in range(bitmap.bit_length()):
+        self.missing = bitmap.bit_count()
+        for bit in range(bitmap.bit_length()) if bitmap else ():
             if bitmap >> bit & 1 and self.acknowledged + bit >= self.arrived:
                 self._named.add(self.acknowledged + bit)
                 self._know(self.acknowledged + bit)

@@ -28,15 +28,17 @@ class Stream:
         side: where it is seen.
         way: which stream.
         transfer: between its two ends, if that has been looked for.
+        begun: something has been seen of it.
     """
 
-    __slots__ = ("log", "side", "state", "transfer", "way")
+    __slots__ = ("begun", "log", "side", "state", "transfer", "way")
 
     def __init__(self, side: Side, way: Way) -> None:
         self.state = StreamState()
         self.log = ChangeLog(len(SIGNALS))
         self.side, self.way = side, way
         self.transfer: Transfer | None = None
+        self.begun = False
 
 
 class Side:
@@ -129,6 +131,8 @@ class Transfer:
         """Notes when the Agent's messages were sent. Returns the longest wait that has ended now."""
         sent, arrived = self.sender.sent, self.sender.arrived
         longest = None
+        if sent <= arrived and not self.waiting:
+            return None
         while self.waiting and self.waiting[0][1].number < arrived:
             wait = self.waiting[0][1]
             longest = longest or wait
@@ -143,12 +147,16 @@ class Transfer:
 
     def look(self) -> None:
         """Looks again whether something is open or lost."""
-        receiver, sent = self.receiver, self.sender.sent
-        if receiver.arrived > self.reached:
-            self.reached = receiver.arrived
-        self.open = (self.reached if self.to_agent else self.sender.arrived) < sent
-        self.lost = self.reached < sent and receiver.lacks(self.reached, sent)
-        self.unheard = self.reached < sent and receiver.lacks_unheard(self.reached, sent, self.sender)
+        receiver, sender, reached = self.receiver, self.sender, self.reached
+        sent = sender.sent
+        if receiver.arrived > reached:
+            reached = self.reached = receiver.arrived
+        self.open = (reached if self.to_agent else sender.arrived) < sent
+        if reached < sent:
+            self.lost = receiver.lacks(reached, sent)
+            self.unheard = receiver.lacks_unheard(reached, sent, sender)
+        else:
+            self.lost = self.unheard = False
 
 
 class Client:

@@ -46,15 +46,20 @@ _SESSION: Final = 0xFFFE
 _WRITER, _READER = 0x5, 0x6
 _ENDS: Final = (_WRITER, _READER)
 
-_CARRYING: Final = (Kind.WRITE_DATA, Kind.DATA, Kind.CREATE, Kind.DELETE, Kind.FRAGMENT)
-_TELLING: Final = (*_CARRYING, Kind.ACKNACK, Kind.HEARTBEAT, Kind.CREATE_CLIENT)
+# Kinds as plain numbers: each message is compared with some of them.
+_ACKNACK: Final = int(Kind.ACKNACK)
+_HEARTBEAT: Final = int(Kind.HEARTBEAT)
+_CREATE_CLIENT: Final = int(Kind.CREATE_CLIENT)
+_CREATE: Final = int(Kind.CREATE)
+_DELETE: Final = int(Kind.DELETE)
+_FRAGMENT: Final = int(Kind.FRAGMENT)
+_WRITE_DATA: Final = int(Kind.WRITE_DATA)
+_DATA: Final = int(Kind.DATA)
 
+_CARRYING: Final = (_WRITE_DATA, _DATA, _CREATE, _DELETE, _FRAGMENT)
+_TELLING: Final = (*_CARRYING, _ACKNACK, _HEARTBEAT, _CREATE_CLIENT)
 
-_Header = tuple[int, int, int, int, int, bool]
-"""Which message of its piece, its time, its packet, client, Agent, whether the client sends."""
-
-_Telling = tuple[int, int, int, int, int, int, int, int, int, int]
-"""Kind, stream and number of the message, first, last, bitmap, subject, object, where the payload begins and ends."""
+_RELIABLE: Final = int(wire.FIRST_RELIABLE_STREAM)
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,8 +108,13 @@ class Follower:
         latest: until when everything is known, in nanoseconds since the epoch.
     """
 
-    def __init__(self, silence: int = SILENCE) -> None:
+    def __init__(self, silence: int = SILENCE, streams: bool = True) -> None:
+        """Args:
+        silence: after so many nanoseconds without a message a client counts as asleep.
+        streams: whether the changes of streams are noted, too.
+        """
         self._silence = silence
+        self._notes_streams = streams
         self.sides: list[Side] = []
         self._by_endpoints: dict[tuple[int, int], Side] = {}
         self._clients: dict[str, Client] = {}
@@ -126,10 +136,8 @@ class Follower:
         self._known: tuple[int, ...] = ()
         self._row = 0
         self._before = 0
-        self._number = 0
-        self._to_agent = False
+        self._base = 0
         self._side = Side(0, 0, 0)
-        self._stream: Stream | None = None
 
     # ---- what comes in ----
 
@@ -144,61 +152,61 @@ class Follower:
         message = found.message[chosen]
         of_message = (times, messages.packets, messages.clients, messages.agents, messages.to_agent)
         of_stream = (found.kind, found.stream, found.sequence, found.first, found.last, found.bitmap, found.subject)
-        of_content = (found.object, found.starts, found.starts + found.sizes)
-        headers = zip(message.tolist(), *(column[message].tolist() for column in of_message), strict=True)
-        tellings = zip(*(column[chosen].tolist() for column in (*of_stream, *of_content)), strict=True)
+        columns = [message, *(column[message] for column in of_message), *(column[chosen] for column in of_stream)]
+        columns += [found.place[chosen], chosen]
         octets = messages.octets.tobytes()
-        base, self._before = self._rows, len(self._inserted)
-        for header, telling, place, entry in zip(
-            headers, tellings, found.place[chosen].tolist(), chosen.tolist(), strict=True
-        ):
+        self._base, self._before = self._rows, len(self._inserted)
+        for index, time, packet, client, agent, to_agent, kind, stream, sequence, first, last, bitmap, subject, \
+                place, entry in zip(*(column.tolist() for column in columns), strict=True):  # fmt: skip
             if place == 0:
-                self._message(base, header, telling)
-            self._told(telling, place, entry, found, octets)
+                self._message(index, time, client, agent, to_agent)
+                side = self._side
+                held = None
+                if stream >= _RELIABLE and kind >= 0:
+                    held = side.streams.get((to_agent, stream)) or side.stream((to_agent, stream))
+                    number = held.state.message(sequence)
+                    self._noted(held)
+                if side.asleep and not to_agent and side.asked is None and (held or kind == _HEARTBEAT):
+                    side.asked, side.asked_by = time, packet
+                    self._alarm = min(self._alarm, time + ANSWER)
+            if kind == _ACKNACK:
+                way = not to_agent, subject
+                self._acknack(self._side.streams.get(way) or self._side.stream(way), first, bitmap)
+            elif kind == _HEARTBEAT:
+                told = self._side.stream((to_agent, subject))
+                told.state.heartbeat(first, last)
+                self._noted(told)
+            elif kind == _CREATE_CLIENT:
+                begin = int(found.starts[entry])
+                self._created(self._side, octets[begin + 8 : begin + 12].hex().upper())
+            elif kind == _DELETE and found.object[entry] == _SESSION:
+                self._ended(self._side)
+            elif held is not None and kind in _CARRYING:
+                if held.state.carries(number, place, _item(found, entry, kind, octets)):
+                    self._unaltered, self._changed = False, True
             if self._changed:
                 self._look(self._row)
         self._rows += len(times)
         self._times.append(times)
         self._packets.append(messages.packets)
 
-    def _message(self, base: int, header: _Header, telling: _Telling) -> None:
-        """The next message begins."""
-        index, time, packet, client, agent, to_agent = header
-        kind, stream, number, *_ = telling
-        if time >= self._alarm:
-            self._rows += self._time_passes(time, base + index + len(self._inserted) - self._before)
-        self._row = base + index + len(self._inserted) - self._before
-        self._time, self._to_agent = time, to_agent
-        side = self._side = self._found_side(client, agent, time)
-        if to_agent:
-            self._woken(side, time)
-        self._stream = None
-        if stream >= wire.FIRST_RELIABLE_STREAM and kind >= 0:
-            self._stream = side.stream((to_agent, stream))
-            self._number = self._stream.state.message(number)
-            self._noted(self._stream)
-        if side.asleep and not to_agent and side.asked is None and (self._stream or kind == Kind.HEARTBEAT):
-            side.asked, side.asked_by = time, packet
-            self._alarm = min(self._alarm, time + ANSWER)
+    def _message(self, index: int, time: int, client: int, agent: int, to_agent: bool) -> None:
+        """The next message begins.
 
-    def _told(self, telling: _Telling, place: int, entry: int, found: Submessages, octets: bytes) -> None:
-        """The next submessage of the message."""
-        kind, _, _, first, last, bitmap, subject, number, start, end = telling
-        side = self._side
-        if kind == Kind.ACKNACK:
-            self._acknack(side.stream((not self._to_agent, subject)), first, bitmap)
-        elif kind == Kind.HEARTBEAT:
-            held = side.stream((self._to_agent, subject))
-            held.state.heartbeat(first, last)
-            self._noted(held)
-        elif kind == Kind.CREATE_CLIENT:
-            self._created(side, octets[start + 8 : start + 12].hex().upper())
-        elif kind == Kind.DELETE and number == _SESSION:
-            self._ended(side)
-        elif self._stream is not None and kind in _CARRYING:
-            item = _item(found, entry, kind, number, octets[start:end])
-            if self._stream.state.carries(self._number, place, item):
-                self._unaltered, self._changed = False, True
+        Args:
+            index: its place in the piece.
+        """
+        row = self._base + index + len(self._inserted) - self._before
+        if time >= self._alarm:
+            self._rows += self._time_passes(time, row)
+            row = self._base + index + len(self._inserted) - self._before
+        self._row, self._time = row, time
+        side = self._side = self._by_endpoints.get((client, agent)) or self._new_side(client, agent, time)
+        if to_agent:
+            if side.asleep:
+                self._woken(side, time)
+            else:
+                side.heard, side.asked = time, None
 
     def wait(self, time: int) -> None:
         """Nothing has come until this time, in nanoseconds since the epoch."""
@@ -237,12 +245,10 @@ class Follower:
 
     # ---- clients ----
 
-    def _found_side(self, client: int, agent: int, time: int) -> Side:
-        side = self._by_endpoints.get((client, agent))
-        if side is None:
-            side = self._by_endpoints[client, agent] = Side(client, agent, time)
-            self.sides.append(side)
-            self._alarm = min(self._alarm, time + self._silence)
+    def _new_side(self, client: int, agent: int, time: int) -> Side:
+        side = self._by_endpoints[client, agent] = Side(client, agent, time)
+        self.sides.append(side)
+        self._alarm = min(self._alarm, time + self._silence)
         return side
 
     def _woken(self, side: Side, time: int) -> None:
@@ -321,20 +327,24 @@ class Follower:
     # ---- streams ----
 
     def _noted(self, stream: Stream) -> None:
-        stream.log.note(self._row, stream.state.values())
+        state = stream.state
+        stream.begun = True
+        if self._notes_streams:
+            stream.log.note(self._row, state.values())
         transfer = stream.transfer or stream.side.owner.transfer(stream)
         was_open, was_lost, was_unheard = transfer.open, transfer.lost, transfer.unheard
         transfer.look()
+        to_agent = transfer.to_agent
         if transfer.open != was_open:
-            self._open[transfer.to_agent] += transfer.open - was_open
+            self._open[to_agent] += transfer.open - was_open
             self._changed = True
         if transfer.lost != was_lost:
-            self._lost[transfer.to_agent] += transfer.lost - was_lost
+            self._lost[to_agent] += transfer.lost - was_lost
             self._changed = True
         if transfer.unheard != was_unheard:
-            self._unheard[transfer.to_agent] += transfer.unheard - was_unheard
+            self._unheard[to_agent] += transfer.unheard - was_unheard
             self._changed = True
-        if not transfer.to_agent:
+        if not to_agent:
             ended = transfer.confirmed(self._row, self._time)
             if ended is not None and (self.longest is None or self._time - ended.time > self.longest.duration):
                 self.longest = Waited(ended.row, self._row, self._time - ended.time)
@@ -407,18 +417,18 @@ class Follower:
             self._situation_log.note(row, now)
 
 
-def _item(found: Submessages, entry: int, kind: int, number: int, payload: bytes) -> Item:
+def _item(found: Submessages, entry: int, kind: int, octets: bytes) -> Item:
     """What a submessage carries, as far as it says something of samples."""
-    match kind:
-        case Kind.WRITE_DATA | Kind.DATA:
-            return kind, number, hash(payload[4:])
-        case Kind.CREATE:
-            new = found.contents[entry].new
-            if new.kind not in _ENDS:
-                return kind, number
+    begin = found.starts.item(entry)
+    payload = octets[begin : begin + found.sizes.item(entry)]
+    if kind == _FRAGMENT:
+        return kind, payload, bool(int(found.flags[entry]) & wire.LAST_FRAGMENT)
+    number = found.object.item(entry)
+    if kind in (_WRITE_DATA, _DATA):
+        return kind, number, hash(payload[4:])
+    if kind == _CREATE:
+        new = found.contents[entry].new
+        if new.kind in _ENDS:
             described = new.what.description
             return kind, number, new.kind, topic_of(described.format, described.description)
-        case Kind.FRAGMENT:
-            return kind, payload, bool(int(found.flags[entry]) & wire.LAST_FRAGMENT)
-        case _:
-            return kind, number
+    return kind, number
