@@ -34,7 +34,6 @@ bool Simulator::begin(std::uint64_t seed, std::uint64_t run) {
   for (const Slot& slot : program_.slots) state_.slots.push_back(slot.initial);
   state_.clocks.start();
   change_ = {};
-  change_.written = SlotSet::all();
   if (program_.has_stopwatches) switch_clocks();
   state_.committed = 0;
   state_.urgent = 0;
@@ -42,6 +41,7 @@ bool Simulator::begin(std::uint64_t seed, std::uint64_t run) {
     state_.committed += place(p).location->committed ? 1 : 0;
     state_.urgent += place(p).location->urgent ? 1 : 0;
   }
+  for (std::size_t p = 0; p < processes(); ++p) change_.concerned.push_back(p);
   if (!invariants_hold()) return false;
   for (std::size_t p = 0; p < processes(); ++p) refresh(p);
   return true;
@@ -49,11 +49,7 @@ bool Simulator::begin(std::uint64_t seed, std::uint64_t run) {
 
 std::optional<Ending> Simulator::step(const RunLimits& limits) {
   for (std::uint64_t draws = 0; draws < most_idle_draws; ++draws) {
-    if (state_.committed > 0 || state_.urgent > 0 || tables_.has_urgent_channels) {
-      bool frozen = state_.committed > 0 || state_.urgent > 0;
-      for (std::size_t p = 0; p < processes() && !frozen; ++p) frozen = act_urgently(p);
-      if (frozen) return act_now() ? std::nullopt : std::optional(Ending::deadlock);
-    }
+    if (frozen()) return act_now() ? std::nullopt : std::optional(Ending::deadlock);
     Ticks first = never;
     Ticks limit = never;
     std::size_t winner = 0;
@@ -199,8 +195,25 @@ Ticks Simulator::drawn(std::size_t process, Ticks first, Ticks last) {
 
 // ---- actions --------------------------------------------------------------------------------------------------------
 
+// Whether time cannot pass; finds those who stop it, and those who would act at this moment anyway.
+bool Simulator::frozen() {
+  candidates_.clear();
+  if (state_.committed == 0)
+    for (const std::uint32_t p : tables_.urgent_senders)
+      if (sends_urgently(p)) candidates_.push_back(p);
+  const std::size_t senders = candidates_.size();
+  if (state_.committed == 0 && state_.urgent == 0 && senders == 0) return false;
+  const auto end = [&] { return candidates_.begin() + static_cast<std::ptrdiff_t>(senders); };
+  for (std::size_t p = 0; p < processes(); ++p) {
+    const Location& here = *place(p).location;
+    const bool first = state_.committed > 0 ? here.committed : here.urgent || race_.due[p] == now_;
+    if (first && std::find(candidates_.begin(), end(), p) == end()) candidates_.push_back(p);
+  }
+  return true;
+}
+
 // Whether an urgent synchronisation of the process stops time.
-bool Simulator::act_urgently(std::size_t process) {
+bool Simulator::sends_urgently(std::size_t process) {
   for (const std::uint32_t number : place(process).urgent) {
     if (!open(number)) continue;
     const std::int32_t channel = channel_of(program_.edges[number]);
@@ -210,20 +223,13 @@ bool Simulator::act_urgently(std::size_t process) {
   return false;
 }
 
-// Time cannot pass. Those who stop it go first.
+// Time cannot pass. Those who stop it, whom `frozen` has found, go first.
 bool Simulator::act_now() {
-  candidates_.clear();
-  const auto goes_first = [&](std::size_t p) {
-    const Location& here = *place(p).location;
-    if (state_.committed > 0) return here.committed;
-    return here.urgent || race_.due[p] == now_ || act_urgently(p);
-  };
-  for (std::size_t p = 0; p < processes(); ++p)
-    if (goes_first(p)) candidates_.push_back(p);
   if (act_first(candidates_)) return true;
+  const std::vector<std::size_t> tried = candidates_;
   candidates_.clear();
   for (std::size_t p = 0; p < processes(); ++p)
-    if (!goes_first(p)) candidates_.push_back(p);
+    if (std::find(tried.begin(), tried.end(), p) == tried.end()) candidates_.push_back(p);
   return act_first(candidates_);
 }
 
@@ -241,13 +247,23 @@ bool Simulator::act_first(std::vector<std::size_t>& candidates) {
 bool Simulator::act(std::size_t process) {
   offered_.clear();
   for (const std::uint32_t number : place(process).outputs)
-    if (open(number) && offers(process, number)) offered_.push_back(number);
-  if (offered_.empty()) return false;
+    if (open(number)) offered_.push_back(number);
+  // Of a single edge it is asked below whether somebody receives.
+  if (offered_.size() > 1) std::erase_if(offered_, [&](std::uint32_t number) { return !offers(process, number); });
+  if (offered_.empty() || (offered_.size() == 1 && !offers_alone(process, offered_.front()))) return false;
   for (int attempt = 0; attempt < attempts; ++attempt) {
-    choose(offered_);
+    if (!choose(offered_)) return false;
     if (apply()) return true;
   }
-  return act_exhaustively(process, offered_);
+  return act_exhaustively(offered_);
+}
+
+// Whether a single edge may be tried without asking who receives.
+bool Simulator::offers_alone(std::size_t process, std::uint32_t number) {
+  const Edge& edge = program_.edges[number];
+  if (edge.internal()) return admits(process);
+  const std::int32_t channel = channel_of(edge);
+  return !program_.channels[static_cast<std::size_t>(channel)].broadcast || offers(process, number);
 }
 
 // Whether an edge whose guard holds can be taken, but for target invariants.
@@ -324,39 +340,35 @@ std::uint32_t Simulator::pick(std::span<const std::uint32_t> edges) {
   return last;
 }
 
-// Draws an action that begins with one of the edges.
-void Simulator::choose(std::span<const std::uint32_t> offered) {
+// Draws an action that begins with one of the edges; false if nobody receives.
+bool Simulator::choose(std::span<const std::uint32_t> offered) {
   const std::uint32_t first = pick(offered);
   const Edge& edge = program_.edges[first];
   action_.assign(1, first);
-  if (edge.internal()) return;
+  if (edge.internal()) return true;
   const std::int32_t channel = channel_of(edge);
   const std::vector<std::uint32_t>& listening = tables_.listening[static_cast<std::size_t>(channel)];
-  if (program_.channels[static_cast<std::size_t>(channel)].broadcast) {
-    for (const std::uint32_t q : listening) {
-      if (q == edge.process) continue;
-      open_receives(q, channel, heard_);
-      if (!heard_.empty()) action_.push_back(pick(heard_));
-    }
-    return;
-  }
-  const bool committed_only = !admits(edge.process);
-  std::uint32_t partner = 0;
+  const bool broadcast = program_.channels[static_cast<std::size_t>(channel)].broadcast;
+  const bool committed_only = !broadcast && !admits(edge.process);
   std::uint64_t partners = 0;
   for (const std::uint32_t q : listening) {
     if (q == edge.process || (committed_only && !place(q).location->committed)) continue;
-    const std::vector<std::uint32_t>& receives = place(q).receives;
-    if (!std::any_of(receives.begin(), receives.end(), [&](std::uint32_t other) { return hears(other, channel); }))
+    open_receives(q, channel, heard_);
+    if (heard_.empty()) continue;
+    if (broadcast) {
+      action_.push_back(pick(heard_));
       continue;
+    }
     ++partners;
-    if (partners == 1 || random_.below(partners) == 0) partner = q;
+    if (partners == 1 || random_.below(partners) == 0) std::swap(heard_, partner_);
   }
-  open_receives(partner, channel, heard_);
-  action_.push_back(pick(heard_));
+  if (broadcast) return true;
+  if (partners > 0) action_.push_back(pick(partner_));
+  return partners > 0;
 }
 
 // Draws among all actions that target invariants admit, by the probabilities that `choose` gives them.
-bool Simulator::act_exhaustively(std::size_t, std::span<const std::uint32_t> offered) {
+bool Simulator::act_exhaustively(std::span<const std::uint32_t> offered) {
   std::vector<std::vector<std::uint32_t>> actions;
   std::vector<double> probabilities;
   for (const auto& [edge, share] : shares(offered)) enumerate(edge, actions, probabilities, share);
@@ -423,6 +435,7 @@ bool Simulator::apply() {
   change_.clocks = 0;
   update();
   if (program_.has_stopwatches) switch_clocks();
+  find_concerned();
   if (!invariants_hold()) {
     undo();
     return false;
@@ -468,16 +481,22 @@ void Simulator::switch_clocks() {
   }
 }
 
-bool Simulator::participates(std::size_t process) const {
-  return std::any_of(action_.begin(), action_.end(),
-                     [&](std::uint32_t number) { return program_.edges[number].process == process; });
+// Finds the processes that the change concerns: no other invariant can have become false, no other draw is void.
+void Simulator::find_concerned() {
+  change_.concerned.clear();
+  for (const std::uint32_t number : action_) change_.concerned.push_back(program_.edges[number].process);
+  const std::size_t participants = change_.concerned.size();
+  for (std::size_t p = 0; p < processes(); ++p) {
+    if (!touched(p)) continue;
+    const auto end = change_.concerned.begin() + static_cast<std::ptrdiff_t>(participants);
+    if (std::find(change_.concerned.begin(), end, p) == end) change_.concerned.push_back(p);
+  }
 }
 
-// Of the processes that the change concerns: no other invariant can have become false.
 bool Simulator::invariants_hold() {
-  for (std::size_t p = 0; p < processes(); ++p) {
+  for (const std::size_t p : change_.concerned) {
     const Location& here = *place(p).location;
-    if (!here.has_invariant || !(touched(p) || participates(p))) continue;
+    if (!here.has_invariant) continue;
     if (!integers_hold(here.invariant) || !window(here.invariant).holds(now_)) return false;
   }
   return true;
@@ -500,8 +519,9 @@ void Simulator::settle() {
     state_.committed += (after.committed ? 1U : 0U) - (before.committed ? 1U : 0U);
     state_.urgent += (after.urgent ? 1U : 0U) - (before.urgent ? 1U : 0U);
   }
+  for (const std::size_t p : change_.concerned) refresh(p);
   for (std::size_t p = 0; p < processes(); ++p)
-    if (race_.parked[p] != 0 || touched(p) || participates(p)) refresh(p);
+    if (race_.parked[p] != 0) refresh(p);
 }
 
 }  // namespace tachk

@@ -77,7 +77,8 @@ class Simulator {
     std::vector<std::int32_t> slots;
     std::vector<std::pair<std::uint16_t, Ticks>> values;
     std::vector<std::uint16_t> switched;
-    std::uint64_t clocks = 0;  // groups of those that were touched
+    std::uint64_t clocks = 0;            // groups of those that were touched
+    std::vector<std::size_t> concerned;  // processes
   };
 
   const Station& place(std::size_t process) const { return tables_.place(process, state_.slots.data()); }
@@ -106,15 +107,17 @@ class Simulator {
   bool act(std::size_t process);
   bool act_first(std::vector<std::size_t>& candidates);
   bool act_now();
-  bool act_urgently(std::size_t process);
+  bool frozen();
+  bool sends_urgently(std::size_t process);
   bool admits(std::size_t process) const { return state_.committed == 0 || place(process).location->committed; }
   bool offers(std::size_t process, std::uint32_t edge);
+  bool offers_alone(std::size_t process, std::uint32_t edge);
   bool has_receiver(std::size_t sender, std::int32_t channel, bool committed_only);
   void open_receives(std::size_t process, std::int32_t channel, std::vector<std::uint32_t>& found);
   std::uint32_t pick(std::span<const std::uint32_t> edges);
   double weight(std::uint32_t edge);
-  void choose(std::span<const std::uint32_t> offered);
-  bool act_exhaustively(std::size_t process, std::span<const std::uint32_t> offered);
+  bool choose(std::span<const std::uint32_t> offered);
+  bool act_exhaustively(std::span<const std::uint32_t> offered);
   void enumerate(std::uint32_t first, std::vector<std::vector<std::uint32_t>>& actions,
                  std::vector<double>& probabilities, double probability);
   std::vector<std::pair<std::uint32_t, double>> shares(std::span<const std::uint32_t> edges);
@@ -127,7 +130,7 @@ class Simulator {
     const Station& here = place(process);
     return here.reads.meets(change_.written) || (here.clocks & change_.clocks) != 0;
   }
-  bool participates(std::size_t process) const;
+  void find_concerned();
   bool invariants_hold();
   void undo();
   void settle();
@@ -145,6 +148,7 @@ class Simulator {
   std::vector<std::uint32_t> action_;
   std::vector<std::uint32_t> offered_;
   std::vector<std::uint32_t> heard_;
+  std::vector<std::uint32_t> partner_;
   std::vector<std::size_t> candidates_;
 };
 

@@ -47,7 +47,7 @@ Tables::Tables(const Program& program, const Chances& chances) : listening(progr
     place.outputs.push_back(number);
     if (!edge.internal() && may_be_urgent(edge, program)) {
       place.urgent.push_back(number);
-      has_urgent_channels = true;
+      if (urgent_senders.empty() || urgent_senders.back() != edge.process) urgent_senders.push_back(edge.process);
     }
   }
   for (Station& place : places) {

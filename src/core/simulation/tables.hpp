@@ -36,9 +36,9 @@ struct Tables {
   std::vector<std::size_t> first_place;               // of each process
   std::vector<std::vector<std::uint32_t>> listening;  // of each channel: the processes that may receive
   std::vector<std::uint32_t> meta_slots;
-  bool has_branches = false;         // some edges share a way into a branchpoint
-  bool has_urgent_channels = false;  // that somebody sends over
-  bool reads_locations = false;      // some guard does
+  std::vector<std::uint32_t> urgent_senders;  // the processes that may send over urgent channels
+  bool has_branches = false;                  // some edges share a way into a branchpoint
+  bool reads_locations = false;               // some guard does
 };
 
 }  // namespace tachk

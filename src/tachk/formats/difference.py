@@ -23,6 +23,7 @@ from tachk.syntax.printing.expression_printer import (
     print_expression,
     print_expressions,
     print_parameters,
+    print_rate,
     print_type,
 )
 from tachk.syntax.printing.printer import write_declaration
@@ -192,7 +193,7 @@ def _locations(template: ast.Template) -> dict[str, str]:
         if location.invariant is not None:
             parts.append(f"invariant {print_expression(location.invariant)}")
         if location.exponential_rate is not None:
-            parts.append(f"exponential_rate {print_expression(location.exponential_rate)}")
+            parts.append(f"exponential_rate {print_rate(location.exponential_rate, location.rate_divisor)}")
         found[f"location {location.name.name}"] = "; ".join(parts)
     for point in template.branchpoints:
         found[f"branchpoint {point.name.name}"] = ""

@@ -16,8 +16,8 @@ from tachk.time_limit import check_time
 from tachk.time_units import NANOSECONDS, length_of
 
 _NOTHING = Recorded()
-_BATCH = 64
-"""How many runs are drawn at once, while the limit on time is not looked at."""
+_BATCH, _LONG_BATCH = 64, 1024
+"""How many runs are drawn at once, while the limit on time is not looked at: with and without recording."""
 
 
 class Runs:
@@ -34,9 +34,10 @@ class Runs:
 
     def draw(self, drawing: Drawing, numbers: range, recorded: Recorded = _NOTHING) -> Iterator[Simulated]:
         """The runs of these numbers, in order. Raises TimeLimitError between them."""
-        for first in range(numbers.start, numbers.stop, _BATCH):
+        batch = _LONG_BATCH if recorded == _NOTHING else _BATCH
+        for first in range(numbers.start, numbers.stop, batch):
             check_time()
-            yield from self._simulator.runs(drawing, range(first, min(first + _BATCH, numbers.stop)), recorded)
+            yield from self._simulator.runs(drawing, range(first, min(first + batch, numbers.stop)), recorded)
 
     def trace(self, run: Simulated) -> Trace:
         """What was observed in a run: the values that last, one row for each instant at which one changes, and one for

@@ -71,8 +71,7 @@ def _json_lines(path: Path) -> Iterator[Writer]:
     with path.open("w", encoding="utf-8") as out:
 
         def write(number: int, trace: Trace) -> None:
-            name = f"time [{trace.unit}]" if trace.unit else "time"
-            head = f'{{"run": {number}, "{name}": '
+            head = f'{{"run": {number}, "time": '
             for time, values in _rows(trace):
                 row = json.dumps(dict(zip(trace.columns, values, strict=True)))
                 out.write(f"{head}{time}{', ' + row[1:] if len(row) > 2 else '}'}\n")

@@ -177,3 +177,22 @@ def test_each_receiver_is_as_likely() -> None:
     found = _last_values(RECEIVERS, "who", runs, until=100)
     for receiver in (1, 2, 3):
         assert _agrees(found[receiver], runs, 1 / 3)
+
+
+RELEASE = """
+int[0, 1] released = 0;
+int[0, 2] result = 0;
+process P() {
+    clock x;
+    init location A { invariant x <= 1; to B { guard x >= 1; assign released = 1; } }
+    location B;
+}
+process Q() { init location A { to B { guard released == 1; assign result = 1; } } location B; }
+system P, Q;
+"""
+
+
+def test_a_process_begins_to_wait_when_another_one_lets_it_act() -> None:
+    runs = 10_000
+    found = _last_values(RELEASE, "result", runs, until=2)
+    assert _agrees(found[1], runs, 1 - exp(-1))

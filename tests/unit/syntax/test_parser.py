@@ -443,7 +443,8 @@ def test_fragments_of_uppaal_xml() -> None:
     )
     assert read(parser.parse_synchronisation, "a").direction is None
     assert len(read(parser.parse_assignment, "x := 0, f(), y++")) == 3
-    assert read(parser.parse_rate, "3 : 4") == expression("3")
+    assert read(parser.parse_rate, "3 : 4") == (expression("3"), expression("4"))
+    assert read(parser.parse_rate, "3") == (expression("3"), None)
     for empty in (parser.parse_constraint, parser.parse_synchronisation, parser.parse_rate):
         assert read(empty, " // nothing\n") is None
     for empty_list in (

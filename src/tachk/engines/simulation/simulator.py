@@ -26,6 +26,7 @@ LATEST_END = Fraction(_core.latest_end(), TICKS_PER_UNIT)
 """The longest run, in units of time."""
 
 Numbers = NDArray[np.int64]
+_NONE: Numbers = np.empty(0, dtype=np.int64)
 
 
 class Ending(StrEnum):
@@ -43,6 +44,9 @@ class Ending(StrEnum):
     FAULT = "run-time error"
     INITIAL = "no initial state"
     """The initial state violates an invariant."""
+
+
+_ENDINGS = {ending: Ending[ending.name] for ending in _core.Ending}
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,12 +125,14 @@ class Simulator:
             yield self._simulated(number, record, recorded)
 
     def _simulated(self, number: int, record: _core.RunRecord, recorded: Recorded) -> Simulated:
-        times = record.times()
-        ending = Ending[record.ending.name]
+        ending = _ENDINGS[record.ending]
         fault = None
         if ending is Ending.FAULT:
             kind, position = record.fault
             fault = RuntimeErrorKind[kind.name], site_of(self._program, position)
+        if not (recorded.actions or recorded.observed or recorded.clocks):
+            return Simulated(number, ending, record.end, record.transitions, _NONE, _NONE, _NONE, fault=fault)
+        times = record.times()
         return Simulated(
             number,
             ending,

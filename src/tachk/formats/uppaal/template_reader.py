@@ -38,6 +38,7 @@ from tachk.syntax.picture_layout import (
 from tachk.syntax.printing.expression_printer import (
     print_clause,
     print_expression,
+    print_rate,
 )
 from tachk.time_limit import check_time
 
@@ -321,7 +322,7 @@ class TemplateReader:
             place if name is None or node.written is not None else texts.trimmed(name), node.name
         )
         invariant = self._label(node.labels, "invariant", parse_constraint, texts, None)
-        rate = self._label(node.labels, "exponentialrate", parse_rate, texts, None)
+        rate, divisor = self._label(node.labels, "exponentialrate", parse_rate, texts, (None, None))
         end = max([identifier.span.end, *(texts.text(label).end for label in node.labels.values())])
         location = ast.LocationDeclaration(
             Span(texts.source, place.start, end),
@@ -332,10 +333,11 @@ class TemplateReader:
             urgent=node.element.first("urgent") is not None,
             committed=node.element.first("committed") is not None,
             doc=_comment(node.labels),
+            rate_divisor=divisor,
         )
         printed = {
             "invariant": "" if invariant is None else print_expression(invariant),
-            "exponentialrate": "" if rate is None else print_expression(rate),
+            "exponentialrate": "" if rate is None else print_rate(rate, divisor),
             "comments": location.doc,
         }
         return location, _label_layouts(node.labels, printed)

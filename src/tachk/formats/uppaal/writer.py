@@ -46,7 +46,7 @@ from tachk.syntax.picture_layout import (
     keyed_edges,
     nodes_of,
 )
-from tachk.syntax.printing.expression_printer import print_clause, print_expression
+from tachk.syntax.printing.expression_printer import print_clause, print_expression, print_rate
 
 _NEWER = ("1.5", "1.6")
 _NEWER_ATTRIBUTES = ("id", "action")
@@ -228,8 +228,12 @@ def _node(
     shown = "" if picture.written_name == "" and node.name.name == old.name.name else node.name.name
     if isinstance(node, ast.Branchpoint):
         return NodeView(identifier, True, picture.position, picture.colour, shown, picture.name)
-    given = (("invariant", node.invariant), ("exponentialrate", node.exponential_rate))
-    texts = {kind: (value, print_expression(value)) for kind, value in given if value is not None}
+    texts: dict[str, tuple[object, str]] = {}
+    if node.invariant is not None:
+        texts["invariant"] = node.invariant, print_expression(node.invariant)
+    if node.exponential_rate is not None:
+        rate = node.exponential_rate, node.rate_divisor
+        texts["exponentialrate"] = rate, print_rate(*rate)
     labels = _labels(texts, node.doc, picture.labels, LOCATION_LABELS, comments)
     return NodeView(
         identifier,

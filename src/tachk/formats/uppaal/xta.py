@@ -15,6 +15,7 @@ from tachk.syntax.printing.expression_printer import (
     print_clause,
     print_expression,
     print_parameters,
+    print_rate,
 )
 from tachk.syntax.printing.printer import write_declaration, write_item
 from tachk.syntax.printing.writer import Writer
@@ -93,7 +94,7 @@ def _inner_comments(writer: Writer, node: ast.LocationDeclaration | ast.EdgeDecl
     """The comments inside a node that is written on one line, before it."""
     parts: list[Any] = [node]
     if isinstance(node, ast.LocationDeclaration):
-        parts += [part for part in (node.invariant, node.exponential_rate) if part is not None]
+        parts += [p for p in (node.invariant, node.exponential_rate, node.rate_divisor) if p is not None]
     else:
         parts += [*node.selects, *node.updates]
         parts += [part for part in (node.guard, node.synchronisation, node.probability) if part is not None]
@@ -108,8 +109,9 @@ def _inner_comments(writer: Writer, node: ast.LocationDeclaration | ast.EdgeDecl
 
 def _state(location: ast.LocationDeclaration) -> str:
     invariant = "" if location.invariant is None else print_expression(location.invariant)
-    rate = "" if location.exponential_rate is None else f" ; {print_expression(location.exponential_rate)}"
-    inside = f"{invariant}{rate}".strip()
+    rate = location.exponential_rate
+    shown = "" if rate is None else f" ; {print_rate(rate, location.rate_divisor)}"
+    inside = f"{invariant}{shown}".strip()
     return f"{location.name.name} {{ {inside} }}" if inside else location.name.name
 
 

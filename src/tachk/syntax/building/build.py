@@ -367,7 +367,8 @@ class Builder(ExpressionBuilder, FormulaBuilder):
         return children[0]
 
     def rate_fragment(self, children: Children) -> Any:
-        return children[0]
+        rate, _, divisor = children
+        return None if rate is None else (rate, divisor)
 
     def synchronisation_fragment(self, children: Children) -> Any:
         return children[0]

@@ -79,8 +79,8 @@ def parse_constraint(source: Source | Span) -> tuple[ast.Expression | None, Diag
     return value, diagnostics
 
 
-def parse_rate(source: Source | Span) -> tuple[ast.Expression | None, Diagnostics]:
-    """An ``exponentialrate`` label, ``r`` or ``r : q``, of which the first part is returned; None if it is empty."""
+def parse_rate(source: Source | Span) -> tuple[tuple[ast.Expression, ast.Expression | None] | None, Diagnostics]:
+    """An ``exponentialrate`` label, ``r`` or ``r : q``, as both parts; None if it is empty."""
     value, _, diagnostics, _ = _read(source, "rate_fragment", resolve_fragment)
     return value, diagnostics
 

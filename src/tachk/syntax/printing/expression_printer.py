@@ -20,6 +20,11 @@ def print_expression(expression: ast.Expression) -> str:
     return _print(expression, _QUANTIFIED, True)
 
 
+def print_rate(rate: ast.Expression, divisor: ast.Expression | None) -> str:
+    """The rate of an exponential distribution: ``r`` or ``r : q``."""
+    return print_expression(rate) if divisor is None else f"{print_expression(rate)} : {print_expression(divisor)}"
+
+
 def print_expressions(expressions: Sequence[ast.Expression]) -> str:
     return ", ".join(print_expression(expression) for expression in expressions)
 

@@ -21,6 +21,7 @@ from tachk.syntax.printing.expression_printer import (
     print_expression,
     print_expressions,
     print_parameters,
+    print_rate,
     print_type,
 )
 from tachk.syntax.printing.print_statements import write_block
@@ -237,8 +238,8 @@ def _write_location(writer: Writer, node: ast.LocationDeclaration | ast.Branchpo
             writer.begin(node.invariant)
             writer.condition("invariant ", node.invariant, ";", node.invariant)
         if node.exponential_rate is not None:
-            divisor = "" if node.rate_divisor is None else f" : {print_expression(node.rate_divisor)}"
-            writer.line(f"exponential_rate {print_expression(node.exponential_rate)}{divisor};", node.exponential_rate)
+            rate = print_rate(node.exponential_rate, node.rate_divisor)
+            writer.line(f"exponential_rate {rate};", node.exponential_rate)
     previous: Any = None
     for edge in node.edges:
         if previous is not None:

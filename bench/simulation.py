@@ -1,0 +1,100 @@
+"""Simulated runs: `python bench/simulation.py speed` and `python bench/simulation.py agree NETWORKS SEED`.
+
+`speed` prints transitions a second of one core without recording, and of a plain simulator in Python on the reference
+semantics. `agree` draws runs of random networks with every policy, replays each, and prints every disagreement with the
+seed that reproduces it; exit status 1 after one.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from fractions import Fraction
+from random import Random
+
+from random_agreement import SHAPES
+
+import tachk
+from tachk.certify.replay import ReplayError, replay
+from tachk.diagnostics.diagnostic import InputError, UnsupportedError
+from tachk.engines.simulation.policy import Policy
+from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending
+from tachk.model.network import Network
+from tachk.semantics.discrete import prepare
+from tachk.semantics.step import StepError, delay, initial_state, possible
+from tachk.simulation.runs import Runs
+from tachk.testing import random_case
+from tachk.testing.simulated.timed import WITH_STATES, state_columns, timed_trace
+
+MODELS = (
+    ("models/classics/train_gate.ta", {"N": 6}, 10_000),
+    ("models/classics/fischer.ta", {"N": 6}, 10_000),
+    ("models/micro_xrce_dds/paper.ta", {}, 200),
+)
+
+
+def speed() -> None:
+    for path, constants, until in MODELS:
+        network = tachk.load(path, **constants).network
+        runs = Runs(network, ())
+        best = 0.0
+        for _ in range(5):
+            began = time.process_time()
+            drawn = runs.draw(Drawing(1, until * TICKS_PER_UNIT), range(2_000_000 // until // 10 + 1))
+            transitions = sum(run.transitions for run in drawn)
+            best = max(best, transitions / (time.process_time() - began))
+        plain = _plain_speed(network)
+        print(f"{path}: {best / 1e6:.2f} million transitions/s, plain Python {plain:.0f}/s, {best / plain:.0f} times")
+
+
+def _plain_speed(network: Network) -> float:
+    """A step: a random moment on a grid at which something is possible, then a random possibility."""
+    model, random = prepare(network), Random(1)
+    state, transitions = initial_state(model), 0
+    began = time.process_time()
+    while time.process_time() - began < 2:
+        try:
+            waited = delay(model, state, Fraction(random.randrange(8), 2))
+        except StepError:
+            waited = state
+        found = possible(model, waited)
+        if found:
+            state = random.choice(found)[1]
+            transitions += 1
+    return transitions / 2
+
+
+def agree(count: int, seed: int) -> int:
+    endings: Counter[str] = Counter()
+    runs, wrong = 0, 0
+    for number in range(count):
+        shape = SHAPES[number % len(SHAPES)]
+        network = random_case(Random(seed * 1_000_003 + number), shape).network
+        try:
+            simulated = Runs(network, state_columns(network))
+        except (InputError, UnsupportedError):
+            endings["refused"] += 1
+            continue
+        model = prepare(network)
+        for policy in Policy:
+            drawing = Drawing(number, 20 * TICKS_PER_UNIT, policy, steps=60)
+            for run in simulated.draw(drawing, range(2), WITH_STATES):
+                endings[run.ending] += 1
+                if run.ending is Ending.INITIAL or not len(run.times):
+                    continue
+                runs += 1
+                try:
+                    replay(model, timed_trace(network, run))
+                except ReplayError as error:
+                    wrong += 1
+                    print(f"network {number} of seed {seed}, {policy}, run {run.number}: {error}")
+    print(f"{runs} runs of {count} networks replayed, {wrong} wrong; {dict(endings)}")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["speed"]:
+        speed()
+    else:
+        sys.exit(agree(int(sys.argv[2]), int(sys.argv[3])))

@@ -1,0 +1,100 @@
+"""Files of runs, read again."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import tachk
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
+from tachk.formats.network_json.network import network_from_json, network_to_json
+from tachk.runtime.trace import Trace
+from tachk.runtime.trace_files import open_trace
+from tachk.simulation.columns import all_columns
+from tachk.simulation.runs import Runs
+from tachk.simulation.tables import decimal_time, run_writer
+
+MODEL = """
+time_unit = 10 ms;
+int[0, 9] count = 0;
+process P() {
+    clock x;
+    init location On {
+        invariant x <= 2;
+        to way { guard x >= 1; assign x = 0; }
+    }
+    location Off { exponential_rate 1 : 3; to On { assign x = 0, count = (count + 1) % 10; } }
+    branchpoint way { to On { probability 3; } to Off { probability 1; } }
+}
+signal odd = count % 2 == 1;
+system P;
+"""
+
+
+def _trace(number: int = 0) -> Trace:
+    network = tachk.loads(MODEL).network
+    runs = Runs(network, all_columns(network))
+    (run,) = runs.draw(Drawing(5, 200 * TICKS_PER_UNIT), range(number, number + 1), Recorded(observed=True))
+    return runs.trace(run)
+
+
+@pytest.mark.parametrize("ending", ["csv", "jsonl", "parquet", "vcd"])
+def test_a_run_is_read_as_it_was_written(ending: str, tmp_path: Path) -> None:
+    trace = _trace()
+    with run_writer(tmp_path / f"run-{{run}}.{ending}") as write:
+        write(7, trace)
+    names = {name: f"model.{name}" if ending == "vcd" else name for name in ("odd", "count")}
+    read = open_trace(str(tmp_path / f"run-7.{ending}")).read(set(names.values()))
+    for tick in range(0, trace.end, trace.end // 50):
+        for name, shown in names.items():
+            row = int(trace.times.searchsorted(tick, side="right")) - 1
+            seconds = tick / trace.ticks_per_unit
+            there = int(read.times.searchsorted(seconds * read.ticks_per_unit * _units(read, trace), side="right")) - 1
+            assert trace.columns[name][row] == read.columns[shown][there], (name, tick)
+
+
+def _units(read: Trace, written: Trace) -> float:
+    """How many units of the one are a unit of the other."""
+    assert written.unit == "ms"
+    return {"": 1, "ms": 1, "us": 10**3, "ns": 10**6, "s": 1e-3}[read.unit]
+
+
+def test_times_are_exact_and_in_the_unit_of_the_model() -> None:
+    trace = _trace()
+    assert trace.unit == "ms"
+    assert trace.end == 2000 * TICKS_PER_UNIT
+    assert trace.times[0] == 0
+    assert trace.times[-1] == trace.end
+    assert (trace.times[1:-1] % 10 == 0).all()
+    assert decimal_time(1_500_000_001, 10**9) == "1.500000001"
+    assert decimal_time(20 * 10**9, 10**9) == "20"
+
+
+def test_one_table_holds_all_runs(tmp_path: Path) -> None:
+    with run_writer(tmp_path / "runs.jsonl") as write:
+        write(0, _trace(0))
+        write(1, _trace(1))
+    rows = [json.loads(line) for line in (tmp_path / "runs.jsonl").read_text(encoding="utf-8").splitlines()]
+    assert {row["run"] for row in rows} == {0, 1}
+    assert rows[0] == {"run": 0, "time": 0, "odd": False, "P": "On", "count": 0}
+
+
+def test_what_cannot_be_written_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UsageError), run_writer(tmp_path / "runs.txt"):
+        pass
+    with run_writer(tmp_path / "runs.vcd") as write:
+        write(0, _trace(0))
+        with pytest.raises(UsageError):
+            write(1, _trace(1))
+
+
+def test_rates_and_weights_survive_other_forms_of_the_model() -> None:
+    network = tachk.loads(MODEL).network
+    written = network_to_json(network)
+    assert written["processes"][0]["edges"][0]["branch"]["weight"]
+    assert network_to_json(network_from_json(written)) == written
+    in_xml = tachk.loads(tachk.export(tachk.loads(MODEL), "xml")).network
+    assert network_to_json(in_xml)["processes"] == written["processes"]
