@@ -8,8 +8,8 @@ client c sends is on the link 2 c, what the Agent sends to it on 2 c + 1. The ev
     written(client, detail)                       a client puts a new message into its output stream
     created_again(client)                         one more CREATE_CLIENT of a session reaches the Agent
 
-A message with several submessages is one event. The recording of a client ends where it deletes its session. Fragments
-and best-effort streams have no words there: a capture that has them is refused.
+A message with several submessages is one event. The recording of a client ends where it deletes its session. Fragments,
+several samples in one message and best-effort streams have no words there: a capture that has them is refused.
 """
 
 from __future__ import annotations
@@ -146,6 +146,8 @@ class _Reader:
         for event in one.events:
             if event.kind is Kind.FRAGMENT:
                 self._reject(one, "is a FRAGMENT: the automata know only whole messages")
+            if event.kind in _SAMPLES[:2] and sum(other.kind in _SAMPLES[:2] for other in one.events) > 1:
+                self._reject(one, "message carries several samples: the automata know only one in each")
             if event.kind in _SAMPLES and not event.is_reliable:
                 self._reject(one, f"is {_name(event)} of a best-effort stream: the automata know only reliable ones")
 
