@@ -109,3 +109,24 @@ def test_a_part_has_only_the_lifelines_that_do_something():
     part = chart.part(Fraction(2), None).used()
     assert (part.lifelines, [m.label for m in part.messages]) == (("a", "b"), ["DATA 5"])
     assert chart.part(Fraction(6), None).used().events == ()
+
+
+def test_what_was_sent_before_a_part_comes_in_from_above():
+    copied = Message(0, (1,), Moment(Fraction(1)), (Moment(Fraction(2)), Moment(Fraction(8))), "CREATE_CLIENT")
+    part = Chart("t", "d", "", ("a", "b"), (copied, message(7, 7)), ()).part(Fraction(5), None)
+    came = part.messages[0]
+    assert (came.label, came.is_under_way, came.arrivals) == ("copy of CREATE_CLIENT", True, (Moment(Fraction(8)),))
+    texts = [label.text for label in lay_out(part, TimeAxis.COMPRESSED).labels]
+    assert {"copy of CREATE_CLIENT sent before", "copy of CREATE_CLIENT comes"} <= set(texts)
+    assert "5" not in texts, "nobody knows from the part when it was sent"
+    assert Chart("t", "d", "", ("a", "b"), (copied,), ()).part(Fraction(9), None).events == ()
+
+
+def test_the_end_of_a_long_arrow_has_a_label():
+    others = [message(time, time) for time in range(2, 30)]
+    late = Message(0, (1,), Moment(Fraction(1)), (Moment(Fraction(3, 2)), Moment(Fraction(30))), "CREATE_CLIENT")
+    layout = lay_out(Chart("t", "d", "", ("a", "b"), (late, *others), ()), TimeAxis.COMPRESSED)
+    assert [label.text for label in layout.labels if "CREATE" in label.text] == [
+        "CREATE_CLIENT ×2",
+        "CREATE_CLIENT comes again",
+    ]

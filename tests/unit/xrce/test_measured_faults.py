@@ -105,6 +105,12 @@ def test_a_client_that_asks_late_gets_what_is_kept(tmp_path: Path):
     assert (settings["KEEP"], settings["SUBSCRIPTION"], settings["SLEEPS"], settings["SLEEP"]) == (16, 4, 1, 3090)
 
 
+def test_whose_radio_is_off_and_who_only_answers_late():
+    settings = own("push_sleep").recorded_definitions()
+    assert (settings["SLEEPS"], settings["CLIENTS"], settings["AGENT_HEARTBEAT"]) == (1, 2, 200)
+    assert not {"SLEEPS", "PAUSES"} & set(own("stale_acknack").recorded_definitions())
+
+
 def verdict(name: str, **settings: int) -> str:
     return str(tachk.load(MODEL, **settings).verify(property=name, trace=False)[name].answer)
 
@@ -133,7 +139,7 @@ def test_a_recording_is_a_run_of_the_model_with_what_was_measured_in_it():
     assert measured.exit_code == 0
     settings = measured.output.split()
     assert "EXACT_BITMAPS=1" in settings
-    assert "PAUSES=1" in settings
+    assert {"PAUSES=1", "CLIENTS=1"} <= set(settings)
     found = CliRunner().invoke(
         app, ["conform", str(RECORDED_MODEL), path, *settings, "--tolerance", "10ms", "--late", "20ms"]
     )

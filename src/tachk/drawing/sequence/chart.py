@@ -42,6 +42,7 @@ class Message:
         is_repeated: it has been sent before.
         tag: what it is called elsewhere, such as the number of its packet; stands before its time.
         is_lost: it never comes.
+        is_under_way: it was sent before the chart begins.
     """
 
     sender: int
@@ -54,6 +55,7 @@ class Message:
     is_repeated: bool = False
     tag: str = ""
     is_lost: bool = False
+    is_under_way: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,12 +96,17 @@ class Chart:
     phases: tuple[Phase, ...] = ()
 
     def part(self, begin: Fraction | None, end: Fraction | None) -> Chart:
-        """What happens from one time to another; messages belong to the time at which they are sent."""
+        """What happens from one time to another; messages belong to the time at which they are sent, and those that
+        were sent before it and arrive in it begin at the top."""
 
         def is_inside(time: Fraction) -> bool:
             return (begin is None or begin <= time) and (end is None or time <= end)
 
         events = tuple(event for event in self.events if is_inside(begun(event).time))
+        if begin is not None:
+            top = Moment(begin, -1)
+            coming = (_coming(one, top) for one in self.messages if one.sent.time < begin)
+            events = (*(one for one in coming if one is not None and is_inside(one.arrivals[0].time)), *events)
         if not events:
             return replace(self, events=(), phases=())
         first, last = begun(events[0]), max(moment for event in events for moment in moments(event))
@@ -131,6 +138,15 @@ class Chart:
                 yield from event.receivers
             elif event.lifeline is not None:
                 yield event.lifeline
+
+
+def _coming(message: Message, top: Moment) -> Message | None:
+    """A message as it comes in from above; None if all of it has arrived before."""
+    arrivals = tuple(moment for moment in message.arrivals if moment.time >= top.time)
+    if not arrivals:
+        return None
+    label = message.label if len(arrivals) == len(message.arrivals) else f"copy of {message.label}"
+    return replace(message, sent=top, arrivals=arrivals, label=label, is_under_way=True)
 
 
 def begun(event: Message | Note) -> Moment:

@@ -41,6 +41,9 @@ _TIMES = 92
 _ARRIVAL = 7
 """A message that takes time arrives at least so far below the place where it was sent."""
 
+_FAR = 12 * LINE
+"""The end of an arrow that is longer downwards gets a label, too."""
+
 _CROSSED = 10
 """More room below the cross of a lost message."""
 
@@ -203,7 +206,9 @@ def _shown(event: Message | Note) -> str:
         said += " again"
     if event.is_lost:
         said += " lost"
-    if len(event.arrivals) > 1:
+    if event.is_under_way:
+        said += " sent before"
+    elif len(event.arrivals) > 1:
         said += f" ×{len(event.arrivals)}"
     return _cut(said)
 
@@ -298,7 +303,7 @@ class _Rows:
         for event in self._chart.events:
             moment = begun(event)
             y = self.at(moment)
-            if y - last_y < LINE - 3:
+            if y - last_y < LINE - 3 or (isinstance(event, Message) and event.is_under_way):
                 continue
             if isinstance(event, Message) and event.tag:
                 yield Label(event.tag, 16, y + 4, "start", "gap")
@@ -346,10 +351,25 @@ def _labels(chart: Chart, rows: _Rows, xs: Sequence[int]) -> Iterator[Label]:
         furthest = max(event.receivers, key=lambda each: abs(each - event.sender), default=event.sender)
         style = "lost" if event.is_lost else event.category.value
         full = event.detail
+        yield from _late_arrivals(event, rows, xs)
         if furthest >= event.sender:
             yield Label(text, xs[event.sender] + 10, y - 4, "start", style, None, full)
         else:
             yield Label(text, xs[event.sender] - 10, y - 4, "end", style, None, full)
+
+
+def _late_arrivals(message: Message, rows: _Rows, xs: Sequence[int]) -> Iterator[Label]:
+    """Labels at the ends of long arrows, whose beginnings are out of sight."""
+    sent = rows.at(message.sent)
+    for number, moment in enumerate(message.arrivals):
+        y = rows.at(moment)
+        if not (message.is_under_way and number == 0) and y - sent < _FAR:
+            continue
+        text = _cut(f"{message.label} comes again" if number else f"{message.label} comes")
+        for receiver in message.receivers[:1]:
+            right = receiver >= message.sender
+            x, anchor = (xs[receiver] - 10, "end") if right else (xs[receiver] + 10, "start")
+            yield Label(text, x, y - 4, anchor, message.category.value, None, message.detail)
 
 
 def _apart(labels: Sequence[Label]) -> list[Label]:

@@ -27,7 +27,13 @@ def draw_robustness(axis: Axes, record: MonitorRecord, verdict: MonitorVerdict, 
     low, high = (np.append(bound, bound[-1]) for bound in (signal.low, signal.high))
     finite = [bound[np.isfinite(bound) & (abs(bound) < _LARGEST)] for bound in (low, high)]
     known = np.concatenate(finite)
-    bottom, top = (float(known.min()), float(known.max())) if len(known) else (-1.0, 1.0)
+    if not len(known):
+        axis.set_yticks([])
+        axis.text(
+            0.5, 0.5, "infinite: no number is compared", transform=axis.transAxes, ha="center", va="bottom", fontsize=8
+        )
+        return
+    bottom, top = float(known.min()), float(known.max())
     margin = 0.12 * (top - bottom) or 1.0
     axis.set_ylim(min(bottom, 0) - margin, max(top, 0) + margin)
     shown = [np.clip(bound, bottom - 2 * margin, top + 2 * margin) for bound in (low, high)]

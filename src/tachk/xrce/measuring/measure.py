@@ -123,7 +123,13 @@ class _Measuring:
         problems = tuple(f"{file}: {recording.problem}" for file, recording in self.recordings if recording.problem)
         chosen = settings(findings)
         by_name = {setting.name: setting for setting in chosen}
-        recorded = recorded_settings(Recorded(known, by_name, self._samples(), self._longest()))
+        unheard = sum(
+            bool(one.arrivals) and any(name == file and sleep.covers(one) for name, sleep in asleep)
+            for file, recording in self.recordings
+            for one in recording.transmissions
+        )
+        clients = max(len(recording.links) for _, recording in self.recordings)
+        recorded = recorded_settings(Recorded(known, by_name, self._samples(), self._longest(), clients, unheard))
         return Measurement(files, quantities, chosen, recorded, problems)
 
     def _samples(self) -> int:

@@ -27,12 +27,16 @@ class Recorded:
         settings: those for models that are checked; by their names.
         samples: how many different ones are in the captures.
         longest: how many messages the longest stream has.
+        clients: how many take part in one capture.
+        unheard: packets that came to clients while they slept.
     """
 
     quantities: Mapping[str, Quantity]
     settings: Mapping[str, Setting]
     samples: int
     longest: int
+    clients: int
+    unheard: int
 
 
 def recorded_settings(found: Recorded) -> tuple[Setting, ...]:
@@ -45,6 +49,7 @@ def _settings(found: Recorded) -> Iterator[Setting]:
     messages = max(found.samples, (found.longest - 15) // 2, 1)
     how = f"different samples: {found.samples}; messages in the longest stream: {found.longest}"
     yield Setting("MESSAGES", messages, False, Confidence.MEASURED, how)
+    yield Setting("CLIENTS", found.clients, False, Confidence.MEASURED, "clients in one capture")
     for name in ("HEARTBEAT_LAW", "CLIENT_HEARTBEAT", "HISTORY", "AGENT_HEARTBEAT", "DEAD", "AGENT_WINDOW", "KEEP"):
         if name in found.settings:
             yield found.settings[name]
@@ -52,7 +57,11 @@ def _settings(found: Recorded) -> Iterator[Setting]:
         yield _jitter(name, found.quantities[of])
     yield Setting("EXACT_BITMAPS", 1, False, Confidence.MEASURED, "packets have every bit of a bitmap")
     yield from _missed_rounds(found.quantities)
-    yield from _pauses(found.quantities["client_reaction"], found.quantities["overdue_heartbeat"])
+    if found.unheard:
+        how = f"packets that came to clients while they slept: {found.unheard}"
+        yield Setting("SLEEPS", 1, False, Confidence.MEASURED, how)
+    else:
+        yield from _pauses(found.quantities["client_reaction"], found.quantities["overdue_heartbeat"])
 
 
 def _jitter(name: str, period: Quantity) -> Setting:
