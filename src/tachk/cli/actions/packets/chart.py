@@ -16,6 +16,7 @@ from tachk.drawing.sequence.sequence_svg import draw_chart
 from tachk.records import dataclass
 from tachk.report.sequence.of_capture import chart_of_capture
 from tachk.report.sequence.of_run import chart_of_run
+from tachk.report.sequence.repetitions import told_once
 from tachk.report.sequence.run_steps import RunSteps, steps_of_report
 from tachk.time_units import length_of
 from tachk.xrce.packets import CaptureError
@@ -44,7 +45,8 @@ def run_chart(charting: Charting) -> ExitStatus:
     """Raises UsageError for what cannot be drawn."""
     chart = _read(charting)
     part = chart.part(_time(charting.begin, chart.unit), _time(charting.end, chart.unit))
-    write_chart(part.used(), charting.output, TimeAxis(charting.axis))
+    axis = TimeAxis(charting.axis)
+    write_chart(part.used() if axis is TimeAxis.SCALE else told_once(part.used()), charting.output, axis)
     return ExitStatus.AS_EXPECTED
 
 
