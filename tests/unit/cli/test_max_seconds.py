@@ -54,6 +54,7 @@ COMMAND_LINES = (
     "verify m.ta",
     "synthesize m.ta --property p --over N=1..2",
     "sweep m.ta -D N=1..2 --quiet",
+    "simulate m.ta -o out.csv",
     "report m.ta -o out.html",
     "time m.ta --to n==2",
     "check m.ta",

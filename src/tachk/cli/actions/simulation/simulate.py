@@ -25,6 +25,7 @@ from tachk.monitoring.offline import Judging, judge
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Trace
 from tachk.simulation.columns import all_columns, chosen_columns
+from tachk.simulation.intervals import clopper_pearson
 from tachk.simulation.runs import Runs
 from tachk.simulation.tables import Writer, decimal_time, run_writer
 from tachk.time_units import NANOSECONDS, length_of
@@ -47,6 +48,7 @@ class Simulating:
     definitions: tuple[str, ...] = ()
     output: Path | None = None
     form: TableForm = TableForm.TEXT
+    confidence: float = 0.95
 
 
 @dataclass(slots=True)
@@ -189,6 +191,13 @@ def _print(asked: Simulating, tally: _Tally, network: Network) -> None:
         told = ", ".join(f"{truth} on {counts[truth]}" for truth in (Truth.TRUE, Truth.FALSE, Truth.UNDETERMINED))
         violating = tally.violating.get(name, [])
         print(f"{name}: {told}" + (f"; the first violation is in run {violating[0]}" if violating else ""))
+        low, high = _violations(counts, asked.confidence)
+        print(f"  probability of a violation: {low:.4g} to {high:.4g}, confidence {asked.confidence:.6g}")
+
+
+def _violations(counts: Counter[Truth], confidence: float) -> tuple[float, float]:
+    """The interval of the probability that a run violates a formula; those that are undetermined may."""
+    return clopper_pearson(counts[Truth.FALSE], counts.total(), confidence, maybe=counts[Truth.UNDETERMINED])
 
 
 def _json(asked: Simulating, tally: _Tally) -> dict[str, object]:
@@ -208,6 +217,8 @@ def _json(asked: Simulating, tally: _Tally) -> dict[str, object]:
                 "false": counts[Truth.FALSE],
                 "undetermined": counts[Truth.UNDETERMINED],
                 "violating": tally.violating.get(name, []),
+                "probability_of_violation": _violations(counts, asked.confidence),
+                "confidence": asked.confidence,
             }
             for name, counts in tally.truths.items()
         ],

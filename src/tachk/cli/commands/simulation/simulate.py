@@ -56,6 +56,14 @@ from tachk.engines.simulation.policy import Policy
     metavar="FORMULA",
     help="Judge each run by a formula, a sentence, or a file of them or a model; write the runs that violate one.",
 )
+@click.option(
+    "--confidence",
+    metavar="C",
+    type=click.FloatRange(0.5, 0.999999),
+    default=0.95,
+    show_default=True,
+    help="Of the interval for the probability that a run violates a formula.",
+)
 @options.definitions
 @click.option(
     "output",
