@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import partial
 
 from tachk.certify.certificate import (
     Block,
@@ -16,6 +17,7 @@ from tachk.certify.certificate import (
     Shapes,
 )
 from tachk.certify.closed_set import Objection, check_closed, check_descent
+from tachk.certify.widening import widened
 from tachk.compiler.lower import lower, lower_obligation
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.engines.closed_set import check_closed_natively, check_descent_natively
@@ -111,6 +113,22 @@ def find_proof(
     return Proof(header, cover)
 
 
+_LEAST_ZONES, _MOST_ZONES = 20, 20_000
+"""Of how many zones a proof is made smaller: not of very few, and not of so many that the checker takes long."""
+
+
+def widened_proof(network: Network, query: Query, proof: Proof, stored: int) -> Proof:
+    """A proof with at most a quarter as many different zones as the search has stored, if that comes off, so that its
+    file is smaller. The native checker has accepted it. Raises OutOfTimeError."""
+    width, clocks = proof.header.width, len(proof.header.clocks)
+    different = sum(len(columns.constraints) for columns in proof.columns())
+    if not _LEAST_ZONES <= proof.zones <= _MOST_ZONES or 4 * different <= stored:
+        return proof
+    check = _native_check(observed(network, query.observer), query, width, clocks)
+    block = widened(proof.blocks(), width, clocks + 1, stored // 4, lambda columns: check([columns]) is None)
+    return replace(proof, cover=Cover(len(block.zones), len(block.constraints), lambda: iter([block])))
+
+
 def _check_natively(
     network: Network, query: Query, width: int, clocks: int, blocks: Iterable[Columns]
 ) -> Objection | None:
@@ -118,13 +136,19 @@ def _check_natively(
 
     Raises MalformedCertificateError.
     """
+    return _native_check(network, query, width, clocks)(blocks)
+
+
+def _native_check(
+    network: Network, query: Query, width: int, clocks: int
+) -> Callable[[Iterable[Columns]], Objection | None]:
     predicates = [one for one in (query.target, query.avoided, query.begins) if one is not None]
     program, goals = lower(network, predicates)
     if width != program.state_slots or clocks != program.clocks:
         raise MalformedCertificateError("it has other processes, variables or clocks than the model")
     if query.target is None:
-        return check_descent_natively(program, goals, blocks)
-    return check_closed_natively(program, goals[0], blocks)
+        return partial(check_descent_natively, program, goals)
+    return partial(check_closed_natively, program, goals[0])
 
 
 def _descent(

@@ -37,7 +37,7 @@ from tachk.engines.options import Limits
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties import certificates
-from tachk.properties.certificates import Checker, Proof, check_proof, find_proof, is_provable
+from tachk.properties.certificates import Checker, Proof, check_proof, find_proof, is_provable, widened_proof
 from tachk.properties.verdict import Answer
 from tachk.properties.verify import verify
 from tachk.report.certificate_report import Judgement, judgement_lines, judgements_to_json
@@ -591,6 +591,48 @@ def test_a_zone_is_written_once_however_many_states_have_it() -> None:
     for block, read in zip(proof.blocks(), written(proof).blocks(), strict=True):
         for field in ("discretes", "zones", "ranks", "constraints", "places", "bounds"):
             assert (getattr(block, field) == getattr(read, field)).all()
+
+
+@pytest.mark.parametrize(
+    ("model", "name"), [("csma_cd.ta", "collision_noticed"), ("brp.ta", "no_failure"), ("brp.ta", "no_overflow")]
+)
+def test_a_proof_needs_at_most_a_quarter_of_the_stored_zones(model: str, name: str) -> None:
+    """Constraints that it can do without are left out, until enough zones are equal."""
+    loaded = tachk.load(MODELS / "classics" / model)
+    (query,) = (query for query in loaded.properties if query.name == name)
+    (verdict,) = verify(loaded.network, [query], trace=False)
+    proof = proved(loaded.network, query)
+    stored = verdict.statistics.states_stored
+    wide = widened_proof(loaded.network, query, proof, stored)
+    before, after = (sum(len(columns.constraints) for columns in one.columns()) for one in (proof, wide))
+    assert 4 * before > stored >= 4 * after
+    assert wide.zones <= proof.zones and wide.states == proof.states
+    assert judged(loaded.network, query, written(wide)) is None
+
+
+def test_a_proof_with_ranks_can_do_without_some_constraints_too() -> None:
+    """A clock that nobody reads, and one that tells where the goal is."""
+    network, query = counter("met", COUNTED)
+    proof = proved(network, query)
+    wide = widened_proof(network, query, proof, 0)
+    before, after = (sum(len(columns.constraints) for columns in one.columns()) for one in (proof, wide))
+    assert before > 40 and after < before
+    assert judged(network, query, written(wide)) is None
+
+
+COUNTED = """
+clock x, y; int[0, 60] n;
+process P() {
+    init location a {
+        invariant x <= 2;
+        to a { guard x >= 1 && n < 60; assign n = n + 1, x = 0; }
+        to b { guard n == 60; }
+    }
+    location b { }
+}
+system P;
+property met : A<> P.b || y > 1000;
+"""
 
 
 def test_numbers_of_any_length() -> None:

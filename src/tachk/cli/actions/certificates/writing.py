@@ -13,7 +13,7 @@ from tachk.cli.guard import complain
 from tachk.engines.options import Limits, Options
 from tachk.formats.network_json.digest import digest
 from tachk.model.network import Network
-from tachk.properties.certificates import find_proof, is_provable
+from tachk.properties.certificates import find_proof, is_provable, widened_proof
 from tachk.properties.verdict import Verdict
 from tachk.report.quantity import bytes_
 
@@ -39,6 +39,7 @@ def write_certificates(
                 complain(f"no certificate for {verdict.query.name}: {proof}")
                 statuses.append(ExitStatus.UNKNOWN)
                 continue
+            proof = widened_proof(network, verdict.query, proof, verdict.statistics.states_stored)
             writer.write(proof.header, proof.blocks())
             names.append(verdict.query.name)
     nothing = "no proof: only A[], A<> and --> that hold have one, and E<> and E[] that fail"
