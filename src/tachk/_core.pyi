@@ -317,6 +317,7 @@ class Simulation:
         actions: bool,
         observed: bool,
         clocks: bool,
+        seconds: float,
     ) -> list[RunRecord]: ...
 
 def ticks_per_unit() -> int: ...

@@ -39,6 +39,12 @@ def time_limit(seconds: float | None) -> Iterator[None]:
         _deadline.reset(token)
 
 
+def time_left() -> float | None:
+    """The seconds until the time is over, not less than 0; None without a limit."""
+    deadline = _deadline.get()
+    return None if deadline is None else max(deadline - monotonic(), 0.0)
+
+
 def check_time() -> None:
     """Raises OutOfTimeError if the time is over. Cheap: meant for inner loops."""
     deadline = _deadline.get()

@@ -11,6 +11,11 @@
 #include <utility>
 
 namespace tachk {
+namespace {
+
+constexpr std::uint64_t between_stops = 1 << 16;  // transitions
+
+}  // namespace
 
 Simulation::Simulation(Program program, std::span<const std::int64_t> chances)
     : program_(std::move(program)), chances_(decode_chances(chances, program_)), tables_(program_, chances_) {}
@@ -57,7 +62,7 @@ void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t
       const Ticks before = simulator.now();
       ending = simulator.step(limits);
       if (ending) break;
-      ++record.transitions;
+      if (++record.transitions % between_stops == 0 && order.stop && order.stop()) throw Stopped();
       keep(simulator, order.recording, record);
       at_once = simulator.now() == before ? at_once + 1 : 0;
       if (at_once >= limits.steps_at_once) ending = Ending::zeno;

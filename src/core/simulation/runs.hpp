@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "machine/opcode.hpp"
@@ -40,7 +41,11 @@ struct Order {
   Policy policy = Policy::stochastic;
   RunLimits limits;
   Recording recording;
+  std::function<bool()> stop = {};  // asked now and then, by any thread: whether to give up
 };
+
+// Somebody has said so.
+struct Stopped {};
 
 class Simulation {
  public:
@@ -48,7 +53,7 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  // The runs in the order of their numbers, whatever the number of threads.
+  // The runs in the order of their numbers, whatever the number of threads. Throws Stopped.
   std::vector<RunRecord> run(const Order& order) const;
 
  private:

@@ -7,6 +7,7 @@ from random import Random
 
 import pytest
 
+import tachk
 from tachk.certify.replay import replay
 from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import InputError, UnsupportedError
@@ -20,6 +21,7 @@ from tachk.semantics.step import deadlocked, possible
 from tachk.simulation.runs import Runs
 from tachk.testing import Shape, random_case
 from tachk.testing.simulated.timed import WITH_STATES, state_columns, timed_trace
+from tachk.time_limit import OutOfTimeError, time_limit
 
 SHAPES = (
     Shape(),
@@ -91,3 +93,10 @@ def test_threads_and_batches_make_no_difference() -> None:
     assert together == drawn(2, 0, 100)
     assert together[70:80] == drawn(2, 70, 80)
     assert len({run[3] for run in together}) > 50
+
+
+def test_a_long_run_ends_when_the_time_is_over() -> None:
+    network = tachk.loads("process P() { init location A { exponential_rate 1000000; to A; } } system P;").network
+    drawing = Drawing(1, 10**8 * TICKS_PER_UNIT)
+    with pytest.raises(OutOfTimeError), time_limit(0.05):
+        list(Runs(network, ()).draw(drawing, range(1)))

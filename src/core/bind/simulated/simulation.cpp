@@ -6,6 +6,7 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <utility>
@@ -21,6 +22,25 @@ namespace {
 
 std::vector<std::int64_t> widened(const std::vector<std::uint32_t>& numbers) {
   return {numbers.begin(), numbers.end()};
+}
+
+// The runs; none of them if the time is over. Ctrl-C becomes its exception.
+std::vector<tachk::RunRecord> run_interruptibly(const tachk::Simulation& simulation, tachk::Order order,
+                                                double seconds) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begun = Clock::now();
+  order.stop = [=] {
+    if (seconds >= 0 && std::chrono::duration<double>(Clock::now() - begun).count() > seconds) return true;
+    const nb::gil_scoped_acquire acquired;
+    return PyErr_CheckSignals() != 0;
+  };
+  try {
+    const nb::gil_scoped_release released;
+    return simulation.run(order);
+  } catch (const tachk::Stopped&) {
+    if (PyErr_Occurred() != nullptr) throw nb::python_error();
+    return {};
+  }
 }
 
 }  // namespace
@@ -72,14 +92,15 @@ void bind_simulation(nb::module_& m) {
           "run",
           [](const tachk::Simulation& self, tachk::Policy policy, std::uint64_t seed, std::uint64_t first,
              std::uint64_t runs, tachk::Ticks until, std::uint64_t steps, unsigned threads, bool actions, bool observed,
-             bool clocks) {
-            const nb::gil_scoped_release released;
+             bool clocks, double seconds) {
             tachk::RunLimits limits;
             limits.until = until;
             limits.steps = steps;
-            return self.run({seed, first, runs, threads, policy, limits, {actions, observed, clocks}});
+            return run_interruptibly(self, {seed, first, runs, threads, policy, limits, {actions, observed, clocks}},
+                                     seconds);
           },
           nb::kw_only(), nb::arg("policy"), nb::arg("seed"), nb::arg("first"), nb::arg("runs"), nb::arg("until"),
           nb::arg("steps"), nb::arg("threads"), nb::arg("actions"), nb::arg("observed"), nb::arg("clocks"),
-          "The runs of these numbers, in order.");
+          nb::arg("seconds"),
+          "The runs of these numbers, in order; none if that takes more seconds, where these are not negative.");
 }

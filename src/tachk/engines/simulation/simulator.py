@@ -19,6 +19,7 @@ from tachk.engines.simulation.policy import Policy
 from tachk.model.fault import RuntimeErrorKind
 from tachk.records import dataclass
 from tachk.semantics.timed_trace import Transition
+from tachk.time_limit import OutOfTimeError, time_left
 
 TICKS_PER_UNIT = _core.ticks_per_unit()
 """How finely simulated time is counted."""
@@ -108,7 +109,8 @@ class Simulator:
         self._core = _core.Simulation(encode(program, ()), list(_image(chances)))
 
     def runs(self, drawing: Drawing, numbers: range, recorded: Recorded) -> Iterator[Simulated]:
-        """The runs of these numbers, which follow one another."""
+        """The runs of these numbers, which follow one another. Raises OutOfTimeError."""
+        left = time_left()
         found = self._core.run(
             policy=_core.Policy[drawing.policy.name],
             seed=drawing.seed,
@@ -120,7 +122,10 @@ class Simulator:
             actions=recorded.actions,
             observed=recorded.observed,
             clocks=recorded.clocks,
+            seconds=-1 if left is None else left,
         )
+        if not found and numbers:
+            raise OutOfTimeError
         for number, record in zip(numbers, found, strict=True):
             yield self._simulated(number, record, recorded)
 
