@@ -105,6 +105,22 @@ def test_a_client_that_asks_late_gets_what_is_kept(tmp_path: Path):
     assert (settings["KEEP"], settings["SUBSCRIPTION"], settings["SLEEPS"], settings["SLEEP"]) == (16, 4, 1, 3090)
 
 
+@pytest.mark.parametrize(("written", "wanted"), [(10, 3), (3, 0xFFFF)])
+def test_who_gets_what_it_asks_for_or_all_says_only_that_so_many_are_kept(tmp_path: Path, written: int, wanted: int):
+    reader, asks = 40001, READ_DATA[:16] + wanted.to_bytes(2, "little") + READ_DATA[18:]
+    writes = [(100 * n + 10, up(sample(n, n))) for n in range(written)]
+    gets = [(3101 + n, udp(data(n, n), AGENT, reader)) for n in range(3)]
+    packets = [
+        (0, up(CREATE_CLIENT)),
+        (1, udp(CREATE_CLIENT, reader, AGENT)),
+        *writes,
+        (3100, udp(asks, reader, AGENT)),
+    ]
+    found = measure(capture(tmp_path / "asks.pcap", *packets, *gets))
+    assert (found.quantity("kept").value, found.quantity("kept").confidence) == (3, Confidence.BOUND)
+    assert "KEEP" not in found.definitions()
+
+
 def test_whose_radio_is_off_and_who_only_answers_late():
     settings = own("push_sleep").recorded_definitions()
     assert (settings["SLEEPS"], settings["CLIENTS"], settings["AGENT_HEARTBEAT"]) == (1, 2, 200)
