@@ -21,6 +21,8 @@ class Event:
     after: the number of an event, from 0, that must have happened before: that a message was sent, if this is its
         arrival. None if there is none.
         optional: it may have happened or not: nobody has seen whether what was sent arrived.
+        inferred: it is known from what the model then did: though it comes from outside, it has happened before it was
+            recorded, as that has.
     """
 
     time: Fraction
@@ -29,6 +31,7 @@ class Event:
     place: str
     after: int | None = None
     optional: bool = False
+    inferred: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -91,7 +91,8 @@ class _Reader:
 
     def _add(self, time: int, packet: int, name: str, cells: dict[str, Cell], **more: int | bool | None) -> int:
         after = more.get("after")
-        event = Event(Fraction(time), name, cells, f"packet {packet}", None, bool(more.get("optional")))
+        optional, inferred = bool(more.get("optional")), bool(more.get("inferred"))
+        event = Event(Fraction(time), name, cells, f"packet {packet}", None, optional, inferred)
         self.rows.append((time, packet, event, after))
         return len(self.rows) - 1
 
@@ -116,7 +117,8 @@ class _Reader:
                 cells |= {"detail": content.detail}
             if one.to_agent and content.kind == "DATA" and content.number == self.written[one.link]:
                 self.written[one.link] += 1
-                self._add(time, one.packet, "written", {"client": client, "detail": content.detail or 0})
+                cells_of_write: dict[str, Cell] = {"client": client, "detail": content.detail or 0}
+                self._add(time, one.packet, "written", cells_of_write, inferred=True)
             sent = self._add(time, one.packet, "sent", cells)
             if one.arrivals is None:
                 self._add(time, one.packet, "arrived", cells, after=sent, optional=True)

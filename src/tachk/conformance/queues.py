@@ -104,7 +104,8 @@ def make_queues(
     queues = []
     for visible, common, found in entries:
         outputs = _is_output(visible, kept)
-        before, behind = (late, tolerance) if outputs else (tolerance, late)
+        seen = outputs or any(recording.events[number].inferred for number, _ in found)
+        before, behind = (late, tolerance) if seen else (tolerance, late)
         times = [(recording.events[number].time - origin) * scale for number, _ in found]
         needed = [recording.events[number].after for number, _ in found]
         queues.append(

@@ -97,6 +97,26 @@ def test_heartbeats_of_the_old_client() -> None:
     assert accepted("client_2_0", HEARTBEAT_LAW=1, CLIENT_HEARTBEAT=100) is False
 
 
+def test_a_write_is_seen_late() -> None:
+    """The relay stood still for 100 ms: it saw a READ_DATA 3 ms before the HEARTBEAT that follows 100 ms later."""
+    model = tachk.load(
+        MODEL, HISTORY=8, INPUT_HISTORY=8, CLIENT_JITTER=20, AGENT_JITTER=20, EXACT_BITMAPS=True, SLEEPS=True
+    )
+    assert model.loaded.recording is not None
+    found = conform(
+        model.network,
+        model.loaded.recording,
+        read_capture(CAPTURES.parent / "push_sleep.pcap"),
+        constants_of(model.loaded),
+        Fraction(10),
+        Fraction(150),
+        limits=tachk.Limits(states=40_000),
+        run=False,
+        explain=False,
+    )
+    assert found.accepted is True
+
+
 def test_more_clients_than_the_model_has() -> None:
     with pytest.raises(UsageError, match=r"has 3 clients .*set -D CLIENTS=3"):
         tachk.conform(str(MODEL), str(CAPTURES / "two_publishers_losses.pcap"))
