@@ -3,7 +3,8 @@
     python -m bench.conformance_mutations CAPTURES_FOLDER [-D NAME=VALUE]... [--seed 1] [--only PREFIX]
 
 One event of each kind of change for each capture, drawn at random; each capture at the first step of the ladder 5/5,
-10/20 ms at which it is a run unchanged. What is not rejected is listed: it has to be judged whether it is possible.
+5/20, 5/50 ms at which it is a run unchanged. What is not rejected is listed: it has to be judged whether it is
+possible.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from pathlib import Path
 from random import Random
 
 import tachk
-from bench.conformance import histories, without_killed_agent
+from bench.conformance import settings, without_killed_agent
 from tachk.conformance.asking import constants_of
 from tachk.conformance.conform import conform
 from tachk.conformance.edits import Edit, edited
@@ -26,7 +27,7 @@ from tachk.conformance.events import Event, Recording
 from tachk.conformance.packet_events import read_capture
 from tachk.engines.options import Limits
 
-LADDER = ((5, 5), (10, 20))
+LADDER = ((5, 5), (5, 20), (5, 50))
 MILLISECOND = Fraction(1, 10**6)
 
 Change = Callable[[Recording, int], Recording]
@@ -82,7 +83,7 @@ def main() -> None:
     for path in sorted(asked.folder.glob(f"{asked.only}*.pcap")):
         truth = json.loads(path.with_name(path.stem + ".truth.json").read_text(encoding="utf-8"))
         given = {name: int(value) for name, value in (pair.split("=") for pair in asked.definitions)}
-        model = tachk.load(asked.model, **{"HISTORY": histories(truth), "INPUT_HISTORY": histories(truth)} | given)
+        model = tachk.load(asked.model, **settings(truth) | given)
         assert model.loaded.recording is not None
         recording = read_capture(path)
         recording = without_killed_agent(recording, truth, recording.epoch)

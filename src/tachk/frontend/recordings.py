@@ -13,7 +13,7 @@ from tachk.frontend.expressions.typing import is_integral
 from tachk.frontend.scope import Scope, ValueSymbol
 from tachk.model.expressions import Constant, Expression, Reference, Variable, VariableKind
 from tachk.model.network import Process
-from tachk.model.recording import RecordingMap, VisibleEvents
+from tachk.model.recording import RecordedModel, RecordingMap, VisibleEvents
 from tachk.model.types import ArrayType, ChannelType, element_type
 from tachk.syntax import ast
 from tachk.time_units import NANOSECONDS, length_of
@@ -76,6 +76,11 @@ class _Reader:
                     if word in allowances:
                         self.context.error("E0450", clause.span, f"a second `{word}`", "keep one of the two")
                     allowances[word] = self._units(clause)
+                case ast.RecordedModelClause():
+                    pass
+        models = [clause for clause in node.clauses if isinstance(clause, ast.RecordedModelClause)]
+        if models:
+            return self._elsewhere(node, models[0])
         if not node.clauses or not visible:
             self.context.error(
                 "E0451", node.span, "this `recording` says nothing that is visible", "visible c[i] as event(i);"
@@ -88,8 +93,25 @@ class _Reader:
             tuple(each for each in hidden if each is not None),
             allowances.get("tolerance", Fraction(0)),
             allowances.get("late"),
-            node.span,
+            span=node.span,
         )
+
+    def _elsewhere(self, node: ast.RecordingDeclaration, clause: ast.RecordedModelClause) -> RecordingMap | None:
+        """Another model takes the recordings."""
+        if len(node.clauses) > 1:
+            self.context.error(
+                "E0451", node.span, "a `recording` with `import` says nothing else", "leave out the other clauses"
+            )
+        constants: list[tuple[str, int]] = []
+        for given in clause.constants:
+            written = given.expression or ast.NameExpression(given.name.span, given.name.name)
+            value = expression(written, self.scope, self.context)
+            if isinstance(value, Constant):
+                constants.append((given.name.name, value.value))
+            elif value is not None:
+                self.context.error("E0451", written.span, "this is no constant", "write a constant of this model")
+        model = RecordedModel(clause.path, tuple(constants))
+        return RecordingMap(frozenset(), (), (), Fraction(0), None, model, node.span)
 
     def _processes(self, name: ast.Identifier) -> list[int]:
         """The numbers of the processes with a name, or made from a template with that name."""

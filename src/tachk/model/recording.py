@@ -35,12 +35,24 @@ class VisibleEvents:
 
 
 @dataclass(frozen=True, slots=True)
+class RecordedModel:
+    """Attributes:
+    path: of the file, relative to the one that names it.
+    constants: what constants of it are.
+    """
+
+    path: str
+    constants: tuple[tuple[str, int], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class RecordingMap:
     """Attributes:
     replaced: the numbers of the processes whose place the recording takes.
     hidden: channels, or arrays of channels, on which what is replaced may synchronise whenever it likes.
     tolerance: how much earlier or later than recorded something may have happened, in units of the model.
     late: how much later than it happens something may be recorded; None: as much as the tolerance.
+    model: the model that recordings are held against in place of this one; then the rest says nothing.
     """
 
     replaced: frozenset[int]
@@ -48,4 +60,5 @@ class RecordingMap:
     hidden: tuple[Expression, ...]
     tolerance: Fraction
     late: Fraction | None
+    model: RecordedModel | None = None
     span: Span = NOWHERE

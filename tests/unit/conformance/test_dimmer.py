@@ -169,3 +169,13 @@ def test_json_lines(tmp_path: Path) -> None:
 
 def test_formatter_keeps_the_block() -> None:
     assert CliRunner().invoke(app, ["fmt", "--check", str(MODEL)]).exit_code == 0
+
+
+def test_what_is_outside_need_not_be_ready(tmp_path: Path) -> None:
+    model = tachk.loads(
+        "urgent chan press; process P { init location A { to B { sync press?; } } location B; } system P;"
+        "recording { visible press as press(); }"
+    )
+    file = tmp_path / "press.csv"
+    file.write_text("time,event\n10,press\n", encoding="utf-8")
+    assert tachk.conform(model, file).accepted

@@ -14,7 +14,7 @@ from tachk.conformance.conform import Conformance, conform
 from tachk.conformance.event_tables import read_events
 from tachk.conformance.events import Recording
 from tachk.conformance.packet_events import read_capture
-from tachk.conformance.parts import can_be_apart, parts_of
+from tachk.conformance.parts import can_be_apart, parts_of, set_apart
 from tachk.conformance.queues import make_queues
 
 ROOT = Path(__file__).parents[3]
@@ -23,6 +23,7 @@ RECORDED = ROOT / "models/micro_xrce_dds/recorded.ta"
 BALL = """
 broadcast chan serve, take, back, home;
 int thrown[2];
+int[0, 1] which = 1;
 process Server {{
     clock x;
     init location Ready {{
@@ -57,7 +58,7 @@ def _whole_and_parts(model: tachk.Model, recording: Recording, tolerance: int, l
     ]
 
 
-def _ball(random: Random, shared: int = 1) -> tachk.Model:
+def _ball(random: Random, shared: int | str = 1) -> tachk.Model:
     quick = random.random() < 0.3
     held = 0 if quick else random.randint(0, 2)
     return tachk.loads(
@@ -113,6 +114,7 @@ def test_what_is_shared_joins_parts(tmp_path: Path) -> None:
 
     assert parts(_ball(Random(1), shared=1)) == 2
     assert parts(_ball(Random(1), shared=0)) == 1
+    assert parts(_ball(Random(1), shared="which")) == 1
 
 
 def test_clients_and_agent_are_apart() -> None:
@@ -123,4 +125,15 @@ def test_clients_and_agent_are_apart() -> None:
     queues = make_queues(model.network, mapping, recording, constants_of(model.loaded), Fraction(5), Fraction(20))
     parts = parts_of(model.network, mapping, queues)
     assert sorted(len(part.processes) for part in parts) == [4, 4, 8]
+    cut = set_apart(queues, parts)
+    assert cut is not None
+    part_of = {number: part for part in parts for number in part.queues}
+    across = [
+        (cut.queues[other].latest[count - 1], queue.earliest[place])
+        for number, queue in enumerate(cut.queues)
+        for place, needs in enumerate(queue.needed)
+        for other, count in needs
+        if part_of[other] is not part_of[number]
+    ]
+    assert across and all(sent <= arrived for sent, arrived in across)
     assert can_be_apart(model.network, range(len(model.network.processes)), queues)

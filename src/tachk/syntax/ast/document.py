@@ -115,7 +115,19 @@ class AllowanceClause(Node):
     unit: str
 
 
-RecordingClause = ReplacesClause | VisibleClause | HiddenClause | AllowanceClause
+@dataclass(frozen=True, slots=True)
+class RecordedModelClause(Node):
+    """``import "recorded.ta" (GUARDED, WAIT = 2 * PACE);``: recordings are held against that model.
+
+    Attributes:
+        constants: constants of that model, with what they are here.
+    """
+
+    path: str
+    constants: tuple[RecordedColumn, ...]
+
+
+RecordingClause = ReplacesClause | VisibleClause | HiddenClause | AllowanceClause | RecordedModelClause
 
 
 @dataclass(frozen=True, slots=True)

@@ -222,6 +222,11 @@ class Builder(ExpressionBuilder, FormulaBuilder):
     def hidden(self, children: Children) -> ast.HiddenClause:
         return ast.HiddenClause(span_of(children), nodes(children))
 
+    def recorded_model(self, children: Children) -> ast.RecordedModelClause:
+        _, path, *rest = children
+        columns = next((each for each in rest if isinstance(each, ListOf)), ())
+        return ast.RecordedModelClause(span_of(children), path.text[1:-1], tuple(columns))
+
     def allowance(self, children: Children) -> ast.AllowanceClause:
         word, amount, unit, _ = children
         return ast.AllowanceClause(span_of(children), word.text, int(amount.text), "" if unit is None else unit.text)

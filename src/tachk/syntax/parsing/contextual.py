@@ -71,7 +71,7 @@ PATHS = {"AG": "A[]", "AF": "A<>", "EG": "E[]", "EF": "E<>"}
 """Path quantifiers as other tools write them."""
 
 _FLAGS = {"init": "INIT_FLAG", "urgent": "URGENT_FLAG", "committed": "COMMITTED_FLAG"}
-_CLAUSES = ("replaces", "visible", "hidden", "tolerance", "late")
+_CLAUSES = ("replaces", "visible", "hidden", "tolerance", "late", "import")
 _OUTCOMES = ("holds", "fails")
 _ARROWS = ("->", "-u->")
 _OPENING = {"{", "(", "["}

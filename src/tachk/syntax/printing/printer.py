@@ -100,6 +100,9 @@ def _clause(clause: ast.RecordingClause) -> str:
             )
         case ast.HiddenClause(channels=channels):
             return f"hidden {print_expressions(channels)}"
+        case ast.RecordedModelClause(path=path, constants=constants):
+            values = ", ".join(map(_column, constants))
+            return f'import "{path}"' + (f" ({values})" if values else "")
         case ast.AllowanceClause(word=word, amount=amount, unit=unit):
             return f"{word} {amount} {unit}".rstrip()
 

@@ -38,6 +38,7 @@ def run_conform(asked: Conforming, reporting: Reporting, seconds: float | None) 
     """Holds recordings against a model, and reports."""
     model = api.load(asked.model, **parse_definitions(asked.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
+    model = api.recorded(model)
     limits, started = Limits(states=asked.states, seconds=seconds), monotonic()
     found = [
         api.conform(

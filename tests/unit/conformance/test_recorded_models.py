@@ -1,0 +1,87 @@
+"""A model names another one against which recordings are held; `client_3_0.ta` and `spec.ta` do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import tachk
+from tachk import api
+from tachk.conformance.asking import constants_of
+from tachk.conformance.conform import Conformance, conform
+from tachk.conformance.packet_events import read_capture
+from tachk.diagnostics.diagnostic import InputError
+
+ROOT = Path(__file__).parents[3]
+MODELS = ROOT / "models/micro_xrce_dds"
+SHARED = ROOT.parent / "shared/captures"
+
+RECORDED = """
+const int WAIT = 5;
+const int SPAN = 1;
+broadcast chan beep;
+process P {
+    clock x;
+    init location L { invariant x <= WAIT + SPAN; to L { guard x >= WAIT; sync beep!; assign x = 0; } }
+}
+system P;
+recording { visible beep as beep(); }
+"""
+ASKING = """
+const int WAIT = 7;
+const int SPAN = 3;
+process Q { init location L; }
+system Q;
+recording { import "recorded.ta" (WAIT = WAIT + 1); }
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "recorded.ta").write_text(RECORDED, encoding="utf-8")
+    (tmp_path / "asking.ta").write_text(ASKING, encoding="utf-8")
+    (tmp_path / "beeps.csv").write_text("time,event\n8,beep\n17,beep\n", encoding="utf-8")
+    return tmp_path
+
+
+def test_the_other_model_takes_the_recording(folder: Path) -> None:
+    assert tachk.conform(folder / "asking.ta", folder / "beeps.csv").accepted
+    assert tachk.conform(folder / "recorded.ta", folder / "beeps.csv").accepted is False
+
+
+def test_given_constants_have_their_value_in_both(folder: Path) -> None:
+    model = tachk.load(folder / "asking.ta", SPAN=0)
+    assert tachk.conform(model, folder / "beeps.csv").accepted is False
+
+
+@pytest.mark.parametrize(
+    ("clauses", "message"),
+    [
+        ('import "recorded.ta" (WAIT); tolerance 3;', "says nothing else"),
+        ('import "recorded.ta" (WAIT = n);', "no constant"),
+    ],
+)
+def test_mistakes(clauses: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        tachk.loads(f"const int WAIT = 1; int n; process P {{ init location L; }} system P; recording {{ {clauses} }}")
+
+
+CAPTURES = [("f3a_stale_acknack_tail_loss", "packet 126"), ("f6a_late_dup_create_client_pub_tail", "packet 132")]
+
+
+@pytest.mark.parametrize(("capture", "place"), CAPTURES)
+@pytest.mark.skipif(not SHARED.is_dir(), reason="the shared captures are not here")
+def test_a_stale_acknack_is_a_run_of_the_client_and_refused_by_the_standard(capture: str, place: str) -> None:
+    recording = read_capture(SHARED / f"{capture}.pcap")
+
+    def ask(name: str) -> Conformance:
+        model = api.recorded(tachk.load(MODELS / name))
+        assert model.loaded.recording is not None
+        return conform(model.network, model.loaded.recording, recording, constants_of(model.loaded), run=False)
+
+    assert ask("client_3_0.ta").accepted
+    found = ask("spec.ta")
+    assert found.accepted is False
+    assert found.refusal is not None and found.refusal.event is not None
+    assert recording.events[found.refusal.event].place == place
