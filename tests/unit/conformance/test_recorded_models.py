@@ -12,6 +12,7 @@ from tachk.conformance.asking import constants_of
 from tachk.conformance.conform import Conformance, conform
 from tachk.conformance.packet_events import read_capture
 from tachk.diagnostics.diagnostic import InputError
+from tachk.report.conformance.text import conformance_to_text
 
 ROOT = Path(__file__).parents[3]
 MODELS = ROOT / "models/micro_xrce_dds"
@@ -85,3 +86,5 @@ def test_a_stale_acknack_is_a_run_of_the_client_and_refused_by_the_standard(capt
     assert found.accepted is False
     assert found.refusal is not None and found.refusal.event is not None
     assert recording.events[found.refusal.event].place == place
+    assert f"it leaves the model at {place}, at " in conformance_to_text(found, "spec.ta")
+    assert " ms: sent(" in conformance_to_text(found, "spec.ta")

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from tachk.conformance.conform import Conformance
 from tachk.conformance.coverage import Covered
-from tachk.report.conformance.words import edit_text, event_text, moment, units_text
+from tachk.report.conformance.words import edit_text, event_text, moment, recorded_time, units_text
 from tachk.report.quantity import grouped
 
 
@@ -58,7 +58,7 @@ def _refusal(found: Conformance) -> Iterator[str]:
         yield "after the last event the model does something that was not recorded"
         return
     event = found.recording.events[refusal.event]
-    yield f"it leaves the model at {event.place}, at {float(event.time):g}: {event_text(event)}"
+    yield f"it leaves the model at {event.place}, at {recorded_time(found, event.time)}: {event_text(event)}"
     if refusal.state:
         yield f"  there the model is in {refusal.state}"
     for offer in refusal.offers:

@@ -11,7 +11,13 @@ from tachk.conformance.events import Event
 
 def moment(found: Conformance, units: int | Fraction) -> str:
     """A time of the model as a time of the recording."""
-    time = Fraction(units) / found.queues.scale + found.queues.origin
+    return recorded_time(found, Fraction(units) / found.queues.scale + found.queues.origin)
+
+
+def recorded_time(found: Conformance, time: Fraction) -> str:
+    """A time of the recording as a person reads it; nanoseconds of a capture as milliseconds."""
+    if found.recording.unit == 1:
+        return f"{float(time) / 1e6:.3f} ms"
     return f"{float(time):.6f}".rstrip("0").rstrip(".")
 
 
