@@ -120,27 +120,12 @@ def conform(
         UnsupportedError: the model has refusals.
     """
     from tachk.conformance.asking import conform_file
+    from tachk.conformance.recorded_models import recorded_model
 
-    if not isinstance(model, Model):
-        model = load(model)
+    model = model if isinstance(model, Model) else load(model)
+    model = Model(recorded_model(model.loaded, model.path, model.definitions), model.path, model.definitions)
     chosen = limits or Limits()
-    model = recorded(model)
     return conform_file(model.loaded, model.path, os.fspath(recording), tolerance, late, unit, tuple(ports), chosen)
-
-
-def recorded(model: Model) -> Model:
-    """The model that recordings are held against: what the ``recording`` of a model names, or the model itself.
-
-    Constants that were given another value have it there, too. Raises UsageError, InputError.
-    """
-    named = model.loaded.recording.model if model.loaded.recording is not None else None
-    if named is None:
-        return model
-    path = os.path.join(os.path.dirname(model.path), named.path)
-    known = dict(load(path).network.constants)
-    own = dict(model.network.constants)
-    given = {name: own[name] for name in model.definitions if name in known and name in own}
-    return load(path, **{**dict(named.constants), **given})
 
 
 def diff(before: Model, after: Model) -> str:

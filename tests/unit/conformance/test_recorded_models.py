@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk import api
 from tachk.conformance.asking import constants_of
 from tachk.conformance.conform import Conformance, conform
 from tachk.conformance.packet_events import read_capture
+from tachk.conformance.recorded_models import recorded_model
 from tachk.diagnostics.diagnostic import InputError
 from tachk.report.conformance.text import conformance_to_text
 
@@ -77,9 +77,9 @@ def test_a_stale_acknack_is_a_run_of_the_client_and_refused_by_the_standard(capt
     recording = read_capture(SHARED / f"{capture}.pcap")
 
     def ask(name: str) -> Conformance:
-        model = api.recorded(tachk.load(MODELS / name))
-        assert model.loaded.recording is not None
-        return conform(model.network, model.loaded.recording, recording, constants_of(model.loaded), run=False)
+        loaded = recorded_model(tachk.load(MODELS / name).loaded, str(MODELS / name), ())
+        assert loaded.recording is not None
+        return conform(loaded.network, loaded.recording, recording, constants_of(loaded), run=False)
 
     assert ask("client_3_0.ta").accepted
     found = ask("spec.ta")

@@ -12,6 +12,7 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.conformance.coverage import coverage
+from tachk.conformance.recorded_models import recorded_model
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits
 from tachk.records import dataclass
@@ -38,7 +39,7 @@ def run_conform(asked: Conforming, reporting: Reporting, seconds: float | None) 
     """Holds recordings against a model, and reports."""
     model = api.load(asked.model, **parse_definitions(asked.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
-    model = api.recorded(model)
+    model = api.Model(recorded_model(model.loaded, model.path, model.definitions), model.path, model.definitions)
     limits, started = Limits(states=asked.states, seconds=seconds), monotonic()
     found = [
         api.conform(
