@@ -120,7 +120,7 @@ def conform(
         UnsupportedError: the model has refusals.
     """
     from tachk.conformance.asking import conform_file
-    from tachk.conformance.recorded_models import recorded_model
+    from tachk.loading.recorded_models import recorded_model
 
     model = model if isinstance(model, Model) else load(model)
     model = Model(recorded_model(model.loaded, model.path, model.definitions), model.path, model.definitions)

@@ -10,8 +10,8 @@ import tachk
 from tachk.conformance.asking import constants_of
 from tachk.conformance.conform import Conformance, conform
 from tachk.conformance.packet_events import read_capture
-from tachk.conformance.recorded_models import recorded_model
 from tachk.diagnostics.diagnostic import InputError
+from tachk.loading.recorded_models import recorded_model
 from tachk.report.conformance.text import conformance_to_text
 
 ROOT = Path(__file__).parents[3]

@@ -12,9 +12,9 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import ReportForm, Reporting
 from tachk.conformance.coverage import coverage
-from tachk.conformance.recorded_models import recorded_model
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits
+from tachk.loading.recorded_models import recorded_model
 from tachk.records import dataclass
 from tachk.report.conformance.json import conformance_to_json
 from tachk.report.conformance.text import conformance_to_text, coverage_to_text
