@@ -205,7 +205,6 @@ const bool GUARDED = true;
 const int PLACES = 1;
 const int LOSSES = 0;
 const int WAITING = 2;
-const bool PAUSES = true;
 import "{models}/protocol.ta";
 import "{models}/../lib/messages.ta";
 import "{models}/../lib/free_application.ta";
@@ -237,7 +236,7 @@ property sixteen_bits : A[] bit(15) == 32768 && bit(16) == 0;
 def test_what_reaches_a_client_outside_its_run_function_waits_in_its_socket(tmp_path: Path) -> None:
     path = tmp_path / "free.ta"
     path.write_text(FREE.format(models=MODELS.as_posix()), encoding="utf-8")
-    report = tachk.load(path).verify(trace=False)
+    report = tachk.load(path, PAUSES=True).verify(trace=False)
     found = {verdict.query.name: verdict.answer.value for verdict in report}
     fine = dict.fromkeys(("late", "waits", "arrives", "sixteen_bits"), "holds")
     assert found == fine | {"overdue": "fails", "beats_outside": "fails"}
