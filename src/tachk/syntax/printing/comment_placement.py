@@ -99,8 +99,7 @@ def line_nodes(node: Any) -> Iterator[Any]:
         case ast.Template():
             yield from (*node.declarations, *node.locations, *node.branchpoints, *node.edges)
         case ast.LocationDeclaration():
-            rate = node.exponential_rate, node.rate_divisor
-            yield from (part for part in (node.invariant, *rate) if part is not None)
+            yield from (part for part in (node.invariant, node.exponential_rate) if part is not None)
             yield from node.edges
         case ast.Branchpoint():
             yield from node.edges
