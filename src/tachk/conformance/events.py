@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import field
 from fractions import Fraction
 
 from tachk.records import dataclass
@@ -53,6 +54,7 @@ class Recording:
     end: until when was recorded.
     closings: of which events less was recorded.
     epoch: nanoseconds since 1970 at time 0, where that is known.
+    words: by column, names of constants of the model that its cells may have, in this recording or not.
     """
 
     source: str
@@ -62,3 +64,4 @@ class Recording:
     end: Fraction
     closings: tuple[Closing, ...] = ()
     epoch: int = 0
+    words: Mapping[str, tuple[str, ...]] = field(default_factory=dict)

@@ -30,6 +30,7 @@ from tachk.xrce.wire import Kind
 SUFFIXES = (".pcap", ".pcapng")
 _CLIENT_OBJECT = "FFFE"
 _STATUS, _READ = -16, -32
+_KINDS = "DATA", "HEARTBEAT", "ACKNACK", "PING"
 _UNLIMITED = 65535
 _SAMPLES = (Kind.WRITE_DATA, Kind.DATA, Kind.READ_DATA)
 
@@ -87,7 +88,8 @@ class _Reader:
             if time is not None
             for column, value in _of_client(self.client[link])
         )
-        return Recording(str(self.path), tuple(events), Fraction(1), None, Fraction(end - begin), closings, begin)
+        end_time = Fraction(end - begin)
+        return Recording(str(self.path), tuple(events), Fraction(1), None, end_time, closings, begin, {"kind": _KINDS})
 
     def _add(self, time: int, packet: int, name: str, cells: dict[str, Cell], **more: int | bool | None) -> int:
         after = more.get("after")

@@ -74,6 +74,7 @@ class Queues:
     other: how many events of the recording are of no visible kind.
     origin: the time of the recording at which the model starts.
     scale: units of the model in a unit of the recording.
+    names: by column, what recordings call values.
     """
 
     queues: tuple[Queue, ...]
@@ -82,6 +83,7 @@ class Queues:
     other: int
     origin: Fraction
     scale: Fraction
+    names: Mapping[str, Mapping[int, str]]
 
 
 def make_queues(
@@ -125,7 +127,7 @@ def make_queues(
         )
     quiet = max([queue.quiet_until for queue in queues], default=0)
     horizon = max([quiet, *(queue.latest[-1] for queue in queues if queue.latest)]) + 1
-    return Queues(tuple(queues), quiet, horizon, reader.other, origin, scale)
+    return Queues(tuple(queues), quiet, horizon, reader.other, origin, scale, reader.names)
 
 
 def _scale(network: Network, recording: Recording) -> Fraction:
@@ -202,6 +204,10 @@ class _Reader:
         self.recording = recording
         self.constants = constants
         self.other = 0
+        self.names: dict[str, dict[int, str]] = {}
+        for column, words in recording.words.items():
+            for word in words:
+                self._name(column, word, constants(word))
 
     def entries(self) -> list[_Entry]:
         entries: dict[tuple[int, tuple[int, ...]], _Entry] = {}
@@ -261,6 +267,7 @@ class _Reader:
         if text in ("true", "false"):
             return int(text == "true")
         value = self.constants(text)
+        self._name(name, text, value)
         if value is None:
             try:
                 return int(text, 0)
@@ -270,6 +277,10 @@ class _Reader:
                     "constant of the model"
                 ) from None
         return value
+
+    def _name(self, column: str, text: str, value: int | None) -> None:
+        if value is not None:
+            self.names.setdefault(column, {})[value] = text
 
     @staticmethod
     def _indices(visible: VisibleEvents, values: _Values) -> dict[Variable, int]:

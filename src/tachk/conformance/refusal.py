@@ -36,10 +36,6 @@ class Offer:
     earliest: int
     latest: int | None
 
-    @property
-    def text(self) -> str:
-        return f"{self.name}({', '.join(f'{name}={value}' for name, value in self.cells)})"
-
 
 def offers(following: Following, queues: Queues, path: Sequence[Transition]) -> tuple[Offer, ...]:
     """What the model could do behind a run, by the earliest time."""

@@ -11,6 +11,7 @@ from click.testing import CliRunner
 
 import tachk
 from tachk.cli.main import app
+from tachk.report.conformance.text import conformance_to_text
 
 ROOT = Path(__file__).parents[3]
 MODEL = ROOT / "examples/dimmer/dimmer.ta"
@@ -76,6 +77,16 @@ def test_what_the_model_allows() -> None:
     assert [(offer.cells, offer.earliest, offer.latest) for offer in found.refusal.offers] == [
         ((("on", 0), ("level", 0)), 55, 108)
     ]
+
+
+def test_offers_have_the_words_of_the_recording(tmp_path: Path) -> None:
+    """What a row calls a value by the name of a constant is called so where the model would have had it."""
+    model = tmp_path / "dimmer.ta"
+    model.write_text(MODEL.read_text(encoding="utf-8") + "const int GOES_ON = 1;\n", encoding="utf-8")
+    file = _written(tmp_path, "2,press,,\n6,light,GOES_ON,7\n60,light,0,0\n61,press,,\n90,light,GOES_ON,7\n")
+    found = tachk.conform(model, file)
+    assert found.accepted is False
+    assert "the model allows light(on=GOES_ON, level=7)" in conformance_to_text(found, "dimmer.ta")
 
 
 def test_smallest_edit(tmp_path: Path) -> None:

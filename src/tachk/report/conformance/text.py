@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from tachk.conformance.conform import Conformance
 from tachk.conformance.coverage import Covered
-from tachk.report.conformance.words import edit_text, event_text, moment, recorded_time, units_text
+from tachk.report.conformance.words import edit_text, event_text, moment, offer_text, recorded_time, units_text
 from tachk.report.quantity import grouped
 
 
@@ -65,6 +65,6 @@ def _refusal(found: Conformance) -> Iterator[str]:
         window = f"from {moment(found, offer.earliest)}"
         if offer.latest is not None:
             window += f" to {moment(found, offer.latest)}"
-        yield f"  the model allows {offer.text}, {window}"
+        yield f"  the model allows {offer_text(found, offer)}, {window}"
     if not refusal.offers:
         yield "  the model allows no event there"

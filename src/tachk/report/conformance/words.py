@@ -7,6 +7,7 @@ from fractions import Fraction
 from tachk.conformance.conform import Conformance
 from tachk.conformance.edits import Edit
 from tachk.conformance.events import Event
+from tachk.conformance.refusal import Offer
 
 
 def moment(found: Conformance, units: int | Fraction) -> str:
@@ -25,6 +26,13 @@ def event_text(event: Event) -> str:
     """``light(on=1, level=7)``"""
     cells = ", ".join(f"{name}={value}" for name, value in event.cells.items() if value != "")
     return f"{event.name}({cells})"
+
+
+def offer_text(found: Conformance, offer: Offer) -> str:
+    """``sent(link=0, kind=HEARTBEAT)``: with the words that the recording has for values."""
+    names = found.queues.names
+    cells = ", ".join(f"{name}={names.get(name, {}).get(value, value)}" for name, value in offer.cells)
+    return f"{offer.name}({cells})"
 
 
 def edit_text(found: Conformance, edit: Edit) -> str:
