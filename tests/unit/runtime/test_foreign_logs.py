@@ -79,6 +79,15 @@ def test_the_time_of_a_message_is_when_it_was_recorded_or_sent_or_what_it_says(t
         open_trace(path, time="stamp").read(["last.x"])
 
 
+def test_what_messages_say_of_their_time_may_be_out_of_order(tmp_path: Path) -> None:
+    """A message that was recorded later may have been stamped earlier."""
+    stamps = [(10, 1), (12, 3), (11, 2), (14, 4)]
+    events = [("/a", BEGIN + number * SECOND, {"x": x, "t": stamp}) for number, (stamp, x) in enumerate(stamps)]
+    path = write_mcap(tmp_path / "log.mcap", events)
+    formulas = ["F[0, 0] x == 1", "F[1 s, 1 s] x == 2", "F[2 s, 2 s] x == 3", "F[4 s, 4 s] x == 4"]
+    assert truths([text.replace("x ==", "a.x ==") for text in formulas], path, time="t") == ["true"] * 4
+
+
 def test_what_is_wrong_in_a_file_of_messages_is_told(tmp_path: Path) -> None:
     path = write_mcap(tmp_path / "log.mcap", MESSAGES)
     with pytest.raises(UsageError, match="has no column 'car\\.drive\\.sped'") as error:
