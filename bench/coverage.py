@@ -1,6 +1,6 @@
 """Which edges of the automata real captures exercise, each with the settings that are measured in it.
 
-    python bench/coverage.py FOLDER... [--model MODEL] [--seconds 10] [-o coverage.json]
+    python -m bench.coverage FOLDER... [--model MODEL] [--seconds 10] [--ladder "5/5 10/20"] [-o coverage.json]
 
 Every FILE.pcap of the folders is held against the model with the first tolerance of a ladder that fits; where
 FILE.truth.json says when the Agent was killed, what is sent to it then does not arrive. Prints a table: each edge, how
@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections import Counter, defaultdict
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -27,14 +28,14 @@ ROOT = Path(__file__).resolve().parents[1]
 LADDER = ((5, 5), (10, 20), (5, 150))
 
 
-def accepted(model: tachk.Model, path: Path, seconds: float) -> Conformance | None:
-    """The run that a capture shows, with the first tolerance with which one is found."""
+def accepted(model: tachk.Model, path: Path, seconds: float, ladder: Sequence[tuple[int, int]]) -> Conformance | None:
+    """The run that a capture shows, with the first tolerance and lateness with which one is found."""
     assert model.loaded.recording is not None
     recording = read_capture(path, ())
     truth = path.with_name(path.stem + ".truth.json")
     if truth.exists():
         recording = without_killed_agent(recording, json.loads(truth.read_text(encoding="utf-8")), recording.epoch)
-    for tolerance, late in LADDER:
+    for tolerance, late in ladder:
         found = conform(
             model.network,
             model.loaded.recording,
@@ -62,8 +63,11 @@ def main() -> None:
     parser.add_argument("folders", type=Path, nargs="+")
     parser.add_argument("--model", default=str(ROOT / "models/micro_xrce_dds/recorded.ta"))
     parser.add_argument("--seconds", type=float, default=10)
+    parser.add_argument("--ladder", default="")
     parser.add_argument("-o", dest="output", type=Path)
     asked = parser.parse_args()
+    steps = (step.split("/") for step in asked.ladder.split())
+    ladder = tuple((int(tolerance), int(late)) for tolerance, late in steps) or LADDER
     constants = {name for name, _ in tachk.load(asked.model).network.constants}
     taken: Counter[tuple[str, str, str, int, str]] = Counter()
     by: dict[tuple[str, str, str, int, str], list[str]] = defaultdict(list)
@@ -71,7 +75,7 @@ def main() -> None:
         measured = tachk.measure(path).recorded_definitions(1)
         model = tachk.load(asked.model, **{name: value for name, value in measured.items() if name in constants})
         try:
-            found = accepted(model, path, asked.seconds)
+            found = accepted(model, path, asked.seconds, ladder)
         except tachk.TachkError as error:
             print(f"{path.stem}: {error}", flush=True)
             continue

@@ -242,3 +242,14 @@ def test_reports_name_packets(tmp_path: Path):
     report = json.loads(made.output)
     jsonschema.validate(report, schema)
     assert report["results"][0]["violations"]["listed"][0]["packet"] == 4
+
+
+def test_robustness_in_time_is_told_in_milliseconds() -> None:
+    """How late a repair may come: seconds in the report for programs, milliseconds for people."""
+    capture = str(ROOT / "tests/data/captures/stale_acknack.pcap")
+    asked = ["monitor", str(QUERIES), capture, "--property", "TMRK", "--time-robustness"]
+    text = CliRunner().invoke(app, asked).stdout
+    found = json.loads(CliRunner().invoke(app, [*asked, "--format", "json"]).stdout)["results"][0]["time_robustness"]
+    assert "ahead [ms]" in text and "behind [ms]" in text
+    low = found["behind"][0]
+    assert low is not None and f"{low * 1000:.6g} .." in text

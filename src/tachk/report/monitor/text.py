@@ -105,6 +105,10 @@ def _number(value: float) -> str:
     return f"{value:.6g}"
 
 
+_MILLISECONDS = 1000
+"""In the unit of captures, a second: what happens between packets is a matter of milliseconds."""
+
+
 def _table(record: MonitorRecord) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), show_header=True, header_style="dim")
     quantitative = any(v.robustness is not None and not all(map(math.isinf, v.robustness)) for v in record.verdicts)
@@ -114,7 +118,9 @@ def _table(record: MonitorRecord) -> Table:
         table.add_column("robustness", no_wrap=True)
     timed = any(verdict.time_robustness is not None for verdict in record.verdicts)
     if timed:
-        unit = f" [{record.trace.unit}]" if record.trace.unit else ""
+        captured = record.trace.packets is not None
+        unit = " [ms]" if captured else f" [{record.trace.unit}]" if record.trace.unit else ""
+        factor = _MILLISECONDS if captured else 1
         table.add_column(Text(f"ahead{unit}"), no_wrap=True)
         table.add_column(Text(f"behind{unit}"), no_wrap=True)
     table.add_column("meaning", overflow="fold")
@@ -124,8 +130,9 @@ def _table(record: MonitorRecord) -> Table:
             row.append(Text(robustness_text(verdict.robustness)))
         if timed:
             bounds = verdict.time_robustness
-            row.append(Text("" if bounds is None else robustness_text(bounds.ahead)))
-            row.append(Text("" if bounds is None else robustness_text(bounds.behind)))
+            sides = () if bounds is None else (bounds.ahead, bounds.behind)
+            texts = [robustness_text((low * factor, high * factor)) for low, high in sides] or ["", ""]
+            row.extend(map(Text, texts))
         table.add_row(*row, Text(verdict.formula))
     return table
 
