@@ -99,6 +99,32 @@ def test_a_late_packet_does_not_go_back(tmp_path: Path):
     assert (np.diff(times) >= 0).all()
 
 
+def test_clients_that_have_gone_are_forgotten_and_nothing_else_changes(tmp_path: Path):
+    talk = Talk().up(0, created("00000001")).up(1, write(0, 7)).down(2, acknack(1))
+    deleted = bytes.fromhex("8000000003010400" + "0002FFFE")
+    for number in range(2, 60):
+        time = 5000.0 * number
+        talk.up(time, created(f"{number:08X}"), client=number).up(time + 10, write(0, number), client=number)
+        talk.down(time + 20, acknack(1), client=number)
+        if number % 10:
+            talk.up(time + 30, deleted, client=number)
+    path = talk.capture(tmp_path)
+    parts = path.read_bytes()
+    cuts = range(0, len(parts), 3000)
+    clock = [(number / 100, parts[at : at + 3000]) for number, at in enumerate(cuts)]
+    ports = tuple({8888, *(9000 + number for number in range(1, 60))})
+    packets = live(Line(clock, 0.0), ports)
+    names = ["sleep", "arrive", "allToAgent", "allToClient", "behind", "lost", "unheard"]
+    rows = list(packets.blocks(names, 9))
+    whole = open_trace(path, ports=ports).read()
+    for name in names:
+        assert np.array_equal(np.concatenate([one.columns[name] for one in rows]), whole.columns[name]), name
+    kept = {side.owner.key for side in packets._follower.sides}
+    assert "00000001" in kept and "0000000A" in kept and "00000003" not in kept
+    assert len(packets._follower._by_endpoints) == len(packets._follower.sides) < 2 * 59
+    assert len(packets._follower._clients) == len(kept)
+
+
 @needs_recorded
 @pytest.mark.parametrize("name", ["h3_sub_sleeps_open_request", "f3a_stale_acknack_tail_loss"])
 def test_columns_are_those_of_the_whole_capture(name: str):

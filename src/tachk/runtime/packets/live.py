@@ -23,7 +23,7 @@ from tachk.xrce.packets import CaptureError
 from tachk.xrce.reading import CaptureReading
 from tachk.xrce.signals.changes import Changes
 from tachk.xrce.signals.clients import Side, Way
-from tachk.xrce.signals.following import SITUATION, Block, Follower
+from tachk.xrce.signals.following import GONE, SITUATION, Block, Follower
 from tachk.xrce.signals.samples import TooManyUnread
 from tachk.xrce.streams import SIGNALS
 from tachk.xrce.wire import FIRST_RELIABLE_STREAM
@@ -104,6 +104,7 @@ class LivePackets:
         self._stream = stream
         self._clock = clock
         self._follower = Follower()
+        self._looked = 0
         self._start: int | None = None
         self._told = 0
         self._kept = np.zeros((2, 0), np.int64)
@@ -117,6 +118,7 @@ class LivePackets:
         wanted = {name: _column(name) for name in columns or ()}
         if decimals < _DECIMALS:
             raise UsageError("the times of captures have nine decimals", "leave out --decimals")
+        self._follower = Follower(streams=any(column.way is not None for column in wanted.values()))
         packets, read_at = 0, self._clock()
         try:
             for found in self._reading.pieces():
@@ -132,6 +134,9 @@ class LivePackets:
                     self._start = int(block.times[0])
                 if self._start is not None and (len(block.times) or waited > self._told):
                     yield self._rows(block, wanted, waited)
+                if waited >= self._looked + GONE:
+                    self._looked = waited
+                    self._follower.forget_gone()
         except (CaptureError, TooManyUnread) as error:
             raise UsageError(f"{self.name}: {error}") from None
         finally:
@@ -170,7 +175,7 @@ class LivePackets:
             candidates = [(one.side, one.changes) for one in block.streams if one.way == column.way]
         for side, changes in candidates:
             if self._belongs(column, side):
-                if column.side not in (None, side):
+                if column.side not in (None, side) and not column.side.forgotten:
                     raise UsageError(
                         f"{name}: the client is seen at several ports", f"say which: {column.client}_at_PORT"
                     )

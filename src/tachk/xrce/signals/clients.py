@@ -53,6 +53,7 @@ class Side:
         asleep: the client has been silent for long.
         disturbed: it has been asked while asleep, and has not answered.
         ended: it has closed its session.
+        forgotten: nothing is noted of it any more.
         sleep_log: changes of ``asleep``.
     """
 
@@ -63,7 +64,7 @@ class Side:
         self.heard = time
         self.asked: int | None = None
         self.asked_by = 0
-        self.asleep = self.disturbed = self.ended = False
+        self.asleep = self.disturbed = self.ended = self.forgotten = False
         self.sleep_log = ChangeLog(1)
         self.streams: dict[Way, Stream] = {}
 
@@ -176,6 +177,12 @@ class Client:
     @property
     def own_side(self) -> Side:
         return self.sides[0]
+
+    def is_settled(self, until: int) -> bool:
+        """Whether it has closed its session, sent nothing since this time, and nothing is on its way."""
+        return all(side.ended and side.heard < until and not side.asleep for side in self.sides) and not any(
+            one.open or one.lost or one.unheard or one.waiting for one in self.transfers.values()
+        )
 
     def transfer(self, stream: Stream) -> Transfer:
         """What a stream is one end of."""

@@ -40,6 +40,9 @@ answered in time; the Agent has got what clients sent; readers have got it in or
 there nor named as missing, or one of the Agent; the Agent has unconfirmed messages; a message of a client is not there,
 and its client has not heard so."""
 
+GONE: Final = 60_000_000_000
+"""A client that has closed its session, and from which nothing has come for so many nanoseconds, does not come back."""
+
 _SESSION: Final = 0xFFFE
 """The object id of the client itself."""
 
@@ -213,6 +216,20 @@ class Follower:
         if time >= self._alarm:
             self._rows += self._time_passes(time, self._rows)
         self.latest = max(self.latest, time)
+
+    def forget_gone(self) -> None:
+        """Keeps nothing of clients that have closed their session, are long silent, and owe and are owed nothing.
+
+        Whoever reads a capture without an end calls this now and then; the rows stay what they are.
+        """
+        gone = [owner for owner in self._owners() if owner.is_settled(self.latest - GONE)]
+        for owner in gone:
+            for side in owner.sides:
+                side.forgotten = True
+                self.sides.remove(side)
+                self._by_endpoints.pop((side.client_endpoint, side.agent_endpoint), None)
+            self._clients.pop(owner.key, None)
+            self._exchange.forget(owner)
 
     def waiting(self) -> Wait | None:
         """For what the Agent waits still, and longest."""

@@ -142,6 +142,15 @@ class Exchange:
             if owner[0] is client and number in (None, owner[1]):
                 reader.closed = True
 
+    def forget(self, client: object) -> None:
+        """A client does not come back: its writers and readers are dropped, unless a verdict depends on them."""
+        self._writers = {owner: topic for owner, topic in self._writers.items() if owner[0] is not client}
+        self._readers = {
+            owner: reader
+            for owner, reader in self._readers.items()
+            if owner[0] is not client or not reader.closed or not reader.has_all or reader.disordered
+        }
+
     def written(self, writer: Owner, sample: int) -> None:
         topic = self._writers.get(writer)
         for reader in self._readers.values():
