@@ -23,6 +23,7 @@ from tachk.conformance.conform import Conformance, conform
 from tachk.conformance.coverage import Covered, coverage
 from tachk.conformance.packet_events import read_capture
 from tachk.engines.options import Limits
+from tachk.loading.recorded_models import recorded_model
 
 ROOT = Path(__file__).resolve().parents[1]
 LADDER = ((5, 5), (10, 20), (5, 150))
@@ -73,7 +74,8 @@ def main() -> None:
     by: dict[tuple[str, str, str, int, str], list[str]] = defaultdict(list)
     for path in (path for folder in asked.folders for path in sorted(folder.glob("*.pcap"))):
         measured = tachk.measure(path).recorded_definitions(1)
-        model = tachk.load(asked.model, **{name: value for name, value in measured.items() if name in constants})
+        asking = tachk.load(asked.model, **{name: value for name, value in measured.items() if name in constants})
+        model = tachk.Model(recorded_model(asking.loaded, asked.model, asking.definitions), asked.model)
         try:
             found = accepted(model, path, asked.seconds, ladder)
         except tachk.TachkError as error:
