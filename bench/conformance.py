@@ -65,22 +65,29 @@ def settings(truth: dict[str, Any]) -> dict[str, int]:
     }
 
 
+def held(
+    model: tachk.Model, recording: Recording, step: tuple[int, int], limits: Limits, explain: bool = False
+) -> Conformance:
+    """A recording held against a model, with a tolerance and a lateness."""
+    assert model.loaded.recording is not None
+    exact = Fraction(step[0]), Fraction(step[1])
+    names = constants_of(model.loaded)
+    return conform(
+        model.network, model.loaded.recording, recording, names, *exact, limits=limits, run=False, explain=explain
+    )
+
+
+def ladder_of(text: str) -> tuple[tuple[int, int], ...]:
+    """``5/5 10/20`` as tolerances with their latenesses."""
+    steps = (step.split("/") for step in text.split())
+    return tuple((int(tolerance), int(late)) for tolerance, late in steps)
+
+
 def answers(
     model: tachk.Model, recording: Recording, seconds: float, ladder: tuple[tuple[int, int], ...]
 ) -> Iterator[Conformance]:
-    assert model.loaded.recording is not None
-    for step, (tolerance, late) in enumerate(ladder, start=1):
-        found = conform(
-            model.network,
-            model.loaded.recording,
-            recording,
-            constants_of(model.loaded),
-            Fraction(tolerance),
-            Fraction(late),
-            limits=Limits(seconds=seconds),
-            run=False,
-            explain=step == len(ladder),
-        )
+    for number, step in enumerate(ladder, start=1):
+        found = held(model, recording, step, Limits(seconds=seconds), explain=number == len(ladder))
         yield found
         if found.accepted:
             return
@@ -95,7 +102,7 @@ def main() -> None:
     parser.add_argument("-D", dest="definitions", action="append", default=[])
     parser.add_argument("--ladder", default="")
     asked = parser.parse_args()
-    ladder = tuple(tuple(map(int, step.split("/"))) for step in asked.ladder.split()) or LADDER
+    ladder = ladder_of(asked.ladder) or LADDER
     for path in sorted(asked.folder.glob(f"{asked.only}*.pcap")):
         truth = json.loads(path.with_name(path.stem + ".truth.json").read_text(encoding="utf-8"))
         given = {name: int(value) for name, value in (pair.split("=") for pair in asked.definitions)}
@@ -106,7 +113,7 @@ def main() -> None:
         started = time.process_time()
         recording = read_capture(path, ())
         recording = without_killed_agent(recording, truth, recording.epoch)
-        *_, found = answers(model, recording, asked.seconds, ladder)  # type: ignore[arg-type]
+        *_, found = answers(model, recording, asked.seconds, ladder)
         word = {True: "a run", False: "NO RUN", None: f"undecided ({found.reason})"}[found.accepted]
         used = time.process_time() - started
         print(

@@ -19,9 +19,7 @@ from pathlib import Path
 from random import Random
 
 import tachk
-from bench.conformance import settings, without_killed_agent
-from tachk.conformance.asking import constants_of
-from tachk.conformance.conform import conform
+from bench.conformance import held, settings, without_killed_agent
 from tachk.conformance.edits import Edit, edited
 from tachk.conformance.events import Event, Recording
 from tachk.conformance.packet_events import read_capture
@@ -84,18 +82,11 @@ def main() -> None:
         truth = json.loads(path.with_name(path.stem + ".truth.json").read_text(encoding="utf-8"))
         given = {name: int(value) for name, value in (pair.split("=") for pair in asked.definitions)}
         model = tachk.load(asked.model, **settings(truth) | given)
-        assert model.loaded.recording is not None
         recording = read_capture(path)
         recording = without_killed_agent(recording, truth, recording.epoch)
 
         def accepted(other: Recording, step: tuple[int, int], model: tachk.Model = model) -> bool | None:
-            exact = (Fraction(step[0]), Fraction(step[1]))
-            mapping, limits = model.loaded.recording, Limits(seconds=5, states=30_000)
-            assert mapping is not None
-            names = constants_of(model.loaded)
-            return conform(
-                model.network, mapping, other, names, *exact, limits=limits, run=False, explain=False
-            ).accepted
+            return held(model, other, step, Limits(seconds=5, states=30_000)).accepted
 
         step = next((step for step in LADDER if accepted(recording, step)), None)
         if step is None:

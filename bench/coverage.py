@@ -13,13 +13,11 @@ import argparse
 import json
 from collections import Counter, defaultdict
 from collections.abc import Sequence
-from fractions import Fraction
 from pathlib import Path
 
 import tachk
-from bench.conformance import without_killed_agent
-from tachk.conformance.asking import constants_of
-from tachk.conformance.conform import Conformance, conform
+from bench.conformance import held, ladder_of, without_killed_agent
+from tachk.conformance.conform import Conformance
 from tachk.conformance.coverage import Covered, coverage
 from tachk.conformance.packet_events import read_capture
 from tachk.engines.options import Limits
@@ -31,25 +29,14 @@ LADDER = ((5, 5), (10, 20), (5, 150))
 
 def accepted(model: tachk.Model, path: Path, seconds: float, ladder: Sequence[tuple[int, int]]) -> Conformance | None:
     """The run that a capture shows, with the first tolerance and lateness with which one is found."""
-    assert model.loaded.recording is not None
     recording = read_capture(path, ())
     truth = path.with_name(path.stem + ".truth.json")
     if truth.exists():
         recording = without_killed_agent(recording, json.loads(truth.read_text(encoding="utf-8")), recording.epoch)
-    for tolerance, late in ladder:
-        found = conform(
-            model.network,
-            model.loaded.recording,
-            recording,
-            constants_of(model.loaded),
-            Fraction(tolerance),
-            Fraction(late),
-            limits=Limits(seconds=seconds),
-            run=False,
-            explain=False,
-        )
+    for step in ladder:
+        found = held(model, recording, step, Limits(seconds=seconds))
         if found.accepted:
-            print(f"{path.stem}: {tolerance}/{late} ms, {found.statistics.states_stored} states", flush=True)
+            print(f"{path.stem}: {step[0]}/{step[1]} ms, {found.statistics.states_stored} states", flush=True)
             return found
     print(f"{path.stem}: no run was found; {found.reason}", flush=True)
     return None
@@ -67,8 +54,7 @@ def main() -> None:
     parser.add_argument("--ladder", default="")
     parser.add_argument("-o", dest="output", type=Path)
     asked = parser.parse_args()
-    steps = (step.split("/") for step in asked.ladder.split())
-    ladder = tuple((int(tolerance), int(late)) for tolerance, late in steps) or LADDER
+    ladder = ladder_of(asked.ladder) or LADDER
     constants = {name for name, _ in tachk.load(asked.model).network.constants}
     taken: Counter[tuple[str, str, str, int, str]] = Counter()
     by: dict[tuple[str, str, str, int, str], list[str]] = defaultdict(list)

@@ -8,12 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from importlib import import_module
-from time import monotonic
 from typing import Any
 
 from tachk.campaign.grid import Values
-from tachk.campaign.job import Verification, unknown_row
-from tachk.campaign.local import KILLED, Computed
+from tachk.campaign.job import Computed, Verification, computed, killed
 from tachk.diagnostics.diagnostic import UsageError
 
 BATCH_SECONDS = 0.5
@@ -66,20 +64,16 @@ def compute_on_cluster(
             for future in done:
                 batch = running.pop(future.key)
                 try:
-                    computed = future.result()
-                    batches.took(sum(each.seconds for each in computed), len(batch))
+                    found = future.result()
+                    batches.took(sum(each.seconds for each in found), len(batch))
                 except distributed.KilledWorker:
-                    computed = [_killed(job, values) for values in batch]
+                    found = [killed(job, values) for values in batch]
                 submit()
-                yield from computed
+                yield from found
 
 
 def _given(job: Verification) -> Verification:
     return job
-
-
-def _killed(job: Verification, values: Values) -> Computed:
-    return Computed(values, tuple(unknown_row(name, KILLED) for name in job.asked), 0.0)
 
 
 class _Batches:
@@ -99,9 +93,4 @@ class _Batches:
 
 def compute_batch(job: Verification, cells: Sequence[Values]) -> list[Computed]:
     """What a worker does."""
-    computed = []
-    for values in cells:
-        began = monotonic()
-        rows = job.rows(values)
-        computed.append(Computed(values, rows, monotonic() - began))
-    return computed
+    return [computed(job, values) for values in cells]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from itertools import product
 from math import prod
@@ -73,9 +74,9 @@ def _axis(text: str) -> Axis:
     if not (equals and name.isidentifier() and all(parts)):
         raise UsageError(f"-D {text}: expected NAME=VALUE, NAME=VALUE,VALUE,... or NAME=LOW..HIGH", _EXAMPLE)
     values = [value for part in parts for value in _values(name, part)]
-    for value in values:
-        if values.count(value) > 1:
-            raise UsageError(f"-D {text}: the value {value} is given twice")
+    twice = next((value for value, times in Counter(values).items() if times > 1), None)
+    if twice is not None:
+        raise UsageError(f"-D {text}: the value {twice} is given twice")
     return Axis(name, tuple(values))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import field
 from hashlib import sha256
 from time import monotonic
@@ -23,6 +23,8 @@ from tachk.time_limit import OutOfTimeError, time_limit
 
 Row = Mapping[str, str | int | float | None]
 """One line of the table: the name of a column and what stands in it."""
+
+KILLED = "the process that computed it was killed"
 
 COLUMNS: Mapping[str, str] = {
     "property": "TEXT",
@@ -84,12 +86,12 @@ class Verification:
         try:
             verdicts = self._verdicts(values)
         except OutOfTimeError:
-            return self._unknown(TIME_LIMIT)
+            return unknown_rows(self.asked, TIME_LIMIT)
         except InputError as error:
             first = next(found for found in error.diagnostics if found.severity is Severity.ERROR)
-            return self._unknown(f"wrong model: {first.message}")
+            return unknown_rows(self.asked, f"wrong model: {first.message}")
         except UnsupportedError as error:
-            return self._unknown(str(error))
+            return unknown_rows(self.asked, str(error))
         return tuple(_row(verdict) for verdict in verdicts)
 
     def _verdicts(self, values: Values) -> tuple[Verdict, ...]:
@@ -99,9 +101,6 @@ class Verification:
             queries = checked(self.questions.about(model))
         limits = self.limits.after(monotonic() - began)
         return answers(model, self.questions, queries, self.options, limits, None, trace=True)
-
-    def _unknown(self, reason: str) -> tuple[Row, ...]:
-        return tuple(unknown_row(name, reason) for name in self.asked)
 
 
 def verification(
@@ -119,9 +118,31 @@ def verification(
     return Verification(model, names, questions, asked, options, limits)
 
 
-def unknown_row(name: str, reason: str) -> Row:
-    """The row of a property that has no answer."""
-    return {**dict.fromkeys(COLUMNS), "property": name, "answer": Answer.UNKNOWN.value, "reason": reason, "notes": ""}
+@dataclass(frozen=True, slots=True)
+class Computed:
+    """What came of a cell, and how many seconds it took."""
+
+    values: Values
+    rows: tuple[Row, ...]
+    seconds: float
+
+
+def computed(job: Verification, values: Values) -> Computed:
+    """What a process or a worker does with a cell."""
+    began = monotonic()
+    rows = job.rows(values)
+    return Computed(values, rows, monotonic() - began)
+
+
+def killed(job: Verification, values: Values) -> Computed:
+    """What is known of a cell whose process or worker did not survive it."""
+    return Computed(values, unknown_rows(job.asked, KILLED), 0.0)
+
+
+def unknown_rows(names: Iterable[str], reason: str) -> tuple[Row, ...]:
+    """The rows of properties that have no answer."""
+    nothing = {**dict.fromkeys(COLUMNS), "answer": Answer.UNKNOWN.value, "reason": reason, "notes": ""}
+    return tuple({**nothing, "property": name} for name in names)
 
 
 def _row(verdict: Verdict) -> Row:

@@ -18,22 +18,12 @@ from time import monotonic
 from traceback import format_exc
 
 from tachk.campaign.grid import Values
-from tachk.campaign.job import Row, Verification, unknown_row
+from tachk.campaign.job import Computed, Verification, computed, killed
 
-KILLED = "the process that computed it was killed"
 ATTEMPTS = 2
 """How often a cell is given to a process."""
 
 _CONTEXT = get_context("spawn")
-
-
-@dataclass(frozen=True, slots=True)
-class Computed:
-    """What came of a cell, and how many seconds it took."""
-
-    values: Values
-    rows: tuple[Row, ...]
-    seconds: float
 
 
 @dataclass(slots=True)
@@ -65,10 +55,10 @@ def compute_locally(
                 return
             for worker in busy:
                 if worker.pipe in ready:
-                    computed = _received(worker, job, left, attempts)
+                    received = _received(worker, job, left, attempts)
                     _give(worker, left)
-                    if computed is not None:
-                        yield computed
+                    if received is not None:
+                        yield received
     finally:
         for worker in workers:
             _end(worker)
@@ -79,7 +69,7 @@ def _received(worker: _Worker, job: Verification, left: list[Values], attempts: 
     values = worker.cell
     assert values is not None
     try:
-        rows, seconds, defect = worker.pipe.recv()
+        told: Computed | str = worker.pipe.recv()
     except (EOFError, OSError):
         _end(worker)
         again = _started()
@@ -89,10 +79,10 @@ def _received(worker: _Worker, job: Verification, left: list[Values], attempts: 
         if attempts[values] < ATTEMPTS:
             left.append(values)
             return None
-        return Computed(values, tuple(unknown_row(name, KILLED) for name in job.asked), 0.0)
-    if defect:
-        raise RuntimeError(f"in cell {values} of {job.names}:\n{defect}")
-    return Computed(values, rows, seconds)
+        return killed(job, values)
+    if isinstance(told, str):
+        raise RuntimeError(f"in cell {values} of {job.names}:\n{told}")
+    return told
 
 
 def _started() -> _Worker:
@@ -127,14 +117,12 @@ def _work(pipe: Connection) -> None:
     job = pipe.recv()
     while True:
         values = pipe.recv()
-        began = monotonic()
-        rows: tuple[Row, ...] = ()
-        defect = ""
+        told: Computed | str
         try:
-            rows = job.rows(values)
+            told = computed(job, values)
         except Exception:
-            defect = format_exc()
-        pipe.send((rows, monotonic() - began, defect))
+            told = format_exc()
+        pipe.send(told)
 
 
 def _end_with_parent() -> None:

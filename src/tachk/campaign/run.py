@@ -10,8 +10,8 @@ from time import monotonic
 
 from tachk.campaign.cluster import compute_on_cluster
 from tachk.campaign.grid import Grid, Values
-from tachk.campaign.job import Row, Verification
-from tachk.campaign.local import Computed, compute_locally
+from tachk.campaign.job import Computed, Row, Verification
+from tachk.campaign.local import compute_locally
 from tachk.campaign.store import opened
 
 

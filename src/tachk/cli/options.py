@@ -64,6 +64,18 @@ def max_seconds(help: str = "Stop after this time, with exit status 20.") -> Cal
     return click.option("seconds", "--max-seconds", metavar="SECONDS", type=Seconds(min=0), help=help)
 
 
+def max_states(more: str = "") -> Callable[[Decorated], Decorated]:
+    """``--max-states``: the limit on the states of each search; ``more`` says what that means for an answer."""
+    help = f"Stop a search after storing N states{more}."
+    return click.option("states", "--max-states", metavar="N", type=Count(min=1), help=help)
+
+
+def max_memory(function: Decorated) -> Decorated:
+    """``--max-memory``: the limit on the memory of each search, such as ``2G``."""
+    help = "Stop a search that takes more memory than this, such as 2G."
+    return click.option("max_memory", "--max-memory", metavar="SIZE", help=help)(function)
+
+
 def distributed(given: Mapping[str, Any], *kinds: type) -> list[Any]:
     """The values of options as the dataclasses that what is called takes: each goes to the field of its name."""
     left = dict(given)

@@ -22,7 +22,9 @@ def recorded_model(loaded: LoadedModel, path: str, definitions: Iterable[str]) -
     if named is None:
         return loaded
     other = os.path.join(os.path.dirname(path), named.path)
-    known = dict(load_model(other, {}).network.constants)
     own = dict(loaded.network.constants)
-    given = {name: own[name] for name in definitions if name in known and name in own}
+    given = {name: own[name] for name in definitions if name in own}
+    if given:
+        known = dict(load_model(other, {}).network.constants)
+        given = {name: value for name, value in given.items() if name in known}
     return load_model(other, {**dict(named.constants), **given})

@@ -18,7 +18,7 @@ import pandas
 import pytest
 
 import tachk
-from tachk.campaign.local import KILLED
+from tachk.campaign.job import KILLED
 from tachk.campaign.run import Progress
 
 ROOT = Path(__file__).parents[3]

@@ -43,9 +43,7 @@ from tachk.cli.reporting import ReportForm
     "8888 and every port at which a session is created. Can be given several times.",
 )
 @click.option("--coverage", is_flag=True, help="Also tell which edges of the model the runs that were found take.")
-@click.option(
-    "states", "--max-states", metavar="N", type=options.Count(min=1), help="Stop a search after storing N states."
-)
+@options.max_states()
 @options.max_seconds()
 @options.report(ReportForm.TEXT, ReportForm.JSON)
 def command(seconds: float | None, **given: Any) -> None:

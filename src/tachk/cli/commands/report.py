@@ -32,10 +32,8 @@ from tachk.cli import options
 @click.option(
     "output", "-o", "--output", metavar="FILE.html", type=options.type_of_file, required=True, help="The page."
 )
-@click.option(
-    "states", "--max-states", metavar="N", type=options.Count(min=1), help="Stop a search after storing N states."
-)
-@click.option("max_memory", "--max-memory", metavar="SIZE", help="Stop a search that takes more memory, such as 2G.")
+@options.max_states()
+@options.max_memory
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:
     """Check a model and write one HTML file about it, which needs no other file and no network.

@@ -47,9 +47,7 @@ from tachk.cli.reporting import TableForm
     help="Form of the report.",
 )
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
-@click.option(
-    "states", "--max-states", metavar="N", type=options.Count(min=1), help="Stop a search after storing N states."
-)
+@options.max_states()
 @options.max_seconds()
 def command(
     model: str,

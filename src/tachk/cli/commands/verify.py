@@ -86,13 +86,7 @@ _DEFAULT = Options()
     help="Draw a run as a sequence chart into this .svg or .png file: that of the first unexpected answer that has "
     "one, or else of the first answer.",
 )
-@click.option(
-    "states",
-    "--max-states",
-    metavar="N",
-    type=options.Count(min=1),
-    help="Stop a search after storing N states.",
-)
+@options.max_states()
 @options.max_seconds("Stop checking a model after this time, which its properties share fairly.")
 @click.option(
     "seconds_each",
@@ -101,7 +95,7 @@ _DEFAULT = Options()
     type=options.Seconds(min=0),
     help="Stop each search after this time; properties that look at the same clocks share a search.",
 )
-@click.option("--max-memory", metavar="SIZE", help="Stop a search that takes more memory than this, such as 2G.")
+@options.max_memory
 @click.option(
     "depth",
     "--max-depth",

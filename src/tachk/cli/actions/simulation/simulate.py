@@ -24,6 +24,7 @@ from tachk.monitoring.formulas import NamedFormula, read_formulas
 from tachk.monitoring.offline import Judging, judge
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Trace
+from tachk.runtime.trace_files import open_trace
 from tachk.simulation.columns import all_columns, chosen_columns
 from tachk.simulation.intervals import clopper_pearson
 from tachk.simulation.runs import Runs
@@ -118,34 +119,12 @@ def _keep(trace: Trace, number: int, formulas: tuple[NamedFormula, ...], tally: 
     """Judges a run, and writes it unless no formula is false on it."""
     kept = not formulas
     if formulas:
-        record = judge(formulas, _Held(trace), Judging(robustness=False))
+        record = judge(formulas, open_trace(trace), Judging(robustness=False))
         for verdict in record.verdicts:
             tally.judge(verdict.name, number, verdict.truth)
             kept = kept or verdict.truth is Truth.FALSE
     if kept and write is not None:
         write(number, trace)
-
-
-@dataclass(frozen=True, slots=True)
-class _Held:
-    """A trace in memory, as monitors open it."""
-
-    trace: Trace
-
-    @property
-    def name(self) -> str:
-        return self.trace.name
-
-    @property
-    def unit(self) -> str:
-        return self.trace.unit
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        return tuple(self.trace.columns)
-
-    def read(self, columns: object = None) -> Trace:
-        return self.trace
 
 
 def _ticks(written: str, network: Network) -> int:

@@ -67,14 +67,8 @@ from tachk.cli.reporting import ReportForm
     type=options.Seconds(min=0),
     help="Stop the check of a cell after this time; its answers are unknown then.",
 )
-@click.option(
-    "states",
-    "--max-states",
-    metavar="N",
-    type=options.Count(min=1),
-    help="Stop a search after storing N states; its answers are unknown then.",
-)
-@click.option("max_memory", "--max-memory", metavar="SIZE", help="Stop a search that takes more memory, such as 2G.")
+@options.max_states("; its answers are unknown then")
+@options.max_memory
 @click.option("non_zeno", "--non-zeno", is_flag=True, help="Count only runs in which time diverges.")
 @options.max_seconds("Stop after this time. Cells that are not finished then are missing; --store lets them follow.")
 def command(**given: Any) -> None:

@@ -41,15 +41,9 @@ from tachk.cli.reporting import ReportForm, WantedAnswer
     "them without a search.",
 )
 @click.option("every_corner", "--all-corners", is_flag=True, help="List every corner of the border.")
-@click.option(
-    "states",
-    "--max-states",
-    metavar="N",
-    type=options.Count(min=1),
-    help="Stop a search after storing N states; its values are unknown then.",
-)
+@options.max_states("; its values are unknown then")
 @options.max_seconds("Stop after this time, which all searches share. What is not known by then is unknown.")
-@click.option("--max-memory", metavar="SIZE", help="Stop a search that takes more memory than this, such as 2G.")
+@options.max_memory
 @click.option(
     "infer",
     "--infer/--no-infer",
