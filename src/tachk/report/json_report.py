@@ -20,6 +20,9 @@ from tachk.words import Direction
 
 Json = Mapping[str, "Json"] | Sequence["Json"] | str | int | float | bool | None
 
+_Told = dict[tuple[str, str, str], tuple[Span, ...]]
+"""By process, source and target: the places of the edge that was taken last."""
+
 
 def runs_to_json(records: Iterable[RunRecord | NotRead], every_step: bool = False) -> dict[str, Json]:
     """What a command did, one run for each model, in the one shape of docs/schema/verify.schema.json.
@@ -144,10 +147,11 @@ def trace_to_json(trace: TraceView) -> list[dict[str, Json]]:
     """A list of states, the initial one first; exact times are strings such as ``"5/2"``.
 
     The initial state is whole. A later one names what is different: locations, variables, and the clocks that do not
-    show their value of before plus the delay. Documentation and places of an edge stand where it is taken first.
+    show their value of before plus the delay. Documentation and places of an edge stand where it is taken first, and
+    where another edge between its locations was the last to be taken.
     """
     states = [trace.initial, *(step.state for step in trace.steps)]
-    told: set[tuple[str, str, tuple[Span, ...]]] = set()
+    told: _Told = {}
     changes = (_change(*pair, step, told) for pair, step in zip(pairwise(states), trace.steps, strict=True))
     return [_whole(trace.initial), *changes]
 
@@ -161,9 +165,7 @@ def _whole(state: Snapshot) -> dict[str, Json]:
     }
 
 
-def _change(
-    before: Snapshot, after: Snapshot, step: ViewStep, told: set[tuple[str, str, tuple[Span, ...]]]
-) -> dict[str, Json]:
+def _change(before: Snapshot, after: Snapshot, step: ViewStep, told: _Told) -> dict[str, Json]:
     changes: dict[str, dict[str, Json]] = {
         "locations": dict(new for old, new in zip(before.locations, after.locations, strict=True) if old != new),
         "variables": dict(new for old, new in zip(before.variables, after.variables, strict=True) if old != new),
@@ -186,7 +188,7 @@ def _time(time: Fraction | None) -> str | None:
     return None if time is None else str(time)
 
 
-def _transition(event: Event, told: set[tuple[str, str, tuple[Span, ...]]]) -> dict[str, Json]:
+def _transition(event: Event, told: _Told) -> dict[str, Json]:
     transition: dict[str, Json] = {
         "channel": event.channel or None,
         "participants": [_participant(move, told) for move in event.moves],
@@ -196,7 +198,7 @@ def _transition(event: Event, told: set[tuple[str, str, tuple[Span, ...]]]) -> d
     return transition
 
 
-def _participant(move: Move, told: set[tuple[str, str, tuple[Span, ...]]]) -> dict[str, Json]:
+def _participant(move: Move, told: _Told) -> dict[str, Json]:
     participant: dict[str, Json] = {
         "process": move.process,
         "role": _ROLES[move.direction],
@@ -207,9 +209,9 @@ def _participant(move: Move, told: set[tuple[str, str, tuple[Span, ...]]]) -> di
         participant["news"] = move.doc
     if move.selects:
         participant["select"] = dict(move.selects)
-    edge = move.process, move.source, move.spans
-    if edge not in told:
-        told.add(edge)
+    edge = move.process, move.source, move.target
+    if told.get(edge) != move.spans:
+        told[edge] = move.spans
         participant |= {"doc": move.doc, "positions": _positions(move.spans)}
     return participant
 
@@ -234,5 +236,5 @@ def _fault(network: Network, fault: RunTimeFault) -> dict[str, Json]:
         "path": trace_to_json(view_path(network, fault.path) if fault.run is None else view_trace(network, fault.run)),
         "transition": None
         if fault.transition is None
-        else _transition(view_event(network, fault.path, fault.transition), set()),
+        else _transition(view_event(network, fault.path, fault.transition), {}),
     }
