@@ -48,14 +48,17 @@ function play(player, run) {
     buttons.forEach((button, number) => (button.disabled = number < 2 ? at === 0 : at === last));
     state.replaceChildren(
       ...KINDS.filter((kind) => Object.keys(after[kind]).length > 0).map((kind) => table(kind, changing[kind], before[kind], after[kind])));
-    light(after);
+    light(after, at);
   }
 
-  function light(after) {
+  // While nothing moves, the automata that moved last stay; at the start those that move first.
+  function light(after, at) {
     for (const old of stage.querySelectorAll(".here, .taken")) old.classList.remove("here", "taken");
-    const moved = after.moved.map(([name]) => run.templates[name]);
+    const moving = (state) => state.moved.length > 0;
+    const state = run.states.slice(0, at + 1).findLast(moving) ?? run.states.find(moving);
+    const moved = state === undefined ? [] : state.moved.map(([name]) => run.templates[name]);
     for (const figure of stage.children) {
-      if (moved.length > 0) figure.hidden = !moved.includes(figure.dataset.template);
+      figure.hidden = !moved.includes(figure.dataset.template);
       const own = Object.entries(run.templates).filter(([, template]) => template === figure.dataset.template).map(([name]) => name);
       for (const name of own) mark(figure, "data-location", after.locations[name], "here");
       for (const [name, edge] of after.moved) if (own.includes(name)) mark(figure, "data-edge", edge, "taken");

@@ -39,6 +39,7 @@ def run_to_json(record: RunRecord, every_step: bool = False) -> dict[str, Json]:
         "model": record.model,
         "constants": dict(record.network.constants),
         "time_unit": record.network.time_unit,
+        "templates": {process.name: process.template for process in record.network.processes},
         "results": [verdict_to_json(record.network, verdict, every_step) for verdict in record.verdicts],
         "not_checked": [
             {
@@ -79,6 +80,7 @@ def not_read_to_json(record: NotRead) -> dict[str, Json]:
         "model": record.model,
         "constants": {},
         "time_unit": "",
+        "templates": {},
         "results": [],
         "not_checked": [],
         "errors": _errors(record.diagnostics) or [plain],

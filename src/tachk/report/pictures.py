@@ -39,6 +39,22 @@ def draw_file(
         InputError: the text is wrong; carries every finding.
         UsageError: the file cannot be read, has no template, or no such constant.
     """
+    items, layout = file_items(path)
+    findings = Findings()
+    values = constant_overrides(constants or {}, items, findings)
+    if findings.has_errors:
+        raise InputError(findings.sorted())
+    drawn = [_with_values(item, values) if isinstance(item, ast.Template) else item for item in items]
+    return draw_items(drawn, layout, str(path), taken)
+
+
+def file_items(path: str | os.PathLike[str]) -> tuple[tuple[ast.Item, ...], Layout | None]:
+    """The declarations of a model file and of what it imports, in order, and the layout that it or its side file has.
+
+    Raises:
+        InputError: the text is wrong; carries every finding.
+        UsageError: the file cannot be read.
+    """
     source = read_source(path)
     read = read_model(source)
     items = read.document.items
@@ -48,12 +64,7 @@ def draw_file(
         if findings.has_errors:
             raise InputError(findings.sorted())
         items = tuple(imported)
-    findings = Findings()
-    values = constant_overrides(constants or {}, items, findings)
-    if findings.has_errors:
-        raise InputError(findings.sorted())
-    drawn = [_with_values(item, values) if isinstance(item, ast.Template) else item for item in items]
-    return draw_items(drawn, read.layout or read_layout_beside(path), source.name, taken)
+    return items, read.layout or read_layout_beside(path)
 
 
 def draw_items(

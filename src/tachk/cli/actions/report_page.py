@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import shlex
 import sys
+from collections.abc import Iterator, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 from time import monotonic
+from typing import Any
 
 import tachk
 from tachk import api
@@ -15,9 +17,14 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits
+from tachk.properties.verdict import Answer
 from tachk.records import dataclass
-from tachk.report.page.content import page_of
+from tachk.report.json_report import run_to_json
+from tachk.report.page.answers import answers_part
+from tachk.report.page.content import Answers, Chapter, Page
 from tachk.report.page.html import page_to_html
+from tachk.report.page.results import chapter_of, read_result, runs_of_verify
+from tachk.report.text_report import evidence_text
 from tachk.time_limit import time_limit
 
 
@@ -26,60 +33,110 @@ class Reported:
     """What is asked, as it was typed.
 
     Attributes:
-        pictures: SVG files that go onto the page.
+        inputs: result files, pictures, a model, and queries about it.
         title: of the page.
         max_memory: such as ``2G``.
     """
 
-    model: str
+    inputs: tuple[str, ...]
     output: Path
-    queries: tuple[str, ...] = ()
     properties: tuple[str, ...] = ()
     definitions: tuple[str, ...] = ()
-    pictures: tuple[Path, ...] = ()
     title: str | None = None
     states: int | None = None
     max_memory: str | None = None
 
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The results and pictures."""
+        return tuple(Path(text) for text in self.inputs if _is_file(text))
+
+    @property
+    def asked(self) -> tuple[str, ...]:
+        """The model, if there is one, and the queries about it."""
+        return tuple(text for text in self.inputs if not _is_file(text))
+
+
+def _is_file(text: str) -> bool:
+    return Path(text).suffix.lower() in (".json", ".svg")
+
 
 def run_report_page(asked: Reported, seconds: float | None) -> ExitStatus:
-    """Checks the model and writes the page."""
+    """Checks the model, reads the results, and writes the page."""
+    answers: list[Answers] = []
+    chapters: list[Chapter] = []
+    for path in asked.files:
+        for part in _read(path, len(answers)):
+            (answers if isinstance(part, Answers) else chapters).append(part)  # type: ignore[arg-type]
+    if asked.asked:
+        answers.insert(0, _verified(asked, seconds, len(answers)))
+    elif asked.properties or asked.definitions:
+        raise UsageError("-D and --property are about a model, and none is named", "name it before the results")
+    title = asked.title or Path(asked.inputs[0]).stem
+    asked.output.write_text(page_to_html(Page(title, answers, chapters, [*_facts(asked)])), encoding="utf-8")
+    return _status([part.run for part in answers])
+
+
+def _read(path: Path, number: int) -> Iterator[Answers | Chapter]:
+    """The parts of the page that are in a file. ``number`` is that of the first part with answers."""
+    if path.suffix.lower() == ".svg":
+        yield Chapter(path.stem, pictures=((path.name, _svg(path)),))
+        return
+    document = read_result(path)
+    runs = runs_of_verify(document)
+    for place, run in enumerate(runs):
+        try:
+            yield answers_part(run, number + place, {})
+        except (KeyError, TypeError, ValueError, AttributeError):
+            raise UsageError(
+                f"{path} is no result of this version of tachk verify", "tachk verify MODEL --format json writes one"
+            ) from None
+    if not runs:
+        yield chapter_of(document, path)
+
+
+def _verified(asked: Reported, seconds: float | None, number: int) -> Answers:
+    """The answers about the model."""
     started = monotonic()
-    pictures = [(path.name, _svg(path)) for path in asked.pictures]
+    path, *queries = asked.asked
     memory = None if asked.max_memory is None else parse_size(asked.max_memory)
     with time_limit(seconds):
-        model = api.load(asked.model, **parse_definitions(asked.definitions))
+        model = api.load(path, **parse_definitions(asked.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
     limits = Limits(states=asked.states, seconds=seconds, memory_bytes=memory).after(monotonic() - started)
-    report = model.verify(*asked.queries, property=asked.properties, limits=limits)
-    facts = [("command", _command(asked)), *_versions(asked.model)]
-    page = page_of(model.loaded, report.record, asked.title or Path(asked.model).stem, facts, pictures)
-    asked.output.write_text(page_to_html(page), encoding="utf-8")
-    met = report.met
-    if met is None:
-        return ExitStatus.UNKNOWN
-    return ExitStatus.AS_EXPECTED if met else ExitStatus.NOT_AS_EXPECTED
+    record = model.verify(*queries, property=asked.properties, limits=limits).record
+    told = {v.query.name: evidence_text(record.network, v).partition("\n")[2] for v in record.verdicts}
+    return answers_part(run_to_json(record), number, told)
+
+
+def _status(runs: Sequence[Mapping[str, Any]]) -> ExitStatus:
+    """As `tachk verify` ends."""
+    results = [result for run in runs for result in run["results"]]
+    if any(result["met"] is False for result in results):
+        return ExitStatus.NOT_AS_EXPECTED
+    open_ = any(result["answer"] == Answer.UNKNOWN.value for result in results)
+    not_checked = [query for run in runs for query in run["not_checked"]]
+    refused = any(run["errors"] for run in runs) or any(query["errors"] for query in not_checked)
+    nothing = bool(not_checked) and not results
+    return ExitStatus.UNKNOWN if open_ or refused or nothing else ExitStatus.AS_EXPECTED
+
+
+def _facts(asked: Reported) -> Iterator[tuple[str, str]]:
+    """What is needed to repeat it."""
+    options = [part for text in asked.definitions for part in ("-D", text)]
+    options += [part for name in asked.properties for part in ("--property", name)]
+    yield "command", shlex.join(["tachk", "report", *asked.inputs, *options, "-o", str(asked.output)])
+    for path in (*asked.asked[:1], *map(str, asked.files)):
+        yield f"SHA-256 of {path}", sha256(Path(path).read_bytes()).hexdigest()
+    yield "tachk", tachk.__version__
+    yield "Python", sys.version.split()[0]
 
 
 def _svg(path: Path) -> str:
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"{path}: {error}", "--picture takes SVG files") from None
+        raise UsageError(f"{path} cannot be read: {error}") from None
     if "<svg" not in text:
         raise UsageError(f"{path} is no SVG picture", "-o NAME.svg lets tachk draw one")
     return text
-
-
-def _command(asked: Reported) -> str:
-    options = [part for text in asked.definitions for part in ("-D", text)]
-    options += [part for name in asked.properties for part in ("--property", name)]
-    return shlex.join(["tachk", "verify", asked.model, *asked.queries, *options])
-
-
-def _versions(path: str) -> list[tuple[str, str]]:
-    return [
-        ("SHA-256 of the model file", sha256(Path(path).read_bytes()).hexdigest()),
-        ("tachk", tachk.__version__),
-        ("Python", sys.version.split()[0]),
-    ]

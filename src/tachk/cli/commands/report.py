@@ -9,9 +9,15 @@ import click
 from tachk.cli import options
 
 
-@click.command(name="report", short_help="Check a model and write a page that one can hand on.")
-@click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
-@click.argument("queries", metavar="[QUERY]...", nargs=-1, required=False, help="Queries.")
+@click.command(name="report", short_help="Write a page that one can hand on.")
+@click.argument(
+    "inputs",
+    metavar="[MODEL [QUERY]...] [RESULT.json|PICTURE.svg]...",
+    nargs=-1,
+    required=True,
+    help="A model file and queries about it; results of tachk verify, sweep, simulate and monitor that were written "
+    "with --format json; pictures that tachk has drawn.",
+)
 @click.option(
     "properties",
     "--property",
@@ -20,15 +26,7 @@ from tachk.cli import options
     help="Check only this property; several can be given.",
 )
 @options.definitions
-@click.option(
-    "pictures",
-    "--picture",
-    metavar="FILE.svg",
-    multiple=True,
-    type=options.type_of_file,
-    help="Add a picture that tachk has drawn: a heat map, a plot of signals, a chart of a capture.",
-)
-@click.option("title", "--title", metavar="TEXT", help="The title; without it the name of the model.")
+@click.option("title", "--title", metavar="TEXT", help="The title; without it the name of what is named first.")
 @click.option(
     "output", "-o", "--output", metavar="FILE.html", type=options.type_of_file, required=True, help="The page."
 )
@@ -36,10 +34,10 @@ from tachk.cli import options
 @options.max_memory
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:
-    """Check a model and write one HTML file about it, which needs no other file and no network.
+    """Write one HTML file about a model and about results, which needs no other file and no network.
 
-    It has every answer with the run behind it, as a chart, in words, and to step through with the automata beside it,
-    and what is needed to repeat it. Exit status: as of `tachk verify`.
+    MODEL is checked. The page has every answer with the run behind it, as a chart, in words, and to step through with
+    the automata beside it, and what is needed to repeat it. Exit status: as of `tachk verify`.
     """
     from tachk.cli.actions.report_page import Reported, run_report_page
 

@@ -19,7 +19,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from tachk.campaign.grid import Axis
+from tachk.campaign.grid import Axis, Grid
 from tachk.campaign.job import COLUMNS, Row
 from tachk.campaign.run import Campaign
 from tachk.diagnostics.diagnostic import UsageError
@@ -29,7 +29,7 @@ from tachk.report.figure_files import write_figure
 _FACE = {Answer.HOLDS: "#5a9367", Answer.FAILS: "#ffffff", Answer.UNKNOWN: "#e4e4e4"}
 _INK = {Answer.HOLDS: "#3d6b48", Answer.FAILS: "#a4161a", Answer.UNKNOWN: "#777777"}
 _HATCH = {Answer.HOLDS: "", Answer.FAILS: "////", Answer.UNKNOWN: "..."}
-_STYLE = {"hatch.linewidth": 0.5}
+STYLE = {"hatch.linewidth": 0.5}
 _NUMBERS = tuple(name for name, kind in COLUMNS.items() if kind != "TEXT")
 _MOST_MAPS = 24
 _COLUMNS = 3
@@ -48,21 +48,22 @@ class _Map:
 
 
 def plot_campaign(model: str, campaign: Campaign, path: str | Path, show: str) -> None:
-    """Writes the picture; see `draw_campaign`."""
-    write_figure(path, lambda: draw_campaign(model, campaign, show), _STYLE)
+    """Writes the picture; see `draw_maps`."""
+    write_figure(path, lambda: draw_maps(model, campaign.grid, campaign.rows, show), STYLE)
 
 
-def draw_campaign(model: str, campaign: Campaign, show: str) -> Figure:
+def draw_maps(model: str, grid: Grid, rows: Sequence[Row], show: str) -> Figure:
     """The maps of all properties.
 
     Args:
+        rows: of finished cells.
         show: ``answer``, or a column of numbers.
 
     Raises UsageError for another column, and for more maps than a picture can show.
     """
     if show not in ("answer", *_NUMBERS):
         raise UsageError(f"there is no column {show!r} to draw", f"one of answer, {', '.join(_NUMBERS)}")
-    across, up, maps = _maps(campaign)
+    across, up, maps = _maps(grid, rows)
     if len(maps) > _MOST_MAPS:
         raise UsageError(
             f"a picture of {len(maps)} maps would show nothing", "name one --property, or give constants fewer values"
@@ -74,7 +75,7 @@ def draw_campaign(model: str, campaign: Campaign, show: str) -> Figure:
     figure = Figure(figsize=(max(width, 5.0), height))
     FigureCanvasAgg(figure)
     figure.text(0.1 / figure.get_figwidth(), 1 - 0.12 / height, f"{model}: {show}", va="top", weight="bold")
-    colours = _Colours(show, campaign.rows)
+    colours = _Colours(show, rows)
     for number, each in enumerate(maps):
         line, column = divmod(number, columns)
         left = _GAP * 0.75 + column * (_MAP + _GAP)
@@ -87,16 +88,16 @@ def draw_campaign(model: str, campaign: Campaign, show: str) -> Figure:
     return figure
 
 
-def _maps(campaign: Campaign) -> tuple[Axis, Axis, list[_Map]]:
+def _maps(grid: Grid, rows: Sequence[Row]) -> tuple[Axis, Axis, list[_Map]]:
     """What goes across, what goes up, and the maps."""
-    varied = sorted(campaign.grid.varied or campaign.grid.axes[:1], key=lambda axis: -len(axis.values))
+    varied = sorted(grid.varied or grid.axes[:1], key=lambda axis: -len(axis.values))
     across = varied[0] if varied else Axis("", ("",))
     up = varied[1] if len(varied) > 1 else Axis("", ("",))
     further = varied[2:]
     maps = []
     settings = product(*([(axis.name, value) for value in axis.values] for axis in further))
-    for name, fixed in product(campaign.job.asked, settings):
-        own = [r for r in campaign.rows if r["property"] == name and all(r[n] == v for n, v in fixed)]
+    for name, fixed in product(dict.fromkeys(str(row["property"]) for row in rows), settings):
+        own = [r for r in rows if r["property"] == name and all(r[n] == v for n, v in fixed)]
         title = ", ".join([name, *(f"{constant} = {value}" for constant, value in fixed)])
         maps.append(_Map(title, {(_number(across, row), _number(up, row)): row for row in own}))
     return across, up, maps

@@ -1,28 +1,12 @@
-"""What is on the page about a verified model."""
+"""What is on a page: answers about models, other results in tables and pictures, and how to repeat it all."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
-from tachk.drawing.sequence.layout import lay_out
-from tachk.drawing.sequence.sequence_svg import draw_chart
 from tachk.drawing.svg import Picture
-from tachk.formats.layout_json import read_layout_beside
-from tachk.frontend.loaded import LoadedModel
-from tachk.properties.verdict import Verdict
-from tachk.report.json_report import Json
-from tachk.report.page.playback import edge_names, playback
-from tachk.report.pictures import draw_items
-from tachk.report.record import RunRecord
-from tachk.report.run.trace_view import view_trace
-from tachk.report.sequence.of_run import chart_of_run
-from tachk.report.sequence.run_steps import steps_of_view
-from tachk.report.text_report import evidence_text
-from tachk.syntax import ast
-
-MOST_EVENTS = 400
-"""A chart of more is not on the page; the run can be stepped through all the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,65 +14,80 @@ class Section:
     """One answer.
 
     Attributes:
-        told: the run in words; empty where there is none.
+        place: the name of the section on the page.
+        result: as docs/schema/verify.schema.json has it.
+        values: what `sup`, `inf` and `bounds` have found.
+        told: the run in words, or the run-time error; empty where there is none.
         chart: the sequence chart of the run; empty where there is none.
         playback: the run for the script; None where there is none.
     """
 
-    verdict: Verdict
+    place: str
+    result: Mapping[str, Any]
+    values: Sequence[str] = ()
     told: str = ""
     chart: str = ""
-    playback: Json = field(default=None, repr=False)
+    playback: Mapping[str, Any] | None = field(default=None, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Answers:
+    """The answers about one model.
+
+    Attributes:
+        run: as docs/schema/verify.schema.json has it.
+        pictures: of the templates; the name of each is what the playbacks call it.
+        remark: why there are none.
+    """
+
+    run: Mapping[str, Any]
+    sections: Sequence[Section]
+    pictures: Sequence[Picture] = ()
+    remark: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Attributes:
+    numbers: the columns that hold numbers, from 0.
+    rows: texts; one that is an answer or a verdict is coloured.
+    """
+
+    columns: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    numbers: frozenset[int] = frozenset()
+
+
+@dataclass(frozen=True, slots=True)
+class Chapter:
+    """Another result.
+
+    Attributes:
+        lines: what is said about it, in sentences.
+        tables: what was found.
+        pictures: what a picture shows, and its SVG.
+        details: what is folded away: a title and a text.
+    """
+
+    title: str
+    lines: Sequence[str] = ()
+    tables: Sequence[Table] = ()
+    pictures: Sequence[tuple[str, str]] = ()
+    details: Sequence[tuple[str, str]] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Page:
     """Attributes:
     facts: what is needed to repeat it: names and values.
-    pictures: of the templates.
-    added: pictures that the user adds: what they are called, and their SVG.
     """
 
     title: str
-    record: RunRecord
+    answers: Sequence[Answers]
+    chapters: Sequence[Chapter]
     facts: Sequence[tuple[str, str]]
-    sections: Sequence[Section]
-    pictures: Sequence[Picture] = ()
-    added: Sequence[tuple[str, str]] = ()
 
-
-def page_of(
-    model: LoadedModel,
-    record: RunRecord,
-    title: str,
-    facts: Sequence[tuple[str, str]],
-    added: Sequence[tuple[str, str]] = (),
-) -> Page:
-    """The page about the answers that were found about a model.
-
-    Args:
-        facts: see `Page`; the constants and the unit of time come to them.
-        added: pictures of the user: names and SVG.
-    """
-    templates = [item for item in model.items if isinstance(item, ast.Template)]
-    layout = model.layout or read_layout_beside(record.model)
-    pictures = draw_items(templates, layout, record.model) if templates else ()
-    constants = ", ".join(f"{name} = {value}" for name, value in record.network.constants)
-    known = [("model", record.model), ("constants", constants), ("unit of time", record.network.time_unit)]
-    sections = [_section(record, verdict, templates) for verdict in record.verdicts]
-    return Page(title, record, [*((n, v) for n, v in known if v), *facts], sections, pictures, added)
-
-
-def _section(record: RunRecord, verdict: Verdict, templates: Sequence[ast.Template]) -> Section:
-    """An answer with everything that explains it."""
-    network = record.network
-    _, _, told = evidence_text(network, verdict).partition("\n")
-    if verdict.trace is None:
-        return Section(verdict, told)
-    view = view_trace(network, verdict.trace)
-    query = verdict.query
-    remark = f"{query.name} {verdict.answer.value}"
-    steps = steps_of_view(view, query.title or query.text, network.time_unit or "", dict(network.constants), remark)
-    chart = chart_of_run(steps).used()
-    drawn = draw_chart(lay_out(chart)).svg if chart.messages and len(chart.events) <= MOST_EVENTS else ""
-    return Section(verdict, told, drawn, playback(network, view, edge_names(templates)))
+    @property
+    def results(self) -> list[Mapping[str, Any]]:
+        """All results of verification."""
+        return [section.result for answers in self.answers for section in answers.sections]

@@ -15,7 +15,9 @@ from tachk.report.page.content import Page
 from tachk.report.quantity import bytes_, grouped, seconds
 from tachk.resources import template_text
 
-_MARKS = {Answer.HOLDS: "✓", Answer.FAILS: "✗", Answer.UNKNOWN: "?"}
+_MARKS = {Answer.HOLDS.value: "✓", Answer.FAILS.value: "✗", Answer.UNKNOWN.value: "?"}
+_CLASSES = {**{answer: answer for answer in _MARKS}, "true": "holds", "false": "fails", "undetermined": "unknown"}
+"""How answers and verdicts are coloured."""
 
 
 def page_to_html(page: Page) -> str:
@@ -27,7 +29,7 @@ def page_to_html(page: Page) -> str:
     template = environment.get_template("report/page.html.j2")
     style, script = (Markup(template_text(f"report/page.{ending}")) for ending in ("css", "js"))
     rules = STYLE.splitlines()
-    return template.render(page=page, record=page.record, marks=_MARKS, style=style, script=script, rules=rules)
+    return template.render(page=page, marks=_MARKS, classes=_CLASSES, style=style, script=script, rules=rules)
 
 
 def _image(svg: str) -> str:

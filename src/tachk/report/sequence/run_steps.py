@@ -1,4 +1,4 @@
-"""Steps of a run as a sequence chart needs them: from a run that was just found, or from a report of `tachk verify`."""
+"""Steps of a run as a sequence chart needs them, from a report of `tachk verify`."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ from typing import Any
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.records import dataclass
-from tachk.report.run.trace_view import Snapshot, TraceView, ViewStep
-from tachk.words import Direction
 
 _HOW = "tachk verify MODEL --property NAME --trace some --format json -o RUN.json makes one"
 _LOST, _COPIED = "losses", "copies"
@@ -65,37 +63,6 @@ class RunSteps:
     remark: str
 
 
-def steps_of_view(view: TraceView, title: str, unit: str, constants: Mapping[str, int], remark: str) -> RunSteps:
-    """The steps of a run that has times. Hidden processes send and lose, but are not among the processes."""
-    shown = tuple(name for name, _ in view.initial.locations if name not in view.hidden_processes)
-    steps = []
-    before = view.initial
-    for step in view.steps:
-        if step.event is not None:
-            steps.append(_of_view(before, step))
-        before = step.state
-    end = before.time or Fraction(0)
-    return RunSteps(title, unit, constants, shown, dict(view.initial.locations), tuple(steps), end, remark)
-
-
-def _of_view(before: Snapshot, step: ViewStep) -> RunStep:
-    assert step.event is not None
-    moves = step.event.moves
-    first = moves[0]
-    old, new = dict(before.variables), dict(step.state.variables)
-    return RunStep(
-        step.state.time or Fraction(0),
-        step.event.channel,
-        "" if first.direction is Direction.RECEIVE else first.process,
-        tuple(move.process for move in (moves if first.direction is Direction.RECEIVE else moves[1:])),
-        dict(step.event.carried),
-        new.get(_LOST, 0) > old.get(_LOST, 0),
-        new.get(_COPIED, 0) > old.get(_COPIED, 0),
-        tuple((move.process, " ".join(move.doc.split())) for move in moves if move.news and not move.hidden),
-        {move.process: move.target for move in moves},
-    )
-
-
 def steps_of_report(document: object, file: str, name: str | None) -> RunSteps:
     """The steps of a run in a report of `tachk verify --format json`.
 
@@ -104,7 +71,11 @@ def steps_of_report(document: object, file: str, name: str | None) -> RunSteps:
 
     Raises UsageError for what is no such report, or has no such run.
     """
-    run, result = _chosen(document, file, name)
+    return steps_of_result(*_chosen(document, file, name))
+
+
+def steps_of_result(run: Mapping[str, Any], result: Mapping[str, Any]) -> RunSteps:
+    """The steps of the run behind one result of a run of `tachk verify`, as docs/schema/verify.schema.json has them."""
     initial, *states = result["trace"]
     values: dict[str, Any] = dict(initial["variables"])
     steps = []

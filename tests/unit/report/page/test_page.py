@@ -110,9 +110,72 @@ def test_status(tmp_path: Path, bridge: str, arguments: list[str], status: int) 
 def test_added_pictures(tmp_path: Path, bridge: str) -> None:
     picture = tmp_path / "map.svg"
     picture.write_text('<svg xmlns="http://www.w3.org/2000/svg"/>', encoding="utf-8")
-    assert "<figcaption>map.svg</figcaption>" in page(tmp_path, bridge, "--picture", str(picture))
-    page(tmp_path, bridge, "--picture", bridge, status=2)
-    page(tmp_path, bridge, "--picture", str(tmp_path / "none.svg"), status=2)
+    assert "<figcaption>map.svg</figcaption>" in page(tmp_path, bridge, str(picture))
+
+    page(tmp_path, bridge, str(tmp_path / "none.svg"), status=2)
+
+
+def output_of(path: Path, *arguments: str) -> str:
+    """A result in a file."""
+    path.write_text(CliRunner().invoke(app, [*arguments, "--format", "json"]).stdout, encoding="utf-8")
+    return str(path)
+
+
+def answers_of(text: str) -> list[str]:
+    """Everything on a page that depends on the answers, up to the run in words, and without measured times."""
+    shown = re.sub(r"<details.*?</details>|\d+\.\d (ms|s)\b", "", text[text.index("<main>") :], flags=re.DOTALL)
+    return shown[: shown.index("<h2>To repeat it")].split("\n")
+
+
+def test_results_say_what_the_model_says(tmp_path: Path, bridge: str) -> None:
+    answers = output_of(tmp_path / "answers.json", "verify", bridge, "--trace", "some")
+    assert answers_of(page(tmp_path, answers)) == answers_of(page(tmp_path, bridge))
+
+
+def test_the_edge_that_was_taken_of_two_between_the_same_locations(tmp_path: Path) -> None:
+    path = tmp_path / "two.ta"
+    path.write_text(
+        "int[0, 3] n; process P() { init location A { to A { guard n < 2; assign n = n + 1; }"
+        " to A { guard n == 2; assign n = 3; } } } system P; property seen : E<> n == 3;",
+        encoding="utf-8",
+    )
+    result = output_of(tmp_path / "two.json", "verify", str(path), "--trace", "some")
+    for source in (str(path), result):
+        run = json.loads(re.findall(r'class="run">(.*?)</script>', page(tmp_path, source))[0])
+        assert [state["moved"] for state in run["states"]] == [[], *([["P", f"A A {n}"]] for n in (0, 0, 1))]
+
+
+def test_automata_of_another_text_are_not_drawn(tmp_path: Path, bridge: str) -> None:
+    answers = output_of(tmp_path / "answers.json", "verify", bridge, "--trace", "some")
+    assert 'data-template="0/P"' in page(tmp_path, answers)
+    Path(bridge).write_text("\n" + BRIDGE, encoding="utf-8")
+    changed = page(tmp_path, answers)
+    assert "has changed since" in changed
+    assert 'data-template="0/P"' not in changed
+    Path(bridge).unlink()
+    assert "there is no file" in page(tmp_path, answers)
+
+
+def test_other_results_are_chapters(tmp_path: Path, bridge: str) -> None:
+    sweep = output_of(tmp_path / "sweep.json", "sweep", FISCHER, "-D", "N=2", "-D", "WRITE=1,2", "-j", "1")
+    drawn = ["simulate", bridge, "--runs", "5", "--until", "9", "--monitor", "G n < 9", "--seed", "1"]
+    runs = output_of(tmp_path / "runs.json", *drawn)
+    (tmp_path / "log.csv").write_text("time,n\n0,1\n5,11\n6,1\n", encoding="utf-8")
+    log = output_of(tmp_path / "log.json", "monitor", "G n < 9", str(tmp_path / "log.csv"))
+    text = page(tmp_path, bridge, sweep, runs, log)
+    assert not Checked(text).open
+    for words in ("fischer.ta: many values", "2 combinations", "5 runs until 9", "seed 1", "why it is false"):
+        assert words in text
+    assert "data:image/svg+xml" in text[text.index("many values") :]
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"runs": [{}]}', '{"cells": 1, "constants": 2, "rows": 3}', "\x00"])
+def test_what_is_no_result(tmp_path: Path, text: str) -> None:
+    (tmp_path / "wrong.json").write_text(text, encoding="utf-8")
+    arguments = ["report", str(tmp_path / "wrong.json"), "-o", str(tmp_path / "report.html")]
+    result = CliRunner().invoke(app, arguments)
+    assert (result.exit_code, isinstance(result.exception, SystemExit)) == (2, True)
+    assert "wrong.json" in result.stderr
 
 
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="there is no chromium")

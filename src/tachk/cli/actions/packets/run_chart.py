@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Any
 
 from tachk.cli.actions.packets.chart import write_chart
+from tachk.report.json_report import run_to_json
 from tachk.report.record import RunRecord
-from tachk.report.run.trace_view import view_trace
 from tachk.report.sequence.of_run import chart_of_run
-from tachk.report.sequence.run_steps import steps_of_view
+from tachk.report.sequence.run_steps import steps_of_result
 
 
 def write_run_chart(output: Path, record: RunRecord) -> None:
@@ -19,9 +20,6 @@ def write_run_chart(output: Path, record: RunRecord) -> None:
     if chosen is None or chosen.trace is None:
         print("no answer has a run, so there is no chart", file=sys.stderr)
         return
-    network, query = record.network, chosen.query
-    title = f"{query.name}: {query.title or query.text}"
-    remark = f"{query.name} {chosen.answer.value}"
-    view = view_trace(network, chosen.trace)
-    steps = steps_of_view(view, title, network.time_unit or "", dict(network.constants), remark)
-    write_chart(chart_of_run(steps).used(), output)
+    run: dict[str, Any] = run_to_json(record)
+    result = next(each for each in run["results"] if each["name"] == chosen.query.name)
+    write_chart(chart_of_run(steps_of_result(run, result)).used(), output)

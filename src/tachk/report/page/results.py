@@ -1,0 +1,130 @@
+"""Results that tachk has written as JSON, as parts of a page."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+from tachk.campaign.grid import Axis, Grid
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.report.campaign.heat_map import STYLE, draw_maps
+from tachk.report.figure_files import svg_of
+from tachk.report.page.content import Chapter, Table
+
+_MOST_ROWS = 200
+"""A table of more is not on the page."""
+
+_KNOWN = "tachk verify, sweep, simulate and monitor write such files with --format json"
+
+
+def read_result(path: Path) -> Mapping[str, Any]:
+    """The object in a file. Raises UsageError."""
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
+    except ValueError as error:
+        raise UsageError(f"{path}: {error}", _KNOWN) from None
+    if not isinstance(document, dict):
+        raise UsageError(f"{path} is no result of tachk", _KNOWN)
+    return document
+
+
+def runs_of_verify(document: Mapping[str, Any]) -> Sequence[Mapping[str, Any]]:
+    """The runs of `tachk verify` in a result; none if it is another one."""
+    runs = document.get("runs")
+    return runs if isinstance(runs, list) else ()
+
+
+def chapter_of(document: Mapping[str, Any], path: Path) -> Chapter:
+    """Any other result as a part of a page. Raises UsageError for what is none."""
+    for needed, chapter in _READERS:
+        if needed <= document.keys():
+            try:
+                return chapter(document)
+            except (KeyError, TypeError, ValueError, IndexError):
+                break
+    raise UsageError(f"{path} is no result that can be shown", _KNOWN)
+
+
+# ---- sweeps ---------------------------------------------------------------------------------------------------------
+
+
+def _sweep(document: Mapping[str, Any]) -> Chapter:
+    grid = Grid(tuple(Axis(axis["name"], tuple(axis["values"])) for axis in document["constants"]))
+    rows: list[dict[str, Any]] = document["rows"]
+    asked = list(dict.fromkeys(row["property"] for row in rows))
+    lines = [f"{document['cells']} combinations of values of {', '.join(grid.names)}."]
+    if document["unfinished"]:
+        lines.append(f"{document['unfinished']} of them are not finished.")
+    for name in asked:
+        found = Counter(row["answer"] for row in rows if row["property"] == name)
+        lines.append(f"{name}: {', '.join(f'{answer} in {times}' for answer, times in found.items())}.")
+        reasons = Counter(row["reason"] for row in rows if row["property"] == name and row["reason"])
+        lines += [f"Unknown in {times}: {reason}." for reason, times in reasons.most_common()]
+    try:
+        pictures = (
+            [("answers", svg_of(lambda: draw_maps(document["model"], grid, rows, "answer"), STYLE))] if rows else []
+        )
+    except UsageError as error:
+        pictures = []
+        lines.append(f"No picture: {error}.")
+    return Chapter(f"{document['model']}: many values", lines, _cells(grid, asked, rows), pictures)
+
+
+def _cells(grid: Grid, asked: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> Sequence[Table]:
+    names = [axis.name for axis in grid.varied] or list(grid.names)
+    cells = [list(own) for _, own in groupby(rows, lambda row: [row[name] for name in grid.names])]
+    if not 0 < len(cells) <= _MOST_ROWS:
+        return ()
+    lines = [[*(str(own[0][name]) for name in names), *(str(row["answer"]) for row in own)] for own in cells]
+    return (Table((*names, *asked), lines, frozenset(range(len(names)))),)
+
+
+# ---- simulation -----------------------------------------------------------------------------------------------------
+
+
+def _simulation(document: Mapping[str, Any]) -> Chapter:
+    drawn = f"{document['runs']:,} runs until {document['until']}, {document['transitions']:,} transitions"
+    lines = [f"{drawn}, seed {document['seed']}, policy {document['policy']}."]
+    endings = Table(("ending", "runs"), [(end, f"{n:,}") for end, n in document["endings"].items()], frozenset({1}))
+    rows = []
+    for formula in document["formulas"]:
+        low, high = formula["probability_of_violation"]
+        counts = [f"{formula[word]:,}" for word in ("true", "false", "undetermined")]
+        first = str(formula["violating"][0]) if formula["violating"] else ""
+        rows.append((formula["name"], *counts, f"{low:.4g} to {high:.4g}", f"{formula['confidence']:.6g}", first))
+    columns = ("formula", "true", "false", "undetermined", "probability of a violation", "confidence", "first in run")
+    formulas = [Table(columns, rows, frozenset({1, 2, 3, 5, 6}))] if rows else []
+    return Chapter(f"{document['model']}: simulation", lines, [endings, *formulas])
+
+
+# ---- monitoring -----------------------------------------------------------------------------------------------------
+
+
+def _monitor(document: Mapping[str, Any]) -> Chapter:
+    unit = document["unit"] or ""
+    lines = [f"{document['rows']:,} rows, from {document['begin']} to {document['end']} {unit}".rstrip() + "."]
+    rows = [
+        (result["name"], result["verdict"], str(result["violations"]["count"]), result["title"] or result["formula"])
+        for result in document["results"]
+    ]
+    details = [
+        (f"{result['name']}: why it is {result['verdict']}", "\n".join(result["finding"]["explanation"]))
+        for result in document["results"]
+        if result["finding"] is not None
+    ]
+    table = Table(("formula", "verdict", "violations", "meaning"), rows, frozenset({2}))
+    return Chapter(f"{document['trace']}: monitored", lines, [table], details=details)
+
+
+_READERS: Sequence[tuple[frozenset[str], Callable[[Mapping[str, Any]], Chapter]]] = (
+    (frozenset({"cells", "constants", "rows"}), _sweep),
+    (frozenset({"runs", "endings", "formulas"}), _simulation),
+    (frozenset({"trace", "results", "pending_counts_as"}), _monitor),
+)
+"""What a result must have, and what makes a part of it."""
