@@ -2,12 +2,14 @@
 const KINDS = ["locations", "variables", "clocks"];
 
 // Steps through runs. Without this script the page shows charts and the runs in words.
-for (const data of document.querySelectorAll("script.run")) {
-  const run = JSON.parse(data.textContent);
-  if (run.states.length > 1) play(data.previousElementSibling, run);
+function enliven(root) {
+  for (const data of root.querySelectorAll("script.run")) {
+    const run = JSON.parse(data.textContent);
+    if (run.states.length > 1) play(root, data.previousElementSibling, run);
+  }
 }
 
-function play(player, run) {
+function play(root, player, run) {
   const last = run.states.length - 1;
   const slider = make("input", { type: "range", min: 0, max: last, value: 0, "aria-label": "step of the run" });
   const buttons = [["⇤", "to the start", () => 0], ["←", "back", (at) => at - 1], ["→", "on", (at) => at + 1], ["⇥", "to the end", () => last]]
@@ -25,7 +27,7 @@ function play(player, run) {
   const changing = {};
   for (const kind of KINDS)
     changing[kind] = Object.keys(run.states[0][kind]).filter((name) => run.states.some((state) => state[kind][name] !== run.states[0][kind][name]));
-  for (const picture of document.querySelectorAll("main > section > .automaton"))
+  for (const picture of root.querySelectorAll("main > section > .automaton"))
     if (shown.has(picture.dataset.template)) stage.append(picture.cloneNode(true));
   player.append(controls, now, stage, state);
   player.hidden = false;

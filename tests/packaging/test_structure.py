@@ -25,6 +25,7 @@ MODULES = sorted(PYTHON.rglob("*.py"))
 SOURCES = sorted(path for path in CORE.rglob("*") if path.suffix in {".cpp", ".hpp"})
 
 LIBRARIES = {
+    "anywidget": {"report.page"},
     "asammdf": {"runtime.logs"},
     "click": {"cli"},
     "construct": {"xrce"},
@@ -52,6 +53,7 @@ LIBRARIES = {
     "rosbags": {"runtime.logs"},
     "resvg_py": {"drawing"},
     "rich": {"cli", "monitoring", "report"},
+    "traitlets": {"report.page"},
     "vcd": {"runtime", "simulation"},
     "xml": {"formats.uppaal", "report"},
     "z3": {"engines"},

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from io import StringIO
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 from tachk.diagnostics.suggestion import unknown_key
 from tachk.properties.verdict import Verdict
@@ -13,6 +13,7 @@ from tachk.report.record import RunRecord
 
 if TYPE_CHECKING:
     from tachk.report.json_report import Json
+    from tachk.report.page.content import Page
     from tachk.report.run.told_run import Run
 
 
@@ -86,6 +87,24 @@ class Report(Sequence[Verdict]):
         out = StringIO()
         print_run(self.record, Console(file=out, width=1000, highlight=False), every_trace, Telling(clocks))
         return out.getvalue()
+
+    def to_page(self, title: str | None = None) -> str:
+        """One HTML file with the answers, their runs and the automata, as `tachk report` writes it."""
+        from tachk.report.page.html import page_to_html
+
+        return page_to_html(self._page(title))
+
+    def widget(self, title: str | None = None) -> Any:
+        """The same for a notebook: an `anywidget.AnyWidget`. Raises UsageError where anywidget is not installed."""
+        from tachk.report.page.html import page_to_widget
+
+        return page_to_widget(self._page(title))
+
+    def _page(self, title: str | None) -> Page:
+        from tachk.report.page.answers import answers_of
+        from tachk.report.page.content import Page
+
+        return Page(title or self.record.model, (answers_of(self.record),), (), ())
 
     def __str__(self) -> str:
         return self.to_text()

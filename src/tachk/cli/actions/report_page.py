@@ -19,12 +19,10 @@ from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.options import Limits
 from tachk.properties.verdict import Answer
 from tachk.records import dataclass
-from tachk.report.json_report import run_to_json
-from tachk.report.page.answers import answers_part
+from tachk.report.page.answers import answers_of, answers_part
 from tachk.report.page.content import Answers, Chapter, Page
 from tachk.report.page.html import page_to_html
 from tachk.report.page.results import chapter_of, read_result, runs_of_verify
-from tachk.report.text_report import evidence_text
 from tachk.time_limit import time_limit
 
 
@@ -105,8 +103,7 @@ def _verified(asked: Reported, seconds: float | None, number: int) -> Answers:
     print_diagnostics((*model.refusals, *model.warnings))
     limits = Limits(states=asked.states, seconds=seconds, memory_bytes=memory).after(monotonic() - started)
     record = model.verify(*queries, property=asked.properties, limits=limits).record
-    told = {v.query.name: evidence_text(record.network, v).partition("\n")[2] for v in record.verdicts}
-    return answers_part(run_to_json(record), number, told)
+    return answers_of(record, number)
 
 
 def _status(runs: Sequence[Mapping[str, Any]]) -> ExitStatus:

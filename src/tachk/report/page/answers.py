@@ -11,15 +11,24 @@ from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.drawing.sequence.layout import lay_out
 from tachk.drawing.sequence.sequence_svg import draw_chart
 from tachk.drawing.svg import Picture
+from tachk.report.json_report import run_to_json
 from tachk.report.page.content import Answers, Section
 from tachk.report.page.playback import edge_names, playback, told_lines
 from tachk.report.pictures import draw_items, file_items
+from tachk.report.record import RunRecord
 from tachk.report.sequence.of_run import chart_of_run
 from tachk.report.sequence.run_steps import steps_of_result
+from tachk.report.text_report import evidence_text
 from tachk.syntax import ast
 
 MOST_EVENTS = 400
 """A chart of more is not on the page; the run can be stepped through all the same."""
+
+
+def answers_of(record: RunRecord, number: int = 0) -> Answers:
+    """What was just verified as a part of a page. ``number`` as for `answers_part`."""
+    told = {v.query.name: evidence_text(record.network, v).partition("\n")[2] for v in record.verdicts}
+    return answers_part(run_to_json(record), number, told)
 
 
 def answers_part(run: Mapping[str, Any], number: int, told: Mapping[str, str]) -> Answers:

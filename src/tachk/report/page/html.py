@@ -1,13 +1,15 @@
-"""The page as one HTML file that needs no other file and no network."""
+"""The page as one HTML file that needs no other file and no network, or as a widget of a notebook."""
 
 from __future__ import annotations
 
 import json
 from base64 import b64encode
+from typing import Any
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
+from tachk.diagnostics.diagnostic import UsageError
 from tachk.drawing.svg import STYLE
 from tachk.properties.verdict import Answer
 from tachk.report.json_report import Json
@@ -19,17 +21,49 @@ _MARKS = {Answer.HOLDS.value: "✓", Answer.FAILS.value: "✗", Answer.UNKNOWN.v
 _CLASSES = {**{answer: answer for answer in _MARKS}, "true": "holds", "false": "fails", "undetermined": "unknown"}
 """How answers and verdicts are coloured."""
 
+_RENDER = """
+export default {
+  render({ model, el }) {
+    const root = el.attachShadow({ mode: "open" });
+    root.innerHTML = model.get("content");
+    enliven(root);
+  },
+};
+"""
+"""The styles of the page stay in the widget, and those of the notebook outside."""
+
 
 def page_to_html(page: Page) -> str:
     """The text of the file. Everything that comes from the model is escaped."""
+    return _rendered("page", page)
+
+
+def page_to_widget(page: Page) -> Any:
+    """The page as an `anywidget.AnyWidget` for notebooks. Raises UsageError where anywidget is not installed."""
+    try:
+        from anywidget import AnyWidget
+        from traitlets import Unicode
+    except ImportError:
+        raise UsageError("widgets need anywidget", "pip install 'tachk[notebook]'") from None
+    content = f'<style>{_style()}</style><div class="page">{_rendered("content", page)}</div>'
+    members = {"_esm": template_text("report/page.js") + _RENDER, "content": Unicode(content).tag(sync=True)}
+    return type("PageWidget", (AnyWidget,), members)()
+
+
+def _rendered(template: str, page: Page) -> str:
     environment = Environment(
         loader=FunctionLoader(template_text), autoescape=True, undefined=StrictUndefined, trim_blocks=True
     )
     environment.filters |= {"count": grouped, "seconds": seconds, "bytes": bytes_, "image": _image, "data": _data}
-    template = environment.get_template("report/page.html.j2")
-    style, script = (Markup(template_text(f"report/page.{ending}")) for ending in ("css", "js"))
-    rules = STYLE.splitlines()
-    return template.render(page=page, marks=_MARKS, classes=_CLASSES, style=style, script=script, rules=rules)
+    script = Markup(template_text("report/page.js"))
+    given = {"page": page, "marks": _MARKS, "classes": _CLASSES, "style": Markup(_style()), "script": script}
+    return environment.get_template(f"report/{template}.html.j2").render(given)
+
+
+def _style() -> str:
+    """The styles of the page, with those of the pictures of automata."""
+    rules = (f".automaton {rule}" for rule in STYLE.splitlines())
+    return "\n".join((template_text("report/page.css"), *rules))
 
 
 def _image(svg: str) -> str:

@@ -6,6 +6,7 @@ import json
 import re
 import shutil
 import subprocess
+from base64 import b64encode
 from fractions import Fraction
 from html.parser import HTMLParser
 from pathlib import Path
@@ -178,15 +179,39 @@ def test_what_is_no_result(tmp_path: Path, text: str) -> None:
     assert "wrong.json" in result.stderr
 
 
+def seen(folder: Path, name: str) -> str:
+    """What a browser makes of a file."""
+    command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={folder / 'profile'}"]
+    address = (folder / name).as_uri()
+    return subprocess.run([*command, "--dump-dom", address], capture_output=True, text=True, check=True).stdout
+
+
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="there is no chromium")
 def test_in_a_browser(tmp_path: Path, bridge: str) -> None:
     """The script shows the last step of each run, and lights up where the process is and which edge it took."""
     (tmp_path / "page.html").write_text(page(tmp_path, bridge), encoding="utf-8")
-    command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}"]
-    shown = subprocess.run(
-        [*command, "--dump-dom", (tmp_path / "page.html").as_uri()], capture_output=True, text=True, check=True
-    ).stdout
+    shown = seen(tmp_path, "page.html")
     assert "3 of 3, time" in shown
     assert re.search(r'class="node here" data-location="Right"', shown)
     assert re.search(r'class="edge taken" data-edge="Left Right 0"', shown)
     assert not re.search(r'class="node here" data-location="Left"', shown)
+
+
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="there is no chromium")
+def test_widget_in_a_browser(tmp_path: Path, bridge: str) -> None:
+    """What a notebook does with the widget: it calls render of its module with the model and an element."""
+    widget = tachk.load(bridge).verify(property="seen").widget()
+    content = json.dumps(widget.content).replace("</", "<\\/")
+    module = b64encode(widget._esm.encode()).decode()
+    (tmp_path / "notebook.html").write_text(
+        f"""<div id="cell"></div><p id="told"></p><script type="module">
+        import widget from "data:text/javascript;base64,{module}";
+        const el = document.getElementById("cell");
+        widget.render({{ model: {{ get: () => {content} }}, el }});
+        const shown = (name) => el.shadowRoot.querySelectorAll(name).length;
+        const now = el.shadowRoot.querySelector(".now").textContent;
+        document.getElementById("told").textContent = `${{now}}, ${{shown(".here")}} here, ${{shown(".taken")}} taken`;
+        </script>""",
+        encoding="utf-8",
+    )
+    assert "P goes from Left to Right, 1 here, 1 taken" in seen(tmp_path, "notebook.html")
