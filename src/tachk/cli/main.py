@@ -32,6 +32,7 @@ COMMANDS = (
     "measure",
     "chart",
     "simulate",
+    "replay",
     "conform",
     "proxy",
     "monitor",
@@ -49,7 +50,7 @@ COMMANDS = (
 _FOLDERS = {
     **dict.fromkeys(("chart", "decode", "measure", "proxy"), "packets"),
     **dict.fromkeys(("synthesize", "sweep"), "many_values"),
-    "simulate": "simulation",
+    **dict.fromkeys(("simulate", "replay", "step"), "simulation"),
 }
 """Of commands whose modules are in folders of their own."""
 

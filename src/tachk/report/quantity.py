@@ -8,7 +8,7 @@ from fractions import Fraction
 _UNIT = re.compile(r"\s*(\d+(?:\.\d+)?)?\s*(\S.*?)?\s*")
 
 
-def decimal(value: Fraction, most_digits: int = 6) -> str:
+def decimal(value: Fraction, most_digits: int = 9) -> str:
     """A decimal number where a short one is exact, a fraction otherwise: ``2.5``, ``7/3``."""
     for digits in range(most_digits + 1):
         scaled = value * 10**digits

@@ -83,7 +83,8 @@ def _holds_at(
         return satisfied(asked, state.clocks)
 
 
-def _is_open(model: PreparedNetwork, state: TimedState, participant: Participant) -> bool:
+def is_open(model: PreparedNetwork, state: TimedState, participant: Participant) -> bool:
+    """Whether the guard of an edge holds. Raises EvaluationFault."""
     return _holds_at(model, state, model.edge(participant).guard, participant)
 
 
@@ -94,13 +95,13 @@ def _channel(model: PreparedNetwork, discrete: DiscreteState, participant: Parti
 
 
 def _hears(model: PreparedNetwork, state: TimedState, participant: Participant, channel: int) -> bool:
-    return _is_open(model, state, participant) and _channel(model, state.discrete, participant) == channel
+    return is_open(model, state, participant) and _channel(model, state.discrete, participant) == channel
 
 
 def _guarded_transitions(model: PreparedNetwork, state: TimedState) -> Iterator[Transition]:
     """The transitions whose guards hold and that the committed rule admits, in the order of processes and edges."""
     for first in initiators(model, state.discrete):
-        if _is_open(model, state, first):
+        if is_open(model, state, first):
             yield from begun_by(model, state, first)
 
 
@@ -122,7 +123,7 @@ def begun_by(model: PreparedNetwork, state: TimedState, first: Participant) -> I
 def _is_guarded(model: PreparedNetwork, state: TimedState, transition: Transition) -> bool:
     """Whether the guards of one transition hold and the committed rule admits it; nothing else is asked."""
     first, *others = transition.participants
-    if first not in initiators(model, state.discrete) or not _is_open(model, state, first):
+    if first not in initiators(model, state.discrete) or not is_open(model, state, first):
         return False
     channel = _channel(model, state.discrete, first)
     if channel is None or model.channels[channel][0].broadcast:
@@ -195,7 +196,7 @@ def urgent(model: PreparedNetwork, state: TimedState) -> bool:
     return any(
         is_urgent(model, state.discrete, transition)
         for first in initiators(model, state.discrete)
-        if may_be_urgent(model, first) and _is_open(model, state, first)
+        if may_be_urgent(model, first) and is_open(model, state, first)
         for transition in begun_by(model, state, first)
     )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.suggestion import did_you_mean
@@ -48,6 +48,13 @@ def chosen_columns(network: Network, names: Collection[str]) -> tuple[Column, ..
             )
         result.append(column)
     return tuple(result)
+
+
+def columns_for(network: Network, chosen: Collection[str], needed: Iterable[str]) -> tuple[Column, ...]:
+    """The chosen columns, or all if none is, and those that are needed besides. Raises UsageError."""
+    columns = chosen_columns(network, chosen) if chosen else all_columns(network)
+    known = {column.name for column in columns}
+    return (*columns, *chosen_columns(network, sorted(set(needed) - known)))
 
 
 def observed(columns: Sequence[Column]) -> list[Expression | int]:

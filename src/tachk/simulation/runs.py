@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 
 import numpy as np
 
 from tachk.compiler.features import check_simulated
 from tachk.compiler.lower import lower_simulation
-from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded, Simulated, Simulator
+from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Numbers, Recorded, Simulated, Simulator
 from tachk.model.network import Network
 from tachk.runtime.trace import Trace, Values
+from tachk.semantics.timed_trace import Transition
 from tachk.simulation.columns import Column, observed
 from tachk.time_limit import check_time
 from tachk.time_units import NANOSECONDS, length_of
@@ -40,34 +42,62 @@ class Runs:
             yield from self._simulator.runs(drawing, range(first, min(first + batch, numbers.stop)), recorded)
 
     def trace(self, run: Simulated) -> Trace:
-        """What was observed in a run: the values that last, one row for each instant at which one changes, and one for
-        the end."""
-        unit, factor = _unit(self.network)
-        rows = run.observed.reshape(len(run.times), len(self.columns))
-        last = np.append(np.diff(run.times) > 0, True)
-        times, rows = run.times[last], rows[last]
-        changes = np.append(True, (np.diff(rows, axis=0) != 0).any(axis=1))
-        times, rows = times[changes], rows[changes]
-        if run.end > times[-1]:
-            times, rows = np.append(times, run.end), np.concatenate((rows, rows[-1:]))
-        labels = tuple(sorted({label for column in self.columns for label in column.labels}))
-        places = {label: place for place, label in enumerate(labels)}
-        values: dict[str, Values] = {}
-        for number, column in enumerate(self.columns):
-            numbers = rows[:, number]
-            if column.labels:
-                numbers = np.array([places[label] for label in column.labels])[numbers]
-            values[column.name] = numbers.astype(np.uint8) if column.truth else numbers.astype(np.float64)
-        return Trace(
-            f"run {run.number}",
-            np.ascontiguousarray(times * factor),
-            values,
-            int(run.end) * factor,
-            TICKS_PER_UNIT,
-            unit,
-            texts=frozenset(column.name for column in self.columns if column.labels),
-            labels=labels,
-        )
+        """What was observed in a run."""
+        name = f"run {run.number}"
+        return recording(self.network, self.columns, name, run.times, run.observed, int(run.end), TICKS_PER_UNIT)
+
+
+def steps_of(run: Simulated) -> Iterator[tuple[Fraction, Transition | None]]:
+    """The transitions of a run whose actions are recorded, with their times; None where only time passes."""
+    for time, transition in zip(run.times[1:].tolist(), run.actions, strict=True):
+        yield Fraction(time, TICKS_PER_UNIT), transition
+    if run.end > int(run.times[-1]) and run.ending is Ending.HORIZON:
+        yield Fraction(run.end, TICKS_PER_UNIT), None
+
+
+def recording(
+    network: Network,
+    columns: Sequence[Column],
+    name: str,
+    times: Numbers | Sequence[int],
+    rows: Numbers | Sequence[Sequence[int]],
+    end: int,
+    ticks: int,
+) -> Trace:
+    """The values that last: one row for each instant at which one changes, and one for the end.
+
+    Args:
+        times: of the states, in ticks.
+        rows: the values of the columns in each state.
+        ticks: how many are a unit of time.
+    """
+    unit, factor = _unit(network)
+    instants = np.asarray(times, dtype=np.int64)
+    known = np.asarray(rows, dtype=np.int64).reshape(len(times), len(columns))
+    last = np.append(np.diff(instants) > 0, True)
+    instants, known = instants[last], known[last]
+    changes = np.append(True, (np.diff(known, axis=0) != 0).any(axis=1))
+    instants, known = instants[changes], known[changes]
+    if end > instants[-1]:
+        instants, known = np.append(instants, end), np.concatenate((known, known[-1:]))
+    labels = tuple(sorted({label for column in columns for label in column.labels}))
+    places = {label: place for place, label in enumerate(labels)}
+    values: dict[str, Values] = {}
+    for number, column in enumerate(columns):
+        numbers = known[:, number]
+        if column.labels:
+            numbers = np.array([places[label] for label in column.labels])[numbers]
+        values[column.name] = numbers.astype(np.uint8) if column.truth else numbers.astype(np.float64)
+    return Trace(
+        name,
+        np.ascontiguousarray(instants * factor),
+        values,
+        end * factor,
+        ticks,
+        unit,
+        texts=frozenset(column.name for column in columns if column.labels),
+        labels=labels,
+    )
 
 
 def _unit(network: Network) -> tuple[str, int]:

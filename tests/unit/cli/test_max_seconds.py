@@ -55,6 +55,7 @@ COMMAND_LINES = (
     "synthesize m.ta --property p --over N=1..2",
     "sweep m.ta -D N=1..2 --quiet",
     "simulate m.ta -o out.csv",
+    "replay m.ta m.run",
     "report m.ta -o out.html",
     "time m.ta --to n==2",
     "check m.ta",
@@ -84,6 +85,7 @@ ASKING_MUCH = "requirements r.stl"
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "m.ta").write_text(MODEL)
+    (tmp_path / "m.run").write_text("1\n")
     (tmp_path / "m.csv").write_text("time,p\n0,1\n1,0\n")
     (tmp_path / "r.ta").write_text(RECORDED)
     (tmp_path / "r.csv").write_text("time,event\n2,press\n")
@@ -175,6 +177,7 @@ def test_writing_ends(looks: Iterator[int], work: Callable[[LoadedModel], object
 
 def test_reading_a_trace_ends(tmp_path: Path, looks: Iterator[int]) -> None:
     (tmp_path / "m.vcd").write_text(VCD)
+    (tmp_path / "m.run").write_text("1\n")
     (tmp_path / "m.csv").write_text("time,p\n0,1\n1,0\n")
     (tmp_path / "r.ta").write_text(RECORDED)
     (tmp_path / "r.csv").write_text("time,event\n2,press\n")

@@ -12,6 +12,8 @@ from pathlib import Path
 
 from tachk import api
 from tachk.cli.actions.judged import exit_status
+from tachk.cli.actions.simulation.formulas import formulas_for
+from tachk.cli.actions.simulation.run_files import holds_steps, run_files
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
@@ -20,15 +22,14 @@ from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.simulation.policy import Policy
 from tachk.engines.simulation.simulator import LATEST_END, TICKS_PER_UNIT, Drawing, Ending, Recorded, Simulated
 from tachk.model.network import Network
-from tachk.monitoring.formulas import NamedFormula, read_formulas
+from tachk.monitoring.formulas import NamedFormula
 from tachk.monitoring.offline import Judging, judge
 from tachk.runtime.node_signal import Truth
-from tachk.runtime.trace import Trace
 from tachk.runtime.trace_files import open_trace
-from tachk.simulation.columns import all_columns, chosen_columns
+from tachk.simulation.columns import columns_for
 from tachk.simulation.intervals import clopper_pearson
 from tachk.simulation.runs import Runs
-from tachk.simulation.tables import Writer, decimal_time, run_writer
+from tachk.simulation.tables import decimal_time
 from tachk.time_units import NANOSECONDS, length_of
 
 
@@ -90,41 +91,33 @@ def run_simulate(asked: Simulating) -> ExitStatus:
     model = api.load(asked.model, **definitions)
     print_diagnostics((*model.refusals, *model.warnings))
     network = model.network
-    formulas = () if asked.formulas is None else read_formulas(asked.formulas, definitions if _is_model(asked) else {})
+    formulas = formulas_for(asked.formulas, definitions)
     until = _ticks(asked.until, network)
-    needed = sorted({name for formula in formulas for name in formula.columns - formula.constant_names})
-    columns = list(chosen_columns(network, asked.record) if asked.record else all_columns(network))
-    known = {column.name for column in columns}
-    columns += chosen_columns(network, [name for name in needed if name not in known])
+    columns = columns_for(network, asked.record, (name for f in formulas for name in f.columns - f.constant_names))
     runs = Runs(network, columns)
     drawing = Drawing(asked.seed, until, asked.policy, asked.steps, asked.threads)
     observed = asked.output is not None or bool(formulas)
     tally = _Tally()
-    with nullcontext() if asked.output is None else run_writer(asked.output) as write:
-        for run in runs.draw(drawing, range(asked.first, asked.first + asked.runs), Recorded(observed=observed)):
+    with nullcontext() if asked.output is None else run_files(asked.output, model, definitions, asked.runs) as write:
+        numbers = range(asked.first, asked.first + asked.runs)
+        for run in runs.draw(drawing, numbers, Recorded(holds_steps(asked.output), observed)):
             tally.add(run)
-            if observed and len(run.times):
-                _keep(runs.trace(run), run.number, formulas, tally, write)
+            if observed and len(run.times) and _is_kept(runs, run, formulas, tally) and write is not None:
+                write(run, runs)
     _print(asked, tally, network)
     faults = ExitStatus.NOT_AS_EXPECTED if tally.endings[Ending.FAULT] else ExitStatus.AS_EXPECTED
     truths = {truth for counts in tally.truths.values() for truth in counts}
     return worst([faults, exit_status(truths)])
 
 
-def _is_model(asked: Simulating) -> bool:
-    return asked.formulas is not None and Path(asked.formulas).suffix in (".ta", ".xta", ".xml", ".stl")
-
-
-def _keep(trace: Trace, number: int, formulas: tuple[NamedFormula, ...], tally: _Tally, write: Writer | None) -> None:
-    """Judges a run, and writes it unless no formula is false on it."""
-    kept = not formulas
-    if formulas:
-        record = judge(formulas, open_trace(trace), Judging(robustness=False))
-        for verdict in record.verdicts:
-            tally.judge(verdict.name, number, verdict.truth)
-            kept = kept or verdict.truth is Truth.FALSE
-    if kept and write is not None:
-        write(number, trace)
+def _is_kept(runs: Runs, run: Simulated, formulas: tuple[NamedFormula, ...], tally: _Tally) -> bool:
+    """Judges a run; whether it is written: there are no formulas, or one is false on it."""
+    if not formulas:
+        return True
+    record = judge(formulas, open_trace(runs.trace(run)), Judging(robustness=False))
+    for verdict in record.verdicts:
+        tally.judge(verdict.name, run.number, verdict.truth)
+    return any(verdict.truth is Truth.FALSE for verdict in record.verdicts)
 
 
 def _ticks(written: str, network: Network) -> int:

@@ -71,7 +71,7 @@ from tachk.engines.simulation.policy import Policy
     "--output",
     metavar="FILE",
     type=options.type_of_file,
-    help="Write the runs: .csv, .jsonl, .parquet, .vcd; {run} in its name makes a file for each run.",
+    help="Write the runs: .csv, .jsonl, .parquet, .vcd, or their steps: .run; {run} in its name makes a file for each.",
 )
 @click.option(
     "form",

@@ -1,0 +1,58 @@
+"""The options of `tachk replay`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from tachk.cli import options
+
+
+@click.command(name="replay", short_help="Execute a run on a model, and judge it.")
+@click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
+@click.argument(
+    "file",
+    metavar="RUN",
+    type=options.type_of_file,
+    help="A run that tachk step or tachk simulate wrote (.run), or a report of tachk verify --format json.",
+)
+@click.option("prop", "--property", metavar="NAME", help="Of a report with several runs: the one about this property.")
+@options.definitions
+@click.option("clocks", "--clocks", is_flag=True, help="Print the value of every clock after each step.")
+@click.option(
+    "every_step", "--every-step", is_flag=True, help="Print each step of repeated rounds, and what is hidden."
+)
+@click.option("quiet", "-q", "--quiet", is_flag=True, help="Print the outcome only.")
+@click.option(
+    "formulas",
+    "--monitor",
+    metavar="FORMULA",
+    help="Judge the run by a formula, a sentence, or a file of them or a model.",
+)
+@click.option(
+    "record",
+    "--record",
+    metavar="NAME",
+    multiple=True,
+    help="Write only this signal, process, variable, or P.location. Can be given several times.",
+)
+@click.option(
+    "output",
+    "-o",
+    "--output",
+    metavar="FILE",
+    type=options.type_of_file,
+    help="Write the signals of the run: .csv, .jsonl, .parquet, .vcd; or the run itself: .run.",
+)
+@options.max_seconds()
+def command(seconds: float | None, **given: Any) -> None:
+    """Execute a run step by step on a model, by the semantics that judges counterexamples.
+
+    Exit status: 0 it is a run of the model, 10 it is none, or violates a formula, 20 a formula is undetermined, 2 bad
+    input.
+    """
+    from tachk.cli.actions.simulation.replay import Replaying, run_replay
+
+    (asked,) = options.distributed(given, Replaying)
+    options.finish(lambda: run_replay(asked), seconds)

@@ -1,0 +1,47 @@
+"""Files that claim runs, of either form, and the model that they speak of."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.stepping.claims import ClaimedRun
+from tachk.stepping.report_file import read_report
+from tachk.stepping.run_file import SUFFIX, read_run_file
+from tachk.syntax.source_files import read_source
+
+
+def read_claims(path: Path, prop: str | None = None) -> ClaimedRun:
+    """What a file claims. Raises InputError, and UsageError for a file of another kind."""
+    source = read_source(path)
+    if not source.text.lstrip().startswith("{"):
+        if prop is not None:
+            raise UsageError(f"{path}: --property chooses among the runs of a report of tachk verify")
+        if path.suffix.lower() in (".xtr", ".xml", ".csv", ".vcd", ".jsonl"):
+            raise UsageError(
+                f"{path}: this is no run that can be replayed",
+                f"give a report of tachk verify --format json, or a run as tachk step saves it ({SUFFIX})",
+            )
+        return read_run_file(source)
+    try:
+        document = json.loads(source.text)
+    except ValueError as error:
+        raise UsageError(f"{path}: {error}", "a report of tachk verify --format json is expected") from None
+    return read_report(document, str(path), prop)
+
+
+def constants_of(run: ClaimedRun, known: Mapping[str, int], given: Mapping[str, object]) -> dict[str, int]:
+    """The constants that the model needs another value of to be the one of the run.
+
+    Args:
+        known: the constants of the model as it is written.
+        given: those that somebody has chosen.
+
+    Raises UsageError for a constant that the model does not have.
+    """
+    missing = [name for name in run.constants if name not in known]
+    if missing:
+        raise UsageError(f"{run.name}: the model has no constant {missing[0]}, so the run is one of another model")
+    return {name: value for name, value in run.constants.items() if known[name] != value and name not in given}

@@ -1,0 +1,61 @@
+"""A run as a recording: columns of values over time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from math import lcm
+
+from tachk.model.evaluate import evaluate
+from tachk.records import dataclass
+from tachk.report.run.trace_view import Names
+from tachk.runtime.trace import LARGEST_TICK, Trace
+from tachk.semantics.discrete import environment
+from tachk.semantics.timed_trace import TimedState, TimedTrace
+from tachk.simulation.columns import Column
+from tachk.simulation.runs import recording
+
+_DECIMAL_TICKS = 10**9
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """Attributes:
+    exact: whether no time was rounded.
+    """
+
+    trace: Trace
+    exact: bool
+
+
+def signals_of(
+    names: Names,
+    columns: Sequence[Column],
+    run: TimedTrace,
+    name: str,
+    end: Fraction = Fraction(0),
+    decimal_times: bool = False,
+) -> Recorded:
+    """What is observed in the states of a run. Times that do not fit are rounded down.
+
+    Args:
+        end: until when the last state lasts, if that is later than the run.
+        decimal_times: count times in 1e-9 units, as files of decimal numbers do, whether that is exact or not.
+    """
+    states = run.states
+    last = max(states[-1].time, end)
+    finest = lcm(_DECIMAL_TICKS, *(state.time.denominator for state in states))
+    fits = last * finest <= LARGEST_TICK // 1000
+    ticks = finest if fits and not decimal_times else _DECIMAL_TICKS
+    times = [int(state.time * ticks) for state in states]
+    rows = [[_value(names, state, column) for column in columns] for state in states]
+    return Recorded(recording(names.network, columns, name, times, rows, int(last * ticks), ticks), ticks % finest == 0)
+
+
+def _value(names: Names, state: TimedState, column: Column) -> int:
+    match column.value:
+        case int(slot):
+            processes = len(state.discrete.locations)
+            return state.discrete.locations[slot] if slot < processes else state.discrete.values[slot - processes]
+        case expression:
+            return evaluate(expression, environment(names.model, state.discrete, state.clocks))
