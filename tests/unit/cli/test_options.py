@@ -64,6 +64,6 @@ def test_an_option_that_nobody_takes_is_a_defect() -> None:
 
 def test_a_misspelt_command_is_guessed_without_loading_the_others(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
-        app(["explan"], prog_name="tachk")
+        app(["explainn"], prog_name="tachk")
     assert end.value.code == 2
     assert "Did you mean 'explain'?" in capsys.readouterr().err
