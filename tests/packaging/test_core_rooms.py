@@ -15,6 +15,7 @@ FLOORS = (
     "program",
     "machine",
     "certificates",
+    "runs",
     "simulation",
     "states",
     "symbolic",
@@ -37,6 +38,15 @@ def test_the_checker_of_certificates_shares_only_what_a_program_means_with_the_e
     used = {header for source in SOURCES if source.startswith("certificates/") for header in included(source)}
     shared = {header for header in used if not header.startswith("certificates/")}
     assert shared == {"machine/machine.hpp", "program/program.hpp", "zones/bound.hpp"}
+
+
+def test_the_judge_of_runs_does_not_know_what_gives_them_their_times() -> None:
+    used = {header for source in SOURCES if source.startswith("runs/") for header in included(source)}
+    assert {header for header in used if not header.startswith("runs/")} == {
+        "machine/machine.hpp",
+        "program/program.hpp",
+    }
+    assert "runs/schedule.hpp" not in included("runs/judge.cpp")
 
 
 def test_a_room_has_at_most_twenty_sources() -> None:

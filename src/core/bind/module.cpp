@@ -14,6 +14,7 @@
 #include "certificates.hpp"
 #include "csv.hpp"
 #include "group.hpp"
+#include "judging/runs.hpp"
 #include "linear.hpp"
 #include "liveness.hpp"
 #include "offline.hpp"
@@ -154,5 +155,6 @@ NB_MODULE(_core, m) {
   bind_linear(m);
   bind_online(m);
   bind_group(m);
+  bind_runs(m);
   bind_simulation(m);
 }

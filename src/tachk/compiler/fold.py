@@ -35,7 +35,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Network
 from tachk.model.traversal import process_expressions, walk, written_variables
-from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarType, Type, cell_count, leaves
+from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarType, Type, cell_count, kinds_of_cells
 from tachk.operators import COMPARISONS, BinaryOperator, OperandError, UnaryOperator, wrapped
 from tachk.time_limit import check_time
 
@@ -63,7 +63,7 @@ def known_values(network: Network, predicates: Sequence[Expression]) -> Known:
         {
             v: v.initial or default_cells(v.type)
             for v in network.all_variables()
-            if v not in written and all(is_integer(t) for _, t in leaves(v.type))
+            if v not in written and all(map(is_integer, kinds_of_cells(v.type)))
         }
     )
 

@@ -12,29 +12,30 @@ from dataclasses import replace
 from fractions import Fraction
 from math import ceil
 
-from tachk.certify.replay import replay
 from tachk.compiler.features import check_selections
 from tachk.compiler.lower import Measured, lower, lower_measures
+from tachk.compiler.program import Goal, Program
 from tachk.conformance.edits import Edit
 from tachk.conformance.events import Recording
+from tachk.conformance.exact_runs import moments_of_run
 from tachk.conformance.followers import Following, follow
 from tachk.conformance.parts import Part, can_be_apart, parts_of, restricted, set_apart
 from tachk.conformance.queues import Constants, Queues, make_queues
 from tachk.conformance.refusal import Offer, end_of, offers, state_text
-from tachk.diagnostics.diagnostic import InternalError
-from tachk.engines.concretise import concretise
+from tachk.engines.exact.exact_run import Moments
 from tachk.engines.measuring import measure
 from tachk.engines.options import Limits, Options, SearchOrder
-from tachk.engines.outcome import Statistics, Status
+from tachk.engines.outcome import GoalOutcome, Statistics, Status
 from tachk.engines.zone import explore
 from tachk.model.expressions import BOOL, Constant
 from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
 from tachk.records import dataclass
-from tachk.semantics.discrete import prepare
-from tachk.semantics.timed_trace import TimedTrace, Transition
+from tachk.semantics.timed_trace import Transition
 
 _TRUE = Constant(1, BOOL)
+_STATES_OF_EVENT = 20
+"""So many states for each event the short search stores at most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,12 +63,12 @@ class Run:
 
     Attributes:
         path: its transitions in the network that follows the recording.
-        trace: the same with exact times; None where that was not asked for.
+        moments: when each of them happens, and when the run ends; None where that was not asked for.
     """
 
     following: Following
     path: tuple[Transition, ...]
-    trace: TimedTrace | None
+    moments: Moments | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +113,7 @@ def conform(
 
     Args:
         tolerance, late: in units of the model; None: as the model says.
-        run: make a run that shows it, and replay it.
+        run: give the run that shows it exact times, and judge it.
         explain: find where the recording leaves the model, by a second search.
         divide: search parts that share nothing one by one; no verdict depends on it.
 
@@ -135,8 +136,7 @@ def conform(
     )
     refusing = [answer for answer in answers if answer.accepted is not True]
     if not refusing:
-        runs = (Run(a.following, a.path, _trace(a.following, a.path) if run else None) for a in answers)
-        return replace(found, accepted=True, runs=tuple(runs))
+        return replace(found, accepted=True, runs=tuple(_run(answer, run) for answer in answers))
     refused = [answer for answer in refusing if answer.accepted is False]
     return replace(
         found,
@@ -154,7 +154,9 @@ class _Answer:
     following: Following
     queues: Queues
     statistics: Statistics
-    path: tuple[Transition, ...]
+    program: Program
+    goal: Goal
+    found: GoalOutcome
     reason: str
 
 
@@ -172,21 +174,31 @@ class _Search:
         self.explain = explain
         self.answers: list[_Answer] = []
 
-    def part(self, part: Part, queues: Queues, to_the_end: bool = False) -> _Answer:
+    def part(self, part: Part, queues: Queues, to_the_end: bool = False, states: int | None = None) -> _Answer:
         own = restricted(queues, part)
         following = follow(self.network, self.mapping, own, part.processes, to_the_end)
         check_selections(following.network)
         program, goals = lower(following.network, [following.done], following.tables)
-        outcome = explore(program, goals, self.options, self.left())
+        limits = self.left()
+        if states is not None:
+            limits = replace(limits, states=min(states, limits.states or states))
+        outcome = explore(program, goals, self.options, limits)
         found = outcome.goals[0]
         accepted = {Status.REACHED: True, Status.UNREACHABLE: None if outcome.reason else False}.get(found.status)
         reason = "" if accepted is not None else outcome.reason or "unknown"
-        answer = _Answer(accepted, following, own, outcome.statistics, found.path or (), reason)
+        answer = _Answer(accepted, following, own, outcome.statistics, program, goals[0], found, reason)
         self.answers.append(answer)
         return answer
 
     def apart(self, parts: Sequence[Part], delays: Sequence[int]) -> list[_Answer] | None:
-        """An answer for each part; None if these do not tell of the whole."""
+        """An answer for each part; None if these do not tell of the whole.
+
+        A short search for runs with cut windows comes first: most recordings that are runs need no other one.
+        """
+        states = _STATES_OF_EVENT * (1 + sum(len(queue.events) for queue in self.queues.queues))
+        quick = self._cut(parts, delays[0], states)
+        if len(quick) == len(parts) and quick[-1].accepted:
+            return quick
         free = []
         for part in parts:
             free.append(self.part(part, self.queues))
@@ -194,21 +206,24 @@ class _Search:
                 return free
         if any(answer.accepted is False for answer in free):
             return free
-        for delay in delays:
-            cut = set_apart(self.queues, parts, delay)
-            found = [] if cut is None else self._all(parts, cut)
-            if len(found) == len(parts):
+        settled = not quick or quick[-1].accepted is False
+        for delay in delays[1:] if settled else delays:
+            found = self._cut(parts, delay)
+            if len(found) == len(parts) and found[-1].accepted:
                 return found
         return None
 
-    def _all(self, parts: Sequence[Part], queues: Queues) -> list[_Answer]:
-        """Answers of parts, up to the first that is not accepted."""
-        found = []
+    def _cut(self, parts: Sequence[Part], delay: int, states: int | None = None) -> list[_Answer]:
+        """Answers of parts up to the first that is not accepted, with windows cut so that nothing arrives before it is
+        sent. None of them if there is no room for that."""
+        cut = set_apart(self.queues, parts, delay)
+        if cut is None:
+            return []
+        found: list[_Answer] = []
         for part in parts:
-            answer = self.part(part, queues, to_the_end=True)
-            if not answer.accepted:
+            found.append(self.part(part, cut, to_the_end=True, states=states))
+            if not found[-1].accepted:
                 break
-            found.append(answer)
         return found
 
     def left(self) -> Limits:
@@ -223,14 +238,12 @@ def _total(statistics: Iterable[Statistics]) -> Statistics:
     return first
 
 
-def _trace(following: Following, path: tuple[Transition, ...]) -> TimedTrace:
-    """The run along a path, judged by other code than what found it."""
-    model = prepare(following.network)
-    trace = concretise(model, path, following.done)
-    if trace is None:
-        raise InternalError("the run that was found cannot be made")
-    replay(model, trace, following.done)
-    return trace
+def _run(answer: _Answer, exact: bool) -> Run:
+    found, path = answer.found, answer.found.path or ()
+    if not exact:
+        return Run(answer.following, path, None)
+    moments = moments_of_run(answer.following, answer.program, answer.goal, found.actions or (), path)
+    return Run(answer.following, path, moments)
 
 
 def _earliest(search: _Search, refusing: Sequence[_Answer]) -> Refusal | None:

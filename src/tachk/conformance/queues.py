@@ -10,10 +10,10 @@ rounded outwards to whole units of the model.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import product
-from math import ceil, floor
+from math import floor
 
 from tachk.conformance.events import Event, Recording
 from tachk.diagnostics.diagnostic import UsageError
@@ -108,7 +108,7 @@ def make_queues(
         outputs = _is_output(visible, kept)
         seen = outputs or any(recording.events[number].inferred for number, _ in found)
         before, behind = (late, tolerance) if seen else (tolerance, late)
-        times = [(recording.events[number].time - origin) * scale for number, _ in found]
+        times = [recording.events[number].time for number, _ in found]
         needed = [recording.events[number].after for number, _ in found]
         queues.append(
             Queue(
@@ -117,9 +117,9 @@ def make_queues(
                 common,
                 tuple(number for number, _ in found),
                 tuple(values for _, values in found),
-                tuple(_rising(max(floor(time - before), 0) for time in times)),
-                tuple(reversed([-t for t in _rising(-ceil(time + behind) for time in reversed(times))])),
-                tuple(map(floor, times)),
+                tuple(_rising(max(time, 0) for time in _floors(times, scale, origin * scale + before))),
+                tuple(reversed([-t for t in _rising(reversed(_floors(times, -scale, behind - origin * scale)))])),
+                tuple(_floors(times, scale, origin * scale)),
                 tuple(() if n is None or n not in place else ((place[n][0], place[n][1] + 1),) for n in needed),
                 tuple(recording.events[number].optional for number, _ in found),
                 max(floor((_recorded_until(recording, visible, common) - origin) * scale - late), 0),
@@ -159,7 +159,19 @@ def _value_in(expression: Expression, common: Mapping[Variable, int]) -> int | N
     return found.value if isinstance(found, Constant) else None
 
 
-def _rising(values: Iterator[int]) -> Iterator[int]:
+def _floors(times: Sequence[Fraction], scale: Fraction, shift: Fraction) -> list[int]:
+    """The floor of ``time * scale - shift`` for each time; whole numbers, for there are many of them."""
+    of_time = scale.numerator * shift.denominator
+    of_one = scale.denominator * shift.numerator
+    unit = scale.denominator * shift.denominator
+    found = []
+    for time in times:
+        numerator, denominator = time.as_integer_ratio()
+        found.append((numerator * of_time - denominator * of_one) // (denominator * unit))
+    return found
+
+
+def _rising(values: Iterable[int]) -> Iterator[int]:
     """Each value, or the largest one before it if that is larger."""
     largest: int | None = None
     for value in values:
@@ -196,6 +208,56 @@ _Values = tuple[int | None, ...]
 _Entry = tuple[VisibleEvents, dict[Variable, int], list[tuple[int, _Values]]]
 
 
+@dataclass(frozen=True, slots=True)
+class _Column:
+    """What the events of a clause may say in a column, or anything.
+
+    Attributes:
+        wanted: this number, or nothing.
+        index: one of the values of this index of the channel, which are a range.
+    """
+
+    name: str
+    wanted: int | None
+    index: Variable | None
+    values: range | None
+
+    def miss(self, event: Event, value: int | None) -> str | None:
+        """Why an event cannot be of the clause; None if it can."""
+        if self.wanted is not None and value is not None and value != self.wanted:
+            return f"no event `{event.name}` of the model has {self.name} = {event.cells[self.name]}"
+        if self.index is None or self.values is None:
+            return None
+        if value is None:
+            return f"the event does not say its {self.name}"
+        if value not in self.values:
+            return f"{self.name} = {event.cells[self.name]} is outside the range of `{self.index.name}`"
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class _Clause:
+    """A clause of the mapping: its number, its columns, and which of these tell what a queue has in common."""
+
+    number: int
+    columns: tuple[_Column, ...]
+    per: tuple[int, ...]
+
+
+def _clause_of(number: int, visible: VisibleEvents) -> _Clause:
+    columns = []
+    for name, expression in visible.columns:
+        match expression:
+            case Constant(wanted):
+                columns.append(_Column(name, wanted, None, None))
+            case Reference(variable) if variable in visible.indices:
+                columns.append(_Column(name, None, variable, index_range(index_type(variable))))
+            case _:
+                columns.append(_Column(name, None, None, None))
+    place = {column.index: n for n, column in enumerate(columns)}
+    return _Clause(number, tuple(columns), tuple(place[variable] for variable in visible.per))
+
+
 class _Reader:
     """Sorts the events of a recording into queues."""
 
@@ -205,63 +267,48 @@ class _Reader:
         self.constants = constants
         self.other = 0
         self.names: dict[str, dict[int, str]] = {}
+        self.read: dict[tuple[str, str], int | None] = {}
         for column, words in recording.words.items():
             for word in words:
                 self._name(column, word, constants(word))
 
     def entries(self) -> list[_Entry]:
-        entries: dict[tuple[int, tuple[int, ...]], _Entry] = {}
+        entries: dict[tuple[int, tuple[int | None, ...]], _Entry] = {}
+        named: dict[str, list[_Clause]] = {}
         for number, visible in enumerate(self.mapping.visible):
             for values in product(*(index_range(index_type(v)) for v in visible.per)):
                 entries[number, values] = (visible, dict(zip(visible.per, values, strict=True)), [])
-        named: dict[str, list[int]] = {}
-        for number, visible in enumerate(self.mapping.visible):
-            named.setdefault(visible.event, []).append(number)
+            named.setdefault(visible.event, []).append(_clause_of(number, visible))
         for position, event in enumerate(self.recording.events):
             if event.name not in named:
                 self.other += 1
                 continue
-            number, said = self._clause(event, named[event.name])
-            visible = self.mapping.visible[number]
-            indices = self._indices(visible, said)
-            entries[number, tuple(indices[v] for v in visible.per)][2].append((position, said))
+            clause, said = self._clause(event, named[event.name])
+            entries[clause.number, tuple([said[n] for n in clause.per])][2].append((position, said))
         return list(entries.values())
 
-    def _clause(self, event: Event, numbers: Sequence[int]) -> tuple[int, _Values]:
+    def _clause(self, event: Event, clauses: Sequence[_Clause]) -> tuple[_Clause, _Values]:
         """The clause that the event belongs to, and what its columns say."""
         misses: list[str] = []
-        for number in numbers:
-            visible = self.mapping.visible[number]
-            values = tuple(self._value(event, name) for name, _ in visible.columns)
-            miss = self._miss(event, visible, values)
+        for clause in clauses:
+            values = tuple([self._value(event, column.name) for column in clause.columns])
+            missed = (column.miss(event, value) for column, value in zip(clause.columns, values, strict=True))
+            miss = next(filter(None, missed), None)
             if miss is None:
-                return number, values
+                return clause, values
             misses.append(miss)
         raise UsageError(f"{self.recording.source}, {event.place}: {misses[0]}")
-
-    def _miss(self, event: Event, visible: VisibleEvents, values: _Values) -> str | None:
-        """Why an event cannot be one of a clause; None if it can."""
-        known = dict(zip((name for name, _ in visible.columns), values, strict=True))
-        for name, expression in visible.columns:
-            value = known[name]
-            match expression:
-                case Constant(wanted):
-                    if value is not None and value != wanted:
-                        return f"no event `{event.name}` of the model has {name} = {event.cells[name]}"
-                case Reference(variable) if variable in visible.indices:
-                    if value is None:
-                        return f"the event does not say its {name}"
-                    if value not in index_range(index_type(variable)):
-                        return f"{name} = {event.cells[name]} is outside the range of `{variable.name}`"
-                case _:
-                    pass
-        return None
 
     def _value(self, event: Event, name: str) -> int | None:
         cell = event.cells.get(name, "")
         if isinstance(cell, int):
             return int(cell)
-        text = cell.strip()
+        known = (name, cell)
+        if known not in self.read:
+            self.read[known] = self._number(event, name, cell.strip())
+        return self.read[known]
+
+    def _number(self, event: Event, name: str, text: str) -> int | None:
         if not text:
             return None
         if text in ("true", "false"):
@@ -281,14 +328,6 @@ class _Reader:
     def _name(self, column: str, text: str, value: int | None) -> None:
         if value is not None:
             self.names.setdefault(column, {})[value] = text
-
-    @staticmethod
-    def _indices(visible: VisibleEvents, values: _Values) -> dict[Variable, int]:
-        found: dict[Variable, int] = {}
-        for (_, expression), value in zip(visible.columns, values, strict=True):
-            if isinstance(expression, Reference) and expression.variable in visible.indices and value is not None:
-                found[expression.variable] = value
-        return found
 
 
 def index_type(variable: Variable) -> IntType | ScalarType:

@@ -125,8 +125,15 @@ def site_of(program: Program, position: int) -> Span:
 
 
 def transitions_of(program: Program, path: Sequence[Sequence[int]]) -> tuple[Transition, ...]:
-    """The transitions of a path of edge numbers."""
-    return tuple(transition_of(program, edges) for edges in path)
+    """The transitions of a path of edge numbers; those with the same edges are the same object."""
+    known: dict[tuple[int, ...], Transition] = {}
+    found = []
+    for edges in map(tuple, path):
+        transition = known.get(edges)
+        if transition is None:
+            transition = known[edges] = transition_of(program, edges)
+        found.append(transition)
+    return tuple(found)
 
 
 def transition_of(program: Program, edges: Sequence[int]) -> Transition:

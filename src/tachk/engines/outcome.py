@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from enum import StrEnum
 
 from tachk.diagnostics.span import Span
@@ -50,10 +50,14 @@ class Status(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class GoalOutcome:
-    """``path``: the transitions from the initial state to a state of the goal, where it was REACHED."""
+    """Attributes:
+    path: the transitions from the initial state to a state of the goal, where it was REACHED.
+    actions: the same by the numbers of the edges of the program; None from engines that run no program.
+    """
 
     status: Status
     path: tuple[Transition, ...] | None = None
+    actions: Sequence[Sequence[int]] | None = None
 
 
 @dataclass(frozen=True, slots=True)

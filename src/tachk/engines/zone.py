@@ -149,6 +149,8 @@ def goal_outcome(
     """What a search that ended with a status has found about a goal."""
     node = explorer.reached(number)
     if node is not None:
-        path = transitions_of(program, explorer.path(node)) if goal.decides else None
-        return GoalOutcome(Status.REACHED, path)
+        if not goal.decides:
+            return GoalOutcome(Status.REACHED)
+        actions = explorer.path(node)
+        return GoalOutcome(Status.REACHED, transitions_of(program, actions), actions)
     return GoalOutcome(Status.UNREACHABLE if status is _core.Status.FINISHED else Status.UNDECIDED)

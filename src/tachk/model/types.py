@@ -150,6 +150,20 @@ def leaves(type_: Type, path: str = "") -> Iterator[tuple[str, Type]]:
             yield path, type_
 
 
+def kinds_of_cells(type_: Type) -> Iterator[Type]:
+    """The leaf types of a type; of an array those of one element."""
+    match type_:
+        case ArrayType():
+            yield from kinds_of_cells(type_.element)
+        case RecordType():
+            for _, field_type in type_.fields:
+                yield from kinds_of_cells(field_type)
+        case VoidType():
+            return
+        case IntType() | BoolType() | ScalarType() | ClockType() | ChannelType():
+            yield type_
+
+
 def bounds(type_: ScalarLike) -> tuple[int, int]:
     """The smallest and the largest value of an integer-like type."""
     match type_:

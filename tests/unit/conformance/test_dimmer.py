@@ -27,8 +27,9 @@ def accepted(tmp_path: Path, rows: str, **given: str) -> bool | None:
 def test_run_of_the_model(tmp_path: Path) -> None:
     found = tachk.conform(MODEL, ROOT / "examples/dimmer/pressed.csv")
     assert found.accepted
-    assert found.runs[0].trace is not None
-    assert sum(step.transition is not None for step in found.runs[0].trace.steps) == 5
+    assert found.runs[0].moments is not None
+    assert len(found.runs[0].path) == 5
+    assert len(found.runs[0].moments.ticks) == 6
 
 
 @pytest.mark.parametrize(
@@ -137,9 +138,8 @@ def test_order_of_what_was_sent_and_what_arrives(tmp_path: Path) -> None:
     file.write_text("time,event,on,level,id,after\n" + "\n".join(rows), encoding="utf-8")
     found = tachk.conform(MODEL, file)
     assert found.accepted
-    assert found.runs[0].trace is not None
-    order = [len(step.transition.participants) for step in found.runs[0].trace.steps if step.transition is not None]
-    assert len(order) == 5
+    assert found.runs[0].moments is not None
+    assert len(found.runs[0].path) == 5
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,93 @@
+// tachk._core.PathOfRun; used through tachk.engines.exact.exact_run.
+#include "runs.hpp"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "../arrays.hpp"
+#include "machine/machine.hpp"
+#include "program/program.hpp"
+#include "runs/judge.hpp"
+#include "runs/path.hpp"
+#include "runs/schedule.hpp"
+
+namespace nb = nanobind;
+
+namespace {
+
+using Column = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+struct PathOfRun {
+  tachk::Program program;
+  tachk::RunPath path;
+
+  PathOfRun(const std::vector<std::int64_t>& image, const std::vector<std::vector<std::uint32_t>>& actions)
+      : program(tachk::decode_program(image)) {
+    if (program.goals.size() != 1) throw std::invalid_argument("a run goes to one goal");
+    for (const auto& edges : actions) {
+      for (const std::uint32_t edge : edges)
+        if (edge >= program.edges.size()) throw std::invalid_argument("there is no such edge");
+      path.edges.insert(path.edges.end(), edges.begin(), edges.end());
+      path.ends.push_back(path.edges.size());
+    }
+  }
+
+  std::optional<tachk::Moments> earliest() const {
+    const nb::gil_scoped_release released;
+    try {
+      return tachk::earliest_moments(program, path, program.goals.front());
+    } catch (const tachk::ModelFault&) {
+      return std::nullopt;
+    }
+  }
+
+  std::optional<tachk::RunObjection> objection(tachk::Moments moments) const {
+    const nb::gil_scoped_release released;
+    try {
+      return tachk::objection_to(program, path, moments, program.goals.front());
+    } catch (const tachk::ModelFault&) {
+      return tachk::RunObjection{0, "a run-time error"};
+    }
+  }
+};
+
+}  // namespace
+
+void bind_runs(nb::module_& m) {
+  nb::class_<PathOfRun>(m, "PathOfRun",
+                        "A path of a program to its goal, which becomes a run by the times it is given.")
+      .def(nb::new_([](const std::vector<std::int64_t>& image, const std::vector<std::vector<std::uint32_t>>& actions) {
+             return std::make_unique<PathOfRun>(image, actions);
+           }),
+           nb::arg("image"), nb::arg("actions"))
+      .def(
+          "earliest",
+          [](const PathOfRun& self) -> nb::object {
+            auto found = self.earliest();
+            if (!found) return nb::none();
+            return nb::make_tuple(found->unit, as_array(std::move(found->ticks)));
+          },
+          "(ticks in a unit of time, the earliest moments of all transitions and of the end), or None.")
+      .def(
+          "objection",
+          [](const PathOfRun& self, std::int64_t unit, const Column& ticks) {
+            const auto found = self.objection({unit, {ticks.data(), ticks.data() + ticks.shape(0)}});
+            using Told = std::tuple<std::size_t, std::string>;
+            return found ? std::optional(Told{found->step, found->reason}) : std::nullopt;
+          },
+          nb::arg("unit"), nb::arg("ticks"), "(number of the step, what is wrong with it), or None if all is right.");
+}

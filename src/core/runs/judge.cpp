@@ -1,0 +1,187 @@
+#include "runs/judge.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "runs/reading.hpp"
+
+namespace tachk {
+namespace {
+
+using Edges = std::span<const std::uint32_t>;
+using Verdict = const char*;  // what is wrong; null if nothing is
+
+class Judge {
+ public:
+  Judge(const Program& program, std::int64_t unit);
+
+  Verdict cannot_tell() const;
+  Verdict begin();
+  // Lets time pass until then.
+  Verdict wait(std::int64_t until);
+  Verdict fire(Edges edges);
+  bool reached(const Goal& goal);
+
+ private:
+  __extension__ using Wide = __int128;
+
+  const Edge& edge(std::uint32_t number) const { return program_.edges[number]; }
+  bool satisfied(const Atom& atom) const;
+  bool holds(const Condition& condition);
+  bool invariants();
+  bool hears(std::uint32_t number, std::int32_t channel);
+  Verdict takes_part(Edges edges);
+  Verdict synchronise(Edges edges);
+  bool somebody_stays_out(Edges edges, std::int32_t channel);
+
+  const Program& program_;
+  const std::int64_t unit_;
+  Reading reading_;
+  std::int64_t now_ = 0;
+  std::vector<std::int64_t> zero_;  // when each clock was, or would have been, 0
+  std::vector<Atom> asked_;
+  std::vector<ClockReset> resets_;
+  std::vector<std::vector<std::uint32_t>> listeners_;  // of each channel, the processes that may receive
+};
+
+Judge::Judge(const Program& program, std::int64_t unit)
+    : program_(program),
+      unit_(unit),
+      reading_(program),
+      zero_(static_cast<std::size_t>(program.dimension()), 0),
+      listeners_(program.channels.size()) {
+  for (const Edge& each : program.edges)
+    for (std::uint32_t n = 0; !each.internal() && !each.sends && n < each.channels; ++n) {
+      auto& listening = listeners_[static_cast<std::size_t>(each.channel) + n];
+      if (std::find(listening.begin(), listening.end(), each.process) == listening.end())
+        listening.push_back(each.process);
+    }
+}
+
+Verdict Judge::cannot_tell() const {
+  if (program_.has_stopwatches) return "clocks can stop";
+  if (program_.has_priorities) return "there are priorities";
+  for (const Edge& each : program_.edges)
+    for (std::uint32_t n = 0; !each.internal() && each.sends && n < each.channels; ++n)
+      if (program_.channels[static_cast<std::size_t>(each.channel) + n].urgent) return "there are urgent channels";
+  return nullptr;
+}
+
+bool Judge::satisfied(const Atom& atom) const {
+  const std::int64_t left = atom.left == 0 ? 0 : now_ - zero_[atom.left];
+  const std::int64_t right = atom.right == 0 ? 0 : now_ - zero_[atom.right];
+  const Wide bound = Wide{raw_value(atom.raw)} * unit_;
+  return (atom.raw & 1) == 0 ? left - right < bound : left - right <= bound;
+}
+
+bool Judge::holds(const Condition& condition) {
+  asked_.clear();
+  return reading_.holds(condition, asked_) &&
+         std::all_of(asked_.begin(), asked_.end(), [&](const Atom& atom) { return satisfied(atom); });
+}
+
+bool Judge::invariants() {
+  asked_.clear();
+  return reading_.invariants(asked_) &&
+         std::all_of(asked_.begin(), asked_.end(), [&](const Atom& atom) { return satisfied(atom); });
+}
+
+Verdict Judge::begin() { return invariants() ? nullptr : "the initial state violates an invariant"; }
+
+Verdict Judge::wait(std::int64_t until) {
+  if (until < now_) return "a delay cannot be negative";
+  if (until == now_) return nullptr;
+  if (!reading_.waits()) return "time cannot pass in an urgent or committed location";
+  now_ = until;
+  // Invariants are conjunctions of difference constraints, hence convex: both ends are enough.
+  return invariants() ? nullptr : "the delay violates an invariant";
+}
+
+bool Judge::hears(std::uint32_t number, std::int32_t channel) {
+  const Edge& other = edge(number);
+  return !other.internal() && !other.sends && other.may_name(channel) && holds(other.guard) &&
+         reading_.channel(other) == channel;
+}
+
+bool Judge::somebody_stays_out(Edges edges, std::int32_t channel) {
+  for (const std::uint32_t p : listeners_[static_cast<std::size_t>(channel)]) {
+    if (std::any_of(edges.begin(), edges.end(), [&](std::uint32_t each) { return edge(each).process == p; })) continue;
+    const auto& leaving = reading_.leaving(p);
+    if (std::any_of(leaving.begin(), leaving.end(), [&](std::uint32_t each) { return hears(each, channel); }))
+      return true;
+  }
+  return false;
+}
+
+// Whether edges begin where their processes are, and the committed rule admits them.
+Verdict Judge::takes_part(Edges edges) {
+  bool committed = false;
+  for (const std::uint32_t each : edges) {
+    const auto& leaving = reading_.leaving(edge(each).process);
+    if (std::find(leaving.begin(), leaving.end(), each) == leaving.end()) return "an edge begins elsewhere";
+    committed |= reading_.location(edge(each).process).committed;
+  }
+  for (std::size_t p = 0; p < program_.processes.size() && !committed; ++p)
+    if (reading_.location(p).committed) return "another process is in a committed location";
+  return nullptr;
+}
+
+Verdict Judge::synchronise(Edges edges) {
+  const Edge& sender = edge(edges.front());
+  if (sender.internal()) return edges.size() == 1 ? nullptr : "an internal edge takes nobody along";
+  if (!sender.sends) return "nobody sends";
+  const std::int32_t channel = reading_.channel(sender);
+  const bool broadcast = program_.channels[static_cast<std::size_t>(channel)].broadcast;
+  if (!broadcast && edges.size() != 2) return "a sender takes one receiver along";
+  for (std::size_t n = 1; n < edges.size(); ++n) {
+    const std::uint32_t process = edge(edges[n]).process;
+    if (process == sender.process || (n > 1 && process <= edge(edges[n - 1]).process))
+      return "receivers are not in the order of their processes";
+    if (!hears(edges[n], channel)) return "a receiver cannot receive";
+  }
+  return broadcast && somebody_stays_out(edges, channel) ? "somebody who can receive a broadcast stays out" : nullptr;
+}
+
+Verdict Judge::fire(Edges edges) {
+  if (edges.empty()) return "nobody takes part";
+  if (std::any_of(edges.begin(), edges.end(), [&](std::uint32_t each) { return each >= program_.edges.size(); }))
+    return "there is no such edge";
+  if (const Verdict wrong = takes_part(edges)) return wrong;
+  if (!holds(edge(edges.front()).guard)) return "a guard is false";
+  if (const Verdict wrong = synchronise(edges)) return wrong;
+  resets_.clear();
+  reading_.take(edges, resets_);
+  for (const ClockReset& reset : resets_) zero_[reset.clock] = now_ - std::int64_t{reset.value} * unit_;
+  return invariants() ? nullptr : "the transition violates an invariant";
+}
+
+bool Judge::reached(const Goal& goal) {
+  return std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(), [&](const Disjunct& disjunct) {
+    return disjunct.deadlock == DeadlockLiteral::absent && holds(disjunct.condition);
+  });
+}
+
+}  // namespace
+
+std::optional<RunObjection> objection_to(const Program& program, const RunPath& path, const Moments& moments,
+                                         const Goal& goal) {
+  constexpr std::int64_t latest = std::int64_t{1} << 61;
+  if (moments.ticks.size() != path.size() + 1) return RunObjection{0, "there is not one moment for each transition"};
+  if (moments.unit < 1 || moments.unit > (std::int64_t{1} << 30) || moments.ticks.back() > latest)
+    return RunObjection{0, "the times are too fine or too late to be judged"};
+  Judge judge(program, moments.unit);
+  if (const Verdict unknown = judge.cannot_tell()) return RunObjection{0, unknown};
+  if (const Verdict wrong = judge.begin()) return RunObjection{0, wrong};
+  for (std::size_t k = 0; k < path.size(); ++k) {
+    Verdict wrong = judge.wait(moments.ticks[k]);
+    if (wrong == nullptr) wrong = judge.fire(path[k]);
+    if (wrong != nullptr) return RunObjection{k + 1, wrong};
+  }
+  if (const Verdict wrong = judge.wait(moments.ticks.back())) return RunObjection{path.size() + 1, wrong};
+  if (!judge.reached(goal)) return RunObjection{path.size() + 1, "the goal does not hold at the end"};
+  return std::nullopt;
+}
+
+}  // namespace tachk

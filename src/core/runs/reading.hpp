@@ -1,0 +1,51 @@
+// What a program says of a single run: what it asks of the clocks in a state, and what a transition makes of the state.
+// It uses the program and the machine only, and nothing of the search.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "machine/machine.hpp"
+#include "program/program.hpp"
+
+namespace tachk {
+
+class Reading {
+ public:
+  // The program must outlive it.
+  explicit Reading(const Program& program);
+
+  // Goes to the initial state.
+  void begin();
+
+  // Whether the integer part of a condition holds; then its clock constraints are appended. Throws ModelFault.
+  bool holds(const Condition& condition, std::vector<Atom>& constraints);
+  // The same of the invariants of all processes.
+  bool invariants(std::vector<Atom>& constraints);
+  // Whether no location is urgent or committed.
+  bool waits() const;
+  // The number of the channel that an edge names. Throws ModelFault.
+  std::int32_t channel(const Edge& edge);
+  // Executes updates and goes to the targets; appends what clocks are set to. Throws ModelFault.
+  void take(std::span<const std::uint32_t> edges, std::vector<ClockReset>& resets);
+
+  const Location& location(std::size_t process) const {
+    return program_.processes[process].locations[static_cast<std::size_t>(slots_[process])];
+  }
+  // The edges that leave the present location of a process.
+  const std::vector<std::uint32_t>& leaving(std::size_t process) const {
+    return leaving_[process][static_cast<std::size_t>(slots_[process])];
+  }
+
+ private:
+  const Program& program_;
+  Machine machine_;
+  std::vector<std::int32_t> slots_;
+  std::vector<std::uint32_t> metas_;
+  std::vector<std::vector<std::vector<std::uint32_t>>> leaving_;
+  SlotSet written_;
+};
+
+}  // namespace tachk

@@ -1,0 +1,102 @@
+"""Runs made and judged by the core, against those of the reference meaning of networks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from itertools import pairwise
+from random import Random
+
+import numpy as np
+import pytest
+
+from tachk import _core
+from tachk.certify.replay import ReplayError, replay
+from tachk.compiler.lower import lower
+from tachk.compiler.program import Goal, Program
+from tachk.engines import zone
+from tachk.engines.concretise import requirements_of, timed_trace
+from tachk.engines.exact.exact_run import exact_run
+from tachk.engines.options import Limits
+from tachk.engines.outcome import GoalOutcome, Status
+from tachk.engines.program_image import encode
+from tachk.model.expressions import Expression
+from tachk.model.fault import EvaluationFault
+from tachk.model.network import Network
+from tachk.semantics.discrete import prepare
+from tachk.testing import Shape, random_case
+
+SHAPE = Shape(clocks=2, locations=3, processes=3, urgent_channels=False, deadlocks=False)
+
+
+def found_by_the_search(seed: int, shape: Shape) -> tuple[Network, list[tuple[Program, Goal, Expression, GoalOutcome]]]:
+    case = random_case(Random(seed), shape)
+    program, goals = lower(case.network, case.predicates)
+    outcome = zone.explore(program, goals, limits=Limits(states=400))
+    found = zip(goals, case.predicates, outcome.goals, strict=True)
+    return case.network, [(program, g, p, o) for g, p, o in found if o.status is Status.REACHED]
+
+
+def accepted_by_reference(
+    network: Network, outcome: GoalOutcome, predicate: Expression, moments: list[Fraction]
+) -> bool:
+    model = prepare(network)
+    try:
+        states, phases, _ = requirements_of(model, outcome.path or (), predicate)
+        durations = [after - before for before, after in pairwise([Fraction(0), *moments])]
+        if durations[-1] < 0:  # which `timed_trace` leaves out
+            return False
+        replay(model, timed_trace(model, states, phases, outcome.path or (), durations), predicate)
+    except (ReplayError, EvaluationFault):
+        return False
+    return True
+
+
+@pytest.mark.parametrize("shape", [SHAPE, replace(SHAPE, language=True)])
+def test_judges_agree_on_runs_with_other_times(shape: Shape) -> None:
+    random = Random(7)
+    said = {True: 0, False: 0}
+    made = 0
+    for seed in range(40):
+        network, reached = found_by_the_search(seed, shape)
+        for program, goal, predicate, outcome in reached:
+            path = _core.PathOfRun(encode(program, [goal]), outcome.actions or ())
+            moments = [Fraction(random.randrange(6)) for _ in range(len(outcome.path or ()) + 1)]
+            earliest = path.earliest()
+            if earliest is not None:
+                made += 1
+                moments = [Fraction(tick, earliest[0]) for tick in earliest[1].tolist()]
+            for case in range(6):
+                changed = list(moments)
+                if case:
+                    place = random.randrange(len(changed))
+                    shift = random.choice((Fraction(1, 2), Fraction(1), Fraction(3)))
+                    changed[place:] = [time + shift for time in changed[place:]]
+                    if case % 2:
+                        changed[place] += random.choice((-shift, Fraction(0), -2 * shift))
+                ticks = np.array([int(time * 2**20 * (earliest or (1,))[0]) for time in changed], dtype=np.int64)
+                objection = path.objection(2**20 * (earliest or (1,))[0], ticks)
+                if objection is not None and objection[1].startswith(("there are", "clocks can stop")):
+                    continue
+                expected = accepted_by_reference(network, outcome, predicate, changed)
+                assert (objection is None) is expected, f"seed {seed}, {objection}"
+                said[expected] += 1
+    assert min(said.values()) > 25
+    assert made > 25
+
+
+@pytest.mark.parametrize(
+    ("shape", "why"),
+    [
+        (replace(SHAPE, urgent_channels=True), "step 0: there are urgent channels"),
+        (replace(SHAPE, priorities=True), "step 0: there are priorities"),
+        (replace(SHAPE, stopwatches=True), "no times were found"),
+    ],
+)
+def test_core_does_not_judge_what_it_does_not_know(shape: Shape, why: str) -> None:
+    """It says so, and then nothing is made of the run."""
+    said = set()
+    for seed in range(12):
+        _, reached = found_by_the_search(seed, shape)
+        said |= {exact_run(program, goal, outcome.actions or ())[1] for program, goal, _, outcome in reached}
+    assert why in said
