@@ -260,17 +260,13 @@ class CoverSearch:
     def cover(self) -> CoverParts: ...
 
 class ClosedSet:
-    def __init__(self, image: Sequence[int], *, inevitable: bool) -> None: ...
+    def __init__(self, image: Sequence[int]) -> None: ...
     def add(
         self,
-        changes: NDArray[np.int64],
-        positions: NDArray[np.int64],
-        differences: NDArray[np.int64],
+        discretes: NDArray[np.int32],
         zones: NDArray[np.int64],
         ranks: NDArray[np.int64],
         shapes: NDArray[np.int64],
-        constraints: NDArray[np.int64],
-        places: NDArray[np.int64],
         bounds: NDArray[np.int64],
     ) -> None: ...
     def check(self, states: int) -> bool: ...

@@ -30,35 +30,42 @@ namespace {
 
 using Column = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
+using Rows = nb::ndarray<const std::int32_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
 std::span<const std::int64_t> span_of(const Column& column) { return {column.data(), column.shape(0)}; }
 
 std::vector<std::int64_t> widened(const std::vector<std::int32_t>& numbers) { return {numbers.begin(), numbers.end()}; }
 
 void bind_closed_set(nb::module_& m) {
-  nb::class_<tachk::ClosedSet>(m, "ClosedSet", "The check that a set of symbolic states is closed.")
-      .def(nb::new_([](const std::vector<std::int64_t>& image, bool inevitable) {
-             const auto claim = inevitable ? tachk::Claim::inevitable : tachk::Claim::unreachable;
+  using tachk::certificates::ClosedSet;
+  nb::class_<ClosedSet>(m, "ClosedSet", "The check that a set of symbolic states is closed.")
+      .def(nb::new_([](const std::vector<std::int64_t>& image) {
              tachk::Program program = tachk::decode_program(image);
-             if (inevitable && program.goals.empty()) throw std::invalid_argument("nothing to meet");
-             return std::make_unique<tachk::ClosedSet>(std::move(program), claim);
+             if (program.goals.empty()) throw std::invalid_argument("nothing to meet");
+             return std::make_unique<ClosedSet>(std::move(program));
            }),
-           nb::arg("image"), nb::kw_only(), nb::arg("inevitable"))
+           nb::arg("image"))
       .def(
           "add",
-          [](tachk::ClosedSet& self, const Column& changes, const Column& positions, const Column& differences,
-             const Column& zones, const Column& ranks, const Column& shapes, const Column& constraints,
-             const Column& places, const Column& bounds) {
-            self.add({span_of(changes), span_of(positions), span_of(differences), span_of(zones), span_of(ranks),
-                      span_of(shapes), span_of(constraints), span_of(places), span_of(bounds)});
+          [](ClosedSet& self, const Rows& discretes, const Column& zones, const Column& ranks, const Column& shapes,
+             const Column& bounds) {
+            const auto elements =
+                static_cast<std::size_t>(std::accumulate(zones.data(), zones.data() + zones.size(), std::int64_t{0}));
+            if (zones.size() != discretes.shape(0) || ranks.size() != elements || shapes.size() != elements)
+              throw std::invalid_argument("columns of different lengths");
+            self.add({{discretes.data(), discretes.size()},
+                      span_of(zones),
+                      span_of(ranks),
+                      span_of(shapes),
+                      span_of(bounds)});
           },
-          nb::arg("changes"), nb::arg("positions"), nb::arg("differences"), nb::arg("zones"), nb::arg("ranks"),
-          nb::arg("shapes"), nb::arg("constraints"), nb::arg("places"), nb::arg("bounds"),
-          "Adds the columns of a block of a certificate.")
-      .def("check", &tachk::ClosedSet::check, nb::arg("states"), nb::call_guard<nb::gil_scoped_release>(),
+          nb::arg("discretes"), nb::arg("zones"), nb::arg("ranks"), nb::arg("shapes"), nb::arg("bounds"),
+          "Adds discrete states as rows, with the numbers of their zones, and the bounds of zones that are new.")
+      .def("check", &ClosedSet::check, nb::arg("states"), nb::call_guard<nb::gil_scoped_release>(),
            "Checks so many more discrete states; whether there is nothing left to check.")
       .def(
           "objection",
-          [](const tachk::ClosedSet& self) {
+          [](const ClosedSet& self) {
             const auto& found = self.objection();
             using Told = std::tuple<std::string, std::vector<std::int32_t>, std::size_t, std::vector<std::uint32_t>>;
             return found ? std::optional(Told{found->reason, found->discrete, found->zone, found->edges})

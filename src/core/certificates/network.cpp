@@ -116,13 +116,10 @@ bool Network::is_urgent(Slots& slots) {
   return false;
 }
 
-void Network::wait(const Situation& here, Zone& zone) const {
-  if (zone.empty() || !here.waits) return;
+Zone Network::later(const Situation& here, Zone zone) const {
+  if (zone.empty() || !here.waits) return zone;
   zone.go_on(here.stands);
   zone.tighten(here.limits);
-}
-Zone Network::later(const Situation& here, Zone zone) const {
-  wait(here, zone);
   return zone;
 }
 
@@ -290,9 +287,10 @@ Zones Network::stuck(Situation& here, const Zone& zone, bool widely) {
 // A valuation that lies before a met zone, on its way through time, may go on until it enters that zone; one behind all
 // of it, and one that never meets it, may go on for ever. If clocks are stopped, only the met zones are left out.
 Zones Network::avoiding(const Goal& goal, Situation& here, const Zone& zone) {
-  const Zone all = later(here, zone);
-  const Zones met = where(goal, here, all, false);
-  if (met.empty()) return {all};
+  Zones all;
+  all.push_back(later(here, zone));
+  const Zones met = where(goal, here, all.front(), false);
+  if (met.empty()) return all;
   const Zones starts = without({zone}, met);
   if (starts.empty() || !here.waits) return starts;
   std::vector<std::pair<Zone, Zones>> pieces;  // each with what it must not enter

@@ -59,8 +59,8 @@ class Network final {
   std::vector<std::int32_t> initial() const;
   // Makes a situation of its slots.
   void describe(Situation& here);
-  // Makes of a zone what it becomes by waiting; more than that, if clocks are stopped.
-  void wait(const Situation& here, Zone& zone) const;
+  // What a zone becomes by waiting; more than that, if clocks are stopped.
+  Zone later(const Situation& here, Zone zone) const;
   // The steps from a zone; those that a higher priority forbids come without the part where it does, in several pieces.
   std::span<Step> steps(Situation& here, const Zone& zone, Steps& room);
   // The parts of a zone where a goal holds. Where `deadlock` is asked for and clocks are stopped, it is perhaps more
@@ -85,7 +85,6 @@ class Network final {
   const Location& location(std::size_t process, const Slots& slots) const;
   const std::vector<std::uint32_t>& leaving(std::size_t process, const Slots& slots) const;
   bool holds(const Condition& condition, Slots& slots, Constraints& constraints);
-  Zone later(const Situation& here, Zone zone) const;
   const Zone* where(const Edge& edge, Slots& slots, const Zone& zone, Part& room);
   std::int32_t channel(const Edge& edge, Slots& slots);
   bool hears(const Edge& edge, std::int32_t used, Slots& slots);

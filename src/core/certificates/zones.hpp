@@ -64,22 +64,22 @@ struct Zone {
     for (std::size_t j = 0; j < n; ++j) at(j, x) = sum(at(j, 0), raw_bound(-Raw{reset.value}, false));
     at(x, x) = raw_zero;
   }
-  // What is reached when time passes; the smallest such zone if clocks stand still (Floyd and Warshall).
-  void go_on(const std::vector<bool>& stands) {
-    for (std::size_t j = 0; j < n; ++j)
-      for (std::size_t i = 0; i < n && stands[j]; ++i)
-        if (!stands[i]) at(i, j) = unbounded;
-    if (std::count(stands.begin(), stands.end(), true) == 1) return;  // only the reference clock: canonical
+  void close() {  // Floyd and Warshall
     for (std::size_t k = 0; k < n; ++k)
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j < n; ++j) at(i, j) = std::min(at(i, j), sum(at(i, k), at(k, j)));
   }
+  // What is reached when time passes; the smallest such zone if clocks stand still besides the reference clock.
+  void go_on(const std::vector<bool>& stands) {
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j)
+        if (stands[j] && !stands[i]) at(i, j) = unbounded;
+    if (std::count(stands.begin(), stands.end(), true) > 1) close();
+  }
   // From where the zone is reached when time passes.
   void go_back() {
-    for (std::size_t j = 1; j < n; ++j) {
-      at(0, j) = raw_zero;
-      for (std::size_t i = 1; i < n; ++i) at(0, j) = std::min(at(0, j), at(i, j));
-    }
+    for (std::size_t j = 0; j < n; ++j) at(0, j) = raw_zero;
+    close();
   }
 };
 
@@ -88,13 +88,14 @@ using Zones = std::vector<Zone>;
 // The parts of the zones outside of the constraints, disjoint if the zones are.
 inline Zones without(const Zones& zones, const Constraints& constraints) {
   Zones pieces;
-  for (Zone rest : zones)
-    for (const Atom& atom : constraints) {
-      if (rest.empty()) break;
-      if (atom.raw >= rest.at(atom.left, atom.right)) continue;
-      if (Zone outside = rest.within({negated(atom)}); !outside.empty()) pieces.push_back(std::move(outside));
-      rest.tighten(atom);
+  for (const Zone& zone : zones) {
+    if (zone.lies_in(constraints)) continue;
+    Zone rest = zone;
+    for (std::size_t k = 0; k < constraints.size() && !rest.empty(); ++k) {
+      if (Zone outside = rest.within({negated(constraints[k])}); !outside.empty()) pieces.push_back(std::move(outside));
+      rest.tighten(constraints[k]);
     }
+  }
   return pieces;
 }
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk.records import dataclass
+from tachk.semantics.dbm import INFINITY
 
 Numbers = NDArray[np.int64]
 
@@ -105,6 +106,18 @@ class Columns:
     places: Numbers
     bounds: Numbers
 
+    def discretes(self, width: int) -> NDArray[np.int32]:
+        """The discrete states as rows of so many numbers. Differences that are too large are read as others."""
+        rows = np.zeros((len(self.zones), width), np.int32)
+        rows[np.repeat(np.arange(len(rows)), self.changes), self.positions] = self.differences.astype(np.int32)
+        return np.cumsum(rows, axis=0, dtype=np.int32, out=rows)
+
+    def matrices(self, dimension: int) -> Numbers:
+        """Of each zone the bounds that are told, as in `tachk.semantics.dbm`, none of them made tighter."""
+        matrices = np.full((len(self.constraints), dimension * dimension), INFINITY)
+        np.minimum.at(matrices, (np.repeat(np.arange(len(matrices)), self.constraints), self.places), self.bounds)
+        return matrices.reshape(-1, dimension, dimension)
+
 
 class Shapes:
     """The zones that have been told so far, each once."""
@@ -142,11 +155,9 @@ class Shapes:
         self.constraints = np.concatenate((self.constraints, columns.constraints))
         self.places = np.concatenate((self.places, columns.places))
         self.bounds = np.concatenate((self.bounds, columns.bounds))
-        discretes = np.zeros((len(columns.zones), width), np.int64)
-        discretes[np.repeat(np.arange(len(columns.changes)), columns.changes), columns.positions] = columns.differences
         chosen = ragged(starts(self.constraints), columns.shapes)
         return Block(
-            np.cumsum(discretes, axis=0),
+            columns.discretes(width).astype(np.int64),
             columns.zones,
             columns.ranks,
             self.constraints[columns.shapes],

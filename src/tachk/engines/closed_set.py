@@ -24,7 +24,8 @@ def check_closed_natively(program: Program, goal: Goal, blocks: Iterable[Columns
 
     Raises MalformedCertificateError for states that are none of the program.
     """
-    return _objection(program, _core.ClosedSet(encode(program, [goal]), inevitable=False), blocks)
+    never = Goal(())
+    return check_descent_natively(program, [never, goal], blocks)
 
 
 def check_descent_natively(program: Program, goals: Sequence[Goal], blocks: Iterable[Columns]) -> Objection | None:
@@ -33,24 +34,13 @@ def check_descent_natively(program: Program, goals: Sequence[Goal], blocks: Iter
 
     Raises MalformedCertificateError for states that are none of the program.
     """
-    return _objection(program, _core.ClosedSet(encode(program, goals), inevitable=True), blocks)
-
-
-def _objection(program: Program, closed: _core.ClosedSet, blocks: Iterable[Columns]) -> Objection | None:
+    closed = _core.ClosedSet(encode(program, goals))
     try:
         for block in blocks:
             check_time()
-            closed.add(
-                block.changes,
-                block.positions,
-                block.differences,
-                block.zones,
-                block.ranks,
-                block.shapes,
-                block.constraints,
-                block.places,
-                block.bounds,
-            )
+            discretes = block.discretes(program.state_slots)
+            bounds = block.matrices(program.clocks + 1).ravel()
+            closed.add(discretes, block.zones, block.ranks, block.shapes, bounds)
     except (ValueError, IndexError) as error:
         raise MalformedCertificateError(str(error)) from None
     while not closed.check(_STATES_AT_ONCE):
