@@ -33,6 +33,7 @@ LIBRARIES = {
     "hypothesis": {"testing"},
     "jinja2": {"formats.uppaal", "report"},
     "lark": {"syntax.parsing"},
+    "markdown_it": {"report.page"},
     "markupsafe": {"formats.uppaal", "report.page"},
     "matplotlib": {"report"},
     "mcap": {"runtime.logs"},

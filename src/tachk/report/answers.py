@@ -104,7 +104,7 @@ class Report(Sequence[Verdict]):
         from tachk.report.page.answers import answers_of
         from tachk.report.page.content import Page
 
-        return Page(title or self.record.model, (answers_of(self.record),), (), ())
+        return Page(title or self.record.model, (answers_of(self.record),))
 
     def __str__(self) -> str:
         return self.to_text()

@@ -20,7 +20,7 @@ from tachk.engines.options import Limits
 from tachk.properties.verdict import Answer
 from tachk.records import dataclass
 from tachk.report.page.answers import answers_of, answers_part
-from tachk.report.page.content import Answers, Chapter, Page
+from tachk.report.page.content import Answers, Chapter, Page, Part, Text
 from tachk.report.page.html import page_to_html
 from tachk.report.page.results import chapter_of, read_result, runs_of_verify
 from tachk.time_limit import time_limit
@@ -45,9 +45,9 @@ class Reported:
     max_memory: str | None = None
 
     @property
-    def files(self) -> tuple[Path, ...]:
-        """The results and pictures."""
-        return tuple(Path(text) for text in self.inputs if _is_file(text))
+    def files(self) -> tuple[str, ...]:
+        """Results, pictures and texts."""
+        return tuple(text for text in self.inputs if _is_file(text))
 
     @property
     def asked(self) -> tuple[str, ...]:
@@ -56,29 +56,29 @@ class Reported:
 
 
 def _is_file(text: str) -> bool:
-    return Path(text).suffix.lower() in (".json", ".svg")
+    return Path(text).suffix.lower() in (".json", ".svg", ".md")
 
 
 def run_report_page(asked: Reported, seconds: float | None) -> ExitStatus:
     """Checks the model, reads the results, and writes the page."""
-    answers: list[Answers] = []
-    chapters: list[Chapter] = []
-    for path in asked.files:
-        for part in _read(path, len(answers)):
-            (answers if isinstance(part, Answers) else chapters).append(part)  # type: ignore[arg-type]
-    if asked.asked:
-        answers.insert(0, _verified(asked, seconds, len(answers)))
-    elif asked.properties or asked.definitions:
-        raise UsageError("-D and --property are about a model, and none is named", "name it before the results")
-    title = asked.title or Path(asked.inputs[0]).stem
-    asked.output.write_text(page_to_html(Page(title, answers, chapters, [*_facts(asked)])), encoding="utf-8")
-    return _status([part.run for part in answers])
+    if (asked.properties or asked.definitions) and not asked.asked:
+        raise UsageError("-D and --property are about a model, and none is named", "name a model, too")
+    parts: list[Part] = []
+    for text in (text for text in asked.inputs if text not in asked.asked[1:]):
+        number = len(parts)
+        parts += _read(Path(text), number) if _is_file(text) else [_verified(asked, seconds, number)]
+    page = Page(asked.title or Path(asked.inputs[0]).stem, parts, [*_facts(asked)])
+    asked.output.write_text(page_to_html(page), encoding="utf-8")
+    return _status([part.run for part in page.answers])
 
 
-def _read(path: Path, number: int) -> Iterator[Answers | Chapter]:
-    """The parts of the page that are in a file. ``number`` is that of the first part with answers."""
+def _read(path: Path, number: int) -> Iterator[Part]:
+    """The parts of the page that are in a file; ``number`` is that of the first."""
     if path.suffix.lower() == ".svg":
         yield Chapter(path.stem, pictures=((path.name, _svg(path)),))
+        return
+    if path.suffix.lower() == ".md":
+        yield Text(_text(path))
         return
     document = read_result(path)
     runs = runs_of_verify(document)
@@ -123,17 +123,21 @@ def _facts(asked: Reported) -> Iterator[tuple[str, str]]:
     options = [part for text in asked.definitions for part in ("-D", text)]
     options += [part for name in asked.properties for part in ("--property", name)]
     yield "command", shlex.join(["tachk", "report", *asked.inputs, *options, "-o", str(asked.output)])
-    for path in (*asked.asked[:1], *map(str, asked.files)):
+    for path in (*asked.asked[:1], *asked.files):
         yield f"SHA-256 of {path}", sha256(Path(path).read_bytes()).hexdigest()
     yield "tachk", tachk.__version__
     yield "Python", sys.version.split()[0]
 
 
 def _svg(path: Path) -> str:
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"{path} cannot be read: {error}") from None
+    text = _text(path)
     if "<svg" not in text:
         raise UsageError(f"{path} is no SVG picture", "-o NAME.svg lets tachk draw one")
     return text
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"{path} cannot be read: {error}") from None

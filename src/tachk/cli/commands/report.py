@@ -12,11 +12,11 @@ from tachk.cli import options
 @click.command(name="report", short_help="Write a page that one can hand on.")
 @click.argument(
     "inputs",
-    metavar="[MODEL [QUERY]...] [RESULT.json|PICTURE.svg]...",
+    metavar="[MODEL [QUERY]...] [RESULT.json|PICTURE.svg|TEXT.md]...",
     nargs=-1,
     required=True,
     help="A model file and queries about it; results of tachk verify, sweep, simulate and monitor that were written "
-    "with --format json; pictures that tachk has drawn.",
+    "with --format json; pictures that tachk has drawn; texts in Markdown. All are shown in the order given.",
 )
 @click.option(
     "properties",

@@ -1,4 +1,4 @@
-"""What is on a page: answers about models, other results in tables and pictures, and how to repeat it all."""
+"""What is on a page: answers about models, other results, texts, and how to repeat it all."""
 
 from __future__ import annotations
 
@@ -77,15 +77,34 @@ class Chapter:
 
 
 @dataclass(frozen=True, slots=True)
+class Text:
+    """What a person says about the results.
+
+    Attributes:
+        markdown: without HTML.
+    """
+
+    markdown: str
+
+
+Part = Answers | Chapter | Text
+
+
+@dataclass(frozen=True, slots=True)
 class Page:
     """Attributes:
+    parts: in the order in which they are shown.
     facts: what is needed to repeat it: names and values.
     """
 
     title: str
-    answers: Sequence[Answers]
-    chapters: Sequence[Chapter]
-    facts: Sequence[tuple[str, str]]
+    parts: Sequence[Part]
+    facts: Sequence[tuple[str, str]] = ()
+
+    @property
+    def answers(self) -> list[Answers]:
+        """The parts about models."""
+        return [part for part in self.parts if isinstance(part, Answers)]
 
     @property
     def results(self) -> list[Mapping[str, Any]]:

@@ -7,13 +7,14 @@ from base64 import b64encode
 from typing import Any
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
+from markdown_it import MarkdownIt
 from markupsafe import Markup
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.drawing.svg import STYLE
 from tachk.properties.verdict import Answer
 from tachk.report.json_report import Json
-from tachk.report.page.content import Page
+from tachk.report.page.content import Answers, Page, Text
 from tachk.report.quantity import bytes_, grouped, seconds
 from tachk.resources import template_text
 
@@ -55,6 +56,11 @@ def _rendered(template: str, page: Page) -> str:
         loader=FunctionLoader(template_text), autoescape=True, undefined=StrictUndefined, trim_blocks=True
     )
     environment.filters |= {"count": grouped, "seconds": seconds, "bytes": bytes_, "image": _image, "data": _data}
+    environment.filters["markdown"] = _markdown
+    environment.tests |= {
+        "a_text": lambda part: isinstance(part, Text),
+        "about_a_model": lambda p: isinstance(p, Answers),
+    }
     script = Markup(template_text("report/page.js"))
     given = {"page": page, "marks": _MARKS, "classes": _CLASSES, "style": Markup(_style()), "script": script}
     return environment.get_template(f"report/{template}.html.j2").render(given)
@@ -64,6 +70,11 @@ def _style() -> str:
     """The styles of the page, with those of the pictures of automata."""
     rules = (f".automaton {rule}" for rule in STYLE.splitlines())
     return "\n".join((template_text("report/page.css"), *rules))
+
+
+def _markdown(text: str) -> Markup:
+    """HTML in the text stays text."""
+    return Markup(MarkdownIt("commonmark", {"html": False}).enable("table").render(text))
 
 
 def _image(svg: str) -> str:

@@ -163,8 +163,14 @@ def test_other_results_are_chapters(tmp_path: Path, bridge: str) -> None:
     runs = output_of(tmp_path / "runs.json", *drawn)
     (tmp_path / "log.csv").write_text("time,n\n0,1\n5,11\n6,1\n", encoding="utf-8")
     log = output_of(tmp_path / "log.json", "monitor", "G n < 9", str(tmp_path / "log.csv"))
-    text = page(tmp_path, bridge, sweep, runs, log)
+    (tmp_path / "said.md").write_text("## What we did\n\n<b>Nothing</b> | *new*.\n", encoding="utf-8")
+    text = page(tmp_path, sweep, str(tmp_path / "said.md"), bridge, runs, log)
     assert not Checked(text).open
+    assert "&lt;b&gt;Nothing&lt;/b&gt; | <em>new</em>." in text
+    places = [
+        text.index(words) for words in ("many values</h2>", "What we did</h2>", "<h2>Answers</h2>", "simulation</h2>")
+    ]
+    assert places == sorted(places), "everything stands where it is named"
     for words in ("fischer.ta: many values", "2 combinations", "5 runs until 9", "seed 1", "why it is false"):
         assert words in text
     assert "data:image/svg+xml" in text[text.index("many values") :]
