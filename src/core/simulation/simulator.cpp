@@ -50,17 +50,7 @@ bool Simulator::begin(std::uint64_t seed, std::uint64_t run) {
 std::optional<Ending> Simulator::step(const RunLimits& limits) {
   for (std::uint64_t draws = 0; draws < most_idle_draws; ++draws) {
     if (frozen()) return act_now() ? std::nullopt : std::optional(Ending::deadlock);
-    Ticks first = never;
-    Ticks limit = never;
-    std::size_t winner = 0;
-    std::uint64_t ties = 0;
-    for (std::size_t p = 0; p < processes(); ++p) {
-      limit = std::min(limit, race_.limit[p]);
-      if (race_.due[p] > first || race_.due[p] == never) continue;
-      ties = race_.due[p] == first ? ties + 1 : 1;
-      first = race_.due[p];
-      if (ties == 1 || random_.below(ties) == 0) winner = p;
-    }
+    const auto [first, limit] = next_moments();
     if (std::min(first, limit) > limits.until) {
       now_ = limits.until;
       return Ending::horizon;
@@ -73,10 +63,40 @@ std::optional<Ending> Simulator::step(const RunLimits& limits) {
       return act_first(candidates_) ? std::nullopt : std::optional(Ending::time_lock);
     }
     now_ = first;
+    const std::size_t winner = winner_at(first);
     if (act(winner)) return std::nullopt;
     park(winner);
   }
   return Ending::zeno;
+}
+
+Ticks Simulator::next_moment() {
+  if (frozen()) return now_;
+  const auto [first, limit] = next_moments();
+  return std::min(first, limit);
+}
+
+// When somebody has drawn to act, and when an invariant ends.
+std::pair<Ticks, Ticks> Simulator::next_moments() const {
+  Ticks first = never;
+  Ticks limit = never;
+  for (std::size_t p = 0; p < processes(); ++p) {
+    first = std::min(first, race_.due[p]);
+    limit = std::min(limit, race_.limit[p]);
+  }
+  return {first, limit};
+}
+
+// Drawn only when the moment has come, so that a run that is stopped before and goes on is the same run.
+std::size_t Simulator::winner_at(Ticks moment) {
+  std::size_t winner = 0;
+  std::uint64_t ties = 0;
+  for (std::size_t p = 0; p < processes(); ++p) {
+    if (race_.due[p] != moment) continue;
+    ++ties;
+    if (ties == 1 || random_.below(ties) == 0) winner = p;
+  }
+  return winner;
 }
 
 // ---- conditions -----------------------------------------------------------------------------------------------------
@@ -251,6 +271,17 @@ bool Simulator::act(std::size_t process) {
   // Of a single edge it is asked below whether somebody receives.
   if (offered_.size() > 1) std::erase_if(offered_, [&](std::uint32_t number) { return !offers(process, number); });
   if (offered_.empty() || (offered_.size() == 1 && !offers_alone(process, offered_.front()))) return false;
+  return carry_out();
+}
+
+bool Simulator::take(std::uint32_t edge, Ticks moment) {
+  now_ = moment;
+  offered_.assign(1, edge);
+  return carry_out();
+}
+
+// Draws an action that begins with one of `offered_`, and takes it.
+bool Simulator::carry_out() {
   for (int attempt = 0; attempt < attempts; ++attempt) {
     if (!choose(offered_)) return false;
     if (apply()) return true;

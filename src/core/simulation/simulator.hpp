@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "machine/machine.hpp"
@@ -50,6 +51,14 @@ class Simulator {
 
   // Goes on to the state after the next transition; if there is none, says why. Throws ModelFault.
   std::optional<Ending> step(const RunLimits& limits);
+
+  // The next moment at which something may happen; `never` if nothing does by itself. Nothing happens before.
+  Ticks next_moment();
+
+  // Takes an action at this moment that begins with the edge, whether or not its guard holds: what the surroundings of
+  // the network do. False, with nothing changed, if nobody receives or invariants forbid it. The moment is neither in
+  // the past nor behind `next_moment`. Throws ModelFault.
+  bool take(std::uint32_t edge, Ticks moment);
 
   Ticks now() const { return now_; }
   std::span<const std::uint32_t> edges() const { return action_; }  // of the last transition
@@ -95,6 +104,8 @@ class Simulator {
   bool hears(std::uint32_t number, std::int32_t channel);
 
   // ---- the race
+  std::pair<Ticks, Ticks> next_moments() const;
+  std::size_t winner_at(Ticks moment);
   void refresh(std::size_t process);
   void park(std::size_t process);
   Ticks next_opening(std::uint32_t edge, Window own);
@@ -105,6 +116,7 @@ class Simulator {
 
   // ---- actions
   bool act(std::size_t process);
+  bool carry_out();
   bool act_first(std::vector<std::size_t>& candidates);
   bool act_now();
   bool frozen();
