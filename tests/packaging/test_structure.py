@@ -29,6 +29,7 @@ LIBRARIES = {
     "asammdf": {"runtime.logs"},
     "click": {"cli"},
     "construct": {"xrce"},
+    "fmpy": {"testing.simulated"},
     "h5py": {"runtime.logs"},
     "hypothesis": {"testing"},
     "jinja2": {"formats.uppaal", "report"},
@@ -56,7 +57,7 @@ LIBRARIES = {
     "rich": {"cli", "monitoring", "report"},
     "traitlets": {"report.page"},
     "vcd": {"runtime", "simulation"},
-    "xml": {"formats.uppaal", "report"},
+    "xml": {"fmi", "formats.uppaal", "report"},
     "z3": {"engines"},
 }
 """The packages that may use what is not tachk's own or the standard library's; of the latter, `xml`."""

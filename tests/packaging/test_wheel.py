@@ -13,6 +13,7 @@ from tachk import resources
 CHECKOUT = Path(__file__).parents[2]
 DATA_FOLDERS = ("grammar", "templates", "models", "queries")
 DATA_SUFFIXES = {".lark", ".j2", ".css", ".js", ".ta", ".xta", ".xml", ".q", ".stl", ".md"}
+LIBRARIES = (".so", ".dylib", ".pyd")
 PACKAGE = Path(tachk.__file__).parent
 
 installed_only = pytest.mark.skipif(PACKAGE.is_relative_to(CHECKOUT / "src"), reason="tachk is not installed")
@@ -27,12 +28,12 @@ def files_below(folder: Path) -> set[str]:
 
 
 @installed_only
-def test_package_holds_the_sources_the_extension_and_nothing_else() -> None:
+def test_package_holds_the_sources_the_libraries_and_nothing_else() -> None:
     installed = {name for name in files_below(PACKAGE) if not name.startswith("_data/")}
-    extensions = {name for name in installed if name.startswith("_core.") and name.endswith((".so", ".pyd"))}
-    assert len(extensions) == 1
-    in_checkout = {name for name in files_below(CHECKOUT / "src/tachk") if not name.endswith((".so", ".pyd"))}
-    assert installed - extensions == in_checkout
+    built = {name for name in installed if name.endswith(LIBRARIES)}
+    assert sorted(name.split(".")[0] for name in built) == ["_core", "libtachk_unit"]
+    in_checkout = {name for name in files_below(CHECKOUT / "src/tachk") if not name.endswith(LIBRARIES)}
+    assert installed - built == in_checkout
 
 
 @installed_only

@@ -11,6 +11,7 @@ from tachk import api
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
+from tachk.diagnostics.diagnostic import UsageError
 from tachk.formats.catalogue import ExportFormat, export_model, format_of
 from tachk.formats.exported import Exported, Writing
 
@@ -24,13 +25,18 @@ def run_export(
     explain: bool,
     keep_names: bool,
     observers: bool,
+    fmi: str | None = None,
 ) -> ExitStatus:
     """Writes a model in another format, with its queries beside it where the format has no place for them.
 
     Args:
         format: without it, what the ending of the output says.
         explain: tell what is written differently, and where.
+
+    Raises UsageError for an option of units.
     """
+    if fmi is not None:
+        raise UsageError("--fmi goes with --format fmu")
     constants = parse_definitions(definitions)
     wanted = format or (ExportFormat.XTA if output is None else format_of(output))
     source = api.load(model, **constants)

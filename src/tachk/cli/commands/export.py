@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import click
@@ -9,13 +10,16 @@ import click
 from tachk.cli import options
 from tachk.formats.catalogue import ExportFormat
 
+_UNIT = "fmu"
+"""Not one of the formats of texts: a unit for co-simulation."""
 
-@click.command(name="export", short_help="Write a model for UPPAAL, TChecker, Munta or Graphviz.")
+
+@click.command(name="export", short_help="Write a model for UPPAAL, TChecker, Munta or Graphviz, or as a unit (FMU).")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="The file to write.")
 @click.option(
     "--format",
-    type=options.Choice(ExportFormat),
+    type=click.Choice([*(format_.value for format_ in ExportFormat), _UNIT]),
     help="The format; by default the one that the ending of FILE stands for.",
 )
 @options.definitions
@@ -27,9 +31,19 @@ from tachk.formats.catalogue import ExportFormat
     show_default=True,
     help="Write temporal properties as observer automata, or as comments.",
 )
+@click.option("--fmi", type=click.Choice(["2", "3"]), help="The version of FMI of a unit; 3 by default.")
 @options.max_seconds()
-def command(seconds: float | None, **given: Any) -> None:
-    """Write a model for UPPAAL, TChecker, Munta, Graphviz or other programs, and its queries in a file beside it."""
+def command(seconds: float | None, output: Path | None, format: str | None, fmi: str | None, **given: Any) -> None:
+    """Write a model for UPPAAL, TChecker, Munta, Graphviz or other programs, and its queries in a file beside it.
+
+    With --format fmu it becomes a unit for co-simulation by the standard FMI.
+    """
+    if format == _UNIT or (format is None and output is not None and output.suffix.lower() == f".{_UNIT}"):
+        from tachk.cli.actions.simulation.export_unit import run_export_unit
+
+        options.finish(lambda: run_export_unit(output=output, fmi=fmi or "3", **given), seconds)
+        return
     from tachk.cli.actions.export import run_export
 
-    options.finish(lambda: run_export(**given), seconds)
+    wanted = None if format is None else ExportFormat(format)
+    options.finish(lambda: run_export(output=output, format=wanted, fmi=fmi, **given), seconds)

@@ -106,7 +106,7 @@ class Simulator:
     def __init__(self, program: Program, chances: Chances) -> None:
         self._program = program
         self._observed = len(chances.observed)
-        self._core = _core.Simulation(encode(program, ()), list(_image(chances)))
+        self._core = _core.Simulation(encode(program, ()), list(chances_image(chances)))
 
     def runs(self, drawing: Drawing, numbers: range, recorded: Recorded) -> Iterator[Simulated]:
         """The runs of these numbers, which follow one another. Raises OutOfTimeError."""
@@ -159,7 +159,7 @@ class Simulator:
             first += size
 
 
-def _image(chances: Chances) -> Iterator[int]:
+def chances_image(chances: Chances) -> Iterator[int]:
     """The numbers that `src/core/simulation/chances.cpp` reads."""
     for rates in chances.rates:
         yield from _numbers(rates)

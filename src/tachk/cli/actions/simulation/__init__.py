@@ -1,1 +1,1 @@
-"""`tachk simulate`: runs of a model are drawn, judged and written."""
+"""`tachk simulate`: runs of a model are drawn, judged and written; models as units that others run."""

@@ -1,0 +1,76 @@
+// What a unit for co-simulation is made of: a file that `tachk export --format fmu` writes, and that lies beside the
+// library. `tachk.fmi.blueprint` has the same fields.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "program/program.hpp"
+#include "simulation/chances.hpp"
+#include "simulation/clock_values.hpp"
+#include "simulation/tables.hpp"
+
+namespace tachk::fmi {
+
+// What a variable of a unit stands for, and what its number means.
+enum class Role : std::int64_t {
+  time,
+  seed,      // of the random numbers
+  run,       // its number
+  policy,    // how processes choose moments
+  observed,  // a value of the network: its place in `Chances::observed`
+  input,     // what the surroundings write: a slot
+  hears,     // a channel over which the surroundings send: the edge that does it
+  sends,     // a channel over which the network sends: the edge that takes notice
+};
+
+enum class Type : std::int64_t { real, integer, truth, enumeration, natural, clock };
+
+struct Variable {
+  Role role;
+  Type type;
+  std::int64_t number;
+};
+
+// Seconds as ticks: a tick is numerator / denominator seconds.
+class TimeScale {
+ public:
+  TimeScale() = default;
+  TimeScale(std::int64_t numerator, std::int64_t denominator) : numerator_(numerator), denominator_(denominator) {}
+
+  double seconds(Ticks ticks) const;
+  // The nearest tick. Throws std::invalid_argument for a time that is too large, or none.
+  Ticks ticks(double seconds) const;
+  // How many ticks a time may be off because it is a double.
+  Ticks slack(double seconds) const;
+
+ private:
+  std::int64_t numerator_ = 1;
+  std::int64_t denominator_ = 1;
+};
+
+struct Blueprint {
+  // Throws std::invalid_argument if the file is none.
+  explicit Blueprint(const std::string& path);
+  Blueprint(const Blueprint&) = delete;
+  Blueprint& operator=(const Blueprint&) = delete;
+
+  std::array<std::int64_t, 2> fingerprint;
+  TimeScale scale;
+  std::int64_t nudge;  // the edge by which the surroundings write without sending; -1 if they never do
+  std::vector<Variable> variables;
+  Program program;
+  Chances chances;
+  Tables tables;
+
+  std::string token() const;  // of the fingerprint
+  bool open() const { return nudge >= 0; }
+
+ private:
+  struct Numbers;
+  explicit Blueprint(Numbers numbers);
+};
+
+}  // namespace tachk::fmi

@@ -1,0 +1,351 @@
+#include "fmi/course.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <stdexcept>
+#include <utility>
+
+namespace tachk::fmi {
+namespace {
+
+// Reads what `save` has written.
+class Saved {
+ public:
+  explicit Saved(std::span<const std::int64_t> numbers) : numbers_(numbers) {}
+
+  std::int64_t next() {
+    if (position_ >= numbers_.size()) throw std::invalid_argument("a saved state is too short");
+    return numbers_[position_++];
+  }
+  std::uint64_t natural() { return static_cast<std::uint64_t>(next()); }
+  bool truth() { return next() != 0; }
+
+  template <class Value>
+  std::vector<Value> sequence() {
+    const std::uint64_t size = natural();
+    if (size > numbers_.size() - position_) throw std::invalid_argument("a saved state is too short");
+    const auto first = numbers_.begin() + static_cast<std::ptrdiff_t>(position_);
+    position_ += size;
+    std::vector<Value> result;
+    std::transform(first, first + static_cast<std::ptrdiff_t>(size), std::back_inserter(result),
+                   [](std::int64_t number) { return static_cast<Value>(number); });
+    return result;
+  }
+
+ private:
+  std::span<const std::int64_t> numbers_;
+  std::size_t position_ = 0;
+};
+
+template <class Value>
+void append(std::vector<std::int64_t>& numbers, const std::vector<Value>& values) {
+  numbers.push_back(static_cast<std::int64_t>(values.size()));
+  numbers.insert(numbers.end(), values.begin(), values.end());
+}
+
+}  // namespace
+
+Course::Course(std::shared_ptr<const Blueprint> blueprint) : blueprint_(std::move(blueprint)) {
+  const std::vector<Variable>& variables = blueprint_->variables;
+  outside_.inputs.resize(variables.size());
+  outside_.counts.resize(variables.size());
+  outside_.pending.resize(variables.size());
+  for (std::size_t n = 0; n < variables.size(); ++n)
+    if (variables[n].role == Role::input)
+      outside_.inputs[n] = blueprint_->program.slots[static_cast<std::size_t>(variables[n].number)].initial;
+}
+
+Course::Course(const Course& other)
+    : blueprint_(other.blueprint_),
+      parameters_(other.parameters_),
+      simulator_(other.simulator_ ? std::make_unique<Simulator>(*other.simulator_) : nullptr),
+      start_(other.start_),
+      now_(other.now_),
+      transitions_(other.transitions_),
+      at_once_(other.at_once_),
+      last_(other.last_),
+      settled_(other.settled_),
+      fresh_(other.fresh_),
+      ending_(other.ending_),
+      outside_(other.outside_) {}
+
+// ---- variables ------------------------------------------------------------------------------------------------------
+
+const Variable& Course::variable(std::uint32_t reference, Type type) const {
+  if (reference >= blueprint_->variables.size()) throw std::invalid_argument("there is no variable with this number");
+  const Variable& found = blueprint_->variables[reference];
+  if (found.type != type) throw std::invalid_argument("the variable has another type");
+  return found;
+}
+
+double Course::real(std::uint32_t reference) {
+  const Variable& wanted = variable(reference, Type::real);
+  if (wanted.role == Role::time) return blueprint_->scale.seconds(start_ + now_);
+  begin();
+  const Number& number = blueprint_->chances.observed[static_cast<std::size_t>(wanted.number)];
+  return number.value(simulator_->machine(), simulator_->slots());
+}
+
+std::int64_t Course::number(std::uint32_t reference, Type type) {
+  const Variable& wanted = variable(reference, type);
+  switch (wanted.role) {
+    case Role::seed:
+      return static_cast<std::int64_t>(parameters_.seed);
+    case Role::run:
+      return static_cast<std::int64_t>(parameters_.run);
+    case Role::policy:
+      return static_cast<std::int64_t>(parameters_.policy);
+    case Role::input:
+      return outside_.inputs[reference];
+    case Role::hears:
+      return outside_.counts[reference] + outside_.pending[reference];
+    case Role::sends:
+      return outside_.counts[reference];
+    case Role::observed:
+    case Role::time:
+      break;
+  }
+  begin();
+  const Number& found = blueprint_->chances.observed[static_cast<std::size_t>(wanted.number)];
+  return static_cast<std::int64_t>(found.value(simulator_->machine(), simulator_->slots()));
+}
+
+void Course::set_number(std::uint32_t reference, Type type, std::int64_t value) {
+  const Variable& wanted = variable(reference, type);
+  switch (wanted.role) {
+    case Role::seed:
+    case Role::run:
+    case Role::policy:
+      choose(wanted.role, value);
+      return;
+    case Role::input:
+      set_input(reference, value);
+      return;
+    case Role::hears:
+      set_count(reference, value);
+      return;
+    case Role::time:
+    case Role::observed:
+    case Role::sends:
+      throw std::invalid_argument("this variable cannot be set");
+  }
+}
+
+void Course::choose(Role parameter, std::int64_t value) {
+  if (transitions_ > 0 || now_ > 0 || !outside_.intakes.empty()) throw std::invalid_argument("the run has begun");
+  if (parameter == Role::policy && (value < 0 || value > static_cast<std::int64_t>(Policy::latest)))
+    throw std::invalid_argument("there is no such policy");
+  if (parameter == Role::seed)
+    parameters_.seed = static_cast<std::uint64_t>(value);
+  else if (parameter == Role::run)
+    parameters_.run = static_cast<std::uint64_t>(value);
+  else
+    parameters_.policy = static_cast<Policy>(value);
+  simulator_.reset();
+}
+
+void Course::set_input(std::uint32_t place, std::int64_t value) {
+  const Slot& slot = blueprint_->program.slots[static_cast<std::size_t>(blueprint_->variables[place].number)];
+  if (value < slot.low || value > slot.high) throw std::invalid_argument("the value is outside the variable's range");
+  outside_.changed |= outside_.inputs[place] != value;
+  outside_.inputs[place] = static_cast<std::int32_t>(value);
+}
+
+void Course::set_count(std::uint32_t place, std::int64_t value) {
+  if (value < outside_.counts[place] + outside_.pending[place])
+    throw std::invalid_argument("a number of messages went down");
+  outside_.pending[place] = value - outside_.counts[place];
+}
+
+bool Course::ticks(std::uint32_t reference) const {
+  const Variable& wanted = variable(reference, Type::clock);
+  if (wanted.role == Role::hears) return outside_.pending[reference] > 0;
+  if (!fresh_ || !simulator_) return false;
+  const std::span<const std::uint32_t> edges = simulator_->edges();
+  return std::find(edges.begin(), edges.end(), static_cast<std::uint32_t>(wanted.number)) != edges.end();
+}
+
+void Course::set_ticks(std::uint32_t reference) {
+  if (variable(reference, Type::clock).role != Role::hears) throw std::invalid_argument("this clock cannot be set");
+  outside_.pending[reference] = 1;
+}
+
+bool Course::ticking() const {
+  const std::vector<Variable>& variables = blueprint_->variables;
+  for (std::uint32_t n = 0; n < variables.size(); ++n)
+    if (variables[n].role == Role::sends && variables[n].type == Type::clock && ticks(n)) return true;
+  return false;
+}
+
+// ---- the run --------------------------------------------------------------------------------------------------------
+
+void Course::begin() {
+  if (simulator_) return;
+  auto simulator =
+      std::make_unique<Simulator>(blueprint_->program, blueprint_->chances, blueprint_->tables, parameters_.policy);
+  if (!simulator->begin(parameters_.seed, parameters_.run))
+    throw std::invalid_argument("the initial state of the network violates an invariant");
+  simulator_ = std::move(simulator);
+}
+
+Ticks Course::next_event() {
+  if (ending_) return never;
+  if (outside_.changed ||
+      std::any_of(outside_.pending.begin(), outside_.pending.end(), [](std::int64_t count) { return count > 0; }))
+    return now_;
+  return std::max(simulator_->next_moment(), now_);
+}
+
+void Course::wait_until(Ticks moment) {
+  settled_ = settled_ && moment == now_;
+  now_ = moment;
+}
+
+bool Course::react() {
+  fresh_ = false;
+  if (ending_) return false;
+  bool sent = false;
+  for (std::uint32_t n = 0; n < outside_.pending.size(); ++n)
+    for (; outside_.pending[n] > 0; --outside_.pending[n], ++outside_.counts[n], sent = true)
+      surroundings_send(static_cast<std::uint32_t>(blueprint_->variables[n].number));
+  if (outside_.changed) surroundings_send(static_cast<std::uint32_t>(blueprint_->nudge));
+  return sent || transition();
+}
+
+// The surroundings take a transition of theirs, and the network hears of the new inputs.
+void Course::surroundings_send(std::uint32_t edge) {
+  outside_.intakes.push_back({transitions_, now_, settled_, edge, outside_.inputs});
+  take(outside_.intakes.back());
+  outside_.changed = false;
+}
+
+void Course::take(const Intake& intake) {
+  for (std::size_t n = 0; n < intake.inputs.size(); ++n)
+    if (blueprint_->variables[n].role == Role::input)
+      simulator_->slots()[blueprint_->variables[n].number] = intake.inputs[n];
+  if (!simulator_->take(intake.edge, intake.moment))
+    throw std::invalid_argument("the surroundings send what no process can receive now");
+  settled_ = false;
+}
+
+bool Course::transition() {
+  if (settled_) return false;
+  RunLimits limits;
+  limits.until = now_;
+  const std::optional<Ending> ending = simulator_->step(limits);
+  if (!ending) {
+    ++transitions_;
+    at_once_ = now_ == last_ ? at_once_ + 1 : 0;
+    last_ = now_;
+    fresh_ = true;
+    count();
+    if (at_once_ >= limits.steps_at_once) ending_ = Ending::zeno;
+    return true;
+  }
+  settled_ = true;
+  // In an open network the surroundings may help.
+  const bool stuck = *ending == Ending::deadlock || *ending == Ending::time_lock;
+  if (*ending != Ending::horizon && !(stuck && blueprint_->open())) ending_ = ending;
+  return false;
+}
+
+void Course::count() {
+  const std::span<const std::uint32_t> edges = simulator_->edges();
+  if (!blueprint_->open() || edges.size() < 2) return;
+  for (std::size_t n = 0; n < outside_.counts.size(); ++n) {
+    const Variable& variable = blueprint_->variables[n];
+    if (variable.role != Role::sends) continue;
+    outside_.counts[n] += std::count(edges.begin(), edges.end(), static_cast<std::uint32_t>(variable.number));
+  }
+}
+
+// ---- as numbers -----------------------------------------------------------------------------------------------------
+//
+// What is saved is how the run came about: its parameters, how many transitions it has had, and what the surroundings
+// did. That is all there is to know of it, whatever a simulator keeps in mind.
+
+std::vector<std::int64_t> Course::save() const {
+  std::vector<std::int64_t> result{blueprint_->fingerprint[0],
+                                   blueprint_->fingerprint[1],
+                                   static_cast<std::int64_t>(parameters_.seed),
+                                   static_cast<std::int64_t>(parameters_.run),
+                                   static_cast<std::int64_t>(parameters_.policy),
+                                   simulator_ != nullptr,
+                                   start_,
+                                   now_,
+                                   static_cast<std::int64_t>(transitions_),
+                                   settled_,
+                                   fresh_,
+                                   outside_.changed,
+                                   ending_ ? static_cast<std::int64_t>(*ending_) : -1};
+  append(result, outside_.inputs);
+  append(result, outside_.counts);
+  append(result, outside_.pending);
+  result.push_back(static_cast<std::int64_t>(outside_.intakes.size()));
+  for (const Intake& intake : outside_.intakes) {
+    result.insert(result.end(), {static_cast<std::int64_t>(intake.transitions), intake.moment, intake.settled,
+                                 static_cast<std::int64_t>(intake.edge)});
+    append(result, intake.inputs);
+  }
+  return result;
+}
+
+Course Course::restore(std::shared_ptr<const Blueprint> blueprint, std::span<const std::int64_t> numbers) {
+  Course result(std::move(blueprint));
+  Saved saved(numbers);
+  if (saved.next() != result.blueprint_->fingerprint[0] || saved.next() != result.blueprint_->fingerprint[1])
+    throw std::invalid_argument("the state was saved by a unit of another network");
+  result.parameters_.seed = saved.natural();
+  result.parameters_.run = saved.natural();
+  const std::int64_t policy = saved.next();
+  if (policy < 0 || policy > static_cast<std::int64_t>(Policy::latest)) throw std::invalid_argument("bad saved state");
+  result.parameters_.policy = static_cast<Policy>(policy);
+  const bool begun = saved.truth();
+  result.start_ = saved.next();
+  const Ticks now = saved.next();
+  const std::uint64_t transitions = saved.natural();
+  const bool settled = saved.truth();
+  const bool fresh = saved.truth();
+  const bool changed = saved.truth();
+  const std::int64_t ending = saved.next();
+  const auto inputs = saved.sequence<std::int32_t>();
+  const auto counts = saved.sequence<std::int64_t>();
+  const auto pending = saved.sequence<std::int64_t>();
+  if (begun) {
+    result.begin();
+    for (std::uint64_t left = saved.natural(); left > 0; --left) {
+      Intake intake{saved.natural(), saved.next(), saved.truth(), static_cast<std::uint32_t>(saved.next()), {}};
+      intake.inputs = saved.sequence<std::int32_t>();
+      result.go_through(intake);
+      result.take(intake);
+      result.outside_.intakes.push_back(std::move(intake));
+    }
+    result.go_through({transitions, now, settled, 0, {}});
+  }
+  result.now_ = now;
+  result.settled_ = settled;
+  result.fresh_ = fresh;
+  result.outside_.changed = changed;
+  if (ending >= 0) result.ending_ = static_cast<Ending>(ending);
+  result.outside_.inputs = inputs;
+  result.outside_.counts = counts;
+  result.outside_.pending = pending;
+  return result;
+}
+
+// The network on its own up to what the surroundings did.
+void Course::go_through(const Intake& intake) {
+  RunLimits limits;
+  while (transitions_ < intake.transitions) {
+    if (simulator_->step(limits)) throw std::invalid_argument("the saved state is not one of this network");
+    ++transitions_;
+    at_once_ = simulator_->now() == last_ ? at_once_ + 1 : 0;
+    last_ = simulator_->now();
+  }
+  limits.until = intake.moment - 1;
+  if (simulator_->next_moment() < intake.moment) simulator_->step(limits);
+  limits.until = intake.moment;
+  if (intake.settled) simulator_->step(limits);
+}
+
+}  // namespace tachk::fmi

@@ -1,0 +1,98 @@
+// A run of a unit under way: what it has been given, where it is. A copy goes on on its own.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "fmi/blueprint.hpp"
+#include "simulation/simulator.hpp"
+
+namespace tachk::fmi {
+
+class Course {
+ public:
+  explicit Course(std::shared_ptr<const Blueprint> blueprint);
+  Course(const Course& other);
+  Course& operator=(const Course& other) = delete;
+
+  // ---- variables. All throw std::invalid_argument for a variable of another type or one that cannot be set, and
+  // ModelFault.
+  double real(std::uint32_t reference);
+  std::int64_t number(std::uint32_t reference, Type type);
+  void set_number(std::uint32_t reference, Type type, std::int64_t value);
+  bool ticks(std::uint32_t reference) const;  // whether a channel was used by the last transition
+  void set_ticks(std::uint32_t reference);
+  bool ticking() const;  // some channel over which the network sends
+
+  // ---- the run
+  // Begins it if that has not been done. Throws std::invalid_argument if there is no initial state, and ModelFault.
+  void begin();
+  void start_at(Ticks start) { start_ = start; }
+  Ticks start() const { return start_; }
+  Ticks now() const { return now_; }
+  // When something may happen next; `never` if nothing does by itself. Nothing happens before.
+  Ticks next_event();
+  // To a moment that is not behind `next_event`.
+  void wait_until(Ticks moment);
+  // What happens at this moment: what the surroundings have done, or else one transition. False if nothing does.
+  bool react();
+  // Why nothing can happen any more.
+  std::optional<Ending> ending() const { return ending_; }
+
+  // ---- as numbers
+  std::vector<std::int64_t> save() const;
+  // Throws std::invalid_argument if the numbers were not saved by a unit of the same network.
+  static Course restore(std::shared_ptr<const Blueprint> blueprint, std::span<const std::int64_t> saved);
+
+ private:
+  // What the surroundings did, and when.
+  struct Intake {
+    std::uint64_t transitions;  // of the network before it
+    Ticks moment;
+    bool settled;  // whether the network had been asked to act at that moment, and did not
+    std::uint32_t edge;
+    std::vector<std::int32_t> inputs;
+  };
+  struct Parameters {
+    std::uint64_t seed = 0;
+    std::uint64_t run = 0;
+    Policy policy = Policy::stochastic;
+  };
+
+  // What is known of those who run the network together with others.
+  struct Surroundings {
+    std::vector<std::int32_t> inputs;   // of each variable
+    std::vector<std::int64_t> counts;   // of each variable: how often its channel was used
+    std::vector<std::int64_t> pending;  // of each variable: how often they still have to send
+    bool changed = false;               // inputs that the network has not read
+    std::vector<Intake> intakes;        // all of them so far
+  };
+
+  const Variable& variable(std::uint32_t reference, Type type) const;
+  void choose(Role parameter, std::int64_t value);
+  void set_input(std::uint32_t place, std::int64_t value);
+  void set_count(std::uint32_t place, std::int64_t value);
+  void surroundings_send(std::uint32_t edge);
+  void take(const Intake& intake);
+  bool transition();
+  void count();
+  void go_through(const Intake& intake);
+
+  std::shared_ptr<const Blueprint> blueprint_;
+  Parameters parameters_;
+  std::unique_ptr<Simulator> simulator_;  // null before the run has begun
+  Ticks start_ = 0;                       // of the run, in the time of the surroundings
+  Ticks now_ = 0;                         // since the start
+  std::uint64_t transitions_ = 0;
+  std::uint64_t at_once_ = 0;  // transitions without time between them
+  Ticks last_ = 0;             // when the last one was
+  bool settled_ = false;       // the network has been asked to act at this moment, and did not
+  bool fresh_ = false;         // what happened last is the last transition of the network
+  std::optional<Ending> ending_;
+  Surroundings outside_;
+};
+
+}  // namespace tachk::fmi

@@ -1,0 +1,41 @@
+"""`tachk export --format fmu`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tachk import api
+from tachk.cli.arguments import parse_definitions
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.guard import print_diagnostics
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.fmi.archive import write_unit
+from tachk.fmi.description import Version
+from tachk.fmi.unit import closed_unit
+
+
+def run_export_unit(
+    *,
+    model: str,
+    output: Path | None,
+    fmi: str,
+    definitions: tuple[str, ...],
+    explain: bool,
+    keep_names: bool,
+    observers: bool,
+) -> ExitStatus:
+    """Writes a model as a unit for co-simulation.
+
+    Args:
+        explain, keep_names, observers: for other formats; a unit has the model as it is.
+    """
+    if output is None:
+        raise UsageError("a unit is a file of its own", "name it with -o FILE.fmu")
+    if explain or keep_names or not observers:
+        raise UsageError("--explain, --keep-names and --no-observers are for texts, not for units")
+    source = api.load(model, **parse_definitions(definitions))
+    print_diagnostics((*source.refusals, *source.warnings))
+    unit = closed_unit(source.network, Path(model).stem)
+    write_unit(unit, Version(fmi), output)
+    print(f"written: {output}, FMI {fmi}.0, {len(unit.variables)} variables")
+    return ExitStatus.AS_EXPECTED

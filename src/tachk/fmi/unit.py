@@ -1,0 +1,138 @@
+"""What a unit for co-simulation consists of: a network, and the variables that a master sees."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from enum import IntEnum
+from fractions import Fraction
+
+from tachk.compiler.features import check_simulated
+from tachk.compiler.lower import lower_simulation
+from tachk.compiler.program import Chances, Program
+from tachk.engines.simulation.policy import Policy
+from tachk.engines.simulation.simulator import TICKS_PER_UNIT
+from tachk.model.floating import DOUBLE
+from tachk.model.network import Network
+from tachk.records import dataclass
+from tachk.simulation.columns import Column, all_columns, observed
+from tachk.time_units import length_of
+
+_NANOSECONDS = 10**9
+
+
+class Role(IntEnum):
+    """What a variable stands for: `src/core/fmi/blueprint.hpp` has the same list."""
+
+    TIME = 0
+    SEED = 1
+    RUN = 2
+    POLICY = 3
+    OBSERVED = 4
+    INPUT = 5
+    HEARS = 6
+    SENDS = 7
+
+
+class Kind(IntEnum):
+    """The type of a variable, in the order of `src/core/fmi/blueprint.hpp`."""
+
+    REAL = 0
+    INTEGER = 1
+    TRUTH = 2
+    ENUMERATION = 3
+    NATURAL = 4
+    CLOCK = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A variable of a unit; its place is its value reference.
+
+    Attributes:
+        number: which one it is among those of its role.
+        labels: of an enumeration, from 0 on.
+        start: what it has before it is set, if it can be.
+        bounds: the least and the largest value, where known.
+    """
+
+    name: str
+    role: Role
+    kind: Kind
+    number: int = 0
+    labels: tuple[str, ...] = ()
+    start: int | None = None
+    bounds: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """Attributes:
+    name: of the model, an identifier of C.
+    second: how many ticks are a second.
+    nudge: the edge by which the surroundings change inputs without sending anything; -1 if there are no inputs.
+    """
+
+    name: str
+    program: Program
+    chances: Chances
+    variables: tuple[Variable, ...]
+    second: Fraction
+    nudge: int = -1
+
+
+def closed_unit(network: Network, name: str) -> Unit:
+    """A network without surroundings. Raises UnsupportedError for what is not simulated."""
+    check_simulated(network)
+    columns = all_columns(network)
+    program, chances = lower_simulation(network, observed(columns))
+    return Unit(
+        identifier(name),
+        program,
+        chances,
+        (*parameters(), *observations(columns, program)),
+        ticks_of_a_second(network),
+    )
+
+
+def identifier(name: str) -> str:
+    """A name that a C compiler and a file system take."""
+    plain = re.sub(r"\W", "_", name, flags=re.ASCII)
+    return plain if plain[:1].isalpha() else f"model_{plain}"
+
+
+def ticks_of_a_second(network: Network) -> Fraction:
+    """Time is in seconds; in a model without a unit of time, 1 is a second."""
+    length = length_of(network.time_unit) if network.time_unit else None
+    return Fraction(TICKS_PER_UNIT) * (1 if length is None else Fraction(_NANOSECONDS) / length)
+
+
+def parameters() -> tuple[Variable, ...]:
+    """What every unit has."""
+    policies = tuple(policy.value for policy in Policy)
+    return (
+        Variable("time", Role.TIME, Kind.REAL),
+        Variable("seed", Role.SEED, Kind.NATURAL, start=0),
+        Variable("run", Role.RUN, Kind.NATURAL, start=0),
+        Variable("policy", Role.POLICY, Kind.ENUMERATION, labels=policies, start=0),
+    )
+
+
+def observations(columns: Sequence[Column], program: Program) -> Iterator[Variable]:
+    """What can be seen of a run, under the names that it has in a recording."""
+    taken = {variable.name for variable in parameters()}
+    for number, column in enumerate(columns):
+        name = f"model.{column.name}" if column.name in taken else column.name
+        kind, bounds = _kind(column), None
+        if kind is Kind.INTEGER and isinstance(column.value, int):
+            slot = program.slots[column.value]
+            bounds = slot.low, slot.high
+        yield Variable(name, Role.OBSERVED, kind, number, column.labels, bounds=bounds)
+
+
+def _kind(column: Column) -> Kind:
+    if column.labels:
+        return Kind.ENUMERATION
+    if column.truth:
+        return Kind.TRUTH
+    return Kind.INTEGER if isinstance(column.value, int) or column.value.type != DOUBLE else Kind.REAL
