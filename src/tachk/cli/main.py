@@ -33,6 +33,7 @@ COMMANDS = (
     "chart",
     "simulate",
     "replay",
+    "step",
     "conform",
     "proxy",
     "monitor",

@@ -56,6 +56,7 @@ COMMAND_LINES = (
     "sweep m.ta -D N=1..2 --quiet",
     "simulate m.ta -o out.csv",
     "replay m.ta m.run",
+    "step m.ta",
     "report m.ta -o out.html",
     "time m.ta --to n==2",
     "check m.ta",

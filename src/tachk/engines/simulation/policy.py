@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from enum import StrEnum
 
+SCRIPT = "script"
+"""What somebody says in place of a policy who has a file with all decisions: nothing is drawn."""
+
 
 class Policy(StrEnum):
     """How long a process waits before it acts, within its guards and its invariant."""

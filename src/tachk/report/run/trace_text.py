@@ -145,7 +145,7 @@ class _Teller:
             if step.event is None
             else list(event_lines(step.event, self._columns - self._width - 9))
         )
-        details += _change_lines(self._state(number), step.state)
+        details += change_lines(self._state(number), step.state)
         if self._clocks and step.state.clocks:
             details.append(_clock_line(step.state.clocks))
         self._step(number + 1, details)
@@ -162,7 +162,7 @@ class _Teller:
         time = self._trace.steps[end - 1].state.time
         words += f", to step {end}" + (f" at {duration(time, self._unit)}" if period and time is not None else "")
         self._note(words)
-        for line in _change_lines(self._state(last), self._state(end)):
+        for line in change_lines(self._state(last), self._state(end)):
             self._lines.append(" " * (self._width + 9)).append_text(line).append("\n")
 
     def _state(self, number: int) -> Snapshot:
@@ -216,7 +216,8 @@ def _move_line(channel: str, move: Move) -> Text:
     return line
 
 
-def _change_lines(before: Snapshot, after: Snapshot) -> list[Text]:
+def change_lines(before: Snapshot, after: Snapshot) -> list[Text]:
+    """The variables that a step has changed, with their old and new values."""
     groups: list[list[tuple[str, int | bool, int | bool]]] = []
     last = ("", -1)
     pairs = zip(before.variables, after.variables, strict=True)

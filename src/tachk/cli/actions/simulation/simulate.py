@@ -14,12 +14,13 @@ from tachk import api
 from tachk.cli.actions.judged import exit_status
 from tachk.cli.actions.simulation.formulas import formulas_for
 from tachk.cli.actions.simulation.run_files import holds_steps, run_files
+from tachk.cli.actions.simulation.scripted import Script, run_script
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import TableForm
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.simulation.policy import Policy
+from tachk.engines.simulation.policy import SCRIPT, Policy
 from tachk.engines.simulation.simulator import LATEST_END, TICKS_PER_UNIT, Drawing, Ending, Recorded, Simulated
 from tachk.model.network import Network
 from tachk.monitoring.formulas import NamedFormula
@@ -41,7 +42,7 @@ class Simulating:
     runs: int = 1
     until: str = "100"
     seed: int = 0
-    policy: Policy = Policy.STOCHASTIC
+    policy: str = Policy.STOCHASTIC.value
     first: int = 0
     threads: int = 1
     steps: int | None = None
@@ -50,6 +51,7 @@ class Simulating:
     definitions: tuple[str, ...] = ()
     output: Path | None = None
     form: TableForm = TableForm.TEXT
+    script: Path | None = None
     confidence: float = 0.95
 
 
@@ -87,6 +89,15 @@ class _Tally:
 
 def run_simulate(asked: Simulating) -> ExitStatus:
     """Draws runs, judges and writes them, and prints a summary."""
+    if (asked.policy == SCRIPT) is (asked.script is None):
+        problem = "--policy script needs a file" if asked.script is None else f"{asked.script}: one model at a time"
+        raise UsageError(problem, "tachk simulate MODEL --policy script FILE.run takes its steps")
+    if asked.script is not None:
+        if asked.runs != 1:
+            raise UsageError(f"{asked.script}: a script makes one run", "leave --runs out")
+        return run_script(
+            Script(asked.model, asked.script, asked.definitions, asked.record, asked.formulas, asked.output, asked.form)
+        )
     definitions = parse_definitions(asked.definitions)
     model = api.load(asked.model, **definitions)
     print_diagnostics((*model.refusals, *model.warnings))
@@ -95,7 +106,7 @@ def run_simulate(asked: Simulating) -> ExitStatus:
     until = _ticks(asked.until, network)
     columns = columns_for(network, asked.record, (name for f in formulas for name in f.columns - f.constant_names))
     runs = Runs(network, columns)
-    drawing = Drawing(asked.seed, until, asked.policy, asked.steps, asked.threads)
+    drawing = Drawing(asked.seed, until, Policy(asked.policy), asked.steps, asked.threads)
     observed = asked.output is not None or bool(formulas)
     tally = _Tally()
     with nullcontext() if asked.output is None else run_files(asked.output, model, definitions, asked.runs) as write:
@@ -179,7 +190,7 @@ def _json(asked: Simulating, tally: _Tally) -> dict[str, object]:
         "first": asked.first,
         "until": asked.until,
         "seed": asked.seed,
-        "policy": asked.policy.value,
+        "policy": asked.policy,
         "transitions": tally.transitions,
         "endings": {ending.value: count for ending, count in tally.endings.items()},
         "formulas": [

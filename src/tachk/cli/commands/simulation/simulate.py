@@ -8,11 +8,18 @@ import click
 
 from tachk.cli import options
 from tachk.cli.reporting import TableForm
-from tachk.engines.simulation.policy import Policy
+from tachk.engines.simulation.policy import SCRIPT, Policy
 
 
 @click.command(name="simulate", short_help="Draw random runs of a model.")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
+@click.argument(
+    "script",
+    metavar="[FILE]",
+    type=options.type_of_file,
+    required=False,
+    help="With --policy script: the run, as tachk step writes it.",
+)
 @click.option("--runs", metavar="N", type=options.Count(1, 10**9), default=1, show_default=True, help="How many runs.")
 @click.option(
     "--until",
@@ -31,10 +38,10 @@ from tachk.engines.simulation.policy import Policy
 )
 @click.option(
     "--policy",
-    type=options.Choice(Policy),
+    type=click.Choice([*(policy.value for policy in Policy), SCRIPT]),
     default=Policy.STOCHASTIC.value,
     show_default=True,
-    help="How long a process waits before it acts.",
+    help="How long a process waits before it acts; script FILE: one run, all decisions are in the file.",
 )
 @click.option(
     "first", "--first", metavar="N", type=options.Count(0, 2**62), default=0, help="The number of the first run; 0."

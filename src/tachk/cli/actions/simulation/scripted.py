@@ -1,0 +1,73 @@
+"""`tachk simulate --policy script FILE`: one run, whose decisions a file makes."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+from tachk import api
+from tachk.cli.actions.judged import exit_status
+from tachk.cli.actions.simulation.formulas import formulas_for
+from tachk.cli.actions.simulation.run_signals import judged_run, write_run
+from tachk.cli.arguments import parse_definitions
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.guard import print_diagnostics
+from tachk.cli.reporting import TableForm
+from tachk.diagnostics.diagnostic import InputError
+from tachk.records import dataclass
+from tachk.report.quantity import duration
+from tachk.report.run.trace_view import Names
+from tachk.stepping.files import constants_of, read_claims
+from tachk.stepping.refusals import refusal_diagnostic
+from tachk.stepping.replaying import replay_claims
+
+
+@dataclass(frozen=True, slots=True)
+class Script:
+    """What is asked, as it was typed."""
+
+    model: str
+    file: Path
+    definitions: tuple[str, ...]
+    record: tuple[str, ...]
+    formulas: str | None
+    output: Path | None
+    form: TableForm
+
+
+def run_script(asked: Script) -> ExitStatus:
+    """Takes each step of the file. Raises InputError with the first line that cannot be taken."""
+    claimed = read_claims(asked.file)
+    given = parse_definitions(asked.definitions)
+    model = api.load(asked.model, **given)
+    of_run = constants_of(claimed, model.constants, given)
+    if of_run:
+        model = api.load(asked.model, **of_run, **given)
+    print_diagnostics((*model.refusals, *model.warnings))
+    names = Names(model.network)
+    replayed = replay_claims(names, claimed)
+    if replayed.refusal is not None:
+        raise InputError([refusal_diagnostic(replayed.refusal)])
+    constants = {name: value for name, value in model.constants.items() if name in {**of_run, **given}}
+    formulas = formulas_for(asked.formulas, {name: str(value) for name, value in constants.items()})
+    if asked.output is not None:
+        write_run(asked.output, names, replayed.trace, asked.record, formulas, asked.model, constants)
+    truths = judged_run(names, replayed.trace, formulas, str(asked.file))
+    end = replayed.trace.states[-1].time
+    if asked.form is TableForm.JSON:
+        told = {
+            "model": asked.model,
+            "script": str(asked.file),
+            "until": str(end),
+            "transitions": len(replayed.trace.path),
+            "formulas": [{"name": name, "verdict": str(truth)} for name, truth in truths.items()],
+        }
+        json.dump(told, sys.stdout, indent=2)
+        print()
+    else:
+        when = duration(end, model.network.time_unit)
+        print(f"{asked.model}: 1 run until {when}, {len(replayed.trace.path)} transitions, as {asked.file} says")
+        for name, truth in truths.items():
+            print(f"{name}: {truth}")
+    return exit_status(set(truths.values()))

@@ -1,0 +1,91 @@
+"""`tachk step`: lines are read from a terminal or a pipe."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from tachk import api
+from tachk.cli.arguments import parse_definitions
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.guard import complain, print_diagnostics
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.report.run.trace_view import Names
+from tachk.semantics.step import StepError
+from tachk.stepping.files import constants_of, read_claims
+from tachk.stepping.refusals import refusal_diagnostic
+from tachk.stepping.session import Session
+from tachk.stepping.stepper import NotUnderstoodError, QuitError, Stepper
+from tachk.time_limit import check_time
+
+_PROMPT = "> "
+
+
+@dataclass(frozen=True, slots=True)
+class Stepping:
+    """What is asked, as it was typed."""
+
+    model: str
+    definitions: tuple[str, ...] = ()
+    load: Path | None = None
+    prop: str | None = None
+    seed: int = 0
+
+
+def run_step(asked: Stepping) -> ExitStatus:
+    """Answers each line until there are no more."""
+    check_time()
+    given = parse_definitions(asked.definitions)
+    model = api.load(asked.model, **given)
+    claimed = None if asked.load is None else read_claims(asked.load, asked.prop)
+    of_run = {} if claimed is None else constants_of(claimed, model.constants, given)
+    if of_run:
+        model = api.load(asked.model, **of_run, **given)
+    print_diagnostics((*model.refusals, *model.warnings))
+    try:
+        session = Session.begin(Names(model.network))
+    except StepError as error:
+        raise UsageError(f"{asked.model}: {error}", "tachk check tells where") from None
+    if claimed is not None:
+        session, refusal = session.loaded(claimed)
+        if refusal is not None:
+            print_diagnostics([refusal_diagnostic(refusal)])
+    constants = {name: value for name, value in model.constants.items() if name in {**of_run, **given}}
+    return _converse(Stepper(session, asked.model, constants, asked.seed), sys.stdin.isatty())
+
+
+def _converse(stepper: Stepper, with_terminal: bool) -> ExitStatus:
+    """In a terminal a wrong line is told and forgotten; a program that writes such a line is told to stop."""
+    for line in (*stepper.greeting(), *(["help says what can be typed"] if with_terminal else [])):
+        print(line)
+    for typed in _lines(with_terminal):
+        try:
+            for line in stepper.answer(typed):
+                print(line)
+        except QuitError:
+            return ExitStatus.AS_EXPECTED
+        except NotUnderstoodError as error:
+            if not with_terminal:
+                sys.stdout.flush()
+                complain(str(error))
+                return ExitStatus.BAD_INPUT
+            print(error)
+        check_time()
+    return ExitStatus.AS_EXPECTED
+
+
+def _lines(with_terminal: bool) -> Iterator[str]:
+    """What is typed, shown as well where no terminal does that."""
+    if with_terminal:
+        pass  # noqa: F401: input() has a history with it
+    while True:
+        try:
+            typed = input(_PROMPT)
+        except EOFError:
+            print()
+            return
+        if not with_terminal:
+            print(typed)
+        yield typed
