@@ -25,12 +25,15 @@ _BATCH, _LONG_BATCH = 64, 1024
 class Runs:
     """The runs of a network, with some columns."""
 
-    def __init__(self, network: Network, columns: Sequence[Column]) -> None:
-        """Raises UnsupportedError for what is not simulated, and InputError for a wrong initial value."""
+    def __init__(self, network: Network, columns: Sequence[Column], counters: Sequence[int] = ()) -> None:
+        """Args:
+            counters: further slots that are observed, for `counts`.
+
+        Raises UnsupportedError for what is not simulated, and InputError for a wrong initial value."""
         check_simulated(network)
         self.network = network
         self.columns = tuple(columns)
-        program, chances = lower_simulation(network, observed(columns))
+        program, chances = lower_simulation(network, [*observed(columns), *counters])
         self.program = program
         self._simulator = Simulator(program, chances)
 
@@ -44,7 +47,12 @@ class Runs:
     def trace(self, run: Simulated) -> Trace:
         """What was observed in a run."""
         name = f"run {run.number}"
-        return recording(self.network, self.columns, name, run.times, run.observed, int(run.end), TICKS_PER_UNIT)
+        rows = run.observed[:, : len(self.columns)]
+        return recording(self.network, self.columns, name, run.times, rows, int(run.end), TICKS_PER_UNIT)
+
+    def counts(self, run: Simulated) -> list[int]:
+        """The counters at the end of a run that was observed."""
+        return run.observed[-1, len(self.columns) :].tolist() if len(run.observed) else []
 
 
 def steps_of(run: Simulated) -> Iterator[tuple[Fraction, Transition | None]]:

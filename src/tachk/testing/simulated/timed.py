@@ -20,13 +20,17 @@ def state_columns(network: Network) -> tuple[Column, ...]:
     return tuple(Column(str(slot), slot) for slot in range(len(network.processes) + cells))
 
 
-def timed_trace(network: Network, run: Simulated) -> TimedTrace:
-    """The run with the states that the simulator has found."""
+def timed_trace(network: Network, run: Simulated, cells: int | None = None) -> TimedTrace:
+    """The run with the states that the simulator has found.
+
+    Args:
+        cells: how many of the columns behind the locations belong to the state; None: all.
+    """
     processes = len(network.processes)
     states = []
     for row, (time, values) in enumerate(zip(run.times.tolist(), run.observed.tolist(), strict=True)):
         clocks = run.clocks[row].tolist() if len(run.clocks) else []
-        discrete = DiscreteState(tuple(values[:processes]), tuple(values[processes:]))
+        discrete = DiscreteState(tuple(values[:processes]), tuple(values[processes:][:cells]))
         states.append(
             TimedState(discrete, tuple(Fraction(c, TICKS_PER_UNIT) for c in clocks), Fraction(time, TICKS_PER_UNIT))
         )

@@ -29,6 +29,7 @@ from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace_files import open_trace
 from tachk.simulation.columns import columns_for
 from tachk.simulation.intervals import clopper_pearson
+from tachk.simulation.orders import ordered, orders_of
 from tachk.simulation.runs import Runs
 from tachk.simulation.tables import decimal_time
 from tachk.time_units import NANOSECONDS, length_of
@@ -46,6 +47,7 @@ class Simulating:
     first: int = 0
     threads: int = 1
     steps: int | None = None
+    faults: tuple[str, ...] = ()
     record: tuple[str, ...] = ()
     formulas: str | None = None
     definitions: tuple[str, ...] = ()
@@ -72,6 +74,7 @@ class _Tally:
     faults: list[str] = field(default_factory=list)
     truths: dict[str, Counter[Truth]] = field(default_factory=dict)
     violating: dict[str, list[int]] = field(default_factory=dict)
+    counts: Counter[str] = field(default_factory=Counter)
 
     def add(self, run: Simulated) -> None:
         self.transitions += run.transitions
@@ -105,14 +108,20 @@ def run_simulate(asked: Simulating) -> ExitStatus:
     formulas = formulas_for(asked.formulas, definitions)
     until = _ticks(asked.until, network)
     columns = columns_for(network, asked.record, (name for f in formulas for name in f.columns - f.constant_names))
-    runs = Runs(network, columns)
+    wanted = ordered(network, orders_of(asked.faults))
+    counters = {
+        **{f"{w} done": s for w, s in wanted.done.items()},
+        **{f"{w} missed": s for w, s in wanted.missed.items()},
+    }
+    runs = Runs(wanted.network, columns, list(counters.values()))
     drawing = Drawing(asked.seed, until, Policy(asked.policy), asked.steps, asked.threads)
-    observed = asked.output is not None or bool(formulas)
+    observed = asked.output is not None or bool(formulas or counters)
     tally = _Tally()
     with nullcontext() if asked.output is None else run_files(asked.output, model, definitions, asked.runs) as write:
         numbers = range(asked.first, asked.first + asked.runs)
         for run in runs.draw(drawing, numbers, Recorded(holds_steps(asked.output), observed)):
             tally.add(run)
+            tally.counts.update(dict(zip(counters, runs.counts(run), strict=False)))
             if observed and len(run.times) and _is_kept(runs, run, formulas, tally) and write is not None:
                 write(run, runs)
     _print(asked, tally, network)
@@ -168,6 +177,10 @@ def _print(asked: Simulating, tally: _Tally, network: Network) -> None:
             "" if ending is Ending.HORIZON else f", the first is run {number} at {decimal_time(end, TICKS_PER_UNIT)}"
         )
         print(f"{count:8} end with: {ending}{where}")
+    for written in dict.fromkeys(key.rpartition(" ")[0] for key in tally.counts):
+        done, missed = tally.counts[f"{written} done"], tally.counts[f"{written} missed"]
+        impossible = f", {missed} times the model does not allow it" if missed else ""
+        print(f"{written}: {done} times{impossible}")
     for fault in tally.faults:
         print(f"  {fault}")
     for name, counts in tally.truths.items():
@@ -192,6 +205,7 @@ def _json(asked: Simulating, tally: _Tally) -> dict[str, object]:
         "seed": asked.seed,
         "policy": asked.policy,
         "transitions": tally.transitions,
+        "faults": dict(tally.counts),
         "endings": {ending.value: count for ending, count in tally.endings.items()},
         "formulas": [
             {

@@ -51,6 +51,14 @@ from tachk.engines.simulation.policy import SCRIPT, Policy
 )
 @click.option("steps", "--max-steps", metavar="N", type=options.Count(1, 2**62), help="End a run after N transitions.")
 @click.option(
+    "faults",
+    "--fault",
+    metavar="FAULT=ORDER",
+    multiple=True,
+    help="How often a fault of the model happens: lost=0.01, or to which messages: lost=send[0][1]:3,5..7, or as soon "
+    "as it can: 'falls asleep=now'. Can be given several times.",
+)
+@click.option(
     "record",
     "--record",
     metavar="NAME",

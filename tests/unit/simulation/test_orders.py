@@ -1,0 +1,186 @@
+"""Faults to order: what is ordered happens, as often as ordered, and every run stays one of the model."""
+
+from __future__ import annotations
+
+from collections import Counter
+from math import sqrt
+
+import pytest
+
+import tachk
+from tachk.certify.replay import replay
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.engines.simulation.policy import Policy
+from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded, Simulated
+from tachk.model.network import Network
+from tachk.semantics.discrete import prepare
+from tachk.simulation.orders import ordered, orders_of, parse_order
+from tachk.simulation.runs import Runs
+from tachk.testing.simulated.timed import WITH_STATES, state_columns, timed_trace
+
+LINK = """
+const int LOSSES = 1000;
+broadcast chan send[2][3];
+int[0, LOSSES] lost[2];
+int[0, 10000] kept[2];
+process Sender() {
+    clock x;
+    init location S {
+        invariant x <= 1;
+        to S { select l : int[0, 1], k : int[0, 2]; guard x == 1; sync send[l][k]!; assign x = 0; }
+    }
+}
+process Link(const int[0, 1] link) {
+    init location Open {
+        /// on its way
+        to Open { select k : int[0, 2]; sync send[link][k]?; assign kept[link] = kept[link] + 1; }
+        /// ! is lost
+        to Open {
+            select k : int[0, 2];
+            guard lost[link] < LOSSES;
+            sync send[link][k]?;
+            assign lost[link] = lost[link] + 1;
+        }
+        /// ! is lost, and so is all that follows
+        to Broken { select k : int[0, 2]; sync send[link][k]?; }
+        /// ! is late
+        to Late { select k : int[0, 2]; sync send[link][k]?; }
+    }
+    location Late { invariant true; to Open; }
+    location Broken;
+}
+process Sleeper() {
+    clock y;
+    init location Awake {
+        /// ! falls asleep
+        to Asleep { guard y == 5; }
+        /// ! falls asleep
+        to Asleep { guard y == 3; }
+    }
+    location Asleep;
+}
+system Sender, Link, Sleeper;
+"""
+
+
+def _runs(
+    network: Network, faults: list[str], count: int, until: int, policy: Policy = Policy.STOCHASTIC
+) -> list[Simulated]:
+    wanted = ordered(network, orders_of(faults))
+    runs = Runs(wanted.network, state_columns(network), [*wanted.done.values(), *wanted.missed.values()])
+    return list(runs.draw(Drawing(3, until * TICKS_PER_UNIT, policy), range(count), WITH_STATES))
+
+
+def _taken(network: Network, runs: list[Simulated]) -> Counter[str]:
+    """How often links did what, by the documentation of their edges."""
+    edges = network.processes[1].edges
+    links = {1, 2}
+    return Counter(
+        edges[participant.edge].doc
+        for run in runs
+        for action in run.actions
+        for participant in action.participants
+        if participant.process in links and edges[participant.edge].synchronisation is not None
+    )
+
+
+def _agrees(count: int, total: int, probability: float) -> bool:
+    return abs(count - total * probability) <= 4.5 * sqrt(total * probability * (1 - probability))
+
+
+def test_faults_happen_as_often_as_ordered() -> None:
+    network = tachk.loads(LINK).network
+    found = _taken(network, _runs(network, ["lost=0.2", "late=0.05"], 4, 1000))
+    total = found.total()
+    assert total > 3500
+    assert _agrees(found["! is lost"], total, 0.2)
+    assert _agrees(found["! is late"], total, 0.05)
+    assert found["! is lost, and so is all that follows"] == 0  # nobody has ordered it
+    assert _agrees(found["on its way"], total, 0.75)
+
+
+def test_without_an_order_each_edge_is_as_likely() -> None:
+    network = tachk.loads(LINK.replace("/// ! is lost, and", "/// is lost, and").replace("Broken {", "Open {")).network
+    found = _taken(network, _runs(network, [], 3, 1000))
+    assert all(_agrees(count, found.total(), 0.25) for count in found.values())
+
+
+def test_ordered_messages_are_lost_and_no_others() -> None:
+    network = tachk.loads(LINK).network
+    faults = ["lost=send[1][2]:2,4..5", "lost=send[0][0]:1"]
+    for run in _runs(network, faults, 5, 100):
+        counts: Counter[tuple[int, int]] = Counter()
+        lost = []
+        for action in run.actions:
+            sender, *receivers = action.participants
+            if sender.process != 0:
+                continue
+            (receiver,) = receivers
+            counts[sender.selects[0], sender.selects[1]] += 1
+            doc = network.processes[receiver.process].edges[receiver.edge].doc
+            if doc == "! is lost":
+                lost.append((*sender.selects, counts[sender.selects[0], sender.selects[1]]))
+            else:
+                assert doc == "on its way"
+        assert sorted(lost) == [(0, 0, 1), (1, 2, 2), (1, 2, 4), (1, 2, 5)]
+        assert run.observed[-1, -4:].tolist() == [3, 1, 0, 0]
+
+
+def test_what_the_model_does_not_allow_is_counted() -> None:
+    network = tachk.loads(LINK.replace("LOSSES = 1000", "LOSSES = 1")).network
+    (run,) = _runs(network, ["lost=send[0][0]:1..3"], 1, 200)
+    assert run.observed[-1, -2:].tolist() == [1, 2]
+
+
+@pytest.mark.parametrize("policy", Policy)
+def test_runs_with_orders_are_runs_of_the_model(policy: Policy) -> None:
+    network = tachk.loads(LINK).network
+    model = prepare(network)
+    for run in _runs(network, ["lost=0.3", "lost=send[1][2]:1..2", "falls asleep=now"], 2, 20, policy):
+        trace = timed_trace(network, run)
+        cells = len(model.layout.types)
+        assert all(len(state.discrete.values) >= cells for state in trace.states)
+        replay(model, timed_trace(network, run, cells))
+
+
+def test_a_fault_that_is_ordered_now_happens_at_its_first_moment() -> None:
+    network = tachk.loads(LINK).network
+    for run in _runs(network, ["falls asleep=now"], 3, 20):
+        times = [t for t, a in zip(run.times[1:].tolist(), run.actions, strict=True) if a.participants[0].process == 3]
+        assert times == [3 * TICKS_PER_UNIT]
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        "lost",
+        "lost=",
+        "=1",
+        "lost=2",
+        "lost=often",
+        "lost=send[0][0]:0",
+        "lost=send[0][0]:x",
+        "lost=post[0]:1",
+        "melts=0.5",
+    ],
+)
+def test_wrong_orders_are_refused(written: str) -> None:
+    network = tachk.loads(LINK).network
+    with pytest.raises(UsageError, match="--fault"):
+        ordered(network, [parse_order(written)])
+
+
+def test_the_packets_of_the_five_automata_are_lost_as_ordered() -> None:
+    network = tachk.load("models/micro_xrce_dds/client_3_0.ta", LOSSES=5).network
+    wanted = ordered(network, orders_of(["lost=send[PUB_UP][DATA]:2,4"]))
+    runs = Runs(wanted.network, (), [*wanted.done.values(), *wanted.missed.values()])
+    drawing = Drawing(1, 20_000 * TICKS_PER_UNIT)
+    for run in runs.draw(drawing, range(3), Recorded(actions=True, observed=True)):
+        assert runs.counts(run) == [2, 0]
+        news = [
+            network.processes[p.process].edges[p.edge].doc
+            for action in run.actions
+            for p in action.participants
+            if network.processes[p.process].template == "InstantLink"
+        ]
+        assert news.count("! is lost") == 2
