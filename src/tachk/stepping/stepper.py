@@ -8,8 +8,6 @@ from fractions import Fraction
 from pathlib import Path
 from random import Random
 
-from rich.text import Text
-
 from tachk.diagnostics.diagnostic import TachkError
 from tachk.model.fault import EvaluationFault
 from tachk.report.quantity import decimal, duration
@@ -256,8 +254,7 @@ class Stepper:
 
     def _told(self, offer: Offer) -> list[str]:
         event = self._names.event(self.session.state.discrete, offer.transition)
-        lines: list[Text] = list(event_lines(event, 100))
-        return [line.plain for line in lines]
+        return [line.plain for line in event_lines(event, 100)]
 
     def _show(self, rest: str) -> Iterator[str]:
         state = self._snapshot(self.session.position)
