@@ -20,6 +20,7 @@ from tachk.engines.options import Limits
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.scope import ValueSymbol
 from tachk.model.expressions import Constant
+from tachk.time_limit import OutOfTimeError
 
 AUTO = "auto"
 CLIENTS, CLIENT = "CLIENTS", "client"
@@ -64,13 +65,16 @@ def conform_file(
     def accepts(other: Recording) -> bool:
         left = replace(limits.after(monotonic() - started), states=_STATES_OF_EDIT)
         if left.seconds is not None and left.seconds <= 0:
-            return False
+            raise OutOfTimeError
         tried = conform(
             network, mapping, other, constants, found.tolerance, found.late, limits=left, run=False, explain=False
         )
         return tried.accepted is True
 
-    return replace(found, edit=smallest_edit(events, found.refusal.event, found.queues.scale, accepts))
+    try:
+        return replace(found, edit=smallest_edit(events, found.refusal.event, found.queues.scale, accepts))
+    except OutOfTimeError:
+        return replace(found, left_out="whether an edit of the recording would make it a run")
 
 
 def _read(path: Path, unit: str | None, ports: Sequence[int]) -> Recording:

@@ -32,6 +32,7 @@ from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
 from tachk.records import dataclass
 from tachk.semantics.timed_trace import Transition
+from tachk.time_limit import OutOfTimeError
 
 _TRUE = Constant(1, BOOL)
 _STATES_OF_EVENT = 20
@@ -81,6 +82,7 @@ class Conformance:
     refusal: where the recording leaves the model; None where it does not, or that was not found in the limits.
     reason: why there is no answer; empty if there is one.
     edit: of the recording, with which it would be a run; None where it is one, or none was found.
+    left_out: what of the explanation the time limit left no time for, in words; empty if there is all of it.
     """
 
     accepted: bool | None
@@ -94,6 +96,7 @@ class Conformance:
     refusal: Refusal | None = None
     reason: str = ""
     edit: Edit | None = None
+    left_out: str = ""
 
 
 def conform(
@@ -138,12 +141,15 @@ def conform(
     if not refusing:
         return replace(found, accepted=True, runs=tuple(_run(answer, run) for answer in answers))
     refused = [answer for answer in refusing if answer.accepted is False]
-    return replace(
-        found,
-        accepted=False if refused else None,
-        refusal=_earliest(search, refused or refusing) if explain else None,
-        reason="" if refused else refusing[0].reason,
-    )
+    found = replace(found, accepted=False if refused else None, reason="" if refused else refusing[0].reason)
+    if not explain:
+        return found
+    try:
+        refusal = _earliest(search, refused or refusing)
+    except OutOfTimeError:
+        refusal = None
+    left_out = "where the recording leaves the model" if refused and refusal is None else ""
+    return replace(found, refusal=refusal, left_out=left_out)
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,9 +205,14 @@ class _Search:
         quick = self._cut(parts, delays[0], states)
         if len(quick) == len(parts) and quick[-1].accepted:
             return quick
-        free = []
+        free: list[_Answer] = []
         for part in parts:
-            free.append(self.part(part, self.queues))
+            try:
+                free.append(self.part(part, self.queues))
+            except OutOfTimeError:
+                if any(answer.accepted is False for answer in free):
+                    return free
+                raise
             if free[-1].accepted is False and not self.explain:
                 return free
         if any(answer.accepted is False for answer in free):

@@ -11,7 +11,9 @@ from click.testing import CliRunner
 
 import tachk
 from tachk.cli.main import app
+from tachk.report.conformance.json import conformance_to_json
 from tachk.report.conformance.text import conformance_to_text
+from tachk.time_limit import OutOfTimeError
 
 ROOT = Path(__file__).parents[3]
 MODEL = ROOT / "examples/dimmer/dimmer.ta"
@@ -190,3 +192,25 @@ def test_what_is_outside_need_not_be_ready(tmp_path: Path) -> None:
     file = tmp_path / "press.csv"
     file.write_text("time,event\n10,press\n", encoding="utf-8")
     assert tachk.conform(model, file).accepted
+
+
+@pytest.mark.parametrize(
+    ("name", "left_out"),
+    [
+        ("tachk.conformance.conform._earliest", "where the recording leaves the model"),
+        ("tachk.conformance.asking.smallest_edit", "whether an edit of the recording would make it a run"),
+    ],
+)
+def test_time_is_over_before_the_refusal_is_explained(
+    monkeypatch: pytest.MonkeyPatch, name: str, left_out: str
+) -> None:
+    def out_of_time(*_: object) -> None:
+        raise OutOfTimeError
+
+    monkeypatch.setattr(name, out_of_time)
+    found = tachk.conform(MODEL, ROOT / "examples/dimmer/too_soon.csv")
+    assert found.accepted is False
+    text = conformance_to_text(found, "dimmer.ta")
+    assert "not a run of the model" in text
+    assert f"the time limit was over before it was known {left_out}" in text
+    jsonschema.validate(conformance_to_json([found], "dimmer.ta"), SCHEMA)

@@ -36,6 +36,7 @@ def _answer(found: Conformance) -> dict[str, Any]:
         "seconds": found.statistics.seconds,
         "refusal": _refusal(found),
         "edit": None if found.edit is None else _edit(found, found.edit),
+        "left_out": found.left_out,
     }
 
 

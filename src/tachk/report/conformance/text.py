@@ -31,6 +31,8 @@ def _lines(found: Conformance, model: str) -> Iterator[str]:
             yield from _refusal(found)
             if found.edit is not None:
                 yield f"it would be a run if {edit_text(found, found.edit)}"
+            if found.left_out:
+                yield f"the time limit was over before it was known {found.left_out}"
         case None:
             yield f"undecided, with {allowed}: {found.reason}"
             yield from _refusal(found)
