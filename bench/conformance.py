@@ -3,7 +3,7 @@
     python bench/conformance.py CAPTURES_FOLDER [--model MODEL] [--only PREFIX] [--seconds 20] [-D NAME=VALUE]
 
 Beside each FILE.pcap lies FILE.truth.json, of which this reads what no packet tells: the histories that the client was
-made with, and when the Agent was killed (what is sent to it then does not arrive). A line for each capture: the answer,
+made with, when the Agent was killed, and clients that ended without a word. A line for each capture: the answer,
 the tolerance of the ladder with which it was found, states, seconds; of a refusal the place and what was allowed there.
 """
 
@@ -21,7 +21,7 @@ from typing import Any
 import tachk
 from tachk.conformance.asking import constants_of
 from tachk.conformance.conform import Conformance, conform
-from tachk.conformance.events import Recording
+from tachk.conformance.events import Closing, Event, Recording
 from tachk.conformance.packet_events import read_capture
 from tachk.engines.options import Limits
 
@@ -29,22 +29,46 @@ LADDER = ((5, 5), (5, 20), (5, 50))
 """Pairs of tolerance and lateness in milliseconds."""
 
 
-def without_killed_agent(recording: Recording, truth: dict[str, Any], start_ns: int) -> Recording:
-    """The recording without what came to an Agent that was dead."""
-    killed = [a["t_wall_ns"] for a in truth.get("agent", []) if "KILL" in a["event"]]
-    if not killed:
-        return recording
-    kept = [
-        event
-        for event in recording.events
-        if event.name != "arrived" or event.cells["link"] % 2 == 1 or event.time + start_ns < killed[0]  # type: ignore
-    ]
+def as_told(recording: Recording, truth: dict[str, Any]) -> Recording:
+    """The recording with what no packet tells: when the Agent was killed, and clients that ended without a DELETE.
+
+    What is sent to who is not there any more does not arrive. A client that has ended says no more.
+    """
+    ends = {2 * client: end for client, end in _ended(truth)}
+    killed = min([a["t_wall_ns"] for a in truth.get("agent", []) if "KILL" in a["event"]], default=None)
+
+    def arrives(event: Event) -> bool:
+        link = int(event.cells.get("link", 0))
+        gone = killed if link % 2 == 0 else ends.get(link - 1)
+        return event.name != "arrived" or gone is None or event.time + recording.epoch < gone
+
+    kept = [event for event in recording.events if arrives(event)]
     order = {id(event): n for n, event in enumerate(kept)}
     changed = [
         event if event.after is None else replace(event, after=order[id(recording.events[event.after])])
         for event in kept
     ]
-    return replace(recording, events=tuple(changed))
+    closings = [
+        Closing(column, value, Fraction(end - recording.epoch))
+        for link, end in ends.items()
+        for column, value in (("client", link // 2), ("link", link))
+    ]
+    return replace(recording, events=tuple(changed), closings=(*recording.closings, *closings))
+
+
+def logs_of_clients(truth: dict[str, Any]) -> list[list[dict[str, Any]]]:
+    """What the clients noted, those that write samples first, as recordings number them."""
+    found: list[list[dict[str, Any]]] = [
+        [entry for entry in log if "t_wall_ns" in entry] for log in truth.get("app_events", {}).values()
+    ]
+    found.sort(key=lambda log: log[0]["t_wall_ns"])
+    return sorted(found, key=lambda log: all(entry["event"] != "write" for entry in log))
+
+
+def _ended(truth: dict[str, Any]) -> Iterator[tuple[int, int]]:
+    for client, log in enumerate(logs_of_clients(truth)):
+        if all(entry["event"] != "session_deleted" for entry in log):
+            yield from ((client, entry["t_wall_ns"]) for entry in log if entry["event"] == "exit")
 
 
 def settings(truth: dict[str, Any]) -> dict[str, int]:
@@ -112,7 +136,7 @@ def main() -> None:
             print(f"{path.stem}: {links} clients", flush=True)
         started = time.process_time()
         recording = read_capture(path, ())
-        recording = without_killed_agent(recording, truth, recording.epoch)
+        recording = as_told(recording, truth)
         *_, found = answers(model, recording, asked.seconds, ladder)
         word = {True: "a run", False: "NO RUN", None: f"undecided ({found.reason})"}[found.accepted]
         used = time.process_time() - started

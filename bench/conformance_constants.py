@@ -13,7 +13,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import tachk
-from bench.conformance import LADDER, settings, without_killed_agent
+from bench.conformance import LADDER, as_told, settings
 from tachk.conformance.asking import constants_of
 from tachk.conformance.conform import Conformance, conform
 from tachk.conformance.packet_events import read_capture
@@ -49,7 +49,7 @@ def main() -> None:
 def _answers(name: str, path: Path, wrong: dict[str, int]) -> str:
     truth = json.loads(path.with_name(path.stem + ".truth.json").read_text(encoding="utf-8"))
     recording = read_capture(path)
-    recording = without_killed_agent(recording, truth, recording.epoch)
+    recording = as_told(recording, truth)
 
     def ask(constants: dict[str, int], step: tuple[int, int], explain: bool) -> Conformance:
         model = tachk.load(name, **settings(truth) | constants)

@@ -1,10 +1,10 @@
 """Changes single events of captures that are runs, and counts how many of the changed ones are rejected.
 
-    python -m bench.conformance_mutations CAPTURES_FOLDER [-D NAME=VALUE]... [--seed 1] [--only PREFIX]
+    python -m bench.conformance_mutations CAPTURES_FOLDER [-D NAME=VALUE]... [--seed 1] [--only PREFIX] [--packets-only]
 
-One event of each kind of change for each capture, drawn at random; each capture at the first step of the ladder 5/5,
-5/20, 5/50 ms at which it is a run unchanged. What is not rejected is listed: it has to be judged whether it is
-possible.
+One event of each kind of change for each capture, drawn at random; each capture at the first step of the ladder 2/2,
+5/5, 5/20, 5/50 ms at which it is a run unchanged, with the logs of the applications, or with packets only. What is
+not rejected is listed: it has to be judged whether it is possible.
 """
 
 from __future__ import annotations
@@ -19,13 +19,14 @@ from pathlib import Path
 from random import Random
 
 import tachk
-from bench.conformance import held, settings, without_killed_agent
+from bench.application_logs import with_log
+from bench.conformance import as_told, held, settings
 from tachk.conformance.edits import Edit, edited
 from tachk.conformance.events import Event, Recording
 from tachk.conformance.packet_events import read_capture
 from tachk.engines.options import Limits
 
-LADDER = ((5, 5), (5, 20), (5, 50))
+LADDER = ((2, 2), (5, 5), (5, 20), (5, 50))
 MILLISECOND = Fraction(1, 10**6)
 
 Change = Callable[[Recording, int], Recording]
@@ -75,18 +76,22 @@ def main() -> None:
     parser.add_argument("--model", default="models/micro_xrce_dds/recorded.ta")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="")
+    parser.add_argument("--packets-only", action="store_true")
+    parser.add_argument("--states", type=int, default=400_000)
     parser.add_argument("-D", dest="definitions", action="append", default=[])
     asked = parser.parse_args()
     random, counts = Random(asked.seed), Counter[tuple[str, str]]()
     for path in sorted(asked.folder.glob(f"{asked.only}*.pcap")):
         truth = json.loads(path.with_name(path.stem + ".truth.json").read_text(encoding="utf-8"))
         given = {name: int(value) for name, value in (pair.split("=") for pair in asked.definitions)}
-        model = tachk.load(asked.model, **settings(truth) | given)
-        recording = read_capture(path)
-        recording = without_killed_agent(recording, truth, recording.epoch)
+        logged = {} if asked.packets_only else {"PAUSES": 0}
+        model = tachk.load(asked.model, **settings(truth) | logged | given)
+        recording = as_told(read_capture(path), truth)
+        if not asked.packets_only:
+            recording = with_log(recording, truth)
 
         def accepted(other: Recording, step: tuple[int, int], model: tachk.Model = model) -> bool | None:
-            return held(model, other, step, Limits(seconds=5, states=30_000)).accepted
+            return held(model, other, step, Limits(seconds=30, states=asked.states)).accepted
 
         step = next((step for step in LADDER if accepted(recording, step)), None)
         if step is None:
@@ -99,7 +104,8 @@ def main() -> None:
             answer = {True: "accepted", False: "rejected", None: "undecided"}[accepted(change(recording, number), step)]
             counts[name, answer] += 1
             if answer != "rejected":
-                print(f"{path.stem}: {name}, {recording.events[number].place}: {answer}", flush=True)
+                where = f"{recording.events[number].place} on link {recording.events[number].cells['link']}"
+                print(f"{path.stem}, {step[0]}/{step[1]} ms: {name}, {where}: {answer}", flush=True)
     for name in CHANGES:
         print(name, {answer: counts[name, answer] for answer in ("rejected", "accepted", "undecided")}, flush=True)
 

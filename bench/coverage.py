@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import tachk
-from bench.conformance import held, ladder_of, without_killed_agent
+from bench.conformance import as_told, held, ladder_of
 from tachk.conformance.conform import Conformance
 from tachk.conformance.coverage import Covered, coverage
 from tachk.conformance.packet_events import read_capture
@@ -32,7 +32,7 @@ def accepted(model: tachk.Model, path: Path, seconds: float, ladder: Sequence[tu
     recording = read_capture(path, ())
     truth = path.with_name(path.stem + ".truth.json")
     if truth.exists():
-        recording = without_killed_agent(recording, json.loads(truth.read_text(encoding="utf-8")), recording.epoch)
+        recording = as_told(recording, json.loads(truth.read_text(encoding="utf-8")))
     for step in ladder:
         found = held(model, recording, step, Limits(seconds=seconds))
         if found.accepted:

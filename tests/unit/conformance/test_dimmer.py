@@ -201,9 +201,7 @@ def test_what_is_outside_need_not_be_ready(tmp_path: Path) -> None:
         ("tachk.conformance.asking.smallest_edit", "whether an edit of the recording would make it a run"),
     ],
 )
-def test_time_is_over_before_the_refusal_is_explained(
-    monkeypatch: pytest.MonkeyPatch, name: str, left_out: str
-) -> None:
+def test_time_is_over_before_it_is_explained(monkeypatch: pytest.MonkeyPatch, name: str, left_out: str) -> None:
     def out_of_time(*_: object) -> None:
         raise OutOfTimeError
 

@@ -88,3 +88,17 @@ def test_a_stale_acknack_is_a_run_of_the_client_and_refused_by_the_standard(capt
     assert recording.events[found.refusal.event].place == place
     assert f"it leaves the model at {place}, at " in conformance_to_text(found, "spec.ta")
     assert " ms: sent(" in conformance_to_text(found, "spec.ta")
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason="the shared captures are not here")
+def test_a_burst_that_overflows_a_socket_is_not_forgotten() -> None:
+    """The publisher of f3c ends without a DELETE; nobody tells, and it may not lose what comes then in its socket."""
+    model = tachk.load(
+        MODELS / "recorded.ta", HISTORY=8, INPUT_HISTORY=8, CLIENT_JITTER=5, AGENT_JITTER=5, EXACT_BITMAPS=True
+    )
+    assert model.loaded.recording is not None
+    recording = read_capture(SHARED / "f3c_stale_acknack_three_later_msgs.pcap")
+    limits = tachk.Limits(states=60_000)
+    names = constants_of(model.loaded)
+    found = conform(model.network, model.loaded.recording, recording, names, limits=limits, run=False, explain=False)
+    assert found.accepted is False
