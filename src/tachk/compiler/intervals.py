@@ -109,19 +109,14 @@ def _read(place: Expression, known: Known, given: Mapping[Variable, Interval]) -
     cells = None if given else possible_cells(place, known)
     if not cells:
         return bounds_by_type
-    result: Interval | None = None
     types: dict[Variable, tuple[tuple[str, Type], ...]] = {}
-    for variable, cell in cells:
-        if variable in known.values:
-            value = known.values[variable][cell]
-            one = (value, value)
-        else:
-            if variable not in types:
-                types[variable] = tuple(leaves(variable.type))
-            one = cell_range(types[variable][cell][1])
-        result = one if result is None else _hull(result, one)
-    assert result is not None
-    return result
+    for variable in {variable for variable, _ in cells}:
+        if variable not in known.values:
+            types[variable] = tuple(leaves(variable.type))
+    values = [known.values[variable][cell] for variable, cell in cells if variable not in types]
+    ranges = [cell_range(types[variable][cell][1]) for variable, cell in cells if variable in types]
+    lows, highs = (values + [each[side] for each in ranges] for side in (0, 1))
+    return min(lows), max(highs)
 
 
 def _call(call: Call, known: Known, given: Mapping[Variable, Interval]) -> Interval:

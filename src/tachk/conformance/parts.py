@@ -8,9 +8,11 @@ they do not overlap; then the runs of the parts, put together by their times, ar
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Container, Iterable, Iterator
 from dataclasses import replace
 from itertools import accumulate
+from typing import NamedTuple
 
 from tachk.conformance.queue_processes import cases, channel_of_queue
 from tachk.conformance.queues import Queue, Queues, channel_variable
@@ -107,7 +109,7 @@ def set_apart(queues: Queues, parts: Iterable[Part], delay: int = 0) -> Queues |
     earliest = [list(queue.earliest) for queue in queues.queues]
     latest = [list(queue.latest) for queue in queues.queues]
     needed = [list(queue.needed) for queue in queues.queues]
-    cuts: dict[int, list[_Cut]] = {}
+    cuts: dict[int, list[_Cut]] = defaultdict(list)
     for number, queue in enumerate(queues.queues):
         for place, needs in enumerate(queue.needed):
             for other, count in needs:
@@ -120,7 +122,7 @@ def set_apart(queues: Queues, parts: Iterable[Part], delay: int = 0) -> Queues |
                     latest[other][count - 1] = time
                     earliest[number][place] = time
                     order = queues.queues[other].events[count - 1]
-                    cuts.setdefault(time, []).append(_Cut(order, (other, count), (number, place)))
+                    cuts[time].append(_Cut(order, (other, count), (number, place)))
                 elif latest[other][count - 1] > earliest[number][place]:
                     return None
     for group in cuts.values():
@@ -141,8 +143,7 @@ def set_apart(queues: Queues, parts: Iterable[Part], delay: int = 0) -> Queues |
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Cut:
+class _Cut(NamedTuple):
     """Two windows that meet: the place of the needed event in the recording, it, and what needs it."""
 
     order: int

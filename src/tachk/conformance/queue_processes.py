@@ -127,7 +127,9 @@ class QueueProcess:
         """The queues that events of this one wait for, with how many of their events must have happened."""
         needed = self.queue.needed
         for other in sorted({queue for needs in needed for queue, _ in needs}):
-            counts = [max((count for queue, count in needs if queue == other), default=0) for needs in needed]
+            counts = [
+                max((count for queue, count in needs if queue == other), default=0) if needs else 0 for needs in needed
+            ]
             yield other, self._entry(f"needs[{other}]", [*counts, 0])
 
 

@@ -210,11 +210,11 @@ _Entry = tuple[VisibleEvents, dict[Variable, int], list[tuple[int, _Values]]]
 
 @dataclass(frozen=True, slots=True)
 class _Column:
-    """What the events of a clause may say in a column, or anything.
+    """What the events of a clause may say in a column.
 
     Attributes:
-        wanted: this number, or nothing.
-        index: one of the values of this index of the channel, which are a range.
+        wanted: only this number, or nothing.
+        index, values: one of the values of this index of the channel.
     """
 
     name: str
@@ -237,25 +237,28 @@ class _Column:
 
 @dataclass(frozen=True, slots=True)
 class _Clause:
-    """A clause of the mapping: its number, its columns, and which of these tell what a queue has in common."""
+    """A clause of the mapping: its number, the names of its columns, those by place that may not say anything, and the
+    places of those that tell what a queue has in common."""
 
     number: int
-    columns: tuple[_Column, ...]
+    names: tuple[str, ...]
+    limited: tuple[tuple[int, _Column], ...]
     per: tuple[int, ...]
 
 
 def _clause_of(number: int, visible: VisibleEvents) -> _Clause:
-    columns = []
-    for name, expression in visible.columns:
+    limited = []
+    for place, (name, expression) in enumerate(visible.columns):
         match expression:
             case Constant(wanted):
-                columns.append(_Column(name, wanted, None, None))
+                limited.append((place, _Column(name, wanted, None, None)))
             case Reference(variable) if variable in visible.indices:
-                columns.append(_Column(name, None, variable, index_range(index_type(variable))))
+                limited.append((place, _Column(name, None, variable, index_range(index_type(variable)))))
             case _:
-                columns.append(_Column(name, None, None, None))
-    place = {column.index: n for n, column in enumerate(columns)}
-    return _Clause(number, tuple(columns), tuple(place[variable] for variable in visible.per))
+                pass
+    place_of = {column.index: place for place, column in limited}
+    names = tuple(name for name, _ in visible.columns)
+    return _Clause(number, names, tuple(limited), tuple(place_of[variable] for variable in visible.per))
 
 
 class _Reader:
@@ -291,12 +294,14 @@ class _Reader:
         """The clause that the event belongs to, and what its columns say."""
         misses: list[str] = []
         for clause in clauses:
-            values = tuple([self._value(event, column.name) for column in clause.columns])
-            missed = (column.miss(event, value) for column, value in zip(clause.columns, values, strict=True))
-            miss = next(filter(None, missed), None)
-            if miss is None:
+            values = tuple([self._value(event, name) for name in clause.names])
+            for place, column in clause.limited:
+                miss = column.miss(event, values[place])
+                if miss is not None:
+                    misses.append(miss)
+                    break
+            else:
                 return clause, values
-            misses.append(miss)
         raise UsageError(f"{self.recording.source}, {event.place}: {misses[0]}")
 
     def _value(self, event: Event, name: str) -> int | None:
