@@ -64,6 +64,9 @@ class Monitor:
     outermost G or F.
     """
 
+    dated: bool = False
+    """Times are seconds since 1970, and reports show them as dates."""
+
     def __init__(
         self,
         formula: str | os.PathLike[str] | Sequence[str] | Sequence[NamedFormula],
@@ -266,7 +269,7 @@ class Monitor:
         group = self._group
         begin, end = self._clock(0), self._clock(group.now())
         known = None if violations is None else tuple(violations)
-        return OnlineRecord(name, group.rows(), begin, end, self._unit, self._ending, self.verdicts, known)
+        return OnlineRecord(name, group.rows(), begin, end, self._unit, self._ending, self.verdicts, known, self.dated)
 
     @property
     def bytes_used(self) -> int:
@@ -407,7 +410,10 @@ class Monitor:
         first = int(ticks[0])
         end = max(self._group.now(), int(ticks[-1])) - first
         packets = None if self._packets is None else self._packets(ticks // (self._scale // 10**self.decimals))
-        trace = Trace("", ticks - first, columns, end, self._scale, self._unit, self._clock(first), packets=packets)
+        clock = self._clock(first)
+        trace = Trace(
+            "", ticks - first, columns, end, self._scale, self._unit, clock, packets=packets, dated=self.dated
+        )
         trace = self._texts.on(trace)
         verdict: MonitorVerdict = verdict_on(
             watched.named, watched.program, trace, Judging(robustness=False), HeldValues()

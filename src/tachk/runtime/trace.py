@@ -86,6 +86,7 @@ class Trace:
     texts: the columns that hold texts, as the places of these in ``labels``.
     labels: the texts.
     packets: of a capture, the number of the packet of each row, 0 where there is none.
+    dated: the clock counts seconds since 1970, and the times were dates.
     """
 
     name: str
@@ -99,6 +100,7 @@ class Trace:
     texts: frozenset[str] = frozenset()
     labels: tuple[str, ...] = ()
     packets: Ticks | None = None
+    dated: bool = False
 
     def __post_init__(self) -> None:
         instants = self.instants

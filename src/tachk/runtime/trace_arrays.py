@@ -56,12 +56,14 @@ class TableRecording:
     """Attributes:
     cells: the columns in the order of the header.
     supposing: see `supposed`.
+    dated: the times were dates.
     """
 
     name: str
     header: Header
     cells: Sequence[Any] = field(repr=False)
     supposing: bool = False
+    dated: bool = False
 
     @property
     def unit(self) -> str:
@@ -88,7 +90,7 @@ class TableRecording:
             if len(values) != len(times.ticks):
                 count = len(times.ticks)
                 raise UsageError(f"{self.name}: column {name!r} has {len(values)} values for {count} times")
-        return texts.on(trace_of(self.name, times, self.unit, held))
+        return replace(texts.on(trace_of(self.name, times, self.unit, held)), dated=self.dated)
 
     def supposed(self) -> TableRecording:
         """The same, but times in floating point and numbers are supposed to be in order where a few samples are. The
@@ -110,7 +112,9 @@ def open_table(data: Any, time: str | None = None, unit: str | None = None, name
     """
     if isinstance(data, Mapping):
         names = [str(key) for key in data]
-        return TableRecording(name, read_header(names, time, unit, name), tuple(data.values()))
+        cells = list(data.values())
+        header = read_header(names, time, unit, name)
+        return TableRecording(name, header, cells, dated=are_dates(cells[header.time]))
     if not (hasattr(data, "columns") and hasattr(data, "index")):
         raise UsageError(
             f"a {type(data).__name__} is not a trace",
@@ -125,7 +129,12 @@ def open_table(data: Any, time: str | None = None, unit: str | None = None, name
             raise
         header = read_header([str(data.index.name or "index"), *names], str(data.index.name or "index"), unit, name)
         cells.insert(0, data.index)
-    return TableRecording(name, header, cells)
+    return TableRecording(name, header, cells, dated=are_dates(cells[header.time]))
+
+
+def are_dates(times: Any) -> bool:
+    """Whether a column holds instants of a calendar."""
+    return getattr(getattr(times, "dtype", None), "kind", "") == "M"
 
 
 def trace_of(name: str, times: CountedTimes, unit: str, columns: Mapping[str, Values]) -> Trace:

@@ -114,7 +114,9 @@ class CsvRecording:
             name: texts.recoded(values, _decoded(words), name) if name in self.texts else values
             for name, values, words in zip(places, cells, labels, strict=True)
         }
-        return texts.on(Trace(self.name, times, held, last - first, scale, self.unit, Fraction(first, scale)))
+        return texts.on(
+            Trace(self.name, times, held, last - first, scale, self.unit, Fraction(first, scale), dated=self.dates)
+        )
 
     def blocks(self, columns: Collection[str] | None, decimals: int) -> Iterator[Rows]:
         """The rows as they come, never more in memory than one piece of the stream.

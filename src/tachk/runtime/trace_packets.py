@@ -28,7 +28,13 @@ from tachk.xrce.packets import CaptureError
 from tachk.xrce.signals.changes import Changes
 from tachk.xrce.signals.following import SITUATION
 from tachk.xrce.signals.hops import HOP_SIGNALS, Direction, hop_changes
-from tachk.xrce.signals.recorded import ClientHistory, Recorded, StreamHistory, read_recorded
+from tachk.xrce.signals.recorded import (
+    ClientHistory,
+    Recorded,
+    StreamHistory,
+    read_recorded,
+    read_recorded_serial,
+)
 from tachk.xrce.signals.samples import TooManyUnread
 from tachk.xrce.streams import SIGNALS
 from tachk.xrce.transmissions import Recording, read_transmissions
@@ -83,16 +89,21 @@ class PacketRecording:
 def open_packets(path: Path, time: str | None, unit: str | None, ports: Sequence[int]) -> PacketRecording:
     """Reads a capture. Its times are in seconds since its first message to or from an Agent.
 
+    Where no packet is from or for an Agent, its packets may hold the bytes of a serial line.
+
     Args:
-        ports: of Agents; without any 8888, and each one to which a session is created.
+        ports: of Agents; without any 8888, and each one to which a session is created; with one, it is a network.
 
     Raises UsageError, also where nothing is from or for these ports.
     """
     if time is not None or unit is not None:
         raise UsageError("a capture has its own times: it takes neither a time column nor a unit")
+    again = _Again(path, ports)
     try:
-        with path.open("rb") as stream:
-            recorded = read_recorded(stream, ports, signals=False)
+        recorded = again.recorded(signals=False)
+        if not len(recorded.times) and not ports:
+            again = _Again(path, ports, serial=True)
+            recorded = again.recorded(signals=False)
     except (CaptureError, TooManyUnread) as error:
         raise UsageError(f"{path}: {error}") from None
     except FileNotFoundError:
@@ -102,15 +113,20 @@ def open_packets(path: Path, time: str | None, unit: str | None, ports: Sequence
     if not len(recorded.times):
         asked = ", ".join(map(str, ports or (DEFAULT_PORT,)))
         raise UsageError(f"{path} has no packet to or from port {asked}", "give the port of the Agent with --port")
-    again = _Again(path, ports)
     return PacketRecording(str(path), recorded, dict(_signals(recorded, again)))
 
 
 class _Again:
     """What is read of a capture where somebody asks for it."""
 
-    def __init__(self, path: Path, ports: Sequence[int]) -> None:
-        self._path, self._ports = path, ports
+    def __init__(self, path: Path, ports: Sequence[int], serial: bool = False) -> None:
+        self._path, self._ports, self._serial = path, ports, serial
+
+    def recorded(self, signals: bool) -> Recorded:
+        with self._path.open("rb") as stream:
+            if self._serial:
+                return read_recorded_serial(stream, signals)
+            return read_recorded(stream, self._ports, signals)
 
     def transmissions(self) -> Recording:
         """What a lossy hop did to messages."""
@@ -119,8 +135,7 @@ class _Again:
     @cached_property
     def streams(self) -> tuple[StreamHistory, ...]:
         """The streams with what they have signalled."""
-        with self._path.open("rb") as stream:
-            return read_recorded(stream, self._ports).streams
+        return self.recorded(signals=True).streams
 
 
 def _signals(recorded: Recorded, again: _Again) -> Iterator[tuple[str, Callable[[], Values]]]:

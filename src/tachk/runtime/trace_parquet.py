@@ -9,7 +9,7 @@ from typing import Any
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.trace import Trace
-from tachk.runtime.trace_arrays import TableRecording
+from tachk.runtime.trace_arrays import TableRecording, are_dates
 from tachk.runtime.trace_header import Header, agreed_unit, known_unit, read_header
 
 
@@ -43,7 +43,9 @@ class ParquetRecording:
             cells = [_numpy(table.column(raw)) for raw in wanted]
         except (OSError, ValueError, NotImplementedError) as error:
             raise _unreadable(self.name, error) from None
-        return TableRecording(self.name, Header(names, 0, self.unit), cells).read(list(places))
+        return TableRecording(self.name, Header(names, 0, self.unit), cells, dated=are_dates(cells[0])).read(
+            list(places)
+        )
 
 
 def open_parquet(path: str | Path, time: str | None = None, unit: str | None = None) -> ParquetRecording:

@@ -30,8 +30,10 @@ class SerialReading:
         problem: why a capture ends too early; empty if it does not.
     """
 
-    def __init__(self, stream: BinaryIO) -> None:
+    def __init__(self, stream: BinaryIO, damaged: bool = True) -> None:
+        """``damaged``: whether frames that a receiver would drop are told."""
         self._stream = stream
+        self._damaged = damaged
         self._frames = FrameReader()
         self._numbers: dict[int, int] = {}
         self.endpoints: list[Endpoint] = []
@@ -72,6 +74,8 @@ class SerialReading:
         return self._submessages([(frame, first + number, 0) for number, frame in enumerate(frames)])
 
     def _submessages(self, rows: list[tuple[Frame, int, int]]) -> Submessages:
+        if not self._damaged:
+            rows = [row for row in rows if not row[0].problem]
         frames = [frame for frame, _, _ in rows]
         octets = [b"" if frame.problem else frame.message for frame in frames]
         sizes = np.array([len(message) for message in octets], np.int64)

@@ -11,13 +11,15 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import tachk
+from tachk.cli.main import app
 from tachk.diagnostics.diagnostic import InputError
 from tachk.monitoring.online import Monitor
-from tachk.runtime.logs.dates import seconds_of
+from tachk.runtime.logs.dates import date_text, seconds_of
 from tachk.runtime.trace_csv import ByteStream, CsvRecording, open_csv, open_csv_stream
 
 FORMULAS = [
@@ -172,3 +174,37 @@ def test_a_stream_of_many_texts_keeps_few(tmp_path: Path) -> None:
     recording = CsvRecording("-", recording.opened, recording.header, ",", 2, texts=frozenset(["text"]))
     words = [word for rows in recording.blocks(["text"], 0) for word in rows.columns["text"]]
     assert words == [f"word{number}" for number in range(1000)]
+
+
+@given(st.integers(-62_135_596_800 * 10**9, 253_402_300_799 * 10**9))
+def test_dates_are_told_as_they_are_read(nanoseconds: int) -> None:
+    seconds = Fraction(nanoseconds, 10**9)
+    assert seconds_of(date_text(seconds)) == seconds
+
+
+def test_deadline_behind_the_last_date() -> None:
+    assert date_text(Fraction(253_402_300_800)) == "253402300800 s since 1970"
+
+
+@pytest.mark.parametrize("form", ["csv", "jsonl", "rows", "frame", "joined"])
+def test_reports_of_logs_with_dates_tell_dates(form: str, tmp_path: Path) -> None:
+    dates = ["2026-03-01T12:00:00Z", "2026-03-01T13:00:00.25+01:00"]
+    path = tmp_path / ("log.jsonl" if form == "jsonl" else "log.csv")
+    lines = [json.dumps({"time": date, "n": n}) if form == "jsonl" else f"{date},{n}" for n, date in enumerate(dates)]
+    path.write_text("\n".join(([] if form == "jsonl" else ["time,n"]) + lines) + "\n", encoding="utf-8")
+    match form:
+        case "frame":
+            pandas = pytest.importorskip("pandas")
+            frame = pandas.DataFrame({"n": [0, 1]}, index=pandas.to_datetime(dates, format="ISO8601", utc=True))
+            text = tachk.monitor("G n == 0", frame.rename_axis("time"))._repr_html_()
+        case "rows":
+            result = CliRunner().invoke(app, ["monitor", "--online", "G n == 0", str(path)])
+            text = result.output
+        case "joined":
+            other = tmp_path / "other.csv"
+            other.write_text(f"time,m\n{dates[0]},1\n", encoding="utf-8")
+            text = CliRunner().invoke(app, ["monitor", "G n == 0 && m == 1", str(path), str(other)]).output
+        case _:
+            text = CliRunner().invoke(app, ["monitor", "G n == 0", str(path)]).output
+    assert "2026-03-01T12:00:00.25Z" in text
+    assert "1772" not in text

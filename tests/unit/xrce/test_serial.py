@@ -11,6 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tachk.cli.main import app
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.runtime.trace_files import open_trace
 from tachk.xrce.events import Event, decode_serial
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.serial_framing import Frame, FrameReader, crc16
@@ -101,3 +103,20 @@ def test_the_command(tmp_path: Path):
     refused = CliRunner().invoke(app, ["decode", str(log)])
     assert refused.exit_code == 2
     assert "--serial" in refused.stderr
+
+
+def test_monitor_sees_that_a_capture_is_of_a_serial_line():
+    """The bytes of a real client and Agent, once with some that were changed on the line."""
+    root = Path(__file__).parents[3]
+    for name in ("serial_line", "serial_line_damaged"):
+        recording = open_trace(root / f"tests/data/{name}.pcap")
+        trace = recording.read(["client_AAAABBBB.to_agent.sent", "client_AAAABBBB.to_agent.acknowledged"])
+        assert [max(values) for values in trace.columns.values()] == [22, 22]
+        assert trace.packet(trace.end) is not None
+
+
+def test_other_captures_without_an_agent_are_still_refused(tmp_path: Path):
+    capture = tmp_path / "other.pcap"
+    capture.write_bytes(pcap([b"no frame at all"], link=147))
+    with pytest.raises(UsageError, match="no packet to or from port 8888"):
+        open_trace(capture)

@@ -79,6 +79,7 @@ def run_online(
         all_violations=told.all_violations,
         packets=recording.packets if isinstance(recording, LivePackets) else None,
     )
+    monitor.dated = not isinstance(recording, LivePackets) and recording.dates
     if isinstance(recording, CsvRecording):
         recording = replace(recording, texts=monitor.text_columns)
     with destination(reporting.output, reporting.quiet) as out:

@@ -57,6 +57,7 @@ class OnlineRecord:
     """Attributes:
     begin, end: what the clock showed at the first row and shows now.
     violations: those that have ended; None if they were not asked for.
+    dated: times are seconds since 1970, and were dates.
     """
 
     trace: str
@@ -67,3 +68,4 @@ class OnlineRecord:
     ending: Ending
     verdicts: tuple[OnlineVerdict, ...]
     violations: tuple[OnlineViolation, ...] | None = None
+    dated: bool = False

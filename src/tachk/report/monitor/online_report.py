@@ -3,37 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from fractions import Fraction
 
 from tachk.report.json_report import Json
 from tachk.report.monitor.json import finding_to_json, number
 from tachk.report.monitor.online_record import OnlineRecord, OnlineVerdict, OnlineViolation
+from tachk.report.monitor.record import time_text
 from tachk.report.monitor.text import robustness_text
 from tachk.report.monitor.words import explain_verdict
 from tachk.report.quantity import decimal, grouped
 from tachk.runtime.node_signal import Truth
 
 
-def decided_to_text(verdict: OnlineVerdict, unit: str) -> str:
+def decided_to_text(verdict: OnlineVerdict, unit: str, dated: bool) -> str:
     """What is printed as soon as a verdict is decided."""
-    at = "" if verdict.decided_at is None else f"{_time(verdict.decided_at, unit)}: "
-    return "\n".join((f"{at}{verdict.name} is {verdict.measured.word}", *_details(verdict, unit))) + "\n"
+    at = "" if verdict.decided_at is None else f"{time_text(verdict.decided_at, unit, dated)}: "
+    return "\n".join((f"{at}{verdict.name} is {verdict.measured.word}", *_details(verdict, unit, dated))) + "\n"
 
 
-def violation_to_text(violation: OnlineViolation, unit: str) -> str:
+def violation_to_text(violation: OnlineViolation, unit: str, dated: bool) -> str:
     """What is printed when a violation begins, and when it has ended."""
+    since = time_text(violation.since, unit, dated)
     if violation.until is None:
-        return f"{violation.name} is violated from {_time(violation.since, unit)} on: `{violation.violated}`"
-    return f"{violation.name} was violated from {_time(violation.since, unit)} until {_time(violation.until, unit)}"
+        return f"{violation.name} is violated from {since} on: `{violation.violated}`"
+    return f"{violation.name} was violated from {since} until {time_text(violation.until, unit, dated)}"
 
 
 def online_to_text(record: OnlineRecord) -> str:
     """The summary at the end."""
     rows = f"{grouped(record.rows)} {'row' if record.rows == 1 else 'rows'}"
-    lines = [
-        f"{record.trace}: {rows}, from {_time(record.begin, record.unit)} to {_time(record.end, record.unit)}",
-        "",
-    ]
+    begin, end = (time_text(clock, record.unit, record.dated) for clock in (record.begin, record.end))
+    lines = [f"{record.trace}: {rows}, from {begin} to {end}", ""]
     width = max(len(verdict.name) for verdict in record.verdicts)
     words = [_words(verdict) for verdict in record.verdicts]
     wide = max(len(word) for word in words)
@@ -104,15 +103,10 @@ def _words(verdict: OnlineVerdict) -> str:
     return f"{verdict.truth.word} (undetermined at the end)"
 
 
-def _details(verdict: OnlineVerdict, unit: str) -> Iterator[str]:
+def _details(verdict: OnlineVerdict, unit: str, dated: bool) -> Iterator[str]:
     if verdict.story is not None:
         for line in explain_verdict(verdict.story, verdict.story.verdicts[0]):
             yield f"  {line}"
     elif verdict.violated is not None:
         begin, end = verdict.violated
-        yield f"  violated from {_time(begin, unit)} until {_time(end, unit)}"
-
-
-def _time(value: Fraction, unit: str) -> str:
-    number = decimal(value, 18)
-    return f"{number} {unit}" if unit else number
+        yield f"  violated from {time_text(begin, unit, dated)} until {time_text(end, unit, dated)}"

@@ -7,6 +7,7 @@ from fractions import Fraction
 
 from tachk.report.quantity import decimal
 from tachk.runtime.conventions import Ending, Interpolation
+from tachk.runtime.logs.dates import date_text
 from tachk.runtime.monitor_program import MonitorProgram
 from tachk.runtime.node_signal import Truth
 from tachk.runtime.trace import Trace
@@ -89,10 +90,17 @@ class MonitorRecord:
 
 
 def clock_text(trace: Trace, tick: int | Fraction) -> str:
-    """What the clock of the recording showed at a tick: ``12.5 s``. Where lines cross, to six decimals."""
+    """What the clock of the recording showed at a tick: ``12.5 s``, or a date. Where lines cross, to six decimals."""
     clock = trace.clock(tick)
-    number = decimal(round(clock, 6) if trace.interpolation is Interpolation.LINEAR else clock, 18)
-    return f"{number} {trace.unit}" if trace.unit else number
+    return time_text(round(clock, 6) if trace.interpolation is Interpolation.LINEAR else clock, trace.unit, trace.dated)
+
+
+def time_text(clock: Fraction, unit: str, dated: bool) -> str:
+    """A time with its unit, or as a date."""
+    if dated:
+        return date_text(clock)
+    number = decimal(clock, 18)
+    return f"{number} {unit}" if unit else number
 
 
 def cell_time(cell: int) -> Fraction:

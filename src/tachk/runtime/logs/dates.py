@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from fractions import Fraction
 
 _DATE = re.compile(r"\d{4}-\d\d-\d\d(\D.*)?")
@@ -13,6 +13,17 @@ _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 def is_date(text: str) -> bool:
     """Whether a time is written as a date."""
     return _DATE.fullmatch(text.strip()) is not None
+
+
+def date_text(seconds: Fraction) -> str:
+    """A time in seconds since 1970 as a date of universal time, with as many decimals as it has, at most nine."""
+    nanoseconds = round(seconds * 10**9)
+    whole, rest = divmod(nanoseconds, 10**9)
+    fraction = f".{rest:09}".rstrip("0") if rest else ""
+    try:
+        return f"{(_EPOCH + timedelta(seconds=whole)).replace(tzinfo=None).isoformat()}{fraction}Z"
+    except OverflowError:  # a deadline in the year 10000
+        return f"{whole} s since 1970"
 
 
 def seconds_of(text: str) -> Fraction:

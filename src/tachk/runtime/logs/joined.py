@@ -89,7 +89,8 @@ class JoinedRecording:
                 values = texts.recoded(values, traces[number].labels, name)
             columns[name] = values[np.searchsorted(times[number], instants, side="right") - 1]
         end = int((max(ends) - begin) * scale)
-        return texts.on(Trace(self.name, instants, columns, end, scale, self.unit, begin))
+        dated = all(trace.dated for trace in traces)
+        return texts.on(Trace(self.name, instants, columns, end, scale, self.unit, begin, dated=dated))
 
 
 def with_texts(recording: Recording, columns: Collection[str]) -> Recording:

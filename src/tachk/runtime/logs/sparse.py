@@ -35,12 +35,14 @@ class SparseRecording:
     """Attributes:
     times: of all instants in order, as ``trace_arrays.exact_ticks`` takes them.
     changes: of each column; rows of the same number are one instant.
+    dated: the times were dates.
     """
 
     name: str
     unit: str
     times: NDArray[Any] = field(repr=False)
     changes: Mapping[str, Changes] = field(repr=False)
+    dated: bool = False
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -61,7 +63,9 @@ class SparseRecording:
         for name in wanted:
             place = np.searchsorted(self.changes[name].rows, instants, side="right") - 1
             cells.append(np.asarray(self.changes[name].values)[place])
-        return TableRecording(self.name, Header((_TIME, *wanted), 0, self.unit), cells).read(list(wanted))
+        return TableRecording(self.name, Header((_TIME, *wanted), 0, self.unit), cells, dated=self.dated).read(
+            list(wanted)
+        )
 
 
 def sparse(
@@ -69,11 +73,13 @@ def sparse(
     unit: str,
     events: Sequence[tuple[int | Fraction, Mapping[str, Any]]],
     instants: NDArray[np.datetime64] | None = None,
+    dated: bool = False,
 ) -> SparseRecording:
     """The recording of messages in the order of time: what each gives a value. None gives none.
 
     Args:
         instants: the times of the events, where they are those of a calendar.
+        dated: the times were written as dates.
     """
     rows: dict[str, list[int]] = {}
     values: dict[str, list[Any]] = {}
@@ -88,7 +94,7 @@ def sparse(
     if instants is None:
         times[:] = [time for time, _ in events]
     changes = {column: Changes(np.array(places, np.int64), _array(values[column])) for column, places in rows.items()}
-    return SparseRecording(name, unit, times, changes)
+    return SparseRecording(name, unit, times, changes, dated)
 
 
 def _array(values: list[Any]) -> NDArray[Any]:

@@ -48,9 +48,8 @@ def open_jsonl(path: Path, time: str | None, unit: str | None) -> SparseRecordin
         raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
     if not events:
         raise UsageError(f"{path} has no rows", "the verdict needs at least the state at the beginning")
-    return sparse(
-        str(path), agreed_unit(events[0].unit, unit, str(path)), [(each.time, each.values) for each in events]
-    )
+    known = agreed_unit(events[0].unit, unit, str(path))
+    return sparse(str(path), known, [(each.time, each.values) for each in events], dated=all(e.unit for e in events))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,6 +68,11 @@ class JsonStream:
             return known_unit(self.given_unit)
         event = next(_events([self.first], self.name, self.time), None)
         return "" if event is None else event.unit
+
+    @property
+    def dates(self) -> bool:
+        """The times are dates."""
+        return any(event.unit for event in _events([self.first], self.name, self.time))
 
     def blocks(self, columns: Collection[str] | None, decimals: int) -> Iterator[Rows]:
         """Rows from the first one on at which every column has a value, a few lines at a time."""

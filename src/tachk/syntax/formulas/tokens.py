@@ -41,6 +41,29 @@ SENTENCE_WORDS = frozenset(
 )
 """Words by which a sentence is known that lacks its full stop."""
 
+ORDINARY = frozenset(
+    {
+        *(
+            "assign",
+            "bool",
+            "broadcast",
+            "chan",
+            "clock",
+            "commit",
+            "const",
+            "do",
+            "else",
+            "for",
+            "guard",
+            "if",
+            "init",
+        ),
+        *("int", "meta", "process", "return", "scalar", "select", "state", "struct", "sync", "system", "trans"),
+        *("typedef", "urgent", "void", "while"),
+    }
+)
+"""Keywords of models that have no meaning in a formula: where an operand begins they are the names of columns."""
+
 _ENDS_OPERAND = frozenset({"NAME", "QUOTED", "INTEGER", "FLOAT", "STRING", "TRUE", "FALSE"})
 _BEGINS_OPERAND = frozenset(
     {*("NAME", "QUOTED", "INTEGER", "FLOAT", "TRUE", "FALSE", "NOT", "FORALL", "EXISTS", "STRING")}
@@ -101,6 +124,8 @@ class _Marker:
         """Mark the token at a place; the place to go on at."""
         token = self.tokens[place]
         following = self.text(place + 1)
+        if token.text in ORDINARY and token.type != "QUOTED" and (not self.ended or self.after_dot(place)):
+            token.type = "NAME"
         letter = None if self.ended else BOXES.get(token.text + following)
         if letter is not None and token.span.end == self.tokens[place + 1].span.start:
             self.tokens[place : place + 2] = [
@@ -139,6 +164,8 @@ class _Marker:
         if place >= len(self.tokens):
             return False
         token = self.tokens[place]
+        if token.text in ORDINARY:
+            return True
         if token.type == "NAME" and token.text in INFIX:
             # In `F U q` the letter F is a name, in `F U` it is an operator.
             return not self.begins_operand(place + 1) and self.text(place + 1) != "["

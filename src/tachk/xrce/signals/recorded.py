@@ -12,6 +12,7 @@ from tachk.records import dataclass
 from tachk.xrce.messages import Endpoint
 from tachk.xrce.packets import Numbers
 from tachk.xrce.reading import CaptureReading
+from tachk.xrce.serial_line import SerialReading
 from tachk.xrce.signals.changes import Changes
 from tachk.xrce.signals.clients import Side, Way
 from tachk.xrce.signals.following import SITUATION, Block, Follower
@@ -111,7 +112,16 @@ def read_recorded(stream: BinaryIO, ports: Iterable[int], signals: bool = True) 
         ports: of Agents; without any 8888, and each one to which a session is created.
         signals: whether the changes of streams are wanted; without them, a fifth of the time is saved.
     """
-    reading = CaptureReading(stream, ports)
+    return _recorded(CaptureReading(stream, ports), signals)
+
+
+def read_recorded_serial(stream: BinaryIO, signals: bool = True) -> Recorded:
+    """What a capture of a serial line says; frames that a receiver would drop are left out. Raises CaptureError for a
+    file without bytes."""
+    return _recorded(SerialReading(stream, damaged=False), signals)
+
+
+def _recorded(reading: CaptureReading | SerialReading, signals: bool) -> Recorded:
     follower = Follower(streams=signals)
     blocks = []
     for found in reading.pieces():

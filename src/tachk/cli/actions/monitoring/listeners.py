@@ -85,11 +85,11 @@ class TextListener(Listener):
         for violation in violations:
             if violation.until is None:
                 self._counts[violation.name] = self._counts.get(violation.name, 0) + 1
-            self._out.write(violation_to_text(violation, self._monitor.unit) + "\n")
+            self._out.write(violation_to_text(violation, self._monitor.unit, self._monitor.dated) + "\n")
         self._out.flush()
 
     def decided(self, verdict: OnlineVerdict) -> None:
-        self._out.write(decided_to_text(verdict, self._monitor.unit) + "\n")
+        self._out.write(decided_to_text(verdict, self._monitor.unit, self._monitor.dated) + "\n")
         self._out.flush()
 
     def end(self) -> None:
