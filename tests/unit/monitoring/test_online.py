@@ -43,7 +43,7 @@ def test_a_violation_is_explained_from_the_rows_that_were_kept() -> None:
         "trigger: `p` becomes true at 900 s",
         "`q` is never true from 900 s to 903 s, the deadline",
     )
-    assert decided_to_text(verdict, "s").startswith("904 s: p1 is false\n  trigger: `p` becomes true at 900 s\n")
+    assert decided_to_text(verdict, "s", False).startswith("904 s: p1 is false\n  trigger: `p` becomes true at 900 s\n")
 
 
 def test_time_can_pass_without_events() -> None:

@@ -20,6 +20,8 @@ from tachk.runtime.packets import arriving
 from tachk.runtime.packets.live import LivePackets
 from tachk.runtime.trace_csv import Rows
 from tachk.runtime.trace_files import open_trace
+from tachk.xrce.reading import CaptureReading
+from tachk.xrce.signals.following import VANISHED, Follower
 from tests.unit.xrce.captures import RECORDED, needs_recorded
 from tests.unit.xrce.test_properties_on_packets import BOTH_SIDES, QUERIES, Talk, acknack, created, data, write
 
@@ -206,3 +208,53 @@ def test_formulas_that_need_hindsight_are_left_out(capsys: pytest.CaptureFixture
     assert "FARS_each" not in names
     assert "FARS_each" in capsys.readouterr().err
     assert without_hindsight(formulas, True) == formulas
+
+
+def test_clients_that_vanish_are_forgotten_after_an_hour(tmp_path: Path):
+    """None of them closes its session; each leaves a message that is never acknowledged."""
+    talk, minutes = Talk(), 99
+    for number in range(1, minutes):
+        time = 200_000.0 * number
+        talk.up(time, created(f"{number:08X}"), client=number).up(time + 10, write(0, number), client=number)
+    octets = talk.capture(tmp_path).read_bytes()
+    parts = [(number / 100, octets[at : at + 300]) for number, at in enumerate(range(0, len(octets), 300))]
+    packets = live(Line(parts, 0.0), (8888, *range(9001, 9000 + minutes)))
+    kept = []
+    for _ in packets.blocks(["sleep", "allToAgent"], 9):
+        follower = packets._follower
+        assert len(follower._by_endpoints) == len(follower.sides)
+        kept.append(len(follower.sides))
+    assert 2 * 17 < max(kept) < 2 * 23  # two sides of each, and 18 in an hour
+    assert len(packets._follower._clients) == kept[-1] / 2
+
+
+def test_who_has_vanished_owes_nothing_any_more(tmp_path: Path):
+    talk = Talk().up(0, created("00000001")).up(1, write(0, 7))
+    talk.up(10, created("00000002"), client=2).up(20, write(0, 8), client=2).down(30, acknack(1), client=2)
+    for minute in range(1, 90):
+        time = 60_000.0 * minute
+        talk.up(time, write(minute, minute), client=2).down(time + 5, acknack(minute + 1), client=2)
+    octets = talk.capture(tmp_path).read_bytes()
+    parts = [(number / 100, octets[at : at + 500]) for number, at in enumerate(range(0, len(octets), 500))]
+    rows = list(live(Line(parts, 0.0), (8888, 9001, 9002)).blocks(["allToAgent"], 9))
+    times = np.concatenate([one.times for one in rows]) / SECOND
+    complete = np.concatenate([one.columns["allToAgent"] for one in rows])
+    assert (np.diff(times) >= 0).all()
+    assert not complete[(times > 1) & (times < 3600)].any()
+    assert complete[times > 3760].any()
+
+
+def test_nobody_waits_for_a_reader_that_has_vanished(tmp_path: Path):
+    follower, reader = Follower(), Talk().up(0, created("00000001")).capture(tmp_path)
+    with reader.open("rb") as stream:
+        for found in CaptureReading(stream, (8888,)).pieces():
+            follower.push(found)
+    exchange, owner = follower._exchange, follower.sides[0].owner
+    exchange.new_writer(("other", 1), "numbers")
+    exchange.new_reader((owner, 1), "numbers")
+    exchange.written(("other", 1), 7)
+    assert not exchange.standing().complete
+    follower.wait(follower.latest + VANISHED + 1)
+    follower.forget_gone()
+    assert exchange.standing().complete
+    assert follower.sides == []

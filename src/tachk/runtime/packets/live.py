@@ -93,6 +93,7 @@ class LivePackets:
     """
 
     unit = "s"
+    _follower: Follower
 
     def __init__(self, name: str, stream: Arriving, ports: Sequence[int], clock: Callable[[], int]) -> None:
         """Args:
@@ -103,7 +104,6 @@ class LivePackets:
         self._reading = CaptureReading(cast("BinaryIO", stream), ports)
         self._stream = stream
         self._clock = clock
-        self._follower = Follower()
         self._looked = 0
         self._start: int | None = None
         self._told = 0

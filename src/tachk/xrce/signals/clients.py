@@ -184,6 +184,10 @@ class Client:
             one.open or one.lost or one.unheard or one.waiting for one in self.transfers.values()
         )
 
+    def is_silent(self, since: int) -> bool:
+        """Whether it has sent nothing since this time."""
+        return all(side.heard < since for side in self.sides)
+
     def transfer(self, stream: Stream) -> Transfer:
         """What a stream is one end of."""
         way = stream.way

@@ -43,6 +43,10 @@ and its client has not heard so."""
 GONE: Final = 60_000_000_000
 """A client that has closed its session, and from which nothing has come for so many nanoseconds, does not come back."""
 
+VANISHED: Final = 3_600_000_000_000
+"""A client from which nothing has come for so many nanoseconds has vanished: from then on it counts as one that has
+closed its session, whatever it owes or is owed."""
+
 _SESSION: Final = 0xFFFE
 """The object id of the client itself."""
 
@@ -218,18 +222,29 @@ class Follower:
         self.latest = max(self.latest, time)
 
     def forget_gone(self) -> None:
-        """Keeps nothing of clients that have closed their session, are long silent, and owe and are owed nothing.
+        """Keeps nothing of clients that have vanished, nor of those that have closed their session, are long silent,
+        and owe and are owed nothing.
 
-        Whoever reads a capture without an end calls this now and then; the rows stay what they are.
+        Whoever reads a capture without an end calls this now and then. The rows stay what they are, unless a client has
+        vanished: there is a row then in which it is no longer there.
         """
         gone = [owner for owner in self._owners() if owner.is_settled(self.latest - GONE)]
-        for owner in gone:
+        vanished = [owner for owner in self._owners() if owner.is_silent(self.latest - VANISHED) and owner not in gone]
+        for owner in vanished:
+            self._forget(owner)
+            self._exchange.drop(owner)
+        for owner in gone + vanished:
             for side in owner.sides:
                 side.forgotten = True
                 self.sides.remove(side)
                 self._by_endpoints.pop((side.client_endpoint, side.agent_endpoint), None)
             self._clients.pop(owner.key, None)
             self._exchange.forget(owner)
+        if vanished:
+            self._complete, self._ordered = self._exchange.standing()
+            self._inserted.append((self._rows, self.latest, 0))
+            self._look(self._rows)
+            self._rows += 1
 
     def waiting(self) -> Wait | None:
         """For what the Agent waits still, and longest."""

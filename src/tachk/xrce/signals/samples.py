@@ -125,6 +125,7 @@ class Exchange:
         self._writers: dict[Owner, Topic] = {}
         self._readers: dict[Owner, Reader] = {}
         self._creations: Counter[Topic] = Counter()
+        self._disordered = False
 
     def new_writer(self, writer: Owner, topic: Topic) -> None:
         self._writers[writer] = topic
@@ -151,6 +152,12 @@ class Exchange:
             if owner[0] is not client or not reader.closed or not reader.has_all or reader.disordered
         }
 
+    def drop(self, client: object) -> None:
+        """A client has vanished: nothing is owed to it any more. That one of its readers was disordered is kept."""
+        self._disordered |= any(one.disordered for owner, one in self._readers.items() if owner[0] is client)
+        self._writers = {owner: topic for owner, topic in self._writers.items() if owner[0] is not client}
+        self._readers = {owner: reader for owner, reader in self._readers.items() if owner[0] is not client}
+
     def written(self, writer: Owner, sample: int) -> None:
         topic = self._writers.get(writer)
         for reader in self._readers.values():
@@ -167,4 +174,6 @@ class Exchange:
 
     def standing(self) -> Standing:
         readers = self._readers.values()
-        return Standing(all(one.has_all for one in readers), not any(one.disordered for one in readers))
+        return Standing(
+            all(one.has_all for one in readers), not (self._disordered or any(one.disordered for one in readers))
+        )
