@@ -323,3 +323,36 @@ class Simulation:
 
 def ticks_per_unit() -> int: ...
 def latest_end() -> int: ...
+
+class Asked:
+    until: int
+    steps: int
+    bound_clock: int
+    bound_value: int
+    goal: int
+    lost: int
+    observed: int
+    clock: int
+    largest: bool
+    def __init__(self) -> None: ...
+
+class Trials:
+    def answers(self) -> NDArray[np.int8]: ...
+    def endings(self) -> NDArray[np.int8]: ...
+    def ends(self) -> NDArray[np.int64]: ...
+    def transitions(self) -> NDArray[np.int64]: ...
+    def measured(self) -> NDArray[np.float64]: ...
+    def fault(self, number: int) -> tuple[FaultKind, int]: ...
+
+def trials(
+    simulation: Simulation,
+    asked: Asked,
+    *,
+    policy: Policy,
+    seed: int,
+    first: int,
+    runs: int,
+    threads: int,
+    most_steps: int,
+    seconds: float,
+) -> Trials: ...

@@ -47,6 +47,7 @@ LIBRARIES = {
         "report.monitor",
         "runtime",
         "simulation",
+        "statistics",
         "synthesis",
         "testing",
         "xrce",

@@ -157,4 +157,5 @@ NB_MODULE(_core, m) {
   bind_group(m);
   bind_runs(m);
   bind_simulation(m);
+  bind_trials(m);
 }

@@ -1,14 +1,11 @@
 #include "simulation/runs.hpp"
 
-#include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cstddef>
-#include <exception>
-#include <mutex>
 #include <optional>
-#include <thread>
 #include <utility>
+
+#include "simulation/crew.hpp"
 
 namespace tachk {
 namespace {
@@ -22,25 +19,11 @@ Simulation::Simulation(Program program, std::span<const std::int64_t> chances)
 
 std::vector<RunRecord> Simulation::run(const Order& order) const {
   std::vector<RunRecord> records(order.runs);
-  std::atomic<std::uint64_t> next{0};
-  std::exception_ptr failure;
-  std::mutex failing;
-  const auto work = [&] {
-    try {
-      Simulator simulator(program_, chances_, tables_, order.policy);
-      for (std::uint64_t n = next++; n < order.runs; n = next++) run_one(simulator, order, order.first + n, records[n]);
-    } catch (...) {
-      const std::lock_guard lock(failing);
-      failure = std::current_exception();
-      next = order.runs;
-    }
-  };
-  std::vector<std::thread> others;
-  const auto wanted = static_cast<unsigned>(std::min<std::uint64_t>(order.threads, order.runs));
-  for (unsigned n = 1; n < wanted; ++n) others.emplace_back(work);
-  work();
-  for (std::thread& other : others) other.join();
-  if (failure) std::rethrow_exception(failure);
+  share_work(order.threads, order.runs, [&] {
+    return [&, simulator = Simulator(program_, chances_, tables_, order.policy)](std::uint64_t n) mutable {
+      run_one(simulator, order, order.first + n, records[n]);
+    };
+  });
   return records;
 }
 

@@ -56,6 +56,10 @@ class Simulation {
   // The runs in the order of their numbers, whatever the number of threads. Throws Stopped.
   std::vector<RunRecord> run(const Order& order) const;
 
+  const Program& program() const { return program_; }
+  const Chances& chances() const { return chances_; }
+  const Tables& tables() const { return tables_; }
+
  private:
   void run_one(Simulator& simulator, const Order& order, std::uint64_t number, RunRecord& record) const;
   void keep(Simulator& simulator, const Recording& recording, RunRecord& record) const;

@@ -65,6 +65,10 @@ class Simulator {
   std::int32_t* slots() { return state_.slots.data(); }
   Machine& machine() { return machine_; }
   const ClockValues& clocks() const { return state_.clocks; }
+  // The moments at which a condition holds if nothing happens.
+  Window moments(const Condition& condition) {
+    return integers_hold(condition) ? window(condition) : Window{never, -never};
+  }
 
  private:
   struct State {

@@ -34,6 +34,7 @@ COMMANDS = (
     "simulate",
     "replay",
     "step",
+    "estimate",
     "conform",
     "proxy",
     "monitor",
@@ -51,7 +52,7 @@ COMMANDS = (
 _FOLDERS = {
     **dict.fromkeys(("chart", "decode", "measure", "proxy"), "packets"),
     **dict.fromkeys(("synthesize", "sweep"), "many_values"),
-    **dict.fromkeys(("simulate", "replay", "step"), "simulation"),
+    **dict.fromkeys(("simulate", "replay", "step", "estimate"), "simulation"),
 }
 """Of commands whose modules are in folders of their own."""
 

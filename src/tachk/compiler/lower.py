@@ -126,13 +126,12 @@ def lower_measures(
     return lowering.program(observed), tuple(goals), tuple(measures)
 
 
-def lower_simulation(network: Network, observed: Sequence[Expression | int]) -> tuple[Program, Chances]:
-    """The program of a network, and what a simulation needs beside it: also the code of the expressions that it
-    observes, and the slots of these numbers.
-
-    Raises as `lower` does, and UnsupportedError for a rate or weight that cannot be computed.
-    """
-    known = known_values(network, [each for each in observed if not isinstance(each, int)])
+def lower_simulation(
+    network: Network, observed: Sequence[Expression | int], predicates: Sequence[Expression] = ()
+) -> tuple[Program, Chances]:
+    """The program of a network, and what a simulation needs beside it, with what it observes: expressions and slots.
+    Raises as `lower` does, and UnsupportedError for a rate or weight that cannot be computed."""
+    known = known_values(network, [*(each for each in observed if not isinstance(each, int)), *predicates])
     lowering = _lowered(network, known)
     rates = tuple(
         tuple(lowering.chance(location.exponential_rate, known) for location in process.locations)
@@ -142,8 +141,9 @@ def lower_simulation(network: Network, observed: Sequence[Expression | int]) -> 
     values = tuple(
         Computed(slot=each) if isinstance(each, int) else lowering.computed(each, known) for each in observed
     )
+    goals = tuple(compile_goal(predicate, known, lowering.compiler)[0] for predicate in predicates)
     lowering.generator.finish()
-    return lowering.program([]), Chances(rates, choices, weights, values)
+    return lowering.program([]), Chances(rates, choices, weights, values, goals)
 
 
 @dataclass(frozen=True, slots=True)

@@ -246,9 +246,11 @@ class Chances:
         choices: of each edge; edges with the same number are branches of one way into a branchpoint.
         weights: of each edge, among those of its choice.
         observed: what is recorded of each state.
+        goals: what runs may be asked to reach.
     """
 
     rates: tuple[tuple[Computed, ...], ...]
     choices: tuple[int, ...]
     weights: tuple[Computed, ...]
     observed: tuple[Computed, ...]
+    goals: tuple[Goal, ...] = ()

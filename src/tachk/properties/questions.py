@@ -85,4 +85,6 @@ def checked(formulas: Iterable[Query | UncheckedQuery]) -> tuple[Query, ...]:
 
 def why_not(query: UncheckedQuery) -> str:
     """Why a query is not checked."""
-    return query.diagnostics[0].message if query.diagnostics else f"{query.family} query"
+    if query.diagnostics:
+        return query.diagnostics[0].message
+    return f"{query.family} query" + (": see `tachk estimate`" if query.family == "statistical" else "")

@@ -17,7 +17,7 @@ class NotChecked:
     """A formula of the model or the query file that tachk does not check, and why.
 
     Attributes:
-        reason: ``"statistical query"``, or the first of the diagnostics.
+        reason: ``"game query"``, or the first of the diagnostics.
         diagnostics: what is wrong with it; empty if it belongs to another kind of analysis.
         span: where it stands.
         number: its place among all formulas of the run, checked or not, from 1.

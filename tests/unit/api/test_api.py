@@ -48,7 +48,7 @@ def test_verify_checks_all_properties(lamp: Path) -> None:
     report = tachk.load(lamp).verify()
     assert [verdict.answer for verdict in report] == [tachk.Answer.HOLDS, tachk.Answer.FAILS]
     assert report.met is True
-    assert [n.reason for n in report.record.not_checked] == ["statistical query"]
+    assert [n.reason for n in report.record.not_checked] == ["statistical query: see `tachk estimate`"]
 
 
 def test_constants_are_keyword_arguments(lamp: Path) -> None:

@@ -36,7 +36,7 @@ def test_every_formula_counts_and_only_those_checked_have_a_verdict() -> None:
     found = re.findall(r"^Verifying formula (\d+) at (.*)\n -- (.*)$", text, re.M)
     assert found == [
         ("1", "m.ta:3", "Formula is satisfied."),
-        ("2", "m.ta:4", "tachk: not checked: statistical query"),
+        ("2", "m.ta:4", "tachk: not checked: statistical query: see `tachk estimate`"),
         ("3", "m.ta:5", "tachk: not checked: `deadlock` is not a number to compare or to count with"),
         ("4", "m.ta:6", "Formula is NOT satisfied."),
     ]

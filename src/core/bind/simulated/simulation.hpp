@@ -2,5 +2,6 @@
 
 #include <nanobind/nanobind.h>
 
-// Adds the simulator to the module.
+// Adds the simulator to the module, and what is asked of runs.
 void bind_simulation(nanobind::module_& m);
+void bind_trials(nanobind::module_& m);

@@ -17,6 +17,7 @@ from tachk.diagnostics.codes.observer_codes import OBSERVER_CODES
 from tachk.diagnostics.codes.proxy_codes import PROXY_CODES
 from tachk.diagnostics.codes.run_time_codes import RUN_TIME_CODES
 from tachk.diagnostics.codes.sentence_codes import SENTENCE_CODES
+from tachk.diagnostics.codes.statistics_codes import STATISTICS_CODES
 from tachk.diagnostics.codes.syntax_codes import SYNTAX_CODES
 from tachk.diagnostics.codes.trace_codes import TRACE_CODES
 from tachk.diagnostics.codes.verification_codes import VERIFICATION_CODES
@@ -26,6 +27,7 @@ from tachk.diagnostics.explanation import Explanation
 CODES: dict[str, Explanation] = {
     **SYNTAX_CODES,
     **SENTENCE_CODES,
+    **STATISTICS_CODES,
     **XML_CODES,
     **MODEL_CODES,
     **DURATION_CODES,

@@ -1,0 +1,156 @@
+#include "simulation/trials.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <stdexcept>
+
+#include "simulation/crew.hpp"
+
+namespace tachk {
+namespace {
+
+constexpr std::uint64_t between_stops = 1 << 16;  // transitions
+constexpr std::uint64_t steps_at_once = 1'000'000;
+
+// The first moment from now on at which the goal is reached if nothing happens; `never` if it is not.
+Ticks first_moment(Simulator& simulator, const Goal& goal) {
+  Ticks first = never;
+  for (const Disjunct& disjunct : goal.disjuncts) {
+    Window window = simulator.moments(disjunct.condition);
+    window.first = std::max(window.first, simulator.now());
+    if (!window.empty()) first = std::min(first, window.first);
+  }
+  return first;
+}
+
+class Watch {
+ public:
+  Watch(const Simulation& simulation, const Asked& asked, const TrialOrder& order)
+      : simulation_(simulation),
+        asked_(asked),
+        order_(order),
+        simulator_(simulation.program(), simulation.chances(), simulation.tables(), order.policy) {}
+
+  void run(std::uint64_t number, Trial& trial) {
+    try {
+      if (!simulator_.begin(order_.seed, number)) {
+        trial.answer = Answered::unknown;
+        trial.ending = Ending::initial;
+        return;
+      }
+      if (asked_.measures()) trial.measured = measured();
+      go_on(trial);
+    } catch (const ModelFault& fault) {
+      trial.answer = Answered::unknown;
+      trial.ending = Ending::fault;
+      trial.fault = fault.kind;
+      trial.position = fault.position;
+      trial.end = simulator_.now();
+    }
+  }
+
+ private:
+  // One state after another, with the time that passes in it.
+  void go_on(Trial& trial) {
+    std::uint64_t at_once = 0;
+    while (true) {
+      const Ticks before = simulator_.now();
+      const Ticks last = end();
+      const Ticks reached = moment(asked_.goal);
+      const Ticks lost = moment(asked_.lost);
+      RunLimits limits;
+      limits.until = last;
+      if (std::min(reached, lost) <= before || last < before) return decide(trial, reached, lost, last);
+      const ClockAtStart clock = clock_at_start();
+      const std::optional<Ending> ending = simulator_.step(limits);
+      const Ticks now = std::min(simulator_.now(), last);
+      if (asked_.clock > 0) extend(trial, clock, std::min({now, reached, lost}) - before);
+      if (std::min(reached, lost) <= now) return decide(trial, reached, lost, last);
+      if (ending) return stop(trial, *ending, now);
+      if (++trial.transitions > asked_.bound.steps) return stop(trial, Ending::horizon, now);
+      if (asked_.measures()) keep(trial, measured());
+      if (trial.transitions % between_stops == 0 && order_.stop && order_.stop()) throw Stopped();
+      at_once = now == before ? at_once + 1 : 0;
+      if (at_once >= steps_at_once) return stop(trial, Ending::zeno, now);
+      if (trial.transitions >= order_.most_steps) return stop(trial, Ending::steps, now);
+    }
+  }
+
+  static void decide(Trial& trial, Ticks reached, Ticks lost, Ticks last) {
+    const Ticks first = std::min(reached, lost);
+    if (first > last) return stop(trial, Ending::horizon, last);
+    trial.answer = reached <= lost ? Answered::yes : Answered::no;
+    trial.end = first;
+  }
+
+  static void stop(Trial& trial, Ending ending, Ticks now) {
+    trial.ending = ending;
+    trial.end = now;
+    if (ending == Ending::zeno || ending == Ending::steps) trial.answer = Answered::unknown;
+  }
+
+  Ticks moment(std::int32_t goal) {
+    return goal < 0 ? never : first_moment(simulator_, simulation_.program().goals[static_cast<std::size_t>(goal)]);
+  }
+
+  // The last moment that is looked at, if nothing happens before.
+  Ticks end() const {
+    const Bound& bound = asked_.bound;
+    if (bound.clock == 0) return bound.until;
+    const Ticks left = bound.value - simulator_.clocks().value(bound.clock, simulator_.now());
+    if (left < 0) return simulator_.now() - 1;
+    return simulator_.clocks().runs(bound.clock) ? std::min(latest_end, simulator_.now() + left) : latest_end;
+  }
+
+  double measured() {
+    if (asked_.clock > 0) return in_units(simulator_.clocks().value(asked_.clock, simulator_.now()));
+    return simulation_.chances().observed[static_cast<std::size_t>(asked_.observed)].value(simulator_.machine(),
+                                                                                           simulator_.slots());
+  }
+
+  struct ClockAtStart {
+    Ticks value;
+    bool runs;
+  };
+  ClockAtStart clock_at_start() const {
+    if (asked_.clock == 0) return {0, false};
+    return {simulator_.clocks().value(asked_.clock, simulator_.now()), simulator_.clocks().runs(asked_.clock)};
+  }
+  void extend(Trial& trial, const ClockAtStart& clock, Ticks delay) const {
+    if (clock.runs) keep(trial, in_units(clock.value + std::max<Ticks>(delay, 0)));
+  }
+  void keep(Trial& trial, double value) const {
+    trial.measured = asked_.largest ? std::max(trial.measured, value) : std::min(trial.measured, value);
+  }
+  static double in_units(Ticks ticks) { return static_cast<double>(ticks) / static_cast<double>(ticks_per_unit); }
+
+  const Simulation& simulation_;
+  const Asked& asked_;
+  const TrialOrder& order_;
+  Simulator simulator_;
+};
+
+void check(const Simulation& simulation, const Asked& asked) {
+  const auto goals = static_cast<std::int64_t>(simulation.program().goals.size());
+  const auto numbers = static_cast<std::int64_t>(simulation.chances().observed.size());
+  const int clocks = simulation.program().clocks;
+  if (asked.goal >= goals || asked.lost >= goals || asked.observed >= numbers || asked.clock > clocks ||
+      asked.bound.clock > clocks)
+    throw std::invalid_argument("the program has no such goal, number or clock");
+}
+
+}  // namespace
+
+std::vector<Trial> trials(const Simulation& simulation, const Asked& asked, const TrialOrder& order) {
+  check(simulation, asked);
+  std::vector<Trial> result(order.runs);
+  share_work(order.threads, order.runs, [&] {
+    return [&, watch = Watch(simulation, asked, order)](std::uint64_t n) mutable {
+      watch.run(order.first + n, result[n]);
+    };
+  });
+  return result;
+}
+
+}  // namespace tachk

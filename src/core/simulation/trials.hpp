@@ -1,0 +1,63 @@
+// Runs that are asked one thing: each ends as soon as that is known.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "simulation/runs.hpp"
+#include "simulation/simulator.hpp"
+
+namespace tachk {
+
+// How far a run is looked at: up to a moment, a number of transitions, or a value of a clock.
+struct Bound {
+  Ticks until = latest_end;
+  std::uint64_t steps = UINT64_MAX;
+  std::uint16_t clock = 0;  // that `value` is for; 0: none
+  Ticks value = 0;
+};
+
+struct Asked {
+  Bound bound;
+  std::int32_t goal = -1;  // of the program: the run ends where it is reached; -1: nothing is to be reached
+  std::int32_t lost = -1;  // another one: where this is reached before, the goal counts no more
+  // What is measured is the number `observed` of the chances, or the value of a clock: its extreme value on the run.
+  std::int32_t observed = -1;
+  std::uint16_t clock = 0;
+  bool largest = true;
+
+  bool measures() const { return observed >= 0 || clock > 0; }
+};
+
+enum class Answered : std::int8_t {
+  no,       // the whole run was looked at, and the goal is not reached
+  yes,      // it is
+  unknown,  // the run ended before that was known: too many steps, or a run-time error
+};
+
+struct Trial {
+  Answered answer = Answered::no;
+  Ending ending = Ending::horizon;
+  Ticks end = 0;  // the moment at which the goal is reached, or up to which the run was looked at
+  std::uint64_t transitions = 0;
+  double measured = 0;
+  FaultKind fault = FaultKind::range;
+  std::int32_t position = no_code;
+};
+
+struct TrialOrder {
+  std::uint64_t seed = 0;
+  std::uint64_t first = 0;
+  std::uint64_t runs = 1;
+  unsigned threads = 1;
+  Policy policy = Policy::stochastic;
+  std::uint64_t most_steps = UINT64_MAX;  // after which a run is given up
+  std::function<bool()> stop = {};        // asked now and then, by any thread: whether to give up
+};
+
+// The runs in the order of their numbers, whatever the number of threads. Throws Stopped, and std::invalid_argument for
+// numbers that the program does not have.
+std::vector<Trial> trials(const Simulation& simulation, const Asked& asked, const TrialOrder& order);
+
+}  // namespace tachk

@@ -1,0 +1,133 @@
+"""`tachk estimate`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from tachk import api
+from tachk.cli.arguments import parse_definitions, split_models_and_queries
+from tachk.cli.destination import destination
+from tachk.cli.exit_status import ExitStatus, worst
+from tachk.cli.guard import print_diagnostics
+from tachk.cli.reporting import ReportForm, Reporting
+from tachk.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
+from tachk.diagnostics.span import Source as Text
+from tachk.engines.simulation.simulator import Ending
+from tachk.frontend.queries.queries import UncheckedQuery
+from tachk.frontend.queries.statistical import FAMILY, read_statistical
+from tachk.model.query import Expectation, Query
+from tachk.model.statistical import StatisticalQuery
+from tachk.properties.questions import Questions
+from tachk.records import dataclass
+from tachk.report.json_text import json_text
+from tachk.report.statistics.json import estimates_document
+from tachk.report.statistics.text import answer_lines
+from tachk.statistics.deciding import Decision, Errors
+from tachk.statistics.estimate import Decided, Drawn, Estimate, Settings, estimate
+from tachk.statistics.sampling import Sample, Source
+from tachk.syntax.source_files import read_source
+
+
+@dataclass(frozen=True, slots=True)
+class Estimating:
+    """What is asked, as it was typed."""
+
+    arguments: tuple[str, ...]
+    query_files: tuple[Path, ...] = ()
+    definitions: tuple[str, ...] = ()
+    properties: tuple[str, ...] = ()
+    confidence: float = 0.95
+    half_width: float = 0.05
+    runs: int | None = None
+    alpha: float = 0.05
+    beta: float = 0.05
+    delta: float = 0.01
+    seed: int = 0
+    threads: int = 1
+    most_steps: int | None = None
+    most_runs: int = 1_000_000
+
+
+def run_estimate(asked: Estimating, reporting: Reporting) -> ExitStatus:
+    """Answers the queries in their order, and reports."""
+    models, typed = split_models_and_queries(asked.arguments)
+    if len(models) > 1:
+        raise UsageError("tachk estimate takes one model", f"and queries: tachk estimate {models[0]} 'Pr[<=100](<> p)'")
+    model = api.load(models[0], **parse_definitions(asked.definitions))
+    print_diagnostics((*model.refusals, *model.warnings))
+    network = model.network
+    settings = Settings(
+        Source(asked.seed, 0, asked.threads, asked.most_steps),
+        asked.confidence,
+        asked.half_width,
+        asked.runs,
+        Errors(asked.alpha, asked.beta, asked.delta),
+        asked.most_runs,
+    )
+    statuses: list[ExitStatus] = []
+    found: list[Estimate] = []
+    for query, expectation in _queries(model, asked, typed, statuses):
+        found.append(estimate(network, query, settings))
+        statuses.append(_status(found[-1], expectation))
+    with destination(reporting.output, reporting.quiet) as out:
+        if out is not None and reporting.form is ReportForm.JSON:
+            out.write(json_text(estimates_document(models[0], found, settings)))
+        elif out is not None:
+            out.writelines(f"{line}\n" for each in found for line in answer_lines(each, settings))
+    return worst(statuses)
+
+
+def _queries(
+    model: api.Model, asked: Estimating, typed: tuple[str, ...], statuses: list[ExitStatus]
+) -> Iterator[tuple[StatisticalQuery, Expectation | None]]:
+    """What is to be answered. What is wrong with a query of a file or a model is told, and does not keep others from
+    being answered."""
+    loaded = model.loaded
+    named = [query for query in loaded.formulas if query.name in asked.properties]
+    missing = set(asked.properties) - {query.name for query in named}
+    if missing:
+        raise UsageError(f"{model.path} has no property {min(missing)!r}")
+    files = tuple(read_source(path) for path in asked.query_files)
+    given = Questions(model.path, (), files, tuple(Text("<query>", text) for text in typed))
+    formulas = [*named, *(given.about(loaded) if typed or files or not named else ())]
+    others = [query for query in formulas if not _is_statistical(query)]
+    if len(others) == len(formulas):
+        raise UsageError(
+            f"{model.path}: there is no statistical query",
+            "give one behind the model, such as 'Pr[<=100](<> P.location)'; `tachk verify` checks all others",
+        )
+    for query in formulas:
+        if not isinstance(query, UncheckedQuery) or query in others:
+            continue
+        try:
+            yield read_statistical(query, loaded), query.expectation
+        except InputError as error:
+            if typed:
+                raise
+            print_diagnostics(error.diagnostics)
+            statuses.append(ExitStatus.BAD_INPUT)
+        except UnsupportedError as error:
+            if typed:
+                raise
+            print_diagnostics([error.diagnostic])
+            statuses.append(ExitStatus.UNSUPPORTED)
+
+
+def _is_statistical(query: Query | UncheckedQuery) -> bool:
+    return isinstance(query, UncheckedQuery) and query.family == FAMILY
+
+
+def _status(found: Estimate, expectation: Expectation | None) -> ExitStatus:
+    statuses = [ExitStatus.AS_EXPECTED]
+    if not isinstance(found, Drawn):
+        samples: Iterable[Sample] = found.samples if isinstance(found, Decided) else (found.sample,)
+        if any(sample.endings[Ending.FAULT] for sample in samples):
+            statuses.append(ExitStatus.NOT_AS_EXPECTED)
+    if isinstance(found, Decided):
+        expected = Decision.FAILS if expectation is Expectation.FAILS else Decision.HOLDS
+        if found.decision is Decision.UNKNOWN:
+            statuses.append(ExitStatus.UNKNOWN)
+        elif found.decision is not expected:
+            statuses.append(ExitStatus.NOT_AS_EXPECTED)
+    return worst(statuses)

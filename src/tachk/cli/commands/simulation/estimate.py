@@ -1,0 +1,110 @@
+"""The options of `tachk estimate`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from tachk.cli import options
+from tachk.cli.reporting import ReportForm
+
+_SHARE = click.FloatRange(0, 0.5, min_open=True)
+
+
+@click.command(name="estimate", short_help="Estimate probabilities by random runs (statistical queries).")
+@click.argument("arguments", metavar="MODEL [QUERY]...", nargs=-1, required=True, help="A model file, and queries.")
+@options.query_files("Answer the statistical queries in this file.")
+@options.definitions
+@click.option("properties", "--property", metavar="NAME", multiple=True, help="Answer this property of the model.")
+@click.option(
+    "--confidence",
+    metavar="C",
+    type=click.FloatRange(0.8, 0.999999),
+    default=0.95,
+    show_default=True,
+    help="How probable it is, at least, that an interval contains what it is for.",
+)
+@click.option(
+    "half_width",
+    "--epsilon",
+    metavar="E",
+    type=click.FloatRange(0.0001, 0.25),
+    default=0.05,
+    show_default=True,
+    help="Draw runs until the interval of a probability is at most 2 E wide.",
+)
+@click.option("runs", "--runs", metavar="N", type=options.Count(1, 10**9), help="Draw N runs, whatever comes of them.")
+@click.option(
+    "alpha",
+    "--alpha",
+    metavar="A",
+    type=_SHARE,
+    default=0.05,
+    show_default=True,
+    help="Of Pr >= p: say `fails` with at most this probability where Pr is at least p + D.",
+)
+@click.option(
+    "beta",
+    "--beta",
+    metavar="B",
+    type=_SHARE,
+    default=0.05,
+    show_default=True,
+    help="Of Pr >= p: say `holds` with at most this probability where Pr is at most p - D.",
+)
+@click.option(
+    "delta",
+    "--delta",
+    metavar="D",
+    type=_SHARE,
+    default=0.01,
+    show_default=True,
+    help="Half the region in which both answers are right.",
+)
+@click.option(
+    "--seed",
+    metavar="S",
+    type=options.Count(0, 2**63 - 1),
+    default=0,
+    show_default=True,
+    help="The same seed gives the same answers.",
+)
+@click.option(
+    "--threads", metavar="N", type=options.Count(1, 256), default=1, help="They make no difference to the answers."
+)
+@click.option(
+    "most_steps",
+    "--max-steps",
+    metavar="N",
+    type=options.Count(1, 2**62),
+    help="Give up a run after N transitions; it counts as unknown.",
+)
+@click.option(
+    "most_runs",
+    "--max-runs",
+    metavar="N",
+    type=options.Count(1, 10**9),
+    default=1_000_000,
+    show_default=True,
+    help="End a test that has no decision after N runs.",
+)
+@options.report(ReportForm.TEXT, ReportForm.JSON)
+@options.max_seconds()
+def command(seconds: float | None, **given: Any) -> None:
+    """Answer statistical queries of a model by random runs: Pr, E and simulate.
+
+    \b
+    tachk estimate queue.ta 'Pr[<=100](<> waiting >= 5)'
+    tachk estimate queue.ta 'Pr[<=100](<> waiting >= 5) >= 0.5' --delta 0.02
+    tachk estimate queue.ta 'E[<=100; 5000](max: waiting)'
+
+    Without a query tachk answers all statistical queries of the model.
+    Exit status: 0 every test holds or is as expected, 10 one is not or a run ends with a run-time error, 20 one is
+    not decided, 2 bad input, 3 something that is not simulated.
+    """
+    from tachk.cli.actions.simulation.estimate import Estimating, run_estimate
+    from tachk.cli.reporting import Reporting
+
+    asked, reporting = options.distributed(given, Estimating, Reporting)
+    options.finish(lambda: run_estimate(asked, reporting), seconds)

@@ -1,0 +1,312 @@
+"""Statistical queries: the text of one, as the grammar takes it for one token, with its names resolved.
+
+UPPAAL's forms: ``Pr[bound](<> p)``, ``[]`` and ``p U q``, compared with a number or with another one;
+``E[bound; N](max: e)``; ``simulate [bound; N] {e, f}``, or ``simulate N [bound] {e, f}`` as version 4 has it.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from fractions import Fraction
+from itertools import pairwise
+
+from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError
+from tachk.diagnostics.span import Span
+from tachk.frontend.context import Context
+from tachk.frontend.expressions.typed_expressions import condition, constant_integer, expression
+from tachk.frontend.expressions.typing import is_integral
+from tachk.frontend.findings import Findings
+from tachk.frontend.loaded import LoadedModel
+from tachk.frontend.queries.queries import UncheckedQuery
+from tachk.model.expressions import Expression
+from tachk.model.floating import DOUBLE
+from tachk.model.statistical import (
+    Bound,
+    Comparison,
+    Expectation,
+    Path,
+    Probability,
+    Question,
+    Scale,
+    StatisticalQuery,
+    Threshold,
+    Trajectories,
+)
+from tachk.model.types import ClockType, Type
+from tachk.syntax import ast
+from tachk.syntax.parsing.parser import parse_expression
+from tachk.time_units import NANOSECONDS, length_of
+
+FAMILY = "statistical"
+"""The family of `UncheckedQuery` that `read_statistical` reads."""
+
+_BLANK = re.compile(r"\s+|//[^\n]*|/\*[\s\S]*?\*/")
+_NUMBER = re.compile(r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_DURATION = re.compile(r"((?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-z]*)")
+_BRACKETS = {"(": ")", "[": "]", "{": "}"}
+_MOST_RUNS = 10**9
+_EXAMPLE = "for example Pr[<=100](<> P.location), E[<=100; 1000](max: n) or simulate [<=100; 5] {n, P.location}"
+
+
+def read_statistical(query: UncheckedQuery, model: LoadedModel) -> StatisticalQuery:
+    """The query with its names resolved.
+
+    Raises:
+        InputError: it is wrong.
+        UnsupportedError: it is of a form that is not estimated.
+    """
+    reader = _Reader(query.span, model)
+    question = reader.question()
+    return StatisticalQuery(query.name, question, query.text, query.title, query.span)
+
+
+class _Reader:
+    """Reads the text of a query from left to right."""
+
+    def __init__(self, span: Span, model: LoadedModel) -> None:
+        self._span = span
+        self._text = span.text
+        self._at = 0
+        self._model = model
+        self._findings = Findings()
+        self._context: Context = replace(model.context, findings=self._findings, in_query=True)
+
+    def question(self) -> Question:
+        if self._taken("Pr"):
+            result = self._probability()
+        elif self._taken("E"):
+            result = self._expectation()
+        elif self._taken("simulate"):
+            result = self._trajectories()
+        else:
+            raise self._wrong("expected Pr, E or simulate")
+        self._skip()
+        if self._at < len(self._text):
+            raise self._unsupported("this form of query is not estimated")
+        return result
+
+    # ---- forms ----
+
+    def _probability(self) -> Question:
+        path = self._path()
+        for text, at_least in ((">=", True), ("<=", False)):
+            if not self._taken(text):
+                continue
+            if self._taken("Pr"):
+                other = self._path()
+                return Comparison(path, other) if at_least else Comparison(other, path)
+            return Threshold(path, at_least, self._threshold())
+        return Probability(path)
+
+    def _path(self) -> Path:
+        if self._peek() == "(":
+            raise self._unsupported("formulas with intervals are not estimated, only <>, [] and U under one bound")
+        bound, runs = self._bound()
+        inner = self._bracketed("(")
+        text = inner.text.lstrip()
+        start = inner.end - len(text)
+        if text.startswith(("<>", "[]")):
+            predicate = self._condition(Span(inner.source, start + 2, inner.end))
+            return Path(bound, runs, text.startswith("[]"), predicate)
+        until = _split(inner, "U")
+        if until is None:
+            raise self._wrong("expected <> p, [] p or p U q", inner)
+        before, after = until
+        return Path(bound, runs, False, self._condition(after), self._condition(before))
+
+    def _expectation(self) -> Expectation:
+        bound, runs = self._bound()
+        inner = self._bracketed("(")
+        match = re.match(r"\s*(max|min)\s*:", inner.text)
+        if match is None:
+            raise self._wrong("expected max: or min: and an expression", inner)
+        value = self._value(Span(inner.source, inner.start + match.end(), inner.end))
+        return Expectation(bound, runs, match[1] == "max", value)
+
+    def _trajectories(self) -> Trajectories:
+        number = self._number_of_runs()
+        bound, runs = self._bound()
+        values = tuple(self._value(part) for part in _parts(self._bracketed("{"), ","))
+        if self._peek() == ":":
+            raise self._unsupported("simulate that picks runs by a condition is not supported: ask Pr")
+        return Trajectories(bound, number or runs or 1, values)
+
+    def _number_of_runs(self) -> int | None:
+        self._skip()
+        match = re.compile(r"\d+").match(self._text, self._at)
+        if match is None:
+            return None
+        self._at = match.end()
+        return self._runs(Span(self._span.source, self._span.start + match.start(), self._span.start + match.end()))
+
+    def _threshold(self) -> float:
+        self._skip()
+        match = _NUMBER.match(self._text, self._at)
+        if match is None or not 0 <= float(match[0]) <= 1:
+            raise self._wrong("expected a probability between 0 and 1")
+        self._at = match.end()
+        return float(match[0])
+
+    # ---- bounds ----
+
+    def _bound(self) -> tuple[Bound, int | None]:
+        parts = _parts(self._bracketed("["), ";")
+        if len(parts) > 2:
+            raise self._wrong("expected one bound and perhaps a number of runs", parts[2])
+        runs = self._runs(parts[1]) if len(parts) == 2 else None
+        sides = _split(parts[0], "<=")
+        if sides is None:
+            raise self._wrong("expected a bound such as <= 100, # <= 50 or x <= 20", parts[0])
+        measured, limit = sides
+        match measured.text.strip():
+            case "":
+                return Bound(Scale.TIME, self._time(limit)), runs
+            case "#":
+                return Bound(Scale.STEPS, Fraction(self._constant(limit))), runs
+            case _:
+                clock = self._value(measured)
+                if not isinstance(clock.type, ClockType):
+                    raise self._wrong("a run is bounded by its time, by # or by a clock", measured)
+                return Bound(Scale.CLOCK, self._time(limit), clock), runs
+
+    def _runs(self, span: Span) -> int:
+        runs = self._constant(span)
+        if not 1 <= runs <= _MOST_RUNS:
+            raise self._wrong(f"the number of runs must be at least 1 and at most {_MOST_RUNS}", span)
+        return runs
+
+    def _time(self, span: Span) -> Fraction:
+        match = _DURATION.fullmatch(span.text.strip())
+        if match is None:
+            return Fraction(self._constant(span))
+        number = Fraction(match[1])
+        if not match[2]:
+            return number
+        length = length_of(self._context.time_unit)
+        if match[2] not in NANOSECONDS or length is None:
+            what = "the model has no time unit" if length is None else f"unknown unit {match[2]}"
+            raise self._wrong(what, span, "give a number of time units of the model")
+        return number * NANOSECONDS[match[2]] / length
+
+    def _constant(self, span: Span) -> int:
+        value = constant_integer(self._node(span), "a bound", self._model.scope, self._context)
+        if value is None:
+            raise self._found()
+        if value < 0:
+            raise self._wrong("a bound must not be negative", span)
+        return value
+
+    # ---- expressions ----
+
+    def _condition(self, span: Span) -> Expression:
+        found = re.search(r"\bdeadlock\b", span.text)
+        if found is not None and self._model.scope.lookup("deadlock") is None:
+            place = Span(span.source, span.start + found.start(), span.start + found.end())
+            raise self._unsupported("`deadlock` is not looked for in runs that are drawn", place)
+        return self._pure(condition(self._node(span), self._model.scope, self._context))
+
+    def _value(self, span: Span) -> Expression:
+        value = self._pure(expression(self._node(span), self._model.scope, self._context))
+        if not _is_number(value.type):
+            raise self._wrong("expected a number, a condition or a clock", span)
+        return value
+
+    def _pure(self, value: Expression | None) -> Expression:
+        if value is None or not self._context.require_pure(value, "a query") or self._findings.has_errors:
+            raise self._found()
+        return value
+
+    def _node(self, span: Span) -> ast.Expression:
+        node, diagnostics = parse_expression(span)
+        if node is None or diagnostics:
+            raise InputError(diagnostics) if diagnostics else self._wrong("expected an expression", span)
+        return node
+
+    def _found(self) -> InputError | UnsupportedError:
+        found = self._findings.sorted()
+        if self._findings.has_mistakes:
+            return InputError(found)
+        return UnsupportedError(next(each for each in found if each.is_unsupported))
+
+    # ---- text ----
+
+    def _skip(self) -> None:
+        while match := _BLANK.match(self._text, self._at):
+            self._at = match.end()
+
+    def _peek(self) -> str:
+        self._skip()
+        return self._text[self._at : self._at + 1]
+
+    def _taken(self, text: str) -> bool:
+        self._skip()
+        found = self._text.startswith(text, self._at)
+        if found:
+            self._at += len(text)
+        return found
+
+    def _bracketed(self, opening: str) -> Span:
+        """What stands between the bracket here and its partner, which is left behind."""
+        if self._peek() != opening:
+            raise self._wrong(f"expected {opening}")
+        end = _partner(self._text, self._at)
+        if end is None:
+            raise self._wrong(f"{opening} is never closed")
+        start, self._at = self._at + 1, end + 1
+        return Span(self._span.source, self._span.start + start, self._span.start + end)
+
+    def _here(self) -> Span:
+        self._skip()
+        start = self._span.start + self._at
+        return Span(self._span.source, min(start, self._span.end - 1), self._span.end)
+
+    def _wrong(self, message: str, span: Span | None = None, help_: str = _EXAMPLE) -> InputError:
+        return InputError([Diagnostic("E0145", message, span or self._here(), help_)])
+
+    def _unsupported(self, message: str, span: Span | None = None) -> UnsupportedError:
+        return UnsupportedError(Diagnostic("E0728", message, span or self._here(), _EXAMPLE))
+
+
+def _is_number(type_: Type) -> bool:
+    return is_integral(type_) or type_ == DOUBLE or isinstance(type_, ClockType)
+
+
+def _partner(text: str, start: int) -> int | None:
+    expected = []
+    for place in range(start, len(text)):
+        character = text[place]
+        if character in _BRACKETS:
+            expected.append(_BRACKETS[character])
+        elif expected and character == expected[-1]:
+            expected.pop()
+            if not expected:
+                return place
+    return None
+
+
+def _places(span: Span, separator: str) -> list[int]:
+    """Where a separator stands outside of all brackets."""
+    text, depth, places = span.text, 0, []
+    word = separator.isalpha()
+    for place, character in enumerate(text):
+        depth += (character in "([{") - (character in ")]}")
+        if depth or not text.startswith(separator, place):
+            continue
+        around = text[max(place - 1, 0) : place] + text[place + len(separator) : place + len(separator) + 1]
+        if not word or not re.search(r"\w", around):
+            places.append(place)
+    return places
+
+
+def _split(span: Span, separator: str) -> tuple[Span, Span] | None:
+    places = _places(span, separator)
+    if not places:
+        return None
+    first = span.start + places[0]
+    return Span(span.source, span.start, first), Span(span.source, first + len(separator), span.end)
+
+
+def _parts(span: Span, separator: str) -> list[Span]:
+    cuts = [span.start - 1, *(span.start + place for place in _places(span, separator)), span.end]
+    return [Span(span.source, first + 1, last) for first, last in pairwise(cuts)]

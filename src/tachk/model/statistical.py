@@ -1,0 +1,101 @@
+"""Questions about the probabilities of runs, with their names resolved: what UPPAAL calls statistical queries."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from fractions import Fraction
+
+from tachk.diagnostics.span import NOWHERE, Span
+from tachk.model.expressions import Expression
+from tachk.records import dataclass
+
+
+class Scale(StrEnum):
+    """What says how far a run is looked at."""
+
+    TIME = "time"
+    STEPS = "steps"
+    CLOCK = "clock"
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """How far a run is looked at: as long as the time, the number of transitions or the clock is at most ``limit``."""
+
+    scale: Scale
+    limit: Fraction
+    clock: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """What is asked of each run.
+
+    Attributes:
+        runs: how many are to be drawn, if the query says it.
+        predicate: what becomes true, or with ``always`` stays true, within the bound.
+        before: of ``p U q``: what is true until then.
+    """
+
+    bound: Bound
+    runs: int | None
+    always: bool
+    predicate: Expression
+    before: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Probability:
+    """``Pr[<=T](<> p)``: how probable is it?"""
+
+    path: Path
+
+
+@dataclass(frozen=True, slots=True)
+class Threshold:
+    """``Pr[<=T](<> p) >= 0.9``: is it at least (or at most) so probable?"""
+
+    path: Path
+    at_least: bool
+    probability: float
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """``Pr[<=T](<> p) >= Pr[<=S](<> q)``: is the first at least as probable?"""
+
+    first: Path
+    second: Path
+
+
+@dataclass(frozen=True, slots=True)
+class Expectation:
+    """``E[<=T; N](max: e)``: the mean, over all runs, of the largest or least value on the run."""
+
+    bound: Bound
+    runs: int | None
+    largest: bool
+    value: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Trajectories:
+    """``simulate [<=T; N] {e, f}``: how values go on some runs."""
+
+    bound: Bound
+    runs: int
+    values: tuple[Expression, ...]
+
+
+Question = Probability | Threshold | Comparison | Expectation | Trajectories
+
+
+@dataclass(frozen=True, slots=True)
+class StatisticalQuery:
+    """A question with its name, as `tachk.model.query.Query` has them."""
+
+    name: str
+    question: Question
+    text: str
+    title: str = ""
+    span: Span = NOWHERE

@@ -1,0 +1,1 @@
+"""What statistics found, for people, programs and eyes."""

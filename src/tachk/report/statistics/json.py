@@ -1,0 +1,86 @@
+"""Answers to statistical queries for programs: what docs/schema/estimate.schema.json describes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, assert_never
+
+from tachk.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings
+from tachk.statistics.sampling import Sample
+
+
+def estimates_document(model: str, found: Sequence[Estimate], settings: Settings) -> dict[str, Any]:
+    return {
+        "model": model,
+        "seed": settings.source.seed,
+        "confidence": settings.confidence,
+        "alpha": settings.errors.alpha,
+        "beta": settings.errors.beta,
+        "delta": settings.errors.delta,
+        "answers": [answer_document(each) for each in found],
+    }
+
+
+def answer_document(found: Estimate) -> dict[str, Any]:
+    head = {"name": found.query.name, "query": " ".join(found.query.text.split())}
+    match found:
+        case Estimated():
+            return {
+                **head,
+                "kind": "probability",
+                "low": found.low,
+                "high": found.high,
+                "frequency": found.frequency,
+                "method": found.method,
+                "samples": [_sample(found.sample)],
+                "times": found.sample.all_times.tolist(),
+            }
+        case Decided():
+            return {
+                **head,
+                "kind": "test",
+                "answer": found.decision.value,
+                "interval": None if found.interval is None else list(found.interval),
+                "frequencies": list(found.frequencies),
+                "samples": [_sample(sample) for sample in found.samples],
+            }
+        case Mean():
+            return {
+                **head,
+                "kind": "mean",
+                "mean": found.mean,
+                "low": found.low,
+                "high": found.high,
+                "asymptotic": list(found.asymptotic),
+                "bounds": None if found.values is None else list(found.values),
+                "samples": [_sample(found.sample)],
+            }
+        case Drawn():
+            return {
+                **head,
+                "kind": "trajectories",
+                "runs": [
+                    {
+                        "run": run.number,
+                        "ending": run.ending.value,
+                        "end": run.end,
+                        "lines": [
+                            {"name": line.name, "times": line.times.tolist(), "values": line.values.tolist()}
+                            for line in run.lines
+                        ],
+                    }
+                    for run in found.runs
+                ],
+            }
+        case never:
+            assert_never(never)
+
+
+def _sample(sample: Sample) -> dict[str, Any]:
+    return {
+        "runs": sample.runs,
+        "hits": sample.hits,
+        "unknown": sample.unknown,
+        "transitions": sample.transitions,
+        "endings": {ending.value: count for ending, count in sample.endings.items()},
+    }

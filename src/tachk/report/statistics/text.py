@@ -1,0 +1,107 @@
+"""Answers to statistical queries in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import ceil, floor, isfinite, log10
+from typing import assert_never
+
+from tachk.statistics.deciding import Decision
+from tachk.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings
+from tachk.statistics.sampling import Sample, told_endings
+from tachk.statistics.trajectories import Line
+
+_POINTS = 6
+
+
+def answer_lines(found: Estimate, settings: Settings) -> Iterator[str]:
+    """The answer, then how it came about."""
+    confidence = f"confidence {settings.confidence:.6g}"
+    match found:
+        case Estimated():
+            yield f"{_head(found)}: {interval_text(found.low, found.high)}, {confidence}"
+            yield from _sample_lines(found.sample, found.frequency, found.method)
+        case Decided():
+            yield f"{_head(found)}: {found.decision.value}"
+            yield from _test_lines(found, settings, confidence)
+        case Mean():
+            yield from _mean_lines(found, confidence)
+        case Drawn():
+            yield f"{_head(found)}: {_count(len(found.runs), 'run')}"
+            for run in found.runs:
+                yield f"  run {run.number}, until {run.end:.6g}, {run.ending}"
+                for line in run.lines:
+                    yield f"    {line.name}: {_points(line)}"
+        case never:
+            assert_never(never)
+
+
+def interval_text(low: float, high: float) -> str:
+    """Both ends, rounded outwards to three digits of their difference."""
+    width = high - low
+    if not isfinite(width) or width <= 0:
+        return f"{low:.6g} to {high:.6g}"
+    digits = 2 - floor(log10(width))
+    if digits > 8:
+        return f"{low:.3e} to {high:.3e}"
+    scale = 10.0**digits
+    shown = max(digits, 0)
+    return f"{floor(low * scale) / scale:.{shown}f} to {ceil(high * scale) / scale:.{shown}f}"
+
+
+def _head(found: Estimate) -> str:
+    return f"{found.query.name}: {' '.join(found.query.text.split())}"
+
+
+def _sample_lines(sample: Sample, frequency: float, method: str) -> Iterator[str]:
+    number = " (a number fixed beforehand)" if method == "fixed" else ""
+    unknown = f", {sample.unknown} of them unknown" if sample.unknown else ""
+    yield f"  frequency {frequency:.6g} in {_count(sample.runs, 'run')}{number}{unknown}"
+    yield from _endings(sample)
+
+
+def _endings(sample: Sample) -> Iterator[str]:
+    for told in told_endings(sample.endings.most_common()):
+        yield f"  {told}"
+    if sample.fault is not None:
+        kind, span = sample.fault
+        yield f"  {span}: {kind.name.lower().replace('_', ' ')}"
+
+
+def _test_lines(found: Decided, settings: Settings, confidence: str) -> Iterator[str]:
+    for sample, frequency in zip(found.samples, found.frequencies, strict=True):
+        yield from _sample_lines(sample, frequency, "fixed" if found.interval else "sequential")
+    errors = settings.errors
+    if found.interval is not None:
+        yield f"  the probability is {interval_text(*found.interval)}, {confidence}"
+    elif found.decision is Decision.UNKNOWN:
+        yield "  no decision after so many runs"
+    else:
+        yield (
+            f"  wrong with probability at most {errors.alpha:.6g} (fails) or {errors.beta:.6g} (holds), "
+            f"unless the difference is below {errors.delta:.6g}"
+        )
+
+
+def _mean_lines(found: Mean, confidence: str) -> Iterator[str]:
+    asymptotic = interval_text(*found.asymptotic)
+    if found.low is None or found.high is None or found.values is None:
+        yield f"{_head(found)}: {found.mean:.6g}; asymptotically {asymptotic}, {confidence}"
+        yield "  no bounds of the value are known, so that a few runs may mislead: the interval is no guarantee"
+    else:
+        low, high = found.values
+        yield f"{_head(found)}: {found.mean:.6g}; {interval_text(found.low, found.high)}, {confidence}"
+        yield f"  for any distribution on {low:.6g} to {high:.6g}; asymptotically {asymptotic}"
+    unknown = f", {found.sample.unknown} of them unknown" if found.sample.unknown else ""
+    yield f"  {_count(found.sample.runs, 'run')}{unknown}"
+    yield from _endings(found.sample)
+
+
+def _points(line: Line) -> str:
+    told = [f"({time:.6g}, {value:.6g})" for time, value in zip(line.times, line.values, strict=True)]
+    more = f" ... {told[-1]} ({len(told)} points)" if len(told) > _POINTS + 1 else ""
+    return " ".join(told[:_POINTS] if more else told) + more
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

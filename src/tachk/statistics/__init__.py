@@ -1,0 +1,6 @@
+"""What runs say about probabilities and means, with the confidence that is stated.
+
+In order of reading: `sampling` (runs that are asked something), `stopping` (how many runs, and exact intervals for
+a number of runs that depends on them), `deciding` (tests between two hypotheses), `means` (intervals for expectations),
+`estimate` (answers to queries).
+"""

@@ -1,0 +1,192 @@
+"""Runs of a network that are asked whether something happens, or how large a value becomes."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tachk.compiler.features import check_simulated
+from tachk.compiler.fold import fold, known_values
+from tachk.compiler.lower import lower_simulation
+from tachk.compiler.program import Program
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.diagnostics.span import Span
+from tachk.engines.simulation.simulator import LATEST_END, TICKS_PER_UNIT, Ending
+from tachk.engines.simulation.trials import Answered, Asked, Reach, Trials, Trier
+from tachk.model.connectives import negation
+from tachk.model.expressions import Constant, Expression, Field, Index, Reference
+from tachk.model.fault import RuntimeErrorKind
+from tachk.model.network import Network
+from tachk.model.statistical import Bound, Expectation, Path, Scale
+from tachk.model.types import ClockType
+from tachk.time_limit import check_time
+
+_BATCH = 4096
+"""How many runs are drawn at once, while Ctrl-C is not looked at by the threads."""
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where runs come from.
+
+    Attributes:
+        first: the number of the first run; with the seed it determines the runs.
+        most_steps: after which a run is given up, and counts as unknown.
+    """
+
+    seed: int = 0
+    first: int = 0
+    threads: int = 1
+    most_steps: int | None = None
+
+
+@dataclass(slots=True)
+class Sample:
+    """What came of the runs so far.
+
+    Attributes:
+        hits: on how many the goal is reached.
+        unknown: how many ended before that was known.
+        endings: how many ended how, before the goal was reached.
+        times: the moments at which the goal was reached, in ticks.
+        values: what was measured on each run; not a number where a run is unknown.
+    """
+
+    runs: int = 0
+    hits: int = 0
+    unknown: int = 0
+    transitions: int = 0
+    endings: Counter[Ending] = field(default_factory=Counter)
+    times: list[NDArray[np.int64]] = field(default_factory=list)
+    values: list[NDArray[np.float64]] = field(default_factory=list)
+    fault: tuple[RuntimeErrorKind, Span] | None = None
+
+    def add(self, trials: Trials) -> None:
+        known = trials.answers != Answered.UNKNOWN
+        hit = trials.answers == Answered.YES
+        self.runs += len(trials.answers)
+        self.hits += int(hit.sum())
+        self.unknown += int((~known).sum())
+        self.transitions += trials.transitions
+        self.endings.update(trials.endings)
+        self.times.append(trials.ends[hit])
+        self.values.append(np.where(known, trials.measured, np.nan))
+        self.fault = self.fault or trials.fault
+
+    @property
+    def all_times(self) -> NDArray[np.float64]:
+        """The moments at which the goal was reached, in units of time, in the order of the runs."""
+        return np.concatenate([np.empty(0, dtype=np.int64), *self.times]) / TICKS_PER_UNIT
+
+    @property
+    def all_values(self) -> NDArray[np.float64]:
+        return np.concatenate([np.empty(0), *self.values])
+
+
+class Sampler:
+    """Draws runs for one question, one after the other."""
+
+    def __init__(self, trier: Trier, asked: Asked, source: Source) -> None:
+        self._trier = trier
+        self._asked = asked
+        self._source = source
+        self.sample = Sample()
+
+    @property
+    def largest_reset(self) -> int:
+        """The largest value that a clock is set to."""
+        return self._trier.program.largest_reset
+
+    def draw(self, runs: int) -> Trials:
+        """So many more runs, at most 4096. Raises TimeLimitError."""
+        check_time()
+        first = self._source.first + self.sample.runs
+        numbers = range(first, first + runs)
+        trials = self._trier.trials(
+            self._asked, self._source.seed, numbers, self._source.threads, self._source.most_steps
+        )
+        self.sample.add(trials)
+        return trials
+
+    def draw_up_to(self, runs: int) -> Sample:
+        """So many runs in all."""
+        while self.sample.runs < runs:
+            self.draw(min(_BATCH, runs - self.sample.runs))
+        return self.sample
+
+
+def path_sampler(network: Network, path: Path, source: Source) -> Sampler:
+    """Runs on which ``<> p`` or ``p U q`` is asked; of ``[] p`` whether p becomes false.
+
+    Raises UnsupportedError for what is not simulated, and InputError for a wrong initial value.
+    """
+    predicates = [negation(path.predicate) if path.always else path.predicate]
+    if path.before is not None:
+        predicates.append(negation(path.before))
+    check_simulated(network)
+    program, chances = lower_simulation(network, (), predicates)
+    lost = 1 if path.before is not None else -1
+    return Sampler(Trier(program, chances), Asked(reach_of(path.bound, network, program), 0, lost), source)
+
+
+def value_sampler(network: Network, asked: Expectation, source: Source) -> Sampler:
+    """Runs on which the largest or least value of an expression is measured. Raises as `path_sampler`."""
+    check_simulated(network)
+    is_clock = isinstance(asked.value.type, ClockType)
+    program, chances = lower_simulation(network, () if is_clock else (asked.value,))
+    measured = Asked(
+        reach_of(asked.bound, network, program),
+        observed=-1 if is_clock else 0,
+        clock=clock_number(asked.value, network, program) if is_clock else 0,
+        largest=asked.largest,
+    )
+    return Sampler(Trier(program, chances), measured, source)
+
+
+def reach_of(bound: Bound, network: Network, program: Program) -> Reach:
+    """A bound in ticks and numbers of the program. Raises UsageError for times that are too long."""
+    if bound.scale is Scale.STEPS:
+        return Reach(steps=int(bound.limit))
+    if bound.limit > LATEST_END:
+        raise UsageError(f"runs last at most {int(LATEST_END)} time units")
+    ticks = int(bound.limit * TICKS_PER_UNIT)
+    if bound.clock is None:
+        return Reach(until=ticks)
+    return Reach(clock=clock_number(bound.clock, network, program), value=ticks)
+
+
+def clock_number(clock: Expression, network: Network, program: Program) -> int:
+    """The number of a clock that an expression names. Raises UsageError where that depends on the state."""
+    name = _place_name(clock, network)
+    if name not in program.clock_names:
+        raise UsageError(
+            f"{clock.span.text} is not the name of one clock", "differences and sums of clocks are not measured"
+        )
+    return program.clock_names.index(name) + 1
+
+
+def _place_name(place: Expression, network: Network) -> str | None:
+    match place:
+        case Reference(variable):
+            return variable.name
+        case Index(base, index):
+            inner, value = _place_name(base, network), fold(index, known_values(network, []))
+            return f"{inner}[{value.value}]" if inner is not None and isinstance(value, Constant) else None
+        case Field(base, name):
+            inner = _place_name(base, network)
+            return None if inner is None else f"{inner}.{name}"
+        case _:
+            return None
+
+
+def told_endings(endings: Iterable[tuple[Ending, int]]) -> Sequence[str]:
+    """What should be known of runs that did not last as long as they were to be."""
+    return [
+        f"{count} {'run ends' if count == 1 else 'runs end'} with: {ending}"
+        for ending, count in endings
+        if ending is not Ending.HORIZON
+    ]

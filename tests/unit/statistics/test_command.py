@@ -1,0 +1,109 @@
+"""`tachk estimate`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from jsonschema import Draft202012Validator
+
+from tachk.cli.main import app
+
+ROOT = Path(__file__).parents[3]
+SCHEMA = json.loads((ROOT / "docs/schema/estimate.schema.json").read_text(encoding="utf-8"))
+
+COIN = """
+int[0, 2] side;
+clock x;
+process Coin() {
+    init location Held { invariant x <= 1; to air; }
+    location Down;
+    branchpoint air {
+        to Down { probability 3; assign side = 1; }
+        to Down { probability 1; assign side = 2; }
+    }
+}
+system Coin;
+property certain: A<> Coin.Down;
+property heads: Pr[<=1](<> side == 1) >= 0.6;
+property tails: Pr[<=1](<> side == 2) >= 0.6 expect fails;
+property often: Pr[<=1](<> side == 1) >= 0.9;
+"""
+
+
+def _run(*arguments: str) -> tuple[int, str]:
+    result = CliRunner().invoke(app, ["estimate", *arguments])
+    return result.exit_code, result.output
+
+
+@pytest.fixture
+def coin(tmp_path: Path) -> str:
+    path = tmp_path / "coin.ta"
+    path.write_text(COIN, encoding="utf-8")
+    return str(path)
+
+
+def test_the_json_follows_its_schema(coin: str) -> None:
+    queries = ["Pr[<=1](<> side == 1)", "Pr[<=1](<> side == 1) >= 0.6", "Pr[<=1; 50](<> side == 1) >= 0.1",
+               "E[<=1; 30](max: side)", "E[#<=1; 30](max: x)", "simulate [<=1; 2] {side, x}"]  # fmt: skip
+    status, output = _run(coin, *queries, "--format", "json", "--seed", "3")
+    assert status == 0
+    document = json.loads(output)
+    Draft202012Validator(SCHEMA).validate(document)
+    assert [answer["query"] for answer in document["answers"]] == queries
+    probability = document["answers"][0]
+    assert probability["low"] <= 0.75 <= probability["high"]
+    assert len(probability["times"]) == probability["samples"][0]["hits"]
+
+
+@pytest.mark.parametrize(("name", "status"), [("heads", 0), ("tails", 0), ("often", 10)])
+def test_the_status_says_whether_tests_are_as_expected(coin: str, name: str, status: int) -> None:
+    assert _run(coin, "--property", name)[0] == status
+
+
+def test_all_statistical_properties_are_answered(coin: str) -> None:
+    status, output = _run(coin)
+    assert status == 10
+    assert [line.split(":")[0] for line in output.splitlines() if not line.startswith(" ")] == [
+        "heads",
+        "tails",
+        "often",
+    ]
+
+
+def test_a_test_without_a_decision_is_unknown(coin: str) -> None:
+    assert _run(coin, "Pr[<=1](<> side == 1) >= 0.75", "--delta", "0.001", "--max-runs", "300")[0] == 20
+
+
+def test_a_query_of_another_kind_is_for_verify(coin: str) -> None:
+    status, output = _run(coin, "A[] side < 3")
+    assert status == 2 and "tachk verify" in output
+
+
+def test_wrong_queries_keep_no_others_from_being_answered(coin: str, tmp_path: Path) -> None:
+    queries = tmp_path / "some.q"
+    queries.write_text("Pr[<=1](<> sid == 1)\n\nPr[<=1](<> side == 1) >= 0.5\n", encoding="utf-8")
+    status, output = _run(coin, "-q", str(queries))
+    assert status == 2
+    assert "E0201" in output and "holds" in output
+
+
+def test_uppaal_files_bring_their_queries(tmp_path: Path) -> None:
+    path = tmp_path / "coin.xml"
+    path.write_text(
+        """<?xml version="1.0" encoding="utf-8"?>
+<nta><declaration>int n;</declaration>
+<template><name>P</name><location id="id0"><name>A</name><label kind="exponentialrate">1</label></location>
+<location id="id1"><name>B</name></location><init ref="id0"/>
+<transition><source ref="id0"/><target ref="id1"/></transition></template>
+<system>system P;</system>
+<queries><query><formula>Pr[&lt;=1; 2000](&lt;&gt; P.B)</formula><comment/></query></queries></nta>""",
+        encoding="utf-8",
+    )
+    status, output = _run(str(path), "--confidence", "0.999", "--format", "json")
+    assert status == 0
+    found = json.loads(output)["answers"][0]
+    assert found["query"] == "Pr[<=1; 2000](<> P.B)"
+    assert found["low"] <= 1 - 1 / 2.718281828 <= found["high"]
