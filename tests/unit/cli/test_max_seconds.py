@@ -55,6 +55,7 @@ COMMAND_LINES = (
     "synthesize m.ta --property p --over N=1..2",
     "sweep m.ta -D N=1..2 --quiet",
     "simulate m.ta -o out.csv",
+    "estimate m.ta Pr[<=100](<>true)",
     "replay m.ta m.run",
     "step m.ta",
     "report m.ta -o out.html",
