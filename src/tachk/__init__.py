@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from tachk.monitoring.offline import MonitorReport, monitor
     from tachk.monitoring.online import Monitor
     from tachk.runtime.node_signal import Truth
+    from tachk.simulation.library import simulate
+    from tachk.stepping.library import replay
     from tachk.xrce.measuring.measure import measure
 
 __version__ = "0.1.0"
@@ -67,6 +69,8 @@ __all__ = [
     "mine",
     "monitor",
     "random_network",
+    "replay",
+    "simulate",
 ]
 
 
@@ -77,6 +81,8 @@ _MONITORING = {
     "measure": "tachk.xrce.measuring.measure",
     "mine": "tachk.monitoring.mining",
     "monitor": "tachk.monitoring.offline",
+    "replay": "tachk.stepping.library",
+    "simulate": "tachk.simulation.library",
 }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import prod
 
 from tachk.compiler.fold import Known, fold, known_values
@@ -104,6 +105,16 @@ def check_simulated(network: Network) -> None:
         raise UnsupportedError(
             Diagnostic("E0723", "priorities are not simulated", span, "leave them out, or verify the model instead")
         )
+
+
+def uncomputed_chances(network: Network) -> tuple[Diagnostic, ...]:
+    """Warnings about rates and weights that no simulation can compute; a search does not look at them."""
+    chances = [location.exponential_rate for process in network.processes for location in process.locations]
+    chances += [
+        edge.branch.weight for process in network.processes for edge in process.edges if edge.branch is not None
+    ]
+    wrong = [replace(chance, code="W0722") for chance in chances if isinstance(chance, Diagnostic)]
+    return tuple({str(found.span): found for found in wrong}.values())
 
 
 def _check_no_deadlock(predicate: Expression) -> None:

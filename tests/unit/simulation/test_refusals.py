@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import tachk
+from tachk.cli.main import app
 from tachk.diagnostics.diagnostic import UnsupportedError, UsageError
 from tachk.simulation.columns import all_columns, chosen_columns
 from tachk.simulation.runs import Runs
@@ -41,6 +44,23 @@ def test_a_weight_that_is_no_number_is_refused() -> None:
         )
         == "E0722"
     )
+
+
+def test_check_warns_of_such_rates_and_weights(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "m.ta"
+    path.write_text(
+        """
+        double z = 1.5;
+        process P(const int[0, 1] me) {
+            clock x;
+            init location A { exponential_rate z; to way; }
+            branchpoint way { to A { probability x; } to A { probability 2; } }
+        }
+        system P;
+        """
+    )
+    assert app.main(["check", str(path)], standalone_mode=False) == 0
+    assert capsys.readouterr().err.count("warning[W0722]") == 2
 
 
 def test_priorities_are_refused() -> None:

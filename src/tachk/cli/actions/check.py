@@ -14,6 +14,7 @@ from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import OUT_OF_TIME, complain, print_diagnostics
 from tachk.cli.reporting import ReportForm
+from tachk.compiler.features import uncomputed_chances
 from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
 from tachk.engines.options import Limits
 from tachk.formats.uppaal.portability import portability
@@ -109,7 +110,7 @@ def _check(
         len(model.properties),
     )
     other = None if version is None else portability(model.loaded, version)
-    return Checked(path, size, model.warnings, other), model
+    return Checked(path, size, (*model.warnings, *uncomputed_chances(model.network)), other), model
 
 
 def _tell(check: Checked, version: Version | None, named: bool, out: TextIO) -> None:

@@ -98,6 +98,13 @@ LOWERING_CODES: dict[str, Explanation] = {
         "location A { exponential_rate speed; to B; }",
         "location A { exponential_rate 1 : 20; to B; }",
     ),
+    "W0722": Explanation(
+        "rate or weight that no simulation computes",
+        "A search does not look at rates and weights, so that the model can be verified as it is. `tachk simulate` "
+        "refuses it with E0722. They may use constants, also floating point ones, and integers.",
+        "location A { exponential_rate speed; to B; }",
+        "location A { exponential_rate 1 : 20; to B; }",
+    ),
     "E0723": Explanation(
         "priorities in a simulation",
         "Who draws the least delay acts first: the race of processes has no place for priorities of channels and "

@@ -7,7 +7,6 @@ import sys
 from collections import Counter
 from contextlib import nullcontext
 from dataclasses import dataclass, field
-from fractions import Fraction
 from pathlib import Path
 
 from tachk import api
@@ -21,7 +20,7 @@ from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import TableForm
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.simulation.policy import SCRIPT, Policy
-from tachk.engines.simulation.simulator import LATEST_END, TICKS_PER_UNIT, Drawing, Ending, Recorded, Simulated
+from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded, Simulated
 from tachk.model.network import Network
 from tachk.monitoring.formulas import NamedFormula
 from tachk.monitoring.offline import Judging, judge
@@ -32,7 +31,7 @@ from tachk.simulation.intervals import clopper_pearson
 from tachk.simulation.orders import ordered, orders_of
 from tachk.simulation.runs import Runs
 from tachk.simulation.tables import decimal_time
-from tachk.time_units import NANOSECONDS, length_of
+from tachk.simulation.times import ticks_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +53,7 @@ class Simulating:
     output: Path | None = None
     form: TableForm = TableForm.TEXT
     script: Path | None = None
+    all_runs: bool = False
     confidence: float = 0.95
 
 
@@ -106,7 +106,7 @@ def run_simulate(asked: Simulating) -> ExitStatus:
     print_diagnostics((*model.refusals, *model.warnings))
     network = model.network
     formulas = formulas_for(asked.formulas, definitions)
-    until = _ticks(asked.until, network)
+    until = ticks_of(asked.until, network.time_unit)
     columns = columns_for(network, asked.record, (name for f in formulas for name in f.columns - f.constant_names))
     wanted = ordered(network, orders_of(asked.faults))
     counters = {
@@ -122,7 +122,10 @@ def run_simulate(asked: Simulating) -> ExitStatus:
         for run in runs.draw(drawing, numbers, Recorded(holds_steps(asked.output), observed)):
             tally.add(run)
             tally.counts.update(dict(zip(counters, runs.counts(run), strict=False)))
-            if observed and len(run.times) and _is_kept(runs, run, formulas, tally) and write is not None:
+            if not observed or not len(run.times):
+                continue
+            violating = _is_kept(runs, run, formulas, tally)
+            if write is not None and (violating or asked.all_runs):
                 write(run, runs)
     _print(asked, tally, network)
     faults = ExitStatus.NOT_AS_EXPECTED if tally.endings[Ending.FAULT] else ExitStatus.AS_EXPECTED
@@ -138,27 +141,6 @@ def _is_kept(runs: Runs, run: Simulated, formulas: tuple[NamedFormula, ...], tal
     for verdict in record.verdicts:
         tally.judge(verdict.name, run.number, verdict.truth)
     return any(verdict.truth is Truth.FALSE for verdict in record.verdicts)
-
-
-def _ticks(written: str, network: Network) -> int:
-    """A time in ticks: a number of units of the model, or a duration. Raises UsageError."""
-    number = written.strip().rstrip("abcdefghijklmnopqrstuvwxyz").strip()
-    unit = written.strip()[len(number) :].strip()
-    try:
-        time = Fraction(number)
-    except (ValueError, ZeroDivisionError):
-        raise UsageError(f"--until {written}: expected a time", "for example 100, or 3 min") from None
-    if unit:
-        length = length_of(network.time_unit)
-        if unit not in NANOSECONDS or length is None:
-            raise UsageError(
-                f"--until {written}: {'the model has no time unit' if length is None else 'unknown unit'}",
-                "give a number of time units of the model",
-            )
-        time = time * NANOSECONDS[unit] / length
-    if not 0 < time <= LATEST_END:
-        raise UsageError(f"--until {written}: runs last more than 0 and at most {int(LATEST_END)} time units")
-    return int(time * TICKS_PER_UNIT)
 
 
 # ---- the summary ----------------------------------------------------------------------------------------------------

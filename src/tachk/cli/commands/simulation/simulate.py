@@ -72,6 +72,9 @@ from tachk.engines.simulation.policy import SCRIPT, Policy
     help="Judge each run by a formula, a sentence, or a file of them or a model; write the runs that violate one.",
 )
 @click.option(
+    "all_runs", "--all-runs", is_flag=True, help="With --monitor: write all runs, not only those that violate."
+)
+@click.option(
     "--confidence",
     metavar="C",
     type=click.FloatRange(0.5, 0.999999),

@@ -1,0 +1,37 @@
+"""Times that people give."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.engines.simulation.simulator import LATEST_END, TICKS_PER_UNIT
+from tachk.time_units import NANOSECONDS, length_of
+
+
+def ticks_of(written: str, time_unit: str, name: str = "--until") -> int:
+    """A time in ticks: a number of units of the model, or a duration such as ``3 min``.
+
+    Args:
+        time_unit: of the model; empty if it has none.
+        name: what the time is called in messages.
+
+    Raises UsageError.
+    """
+    number = written.strip().rstrip("abcdefghijklmnopqrstuvwxyz").strip()
+    unit = written.strip()[len(number) :].strip()
+    try:
+        time = Fraction(number)
+    except (ValueError, ZeroDivisionError):
+        raise UsageError(f"{name} {written}: expected a time", "for example 100, or 3 min") from None
+    if unit:
+        length = length_of(time_unit)
+        if unit not in NANOSECONDS or length is None:
+            raise UsageError(
+                f"{name} {written}: {'the model has no time unit' if length is None else 'unknown unit'}",
+                "give a number of time units of the model",
+            )
+        time = time * NANOSECONDS[unit] / length
+    if not 0 < time <= LATEST_END:
+        raise UsageError(f"{name} {written}: runs last more than 0 and at most {int(LATEST_END)} time units")
+    return int(time * TICKS_PER_UNIT)
