@@ -58,10 +58,10 @@ struct Blueprint::Numbers {
   std::vector<Variable> variables() {
     std::vector<Variable> result;
     const std::span<const std::int64_t> fields = sequence();
-    for (std::size_t n = 0; n + 2 < fields.size(); n += 3) {
-      if (fields[n] < 0 || fields[n] > 7 || fields[n + 1] < 0 || fields[n + 1] > 5)
+    for (std::size_t n = 0; n + 3 < fields.size(); n += 4) {
+      if (fields[n] < 0 || fields[n] > 8 || fields[n + 1] < 0 || fields[n + 1] > 5)
         throw std::invalid_argument("bad variable in the file of the network");
-      result.push_back({static_cast<Role>(fields[n]), static_cast<Type>(fields[n + 1]), fields[n + 2]});
+      result.push_back({static_cast<Role>(fields[n]), static_cast<Type>(fields[n + 1]), fields[n + 2], fields[n + 3]});
     }
     return result;
   }
@@ -87,7 +87,8 @@ Blueprint::Blueprint(Numbers numbers)
     const std::size_t count = variable.role == Role::observed ? chances.observed.size()
                               : variable.role == Role::input  ? program.slots.size()
                                                               : program.edges.size();
-    if (variable.role >= Role::observed && !within(variable.number, count))
+    const bool known = variable.target == -1 || within(variable.target, program.slots.size());
+    if (variable.role >= Role::observed && !(within(variable.number, count) && known))
       throw std::invalid_argument("bad variable in the file of the network");
   }
   if (nudge != -1 && !within(nudge, program.edges.size())) throw std::invalid_argument("bad edge in the network");

@@ -17,13 +17,14 @@ namespace tachk::fmi {
 // What a variable of a unit stands for, and what its number means.
 enum class Role : std::int64_t {
   time,
-  seed,      // of the random numbers
-  run,       // its number
-  policy,    // how processes choose moments
-  observed,  // a value of the network: its place in `Chances::observed`
-  input,     // what the surroundings write: a slot
-  hears,     // a channel over which the surroundings send: the edge that does it
-  sends,     // a channel over which the network sends: the edge that takes notice
+  seed,         // of the random numbers
+  run,          // its number
+  policy,       // how processes choose moments
+  transitions,  // how many there have been
+  observed,     // a value of the network: its place in `Chances::observed`
+  input,        // what the surroundings write: the slot of what they write, and of the variable it is for
+  hears,        // a channel over which the surroundings send: the edge that does it
+  sends,        // a channel over which the network sends: the edge that takes notice
 };
 
 enum class Type : std::int64_t { real, integer, truth, enumeration, natural, clock };
@@ -32,6 +33,7 @@ struct Variable {
   Role role;
   Type type;
   std::int64_t number;
+  std::int64_t target;  // of an input: the slot of the variable; -1 if its value does not last
 };
 
 // Seconds as ticks: a tick is numerator / denominator seconds.

@@ -95,6 +95,8 @@ std::int64_t Course::number(std::uint32_t reference, Type type) {
       return static_cast<std::int64_t>(parameters_.run);
     case Role::policy:
       return static_cast<std::int64_t>(parameters_.policy);
+    case Role::transitions:
+      return static_cast<std::int64_t>(transitions_);
     case Role::input:
       return outside_.inputs[reference];
     case Role::hears:
@@ -125,6 +127,7 @@ void Course::set_number(std::uint32_t reference, Type type, std::int64_t value) 
       set_count(reference, value);
       return;
     case Role::time:
+    case Role::transitions:
     case Role::observed:
     case Role::sends:
       throw std::invalid_argument("this variable cannot be set");
@@ -145,9 +148,11 @@ void Course::choose(Role parameter, std::int64_t value) {
 }
 
 void Course::set_input(std::uint32_t place, std::int64_t value) {
-  const Slot& slot = blueprint_->program.slots[static_cast<std::size_t>(blueprint_->variables[place].number)];
+  const Variable& input = blueprint_->variables[place];
+  const Slot& slot = blueprint_->program.slots[static_cast<std::size_t>(input.number)];
   if (value < slot.low || value > slot.high) throw std::invalid_argument("the value is outside the variable's range");
-  outside_.changed |= outside_.inputs[place] != value;
+  begin();
+  outside_.changed |= input.target >= 0 && simulator_->slots()[input.target] != value;
   outside_.inputs[place] = static_cast<std::int32_t>(value);
 }
 
@@ -208,7 +213,10 @@ bool Course::react() {
   for (std::uint32_t n = 0; n < outside_.pending.size(); ++n)
     for (; outside_.pending[n] > 0; --outside_.pending[n], ++outside_.counts[n], sent = true)
       surroundings_send(static_cast<std::uint32_t>(blueprint_->variables[n].number));
-  if (outside_.changed) surroundings_send(static_cast<std::uint32_t>(blueprint_->nudge));
+  if (outside_.changed) {
+    surroundings_send(static_cast<std::uint32_t>(blueprint_->nudge));
+    sent = true;
+  }
   return sent || transition();
 }
 

@@ -27,7 +27,7 @@ class Blueprint:
 
 def blueprint(unit: Unit) -> Blueprint:
     """The file of a unit."""
-    variables = [number for each in unit.variables for number in (each.role, each.kind, each.number)]
+    variables = [number for each in unit.variables for number in (each.role, each.kind, each.number, each.target)]
     numbers = [unit.second.denominator, unit.second.numerator, unit.nudge]
     for sequence in (variables, encode(unit.program, ()), list(chances_image(unit.chances))):
         numbers += (len(sequence), *sequence)

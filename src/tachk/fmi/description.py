@@ -76,7 +76,7 @@ def _causality(role: Role) -> str:
             return "independent"
         case Role.SEED | Role.RUN | Role.POLICY:
             return "parameter"
-        case Role.OBSERVED | Role.SENDS:
+        case Role.TRANSITIONS | Role.OBSERVED | Role.SENDS:
             return "output"
         case Role.INPUT | Role.HEARS:
             return "input"
@@ -88,7 +88,7 @@ def _variability(role: Role) -> str:
             return "continuous"
         case Role.SEED | Role.RUN | Role.POLICY:
             return "fixed"
-        case Role.OBSERVED | Role.SENDS | Role.INPUT | Role.HEARS:
+        case Role.TRANSITIONS | Role.OBSERVED | Role.SENDS | Role.INPUT | Role.HEARS:
             return "discrete"
 
 
@@ -148,7 +148,7 @@ def _version_3(unit: Unit, token: str) -> Element:
         SubElement(variables, _TAGS_3[variable.kind], attributes | _value(variable))
         if _causality(variable.role) == "output":
             SubElement(structure, "Output", {"valueReference": str(reference)})
-            calculated += [reference] if variable.kind is not Kind.CLOCK else []
+            calculated.append(reference)
     for reference in calculated:
         SubElement(structure, "InitialUnknown", {"valueReference": str(reference)})
     return root

@@ -6,14 +6,19 @@ import re
 from collections.abc import Iterator, Sequence
 from enum import IntEnum
 from fractions import Fraction
+from functools import partial, reduce
 
 from tachk.compiler.features import check_simulated
 from tachk.compiler.lower import lower_simulation
 from tachk.compiler.program import Chances, Program
 from tachk.engines.simulation.policy import Policy
 from tachk.engines.simulation.simulator import TICKS_PER_UNIT
+from tachk.fmi.surroundings import OUTSIDE, Opened, open_network
+from tachk.model.expressions import BOOL, Binary, Constant, Expression, LocationTest
 from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
+from tachk.model.types import BoolType, leaves
+from tachk.operators import BinaryOperator
 from tachk.records import dataclass
 from tachk.simulation.columns import Column, all_columns, observed
 from tachk.time_units import length_of
@@ -28,10 +33,11 @@ class Role(IntEnum):
     SEED = 1
     RUN = 2
     POLICY = 3
-    OBSERVED = 4
-    INPUT = 5
-    HEARS = 6
-    SENDS = 7
+    TRANSITIONS = 4
+    OBSERVED = 5
+    INPUT = 6
+    HEARS = 7
+    SENDS = 8
 
 
 class Kind(IntEnum):
@@ -50,7 +56,8 @@ class Variable:
     """A variable of a unit; its place is its value reference.
 
     Attributes:
-        number: which one it is among those of its role.
+        number: which one it is among those of its role; of an input its slot.
+        target: of an input: the slot of the variable whose value it is; -1 if that does not last.
         labels: of an enumeration, from 0 on.
         start: what it has before it is set, if it can be.
         bounds: the least and the largest value, where known.
@@ -63,6 +70,7 @@ class Variable:
     labels: tuple[str, ...] = ()
     start: int | None = None
     bounds: tuple[int, int] | None = None
+    target: int = -1
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,9 +98,74 @@ def closed_unit(network: Network, name: str) -> Unit:
         identifier(name),
         program,
         chances,
-        (*parameters(), *observations(columns, program)),
+        (*common(), *observations(columns, program)),
         ticks_of_a_second(network),
     )
+
+
+def open_unit(network: Network, names: Sequence[str], name: str, clocks: bool) -> Unit:
+    """Some processes of a network, with variables and channels that lead out of it.
+
+    Args:
+        clocks: channels are clocks; otherwise they are numbers of messages.
+
+    Raises UsageError for a part that cannot run on its own, and UnsupportedError for what is not simulated.
+    """
+    check_simulated(network)
+    opened = open_network(network, names)
+    columns = [column for column in all_columns(opened.network) if not column.name.startswith(OUTSIDE)]
+    columns.append(Column("committed", _is_committed(opened.network), truth=True))
+    program, chances = lower_simulation(opened.network, observed(columns))
+    last = len(opened.network.processes) - 1
+    numbers = {edge.edge: n for n, edge in enumerate(program.edges) if edge.process == last}
+    kind, start = (Kind.CLOCK, None) if clocks else (Kind.INTEGER, 0)
+    return Unit(
+        identifier(name),
+        program,
+        chances,
+        (
+            *common(),
+            *observations(columns, program),
+            *_inputs(opened, program),
+            *(Variable(f"{channel}?", Role.HEARS, kind, numbers[edge], start=start) for channel, edge in opened.hears),
+            *(Variable(f"{channel}!", Role.SENDS, kind, numbers[edge]) for channel, edge in opened.sends),
+        ),
+        ticks_of_a_second(network),
+        numbers[opened.nudge],
+    )
+
+
+def _is_committed(network: Network) -> Expression:
+    """Whether some process is where others must wait for it."""
+    tests: list[Expression] = [
+        LocationTest(number, place)
+        for number, process in enumerate(network.processes)
+        for place, location in enumerate(process.locations)
+        if location.committed
+    ]
+    return reduce(partial(Binary, BinaryOperator.OR, type=BOOL), tests) if tests else Constant(0, BOOL)
+
+
+def _inputs(opened: Opened, program: Program) -> Iterator[Variable]:
+    """The cells of the inputs, each with its slot and that of the variable that it is for."""
+    network = opened.network
+    slots: dict[str, int] = {}
+    for variable in network.all_variables():
+        for path, _ in leaves(variable.type):
+            slots[variable.name + path] = len(network.processes) + len(slots)
+    for input_, variable in opened.inputs:
+        for path, type_ in leaves(variable.type):
+            slot = slots[input_.name + path]
+            known, truth = program.slots[slot], isinstance(type_, BoolType)
+            yield Variable(
+                input_.name + path,
+                Role.INPUT,
+                Kind.TRUTH if truth else Kind.INTEGER,
+                slot,
+                start=known.initial,
+                bounds=None if truth else (known.low, known.high),
+                target=-1 if network.resets(variable) else slots[variable.name + path],
+            )
 
 
 def identifier(name: str) -> str:
@@ -107,7 +180,7 @@ def ticks_of_a_second(network: Network) -> Fraction:
     return Fraction(TICKS_PER_UNIT) * (1 if length is None else Fraction(_NANOSECONDS) / length)
 
 
-def parameters() -> tuple[Variable, ...]:
+def common() -> tuple[Variable, ...]:
     """What every unit has."""
     policies = tuple(policy.value for policy in Policy)
     return (
@@ -115,12 +188,13 @@ def parameters() -> tuple[Variable, ...]:
         Variable("seed", Role.SEED, Kind.NATURAL, start=0),
         Variable("run", Role.RUN, Kind.NATURAL, start=0),
         Variable("policy", Role.POLICY, Kind.ENUMERATION, labels=policies, start=0),
+        Variable("transitions", Role.TRANSITIONS, Kind.NATURAL),
     )
 
 
 def observations(columns: Sequence[Column], program: Program) -> Iterator[Variable]:
     """What can be seen of a run, under the names that it has in a recording."""
-    taken = {variable.name for variable in parameters()}
+    taken = {variable.name for variable in common()}
     for number, column in enumerate(columns):
         name = f"model.{column.name}" if column.name in taken else column.name
         kind, bounds = _kind(column), None

@@ -29,7 +29,7 @@ def drivings(step: int) -> list[Driving]:
 
 def test_random_networks_run_as_in_the_simulator(tmp_path: Path) -> None:
     compared = 0
-    for number in range(8):
+    for number in range(6):
         random = Random(5200 + number)
         network = random_case(random, SHAPES[number % len(SHAPES)]).network
         drawing = Drawing(number, 12 * TICKS_PER_UNIT, list(Policy)[number % 4], steps=60)
@@ -39,7 +39,7 @@ def test_random_networks_run_as_in_the_simulator(tmp_path: Path) -> None:
         except (UnsupportedError, InputError):
             continue
         compared += 1
-    assert compared >= 5
+    assert compared >= 4
 
 
 TIES = """

@@ -25,18 +25,17 @@ def run_export(
     explain: bool,
     keep_names: bool,
     observers: bool,
-    fmi: str | None = None,
+    for_unit: tuple[str, ...] = (),
 ) -> ExitStatus:
     """Writes a model in another format, with its queries beside it where the format has no place for them.
 
     Args:
         format: without it, what the ending of the output says.
         explain: tell what is written differently, and where.
-
-    Raises UsageError for an option of units.
+        for_unit: options that were given and are for units only. Raises UsageError if there are any.
     """
-    if fmi is not None:
-        raise UsageError("--fmi goes with --format fmu")
+    if for_unit:
+        raise UsageError(f"{for_unit[0]} goes with --format fmu")
     constants = parse_definitions(definitions)
     wanted = format or (ExportFormat.XTA if output is None else format_of(output))
     source = api.load(model, **constants)

@@ -32,8 +32,11 @@ _UNIT = "fmu"
     help="Write temporal properties as observer automata, or as comments.",
 )
 @click.option("--fmi", type=click.Choice(["2", "3"]), help="The version of FMI of a unit; 3 by default.")
+@click.option("--processes", metavar="NAMES", help="Of a unit: only these processes or templates, with commas between.")
 @options.max_seconds()
-def command(seconds: float | None, output: Path | None, format: str | None, fmi: str | None, **given: Any) -> None:
+def command(
+    seconds: float | None, output: Path | None, format: str | None, fmi: str | None, processes: str | None, **given: Any
+) -> None:
     """Write a model for UPPAAL, TChecker, Munta, Graphviz or other programs, and its queries in a file beside it.
 
     With --format fmu it becomes a unit for co-simulation by the standard FMI.
@@ -41,9 +44,10 @@ def command(seconds: float | None, output: Path | None, format: str | None, fmi:
     if format == _UNIT or (format is None and output is not None and output.suffix.lower() == f".{_UNIT}"):
         from tachk.cli.actions.simulation.export_unit import run_export_unit
 
-        options.finish(lambda: run_export_unit(output=output, fmi=fmi or "3", **given), seconds)
+        options.finish(lambda: run_export_unit(output=output, fmi=fmi or "3", processes=processes, **given), seconds)
         return
     from tachk.cli.actions.export import run_export
 
     wanted = None if format is None else ExportFormat(format)
-    options.finish(lambda: run_export(output=output, format=wanted, fmi=fmi, **given), seconds)
+    for_unit = tuple(name for name, value in (("--fmi", fmi), ("--processes", processes)) if value is not None)
+    options.finish(lambda: run_export(output=output, format=wanted, for_unit=for_unit, **given), seconds)

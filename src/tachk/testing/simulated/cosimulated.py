@@ -64,6 +64,7 @@ def disagreements(
 
 def extract(unit: Unit, version: Version, folder: Path) -> str:
     """The folder of a unit. A library that is there already stays: it may be loaded, and is the same for all units."""
+    folder.mkdir(exist_ok=True)
     path = folder / f"unit{version}.fmu"
     write_unit(unit, version, path)
     extracted = folder / version

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from tachk import api
@@ -11,7 +12,10 @@ from tachk.cli.guard import print_diagnostics
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.fmi.archive import write_unit
 from tachk.fmi.description import Version
-from tachk.fmi.unit import closed_unit
+from tachk.fmi.unit import closed_unit, open_unit
+
+_NAMES = re.compile(r"(?:\([^)]*\)|[^,()])+")
+"""Parts between commas, but not those in parentheses: `Link(0, 1),Client`."""
 
 
 def run_export_unit(
@@ -19,6 +23,7 @@ def run_export_unit(
     model: str,
     output: Path | None,
     fmi: str,
+    processes: str | None,
     definitions: tuple[str, ...],
     explain: bool,
     keep_names: bool,
@@ -27,6 +32,7 @@ def run_export_unit(
     """Writes a model as a unit for co-simulation.
 
     Args:
+        processes: the names of those that are in it, with commas between; by default all.
         explain, keep_names, observers: for other formats; a unit has the model as it is.
     """
     if output is None:
@@ -35,7 +41,12 @@ def run_export_unit(
         raise UsageError("--explain, --keep-names and --no-observers are for texts, not for units")
     source = api.load(model, **parse_definitions(definitions))
     print_diagnostics((*source.refusals, *source.warnings))
-    unit = closed_unit(source.network, Path(model).stem)
-    write_unit(unit, Version(fmi), output)
+    version, name = Version(fmi), Path(model).stem
+    if processes is None:
+        unit = closed_unit(source.network, name)
+    else:
+        names = [part.strip() for part in _NAMES.findall(processes)]
+        unit = open_unit(source.network, names, name, clocks=version is Version.THREE)
+    write_unit(unit, version, output)
     print(f"written: {output}, FMI {fmi}.0, {len(unit.variables)} variables")
     return ExitStatus.AS_EXPECTED
