@@ -252,6 +252,27 @@ def test_channels_of_mdf_are_columns_and_groups_have_their_own_rates(tmp_path: P
         open_trace(path)
 
 
+@pytest.mark.parametrize(("version", "ending"), [("4.10", "mf4"), ("3.30", "mdf")])
+def test_a_damaged_mdf_file_does_not_make_its_reader_read_other_memory(
+    tmp_path: Path, version: str, ending: str
+) -> None:
+    asammdf = pytest.importorskip("asammdf")
+    path = tmp_path / f"log.{ending}"
+    with asammdf.MDF(version=version) as file:
+        file.append([asammdf.Signal(np.arange(5), np.arange(5) / 10, name="Speed")])
+        file.save(path, overwrite=True)
+    assert open_trace(path).read().rows == 5
+    with asammdf.MDF(path) as file:
+        channel = file.groups[0].channels[1]
+        offset = 24 + 8 * getattr(channel, "links_nr", 0) + 4 if ending == "mf4" else 186  # of its place in a record
+        address = channel.address
+    octets = bytearray(path.read_bytes())
+    octets[address + offset : address + offset + 2] = b"\x00\x7f"
+    path.write_bytes(octets)
+    with pytest.raises(UsageError, match="channel 'Speed' lies behind the end of its records"):
+        open_trace(path)
+
+
 @pytest.mark.parametrize(
     ("file", "library", "extra"),
     [("a.mcap", "mcap", "mcap"), ("a.bag", "rosbags", "mcap"), ("a.h5", "h5py", "hdf5"), ("a.mf4", "asammdf", "mdf")],

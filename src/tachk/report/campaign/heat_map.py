@@ -10,25 +10,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 from matplotlib import colormaps
 from matplotlib.axes import Axes as Plane
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch, Rectangle
+from matplotlib.patches import Rectangle
 
 from tachk.campaign.grid import Axis, Grid
 from tachk.campaign.job import COLUMNS, Row
 from tachk.campaign.run import Campaign
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.properties.verdict import Answer
+from tachk.report.answer_marks import evenly_labelled, legend_of, mark_of
 from tachk.report.figure_files import write_figure
 
-_FACE = {Answer.HOLDS: "#5a9367", Answer.FAILS: "#ffffff", Answer.UNKNOWN: "#e4e4e4"}
-_INK = {Answer.HOLDS: "#3d6b48", Answer.FAILS: "#a4161a", Answer.UNKNOWN: "#777777"}
-_HATCH = {Answer.HOLDS: "", Answer.FAILS: "////", Answer.UNKNOWN: "..."}
 STYLE = {"hatch.linewidth": 0.5}
 _NUMBERS = tuple(name for name, kind in COLUMNS.items() if kind != "TEXT")
 _MOST_MAPS = 24
@@ -124,9 +121,7 @@ class _Colours:
         corner = (place[0] - 0.5, place[1] - 0.5)
         if self._show == "answer":
             answer = Answer(str(row["answer"]))
-            return Rectangle(
-                corner, 1, 1, facecolor=_FACE[answer], edgecolor=_INK[answer], hatch=_HATCH[answer], linewidth=0.4
-            )
+            return Rectangle(corner, 1, 1, **mark_of(answer), linewidth=0.4)
         value = row[self._show]
         if value is None:
             return Rectangle(corner, 1, 1, facecolor="#ffffff", edgecolor="#bbbbbb", hatch="...", linewidth=0.4)
@@ -146,10 +141,7 @@ class _Colours:
         if self._show != "answer":
             figure.text(0.5, 0.02, _LEGENDS.get(self._show, self._show), ha="center", va="bottom", fontsize=8)
             return
-        handles: list[Any] = [
-            Patch(facecolor=_FACE[a], edgecolor=_INK[a], hatch=_HATCH[a], linewidth=0.5, label=a.value)
-            for a in self._answers
-        ]
+        handles = legend_of(self._answers)
         figure.legend(handles=handles, loc="lower center", ncols=len(handles), frameon=False, fontsize=8)
 
 
@@ -182,12 +174,7 @@ def _draw(plane: Plane, map_: _Map, across: Axis, up: Axis, colours: _Colours) -
     plane.set_ylim(-0.5, len(up.values) - 0.5)
     plane.set_xlabel(across.name, labelpad=1)
     plane.set_ylabel(up.name)
-    plane.set_xticks(_ticks(across), [str(across.values[n]) for n in _ticks(across)], fontsize=8)
-    numbers = _ticks(up) if up.name else []
+    numbers = evenly_labelled(len(across.values))
+    plane.set_xticks(numbers, [str(across.values[n]) for n in numbers], fontsize=8)
+    numbers = evenly_labelled(len(up.values)) if up.name else []
     plane.set_yticks(numbers, [str(up.values[n]) for n in numbers], fontsize=8)
-
-
-def _ticks(axis: Axis) -> list[int]:
-    """Numbers of values that get a label: the first, and at most ten in equal distances from it."""
-    size = len(axis.values)
-    return list(range(0, size, math.ceil(size / 11)))

@@ -18,19 +18,17 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PatchCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, Rectangle
+from matplotlib.patches import Rectangle
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.properties.verdict import Answer
+from tachk.report.answer_marks import evenly_labelled, legend_of, mark_of
 from tachk.report.figure_files import write_figure
 from tachk.report.region.words import effort, inequalities, summary
 from tachk.synthesis.parameters import Parameter
 from tachk.synthesis.region import Evidence, Region, RegionCell
 
 _MOST_MAPS = 12
-_FACE = {Answer.HOLDS: "#5a9367", Answer.FAILS: "#ffffff", Answer.UNKNOWN: "#e4e4e4"}
-_INK = {Answer.HOLDS: "#3d6b48", Answer.FAILS: "#a4161a", Answer.UNKNOWN: "#777777"}
-_HATCH = {Answer.HOLDS: "", Answer.FAILS: "////", Answer.UNKNOWN: "..."}
 _BORDER = "#22223b"
 _STYLE = {"hatch.linewidth": 0.5}
 _LINE = 0.19
@@ -95,11 +93,7 @@ def _draw_map(axes: Axes, region: Region, fixed: Sequence[int], corners: set[tup
     cells = [cell for cell in region.cells if cell.values[2:] == tuple(fixed)]
     for answer in Answer:
         squares = [_square(region, cell) for cell in cells if cell.answer is answer]
-        axes.add_collection(
-            PatchCollection(
-                squares, facecolor=_FACE[answer], edgecolor=_INK[answer], hatch=_HATCH[answer], linewidth=0.25
-            )
-        )
+        axes.add_collection(PatchCollection(squares, **mark_of(answer), linewidth=0.25))
     places = {cell.values: _place(region, cell) for cell in cells}
     decided = [c.values for c in cells if c.evidence in (Evidence.SEARCH, Evidence.RUN, Evidence.CERTIFICATE)]
     dot = max(1.0, min(4.5, 170 / max(region.shape[:2])))
@@ -152,7 +146,7 @@ def _border(axes: Axes, region: Region, cells: Sequence[RegionCell]) -> None:
 def _scale(axes: Axes, across: Parameter, up: Parameter | None) -> None:
     axes.set_xlim(-0.5, len(across.values) - 0.5)
     axes.set_xlabel(across.name)
-    numbers = _ticks(len(across.values))
+    numbers = evenly_labelled(len(across.values))
     axes.set_xticks(numbers, [str(across.values[number]) for number in numbers])
     if up is None:
         axes.set_ylim(-0.5, 0.5)
@@ -160,23 +154,13 @@ def _scale(axes: Axes, across: Parameter, up: Parameter | None) -> None:
         return
     axes.set_ylim(-0.5, len(up.values) - 0.5)
     axes.set_ylabel(up.name)
-    numbers = _ticks(len(up.values))
+    numbers = evenly_labelled(len(up.values))
     axes.set_yticks(numbers, [str(up.values[number]) for number in numbers])
-
-
-def _ticks(size: int) -> list[int]:
-    """Numbers of values that get a label: the first, and at most ten in equal distances from it."""
-    distance = next(d for d in (1, 2, 5, 10, 20, 50, 100, 200, 500, 10**3, 10**4, 10**5, 10**6) if size <= 11 * d)
-    return list(range(0, size, distance))
 
 
 def _legend(figure: Figure, region: Region) -> None:
     present = {cell.answer for cell in region.cells}
-    handles: list[Any] = [
-        Patch(facecolor=_FACE[a], edgecolor=_INK[a], hatch=_HATCH[a], linewidth=0.5, label=a.value)
-        for a in Answer
-        if a in present
-    ]
+    handles = legend_of(answer for answer in Answer if answer in present)
     handles.append(Line2D([], [], marker=".", color=_BORDER, linestyle="", label="decided itself"))
     handles.append(
         Line2D([], [], marker="o", markerfacecolor="none", color=_BORDER, linestyle="", label="corner, with evidence")

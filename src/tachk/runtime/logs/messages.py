@@ -7,12 +7,13 @@ A column is called after topic and field, ``odom.pose.x`` for the topic ``/odom`
 from __future__ import annotations
 
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from math import isnan
-from typing import Any, Protocol
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
@@ -58,6 +59,29 @@ class Messages(Protocol):
     def samples(self) -> Iterator[tuple[str, Any]]:
         """The first `SAMPLES` messages of each topic that can be decoded."""
         ...
+
+
+Topics = TypeVar("Topics", bound=Collection[str])
+
+
+class WithSummary(ABC, Generic[Topics]):
+    """What a file says of itself, read once."""
+
+    @abstractmethod
+    def _read_summary(self) -> tuple[Topics, int | None]:
+        """The topics, and the time of the last message where it is known."""
+
+    @cached_property
+    def _summary(self) -> tuple[Topics, int | None]:
+        return self._read_summary()
+
+    @property
+    def topics(self) -> Topics:
+        return self._summary[0]
+
+    @property
+    def end(self) -> int | None:
+        return self._summary[1]
 
 
 @dataclass(frozen=True, eq=False)

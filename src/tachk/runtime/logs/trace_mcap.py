@@ -6,14 +6,13 @@ import json
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.logs.foreign import not_installed, reading
-from tachk.runtime.logs.messages import LOG_TIME, SAMPLES, MessageRecording
+from tachk.runtime.logs.messages import LOG_TIME, SAMPLES, MessageRecording, WithSummary
 from tachk.runtime.trace_header import agreed_unit
 
 PUBLISH_TIME = "publish_time"
@@ -21,7 +20,7 @@ PUBLISH_TIME = "publish_time"
 
 
 @dataclass(frozen=True, eq=False)
-class McapMessages:
+class McapMessages(WithSummary[dict[str, bool]]):
     """Attributes:
     published: times are those when messages were sent, not when they were recorded.
     """
@@ -30,8 +29,7 @@ class McapMessages:
     published: bool
     _decoders: dict[int, Callable[[bytes], Any]] = field(default_factory=dict, repr=False)
 
-    @cached_property
-    def _summary(self) -> tuple[dict[str, bool], int | None]:
+    def _read_summary(self) -> tuple[dict[str, bool], int | None]:
         """The topics, whether their messages can be decoded, and the time of the last message."""
         with self._reading() as reader:
             summary = reader.get_summary()
@@ -42,14 +40,6 @@ class McapMessages:
                 known = {channel.id: (channel, schema) for schema, channel, _ in reader.iter_messages()}
                 channels, end = list(known.values()), None
         return {channel.topic: _is_known(channel, schema) for channel, schema in channels}, end
-
-    @property
-    def topics(self) -> Collection[str]:
-        return self._summary[0]
-
-    @property
-    def end(self) -> int | None:
-        return self._summary[1]
 
     def decoded(self, topics: Collection[str]) -> Iterator[tuple[str, int, Any]]:
         with self._reading() as reader:

@@ -89,7 +89,24 @@ def open_mdf(path: Path, unit: str | None) -> Recording:
 @contextmanager
 def _reading(path: Path) -> Iterator[Any]:
     with reading(path, "MDF file"), _opened(path) as file:
+        _check_places(file, path)
         yield file
+
+
+def _check_places(file: Any, path: Path) -> None:
+    """Raises UsageError for a channel that lies behind the end of its records: a file is damaged so, and asammdf would
+    read memory that is not its own."""
+    for group in file.groups:
+        bits = 8 * group.channel_group.samples_byte_nr
+        for channel in group.channels:
+            if hasattr(channel, "start_offset"):  # MDF 3
+                end = channel.start_offset + 8 * channel.additional_byte_offset + channel.bit_count
+            else:
+                end = 8 * channel.byte_offset + channel.bit_offset + channel.bit_count
+            if channel.bit_count and end > bits:
+                raise UsageError(
+                    f"{path}: channel {channel.name!r} lies behind the end of its records", "the file is damaged"
+                )
 
 
 def _opened(path: Path) -> Any:

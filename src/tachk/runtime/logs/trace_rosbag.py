@@ -5,34 +5,24 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from tachk.runtime.logs.foreign import not_installed, reading
-from tachk.runtime.logs.messages import LOG_TIME, SAMPLES, MessageRecording
+from tachk.runtime.logs.messages import LOG_TIME, SAMPLES, MessageRecording, WithSummary
 from tachk.runtime.trace_header import agreed_unit
 
 
 @dataclass(frozen=True, eq=False)
-class BagMessages:
+class BagMessages(WithSummary[Collection[str]]):
     """The messages of a bag."""
 
     path: Path
 
-    @cached_property
-    def _summary(self) -> tuple[Collection[str], int | None]:
+    def _read_summary(self) -> tuple[Collection[str], int | None]:
         with self._reading() as reader:
             return tuple(reader.topics), reader.end_time - 1 if reader.message_count else None
-
-    @property
-    def topics(self) -> Collection[str]:
-        return self._summary[0]
-
-    @property
-    def end(self) -> int | None:
-        return self._summary[1]
 
     def decoded(self, topics: Collection[str]) -> Iterator[tuple[str, int, Any]]:
         with self._reading() as reader:
