@@ -11,9 +11,10 @@ from functools import partial, reduce
 from tachk.compiler.features import check_simulated
 from tachk.compiler.lower import lower_simulation
 from tachk.compiler.program import Chances, Program
+from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.simulation.policy import Policy
 from tachk.engines.simulation.simulator import TICKS_PER_UNIT
-from tachk.fmi.surroundings import OUTSIDE, Opened, open_network
+from tachk.fmi.surroundings import OUTSIDE, SENT, Opened, open_network
 from tachk.model.expressions import BOOL, Binary, Constant, Expression, LocationTest
 from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
@@ -24,6 +25,7 @@ from tachk.simulation.columns import Column, all_columns, observed
 from tachk.time_units import length_of
 
 _NANOSECONDS = 10**9
+_COMMITTED = "committed"
 
 
 class Role(IntEnum):
@@ -112,9 +114,14 @@ def open_unit(network: Network, names: Sequence[str], name: str, clocks: bool) -
     Raises UsageError for a part that cannot run on its own, and UnsupportedError for what is not simulated.
     """
     check_simulated(network)
+    for column in all_columns(network):
+        if column.name == _COMMITTED or column.name.startswith((OUTSIDE, SENT)):
+            raise UsageError(
+                f"units of parts have {column.name} for something else", "choose another name in the model"
+            )
     opened = open_network(network, names)
     columns = [column for column in all_columns(opened.network) if not column.name.startswith(OUTSIDE)]
-    columns.append(Column("committed", _is_committed(opened.network), truth=True))
+    columns.append(Column(_COMMITTED, _is_committed(opened.network), truth=True))
     program, chances = lower_simulation(opened.network, observed(columns))
     last = len(opened.network.processes) - 1
     numbers = {edge.edge: n for n, edge in enumerate(program.edges) if edge.process == last}

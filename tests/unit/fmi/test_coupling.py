@@ -80,7 +80,7 @@ def run_coupled(
 def test_three_units_have_the_trace_of_the_network(link: Network, tmp_path: Path) -> None:
     drawing = Drawing(1, 200 * TICKS_PER_UNIT, Policy.EARLIEST)
     rows = run_coupled(link, PARTS, drawing, tmp_path)
-    native, _ = native_rows(link, drawing, 0)
+    native, *_ = native_rows(link, drawing, 0)
     names = [column.name for column in all_columns(link)]
     together = [(time, tuple(values[name] for name in names)) for time, values in rows]
     assert lasting(together) == lasting(native)
@@ -189,6 +189,13 @@ def test_inputs_are_what_others_write(link: Network) -> None:
     assert outer == {"outside.number", "answer?", "ask!"}
 
 
+def test_only_channels_that_a_part_speaks_of_lead_out_of_it() -> None:
+    network = tachk.load("models/micro_xrce_dds/paper.ta").network
+    unit = open_unit(network, ["application", "publisher"], "publisher", clocks=True)
+    heard = [v.name for v in unit.variables if v.role is Role.HEARS]
+    assert heard == [f"deliver[1][{kind}]?" for kind in range(4)]
+
+
 BOUND = """
 chan hand;
 broadcast chan tell;
@@ -222,6 +229,14 @@ def test_what_cannot_be_taken_apart_is_refused(names: list[str], told: str) -> N
     network = tachk.loads(BOUND).network
     with pytest.raises(UsageError, match=told):
         open_unit(network, names, "part", clocks=True)
+
+
+@pytest.mark.parametrize("name", ["committed", "outside"])
+def test_names_of_the_unit_itself_are_not_taken_for_others(name: str) -> None:
+    text = LINK.replace("busy", name) if name == "committed" else LINK.replace("Agent", "outside")
+    network = tachk.loads(text).network
+    with pytest.raises(UsageError, match="something else"):
+        open_unit(network, ["Client"], "client", clocks=True)
 
 
 def test_a_channel_for_two_must_not_lead_out() -> None:

@@ -52,14 +52,14 @@ def running(unit: Unit, tmp_path: Path) -> Iterator[FMU3Slave]:
     slave.freeInstance()
 
 
-def instance(unit: Unit, folder: Path) -> FMU3Slave:
+def instance(unit: Unit, folder: Path, early: bool = True) -> FMU3Slave:
     slave = FMU3Slave(
         guid=blueprint(unit).token,
         unzipDirectory=extract(unit, Version.THREE, folder),
         modelIdentifier=unit.name,
         instanceName="unit",
     )
-    slave.instantiate(eventModeUsed=True, earlyReturnAllowed=True, logMessage=lambda *told: None)
+    slave.instantiate(eventModeUsed=True, earlyReturnAllowed=early, logMessage=lambda *told: None)
     return slave
 
 
@@ -99,6 +99,25 @@ def test_a_step_ends_at_the_very_moment_of_an_event(unit: Unit, running: FMU3Sla
     running.enterStepMode()
     *_, last_of_pulse = running.doStep(last, 1.0)
     assert round(Fraction(last_of_pulse) * unit.second) - round(Fraction(last) * unit.second) == TICKS_PER_UNIT
+
+
+def test_without_early_return_only_an_event_at_the_end_of_a_step_is_left(unit: Unit, tmp_path: Path) -> None:
+    slave = instance(unit, tmp_path, early=False)
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
+    count = [reference(unit, "count")]
+    first = slave.updateDiscreteStates()[-1]
+    slave.enterStepMode()
+    assert slave.doStep(0.0, first) == (True, False, False, first)
+    assert slave.getInt32(count) == [0]
+    slave.enterEventMode()
+    slave.updateDiscreteStates()
+    assert slave.getInt32(count) == [1]
+    slave.enterStepMode()
+    _, _, early, last = slave.doStep(first, 1.0)
+    assert not early and last == first + 1.0
+    assert slave.getInt32(count)[0] > 20
+    slave.freeInstance()
 
 
 def test_a_state_is_taken_up_again(running: FMU3Slave) -> None:

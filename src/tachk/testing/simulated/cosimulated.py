@@ -13,7 +13,7 @@ from fmpy.model_description import ModelDescription
 from fmpy.validation import validate_fmu
 
 from tachk.engines.simulation.policy import Policy
-from tachk.engines.simulation.simulator import Drawing, Ending, Recorded
+from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded
 from tachk.fmi.archive import write_unit
 from tachk.fmi.description import Version
 from tachk.fmi.unit import Role, Unit, closed_unit
@@ -47,7 +47,7 @@ def disagreements(
 ) -> Iterator[str]:
     """What is different between a run of the simulator and the same run of a unit, and what FMPy finds wrong."""
     unit = closed_unit(network, "random")
-    native, end = native_rows(network, drawing, run)
+    native, end, stop = native_rows(network, drawing, run)
     for version in Version:
         extracted = extract(unit, version, folder)
         yield from validate_fmu(extracted)
@@ -55,7 +55,7 @@ def disagreements(
         for driving in drivings:
             if driving.version is not version or end <= 0:
                 continue
-            found = unit_rows(unit, extracted, known, driving, drawing, run, end)
+            found = unit_rows(unit, extracted, known, driving, drawing, run, (end, stop))
             expected = lasting(native) if driving.events else sampled(native, driving.step, end)
             if found != expected:
                 at = next((n for n, (a, b) in enumerate(zip(found, expected, strict=False)) if a != b), "the end")
@@ -75,17 +75,22 @@ def extract(unit: Unit, version: Version, folder: Path) -> str:
     return str(extracted)
 
 
-def native_rows(network: Network, drawing: Drawing, run: int) -> tuple[Rows, int]:
-    """The rows of a run of the simulator, and where they end: between two instants if the run was cut off."""
+def native_rows(network: Network, drawing: Drawing, run: int) -> tuple[Rows, int, int]:
+    """The rows of a run of the simulator, where they end, and until when a unit may be asked to go on.
+
+    Of a run that is cut off rows end between two instants. Behind a deadlock a unit stops by itself.
+    """
     runs = Runs(network, all_columns(network))
     (drawn,) = runs.draw(drawing, range(run, run + 1), Recorded(observed=True))
     rows: Rows = [
         (time, tuple(values)) for time, values in zip(drawn.times.tolist(), drawn.observed.tolist(), strict=True)
     ]
-    end = drawn.end
+    end = stop = drawn.end
     if drawn.ending in (Ending.STEPS, Ending.FAULT, Ending.ZENO):
-        end = _gap(sorted({time for time, _ in rows}))
-    return [row for row in rows if row[0] <= end], end
+        end = stop = _gap(sorted({time for time, _ in rows}))
+    elif drawn.ending is not Ending.HORIZON:
+        stop += TICKS_PER_UNIT
+    return [row for row in rows if row[0] <= end], end, stop
 
 
 def _gap(times: Sequence[int]) -> int:
@@ -114,13 +119,20 @@ def sampled(rows: Rows, step: int, end: int) -> Rows:
 
 
 def unit_rows(
-    unit: Unit, extracted: str, known: ModelDescription, driving: Driving, drawing: Drawing, run: int, end: int
+    unit: Unit,
+    extracted: str,
+    known: ModelDescription,
+    driving: Driving,
+    drawing: Drawing,
+    run: int,
+    until: tuple[int, int],
 ) -> Rows:
-    """The rows that FMPy records of a unit."""
+    """The rows that FMPy records of a unit, up to both times that `native_rows` tells."""
+    end, stop = until
     result = fmpy.simulate_fmu(
         extracted,
         validate=False,
-        stop_time=float(end / unit.second),
+        stop_time=float(stop / unit.second),
         output_interval=float(driving.step / unit.second),
         start_values={"seed": drawing.seed, "run": run, "policy": list(Policy).index(drawing.policy)},
         use_event_mode=driving.events,
