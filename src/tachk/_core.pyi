@@ -344,6 +344,26 @@ class Trials:
     def measured(self) -> NDArray[np.float64]: ...
     def fault(self, number: int) -> tuple[FaultKind, int]: ...
 
+class Levels:
+    top: int
+    states: int
+    whole: bool
+    reached: bool
+    def __init__(self, image: Sequence[int], zones: int) -> None: ...
+
+def split(
+    simulation: Simulation,
+    levels: Levels,
+    asked: Asked,
+    *,
+    seed: int,
+    first: int,
+    replications: int,
+    effort: int,
+    threads: int,
+    most_steps: int,
+    seconds: float,
+) -> list[tuple[float, int, int]]: ...
 def trials(
     simulation: Simulation,
     asked: Asked,

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from tachk.properties.verify import VerifyProgress
     from tachk.report.campaign.table import Sweep
     from tachk.report.region.synthesis import Synthesis
+    from tachk.statistics.estimate import Settings
     from tachk.synthesis.parameters import Parameter
 
 __all__ = [
@@ -421,6 +422,7 @@ class Model:
         limits: Limits | None = None,
         seconds: float | None = None,
         progress: Callable[[CampaignProgress], None] | None = None,
+        settings: Settings | None = None,
     ) -> Sweep:
         """Checks queries and properties for every combination of values of some constants, several at a time.
 
@@ -433,6 +435,7 @@ class Model:
             limits: of each cell.
             seconds: the limit on everything together; what is not finished then is missing in the table.
             progress: called after each cell.
+            settings: how sure the answers to statistical queries are to be.
 
         The processes import the program that calls this: a script needs ``if __name__ == "__main__":`` around it.
 
@@ -446,9 +449,9 @@ class Model:
         from tachk.report.campaign.table import Sweep
 
         named = (property,) if isinstance(property, str) else tuple(property)
-        questions = Questions(self.path, named, (), tuple(Source("<query>", text) for text in queries), non_zeno)
+        questions = Questions(self.path, named, (), tuple(Source("<query>", text) for text in queries), non_zeno, True)
         grid = over if isinstance(over, Grid) else grid_of([over] if isinstance(over, str) else over)
-        job = verification(self._written, grid.names, questions, options or Options(), limits or Limits())
+        job = verification(self._written, grid.names, questions, options or Options(), limits or Limits(), settings)
         return Sweep(self.path, run_campaign(grid, job, store, computing(processes, dask), seconds, progress))
 
     def zone_graph(self, limit: int = 10_000) -> Any:

@@ -38,6 +38,7 @@ def test_few_modules_open_the_door_to_the_core() -> None:
         "engines/liveness.py",
         "engines/measuring.py",
         "engines/simulation/simulator.py",
+        "engines/simulation/splitting.py",
         "engines/simulation/trials.py",
         "engines/zone.py",
         "runtime/core_monitor.py",

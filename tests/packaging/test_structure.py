@@ -45,6 +45,7 @@ LIBRARIES = {
         "formats.munta",
         "monitoring",
         "report.monitor",
+        "report.statistics",
         "runtime",
         "simulation",
         "statistics",

@@ -158,4 +158,5 @@ NB_MODULE(_core, m) {
   bind_runs(m);
   bind_simulation(m);
   bind_trials(m);
+  bind_splitting(m);
 }

@@ -26,8 +26,8 @@ Simulator::Simulator(const Program& program, const Chances& chances, const Table
   race_ = {std::vector<Ticks>(count), std::vector<Ticks>(count), std::vector<std::uint8_t>(count)};
 }
 
-bool Simulator::begin(std::uint64_t seed, std::uint64_t run) {
-  random_ = Random(seed, run);
+bool Simulator::begin(Random random) {
+  random_ = random;
   now_ = 0;
   action_.clear();
   state_.slots.clear();
@@ -45,6 +45,15 @@ bool Simulator::begin(std::uint64_t seed, std::uint64_t run) {
   if (!invariants_hold()) return false;
   for (std::size_t p = 0; p < processes(); ++p) refresh(p);
   return true;
+}
+
+void Simulator::resume(const Snapshot& snapshot, Random random) {
+  random_ = random;
+  state_ = snapshot.state;
+  race_ = snapshot.race;
+  now_ = snapshot.now;
+  action_.clear();
+  for (std::size_t p = 0; p < processes(); ++p) race_.parked[p] != 0 ? park(p) : refresh(p);
 }
 
 std::optional<Ending> Simulator::step(const RunLimits& limits) {

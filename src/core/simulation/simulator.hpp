@@ -43,34 +43,6 @@ struct RunLimits {
 
 class Simulator {
  public:
-  // What it is given must outlive it.
-  Simulator(const Program& program, const Chances& chances, const Tables& tables, Policy policy);
-
-  // Begins the run with this number. False if its initial state breaks an invariant. Throws ModelFault.
-  bool begin(std::uint64_t seed, std::uint64_t run);
-
-  // Goes on to the state after the next transition; if there is none, says why. Throws ModelFault.
-  std::optional<Ending> step(const RunLimits& limits);
-
-  // The next moment at which something may happen; `never` if nothing does by itself. Nothing happens before.
-  Ticks next_moment();
-
-  // Takes an action at this moment that begins with the edge, whether or not its guard holds: what the surroundings of
-  // the network do. False, with nothing changed, if nobody receives or invariants forbid it. The moment is neither in
-  // the past nor behind `next_moment`. Throws ModelFault.
-  bool take(std::uint32_t edge, Ticks moment);
-
-  Ticks now() const { return now_; }
-  std::span<const std::uint32_t> edges() const { return action_; }  // of the last transition
-  std::int32_t* slots() { return state_.slots.data(); }
-  Machine& machine() { return machine_; }
-  const ClockValues& clocks() const { return state_.clocks; }
-  // The moments at which a condition holds if nothing happens.
-  Window moments(const Condition& condition) {
-    return integers_hold(condition) ? window(condition) : Window{never, -never};
-  }
-
- private:
   struct State {
     std::vector<std::int32_t> slots;  // frame slots included
     ClockValues clocks;
@@ -83,6 +55,46 @@ class Simulator {
     std::vector<Ticks> limit;  // when its invariant ends
     std::vector<std::uint8_t> parked;
   };
+  // What a run can be continued from.
+  struct Snapshot {
+    State state{{}, ClockValues(1)};
+    Race race;
+    Ticks now = 0;
+  };
+
+  // What it is given must outlive it.
+  Simulator(const Program& program, const Chances& chances, const Tables& tables, Policy policy);
+
+  // Begins the run with this number. False if its initial state breaks an invariant. Throws ModelFault.
+  bool begin(std::uint64_t seed, std::uint64_t run) { return begin(Random(seed, run)); }
+  bool begin(Random random);
+
+  // Goes on to the state after the next transition; if there is none, says why. Throws ModelFault.
+  std::optional<Ending> step(const RunLimits& limits);
+
+  // The next moment at which something may happen; `never` if nothing does by itself. Nothing happens before.
+  Ticks next_moment();
+
+  // Takes an action at this moment that begins with the edge, whether or not its guard holds: what the surroundings of
+  // the network do. False, with nothing changed, if nobody receives or invariants forbid it. The moment is neither in
+  // the past nor behind `next_moment`. Throws ModelFault.
+  bool take(std::uint32_t edge, Ticks moment);
+
+  Snapshot snapshot() const { return {state_, race_, now_}; }
+  // Goes on from a snapshot: what processes are still to wait is drawn anew from what is left of it.
+  void resume(const Snapshot& snapshot, Random random);
+
+  Ticks now() const { return now_; }
+  std::span<const std::uint32_t> edges() const { return action_; }  // of the last transition
+  std::int32_t* slots() { return state_.slots.data(); }
+  Machine& machine() { return machine_; }
+  const ClockValues& clocks() const { return state_.clocks; }
+  // The moments at which a condition holds if nothing happens.
+  Window moments(const Condition& condition) {
+    return integers_hold(condition) ? window(condition) : Window{never, -never};
+  }
+
+ private:
   // What the action under way has changed, to be undone if the target invariants do not admit it.
   struct Change {
     SlotSet written;

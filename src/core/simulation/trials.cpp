@@ -13,17 +13,6 @@ namespace {
 constexpr std::uint64_t between_stops = 1 << 16;  // transitions
 constexpr std::uint64_t steps_at_once = 1'000'000;
 
-// The first moment from now on at which the goal is reached if nothing happens; `never` if it is not.
-Ticks first_moment(Simulator& simulator, const Goal& goal) {
-  Ticks first = never;
-  for (const Disjunct& disjunct : goal.disjuncts) {
-    Window window = simulator.moments(disjunct.condition);
-    window.first = std::max(window.first, simulator.now());
-    if (!window.empty()) first = std::min(first, window.first);
-  }
-  return first;
-}
-
 class Watch {
  public:
   Watch(const Simulation& simulation, const Asked& asked, const TrialOrder& order)
@@ -56,9 +45,9 @@ class Watch {
     std::uint64_t at_once = 0;
     while (true) {
       const Ticks before = simulator_.now();
-      const Ticks last = end();
-      const Ticks reached = moment(asked_.goal);
-      const Ticks lost = moment(asked_.lost);
+      const Ticks last = last_moment(simulator_, asked_.bound);
+      const Ticks reached = first_moment(simulator_, simulation_.program(), asked_.goal);
+      const Ticks lost = first_moment(simulator_, simulation_.program(), asked_.lost);
       RunLimits limits;
       limits.until = last;
       if (std::min(reached, lost) <= before || last < before) return decide(trial, reached, lost, last);
@@ -90,19 +79,6 @@ class Watch {
     if (ending == Ending::zeno || ending == Ending::steps) trial.answer = Answered::unknown;
   }
 
-  Ticks moment(std::int32_t goal) {
-    return goal < 0 ? never : first_moment(simulator_, simulation_.program().goals[static_cast<std::size_t>(goal)]);
-  }
-
-  // The last moment that is looked at, if nothing happens before.
-  Ticks end() const {
-    const Bound& bound = asked_.bound;
-    if (bound.clock == 0) return bound.until;
-    const Ticks left = bound.value - simulator_.clocks().value(bound.clock, simulator_.now());
-    if (left < 0) return simulator_.now() - 1;
-    return simulator_.clocks().runs(bound.clock) ? std::min(latest_end, simulator_.now() + left) : latest_end;
-  }
-
   double measured() {
     if (asked_.clock > 0) return in_units(simulator_.clocks().value(asked_.clock, simulator_.now()));
     return simulation_.chances().observed[static_cast<std::size_t>(asked_.observed)].value(simulator_.machine(),
@@ -131,6 +107,8 @@ class Watch {
   Simulator simulator_;
 };
 
+}  // namespace
+
 void check(const Simulation& simulation, const Asked& asked) {
   const auto goals = static_cast<std::int64_t>(simulation.program().goals.size());
   const auto numbers = static_cast<std::int64_t>(simulation.chances().observed.size());
@@ -139,8 +117,6 @@ void check(const Simulation& simulation, const Asked& asked) {
       asked.bound.clock > clocks)
     throw std::invalid_argument("the program has no such goal, number or clock");
 }
-
-}  // namespace
 
 std::vector<Trial> trials(const Simulation& simulation, const Asked& asked, const TrialOrder& order) {
   check(simulation, asked);

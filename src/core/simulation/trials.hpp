@@ -5,18 +5,11 @@
 #include <functional>
 #include <vector>
 
+#include "simulation/horizon.hpp"
 #include "simulation/runs.hpp"
 #include "simulation/simulator.hpp"
 
 namespace tachk {
-
-// How far a run is looked at: up to a moment, a number of transitions, or a value of a clock.
-struct Bound {
-  Ticks until = latest_end;
-  std::uint64_t steps = UINT64_MAX;
-  std::uint16_t clock = 0;  // that `value` is for; 0: none
-  Ticks value = 0;
-};
 
 struct Asked {
   Bound bound;
@@ -59,5 +52,8 @@ struct TrialOrder {
 // The runs in the order of their numbers, whatever the number of threads. Throws Stopped, and std::invalid_argument for
 // numbers that the program does not have.
 std::vector<Trial> trials(const Simulation& simulation, const Asked& asked, const TrialOrder& order);
+
+// Throws std::invalid_argument for numbers that the program does not have.
+void check(const Simulation& simulation, const Asked& asked);
 
 }  // namespace tachk

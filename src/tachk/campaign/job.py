@@ -1,4 +1,4 @@
-"""What is asked about each cell: verification of properties."""
+"""What is asked about each cell: verification of properties, and answers to statistical queries."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import field
 from hashlib import sha256
 from time import monotonic
+from typing import assert_never
 
 from tachk.campaign.grid import Values
 from tachk.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
@@ -14,11 +15,15 @@ from tachk.engines.outcome import TIME_LIMIT
 from tachk.frontend.findings import Findings
 from tachk.frontend.loaded import LoadedModel, with_constants
 from tachk.frontend.overrides import constant_overrides
+from tachk.frontend.queries.statistical import is_statistical, read_statistical
+from tachk.model.query import Query
 from tachk.properties.answering import answers
 from tachk.properties.fault_explanation import diagnostic_of
 from tachk.properties.questions import Questions, checked
 from tachk.properties.verdict import Answer, Verdict
 from tachk.records import dataclass
+from tachk.statistics.deciding import Decision
+from tachk.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings, Split, estimate
 from tachk.time_limit import OutOfTimeError, time_limit
 
 Row = Mapping[str, str | int | float | None]
@@ -40,13 +45,22 @@ COLUMNS: Mapping[str, str] = {
     "seconds": "REAL",
     "run_steps": "INTEGER",
     "run_end": "REAL",
+    "estimate": "REAL",
+    "low": "REAL",
+    "high": "REAL",
+    "runs": "INTEGER",
 }
 """What a row tells, with SQLite's types.
 
 ``lower`` and ``upper`` are what ``inf``, ``sup`` and ``bounds`` find for their first expression, None where there is no
 limit. ``seconds`` are those of the search that answered, which properties share. ``run_steps`` and ``run_end`` (in time
-units of the model) are of the run behind the answer, where there is one.
+units of the model) are of the run behind the answer, where there is one. ``estimate``, ``low``, ``high`` and ``runs``
+answer statistical queries: a frequency or mean, what contains the probability or mean with the confidence, and how many
+runs were drawn.
 """
+
+ESTIMATED = "estimated"
+"""The answer to a statistical query that is a number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +79,7 @@ class Verification:
     asked: tuple[str, ...]
     options: Options = field(default_factory=Options)
     limits: Limits = field(default_factory=Limits)
+    settings: Settings = field(default_factory=Settings)
 
     def parts(self) -> dict[str, str]:
         """What must be the same for finished cells to count: names as a user would say them, each with its value."""
@@ -79,32 +94,43 @@ class Verification:
             "--cell-seconds": str(self.limits.seconds),
             "--max-states": str(self.limits.states),
             "--max-memory": str(self.limits.memory_bytes),
+            "statistics": str(self.settings),
         }
 
     def rows(self, values: Values) -> tuple[Row, ...]:
         """One row for each property. What is wrong, refused or out of time is unknown, with the reason."""
         try:
-            verdicts = self._verdicts(values)
+            return self._answers(values)
         except OutOfTimeError:
             return unknown_rows(self.asked, TIME_LIMIT)
         except InputError as error:
             first = next(found for found in error.diagnostics if found.severity is Severity.ERROR)
             return unknown_rows(self.asked, f"wrong model: {first.message}")
-        except UnsupportedError as error:
+        except (UnsupportedError, UsageError) as error:
             return unknown_rows(self.asked, str(error))
-        return tuple(_row(verdict) for verdict in verdicts)
 
-    def _verdicts(self, values: Values) -> tuple[Verdict, ...]:
+    def _answers(self, values: Values) -> tuple[Row, ...]:
         began = monotonic()
         with time_limit(self.limits.seconds):
             model = with_constants(self.model, dict(zip(self.names, values, strict=True)), self.asked)
-            queries = checked(self.questions.about(model))
-        limits = self.limits.after(monotonic() - began)
-        return answers(model, self.questions, queries, self.options, limits, None, trace=True)
+            formulas = self.questions.about(model)
+            statistical = [query for query in formulas if is_statistical(query)]
+            rows = [_estimated(estimate(model.network, read_statistical(q, model), self.settings)) for q in statistical]
+        queries = checked(formulas)
+        if queries:
+            limits = self.limits.after(monotonic() - began)
+            found = answers(model, self.questions, queries, self.options, limits, None, trace=True)
+            rows += map(_row, found)
+        return tuple(sorted(rows, key=lambda row: self.asked.index(str(row["property"]))))
 
 
 def verification(
-    model: LoadedModel, names: tuple[str, ...], questions: Questions, options: Options, limits: Limits
+    model: LoadedModel,
+    names: tuple[str, ...],
+    questions: Questions,
+    options: Options,
+    limits: Limits,
+    settings: Settings | None = None,
 ) -> Verification:
     """The job of checking what is asked.
 
@@ -112,10 +138,10 @@ def verification(
         InputError, UsageError: a query is wrong, there is no such property or constant, or nothing to check.
     """
     constant_overrides(dict.fromkeys(names, 0), model.items, Findings())
-    asked = tuple(query.name for query in checked(questions.about(model)))
+    asked = tuple(q.name for q in questions.about(model) if isinstance(q, Query) or is_statistical(q))
     if not asked:
         raise UsageError(f"{questions.path} has no property to check", "give a query behind the model")
-    return Verification(model, names, questions, asked, options, limits)
+    return Verification(model, names, questions, asked, options, limits, settings or Settings())
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,6 +171,32 @@ def unknown_rows(names: Iterable[str], reason: str) -> tuple[Row, ...]:
     return tuple({**nothing, "property": name} for name in names)
 
 
+def _estimated(found: Estimate) -> Row:
+    """The row of a statistical query."""
+    nothing: dict[str, str | int | float | None] = {**dict.fromkeys(COLUMNS), "reason": "", "notes": ""}
+    row = {**nothing, "property": found.query.name, "answer": ESTIMATED}
+    match found:
+        case Estimated():
+            sample = found.sample
+            row |= {"estimate": found.frequency, "low": found.low, "high": found.high}
+        case Mean():
+            sample = found.sample
+            row |= {"estimate": found.mean, "low": found.low, "high": found.high}
+        case Decided():
+            sample = found.samples[0]
+            row["estimate"] = found.frequencies[0]
+            row["answer"] = found.decision.value
+            if found.decision is Decision.UNKNOWN:
+                row["reason"] = "no decision"
+        case Split():
+            return {**row, "estimate": found.rare.mean, "low": found.low, "high": found.high}
+        case Drawn():
+            return {**row, "answer": Answer.UNKNOWN.value, "reason": "trajectories are not for sweeps"}
+        case never:
+            assert_never(never)
+    return {**row, "runs": sample.runs, "transitions": sample.transitions}
+
+
 def _row(verdict: Verdict) -> Row:
     statistics, run = verdict.statistics, verdict.trace
     reason = verdict.reason or ("" if verdict.unsupported is None else verdict.unsupported.message)
@@ -165,4 +217,5 @@ def _row(verdict: Verdict) -> Row:
         "seconds": statistics.seconds,
         "run_steps": None if run is None else len(run.path),
         "run_end": None if run is None else float(run.states[-1].time),
+        **dict.fromkeys(("estimate", "low", "high", "runs")),
     }

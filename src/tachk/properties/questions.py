@@ -22,6 +22,7 @@ class Questions:
     files: of queries, each with its optional expectation.
     typed: queries. Nothing in them may be wrong, while a wrong query of a file is one that is not checked.
     non_zeno: a run with infinitely many transitions counts only if time diverges in it.
+    statistical: the names may be those of statistical queries.
     """
 
     path: str
@@ -29,6 +30,7 @@ class Questions:
     files: tuple[Source, ...] = ()
     typed: tuple[Source, ...] = ()
     non_zeno: bool = False
+    statistical: bool = False
 
     def about(self, model: LoadedModel) -> tuple[Query | UncheckedQuery, ...]:
         """What is asked for, in order: the named properties and the queries of the texts, else all of the model.
@@ -61,7 +63,7 @@ class Questions:
             raise InputError(diagnostics)
         return tuple(formulas)
 
-    def _property(self, model: LoadedModel, name: str) -> Query:
+    def _property(self, model: LoadedModel, name: str) -> Query | UncheckedQuery:
         for query in model.queries:
             if query.name == name:
                 return query
@@ -69,6 +71,8 @@ class Questions:
             if unchecked.name == name:
                 if unchecked.diagnostics:
                     raise InputError(unchecked.diagnostics)
+                if self.statistical and unchecked.family == "statistical":
+                    return unchecked
                 raise UsageError(f"{self.path}: {name} is not checked: {why_not(unchecked)}")
         names = [query.name for query in model.queries]
         close = closest(name, names)

@@ -30,6 +30,7 @@ from tachk.records import dataclass
 from tachk.simulation.intervals import clopper_pearson
 from tachk.statistics.deciding import Decision, Errors, RatioTest, comparison_test, threshold_test
 from tachk.statistics.means import asymptotic_mean, bounded_mean
+from tachk.statistics.rare import Rare, Splitting, split
 from tachk.statistics.sampling import Sample, Sampler, Source, path_sampler, value_sampler
 from tachk.statistics.stopping import MOST_RUNS, StoppingRule, runs_for
 from tachk.statistics.trajectories import Trajectory, trajectories
@@ -49,6 +50,7 @@ class Settings:
         half_width: of the interval of a probability.
         runs: how many are drawn, whatever comes of them; None: as many as it takes.
         most_runs: after which a test without a decision ends.
+        splitting: estimate probabilities by splitting.
     """
 
     source: Source = Source()
@@ -57,6 +59,7 @@ class Settings:
     runs: int | None = None
     errors: Errors = Errors()
     most_runs: int = 1_000_000
+    splitting: Splitting | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,6 +123,17 @@ class Mean:
 
 
 @dataclass(frozen=True, slots=True)
+class Split:
+    """A probability that splitting found. The interval would contain it with the confidence if there were very many
+    replications."""
+
+    query: StatisticalQuery
+    rare: Rare
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
 class Drawn:
     """Runs that are shown."""
 
@@ -127,7 +141,7 @@ class Drawn:
     runs: tuple[Trajectory, ...]
 
 
-Estimate = Estimated | Decided | Mean | Drawn
+Estimate = Estimated | Decided | Mean | Split | Drawn
 
 
 def estimate(network: Network, query: StatisticalQuery, settings: Settings) -> Estimate:
@@ -140,6 +154,8 @@ def estimate(network: Network, query: StatisticalQuery, settings: Settings) -> E
     """
     match query.question:
         case Probability(path):
+            if settings.splitting is not None:
+                return _split(network, query, path, settings.splitting, settings)
             return _probability(network, query, path, settings)
         case Threshold() as threshold:
             return _threshold(network, query, threshold, settings)
@@ -280,6 +296,12 @@ def _compare(readings: Mapping[bool, RatioTest], answers: tuple[int, int], paths
         )
         if first is not second:
             test.add(first)
+
+
+def _split(network: Network, query: StatisticalQuery, path: Path, splitting: Splitting, settings: Settings) -> Split:
+    rare = split(network, path, settings.source, settings.confidence, splitting)
+    reach = rare.half_width(settings.confidence)
+    return Split(query, rare, max(0.0, rare.mean - reach), min(1.0, rare.mean + reach))
 
 
 # ---- means ----------------------------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tachk.compiler.features import check_simulated
 from tachk.compiler.fold import fold, known_values
 from tachk.compiler.lower import lower_simulation
-from tachk.compiler.program import Program
+from tachk.compiler.program import Chances, Program
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.span import Span
 from tachk.engines.simulation.simulator import LATEST_END, TICKS_PER_UNIT, Ending
@@ -120,21 +120,29 @@ class Sampler:
 
 
 def path_sampler(network: Network, path: Path, source: Source) -> Sampler:
-    """Runs on which ``<> p`` or ``p U q`` is asked; of ``[] p`` whether p becomes false.
+    """Runs on which ``<> p`` or ``p U q`` is asked; of ``[] p`` whether p becomes false. Raises as `lowered_path`."""
+    program, chances = lowered_path(network, path)
+    return Sampler(Trier(program, chances), asked_of(network, path, program), source)
+
+
+def lowered_path(network: Network, path: Path) -> tuple[Program, Chances]:
+    """The program of a network with the goals of a path.
 
     Raises UnsupportedError for what is not simulated, and InputError for a wrong initial value.
     """
+    check_simulated(network)
     predicates = [negation(path.predicate) if path.always else path.predicate]
     if path.before is not None:
         predicates.append(negation(path.before))
-    check_simulated(network)
-    program, chances = lower_simulation(network, (), predicates)
-    lost = 1 if path.before is not None else -1
-    return Sampler(Trier(program, chances), Asked(reach_of(path.bound, network, program), 0, lost), source)
+    return lower_simulation(network, (), predicates)
+
+
+def asked_of(network: Network, path: Path, program: Program) -> Asked:
+    return Asked(reach_of(path.bound, network, program), 0, -1 if path.before is None else 1)
 
 
 def value_sampler(network: Network, asked: Expectation, source: Source) -> Sampler:
-    """Runs on which the largest or least value of an expression is measured. Raises as `path_sampler`."""
+    """Runs on which the largest or least value of an expression is measured. Raises as `lowered_path`."""
     check_simulated(network)
     is_clock = isinstance(asked.value.type, ClockType)
     program, chances = lower_simulation(network, () if is_clock else (asked.value,))

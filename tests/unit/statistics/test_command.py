@@ -107,3 +107,26 @@ def test_uppaal_files_bring_their_queries(tmp_path: Path) -> None:
     found = json.loads(output)["answers"][0]
     assert found["query"] == "Pr[<=1; 2000](<> P.B)"
     assert found["low"] <= 1 - 1 / 2.718281828 <= found["high"]
+
+
+def test_splitting_answers_in_json(coin: str) -> None:
+    query = "Pr[<=1](<> side == 2)"
+    status, output = _run(coin, query, "--splitting", "--effort", "200", "--relative", "0.2", "--format", "json")
+    assert status == 0
+    document = json.loads(output)
+    Draft202012Validator(SCHEMA).validate(document)
+    found = document["answers"][0]
+    assert found["kind"] == "splitting" and found["levels"] == 1
+    assert abs(found["mean"] - 0.25) < 0.05
+
+
+def test_pictures_show_every_answer(coin: str, tmp_path: Path) -> None:
+    picture = tmp_path / "all.svg"
+    queries = ["Pr[<=1](<> side == 1)", "Pr[<=1](<> side == 1) >= 0.6", "E[<=1; 30](max: side)", "simulate [<=1] {x}"]
+    assert _run(coin, *queries, "--plot", str(picture))[0] == 0
+    text = picture.read_text(encoding="utf-8")
+    assert all(f"q{number}: {query}" in text.replace("&lt;", "<").replace("&gt;", ">")
+               for number, query in enumerate(queries, 1))  # fmt: skip
+    split = tmp_path / "split.svg"
+    assert _run(coin, "Pr[<=1](<> side == 2)", "--splitting", "--effort", "50", "--plot", str(split))[0] == 0
+    assert "replications" in split.read_text(encoding="utf-8")

@@ -5,3 +5,4 @@
 // Adds the simulator to the module, and what is asked of runs.
 void bind_simulation(nanobind::module_& m);
 void bind_trials(nanobind::module_& m);
+void bind_splitting(nanobind::module_& m);

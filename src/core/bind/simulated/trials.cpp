@@ -5,12 +5,12 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <chrono>
 #include <cstdint>
 #include <tuple>
 #include <vector>
 
 #include "../arrays.hpp"
+#include "interruption.hpp"
 #include "simulation.hpp"
 
 namespace nb = nanobind;
@@ -31,20 +31,9 @@ struct Trials {
 };
 
 Trials ask(const tachk::Simulation& simulation, const tachk::Asked& asked, tachk::TrialOrder order, double seconds) {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point begun = Clock::now();
-  order.stop = [=] {
-    if (seconds >= 0 && std::chrono::duration<double>(Clock::now() - begun).count() > seconds) return true;
-    const nb::gil_scoped_acquire acquired;
-    return PyErr_CheckSignals() != 0;
-  };
-  try {
-    const nb::gil_scoped_release released;
-    return {tachk::trials(simulation, asked, order)};
-  } catch (const tachk::Stopped&) {
-    if (PyErr_Occurred() != nullptr) throw nb::python_error();
-    return {};
-  }
+  Trials result;
+  interruptibly(order, seconds, [&] { result.trials = tachk::trials(simulation, asked, order); });
+  return result;
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ class Trier:
         left = time_left()
         found = _core.trials(
             self._core,
-            _core_asked(asked),
+            core_asked(asked),
             policy=_core.Policy[Policy.STOCHASTIC.name],
             seed=seed,
             first=numbers.start,
@@ -119,7 +119,7 @@ class Trier:
         )
 
 
-def _core_asked(asked: Asked) -> _core.Asked:
+def core_asked(asked: Asked) -> _core.Asked:
     result = _core.Asked()
     reach = asked.reach
     if reach.until is not None:

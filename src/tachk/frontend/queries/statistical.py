@@ -10,6 +10,7 @@ import re
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
+from typing import TypeGuard
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError
 from tachk.diagnostics.span import Span
@@ -38,15 +39,17 @@ from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_expression
 from tachk.time_units import NANOSECONDS, length_of
 
-FAMILY = "statistical"
-"""The family of `UncheckedQuery` that `read_statistical` reads."""
-
 _BLANK = re.compile(r"\s+|//[^\n]*|/\*[\s\S]*?\*/")
 _NUMBER = re.compile(r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _DURATION = re.compile(r"((?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-z]*)")
 _BRACKETS = {"(": ")", "[": "]", "{": "}"}
 _MOST_RUNS = 10**9
 _EXAMPLE = "for example Pr[<=100](<> P.location), E[<=100; 1000](max: n) or simulate [<=100; 5] {n, P.location}"
+
+
+def is_statistical(query: object) -> TypeGuard[UncheckedQuery]:
+    """Whether it is one that `read_statistical` reads."""
+    return isinstance(query, UncheckedQuery) and query.family == "statistical"
 
 
 def read_statistical(query: UncheckedQuery, model: LoadedModel) -> StatisticalQuery:

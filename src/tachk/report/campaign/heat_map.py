@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from tachk.campaign.grid import Axis, Grid
-from tachk.campaign.job import COLUMNS, Row
+from tachk.campaign.job import COLUMNS, ESTIMATED, Row
 from tachk.campaign.run import Campaign
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.properties.verdict import Answer
@@ -119,10 +119,10 @@ class _Colours:
 
     def square(self, place: tuple[int, int], row: Row) -> Rectangle:
         corner = (place[0] - 0.5, place[1] - 0.5)
-        if self._show == "answer":
+        if self._show == "answer" and row["answer"] != ESTIMATED:
             answer = Answer(str(row["answer"]))
             return Rectangle(corner, 1, 1, **mark_of(answer), linewidth=0.4)
-        value = row[self._show]
+        value = None if self._show == "answer" else row[self._show]
         if value is None:
             return Rectangle(corner, 1, 1, facecolor="#ffffff", edgecolor="#bbbbbb", hatch="...", linewidth=0.4)
         return Rectangle(
@@ -147,6 +147,9 @@ class _Colours:
 
 _LEGENDS = {
     "seconds": "seconds of the search",
+    "estimate": "estimated probability or mean; dotted: there is none",
+    "low": "lower end of the interval of a probability or mean; dotted: there is none",
+    "high": "upper end of the interval of a probability or mean; dotted: there is none",
     "run_end": "end of the run behind the answer, in time units of the model; dotted: there is none",
     "run_steps": "steps of the run behind the answer; dotted: there is none",
     "peak_bytes": "bytes of the search",

@@ -10,10 +10,11 @@ from itertools import groupby
 from rich.console import Console
 from rich.table import Table
 
-from tachk.campaign.job import Row
+from tachk.campaign.job import ESTIMATED, Row
 from tachk.campaign.run import Campaign
 from tachk.properties.verdict import Answer
 from tachk.report.quantity import grouped
+from tachk.report.statistics.text import interval_text
 
 _MOST_ROWS = 200
 
@@ -57,17 +58,24 @@ def _table(names: Sequence[str], properties: Sequence[str], cells: Sequence[Sequ
     for rows in cells:
         stored = [int(row["states_stored"] or 0) for row in rows]
         seconds = [float(row["seconds"] or 0) for row in rows]
-        answers = [str(row["answer"]) for row in rows]
+        answers = [_answer(row) for row in rows]
         constants = [str(rows[0][name]) for name in names]
         table.add_row(*constants, *answers, grouped(max(stored)), f"{max(seconds):.2f}")
     return table
+
+
+def _answer(row: Row) -> str:
+    low, high = row["low"], row["high"]
+    if row["answer"] != ESTIMATED or low is None or high is None:
+        return str(row["answer"])
+    return interval_text(float(low), float(high))
 
 
 def _summary(campaign: Campaign) -> Iterator[str]:
     for name in campaign.job.asked:
         rows = [row for row in campaign.rows if row["property"] == name]
         found = Counter(str(row["answer"]) for row in rows)
-        said = [f"{answer} in {found[answer]}" for answer in Answer if found[answer]]
+        said = [f"{answer} in {found[answer]}" for answer in (*Answer, ESTIMATED) if found[answer]]
         if said:
             yield f"{name}: {', '.join(said)}"
         reasons = Counter(str(row["reason"]) for row in rows if row["reason"])

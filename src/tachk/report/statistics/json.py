@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, assert_never
 
-from tachk.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings
+from tachk.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings, Split
 from tachk.statistics.sampling import Sample
+from tachk.statistics.trajectories import Trajectory
 
 
 def estimates_document(model: str, found: Sequence[Estimate], settings: Settings) -> dict[str, Any]:
@@ -55,25 +56,37 @@ def answer_document(found: Estimate) -> dict[str, Any]:
                 "bounds": None if found.values is None else list(found.values),
                 "samples": [_sample(found.sample)],
             }
+        case Split():
+            return {**head, **_splitting(found)}
         case Drawn():
-            return {
-                **head,
-                "kind": "trajectories",
-                "runs": [
-                    {
-                        "run": run.number,
-                        "ending": run.ending.value,
-                        "end": run.end,
-                        "lines": [
-                            {"name": line.name, "times": line.times.tolist(), "values": line.values.tolist()}
-                            for line in run.lines
-                        ],
-                    }
-                    for run in found.runs
-                ],
-            }
+            return {**head, "kind": "trajectories", "runs": [_run(run) for run in found.runs]}
         case never:
             assert_never(never)
+
+
+def _splitting(found: Split) -> dict[str, Any]:
+    rare = found.rare
+    return {
+        "kind": "splitting",
+        "mean": rare.mean,
+        "low": found.low,
+        "high": found.high,
+        "replications": rare.probabilities.tolist(),
+        "levels": rare.levels,
+        "states": rare.states,
+        "whole": rare.whole,
+        "transitions": rare.transitions,
+        "unknown": rare.unknown,
+    }
+
+
+def _run(run: Trajectory) -> dict[str, Any]:
+    return {
+        "run": run.number,
+        "ending": run.ending.value,
+        "end": run.end,
+        "lines": [{"name": l.name, "times": l.times.tolist(), "values": l.values.tolist()} for l in run.lines],
+    }
 
 
 def _sample(sample: Sample) -> dict[str, Any]:

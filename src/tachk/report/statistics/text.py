@@ -7,7 +7,7 @@ from math import ceil, floor, isfinite, log10
 from typing import assert_never
 
 from tachk.statistics.deciding import Decision
-from tachk.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings
+from tachk.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings, Split
 from tachk.statistics.sampling import Sample, told_endings
 from tachk.statistics.trajectories import Line
 
@@ -26,6 +26,9 @@ def answer_lines(found: Estimate, settings: Settings) -> Iterator[str]:
             yield from _test_lines(found, settings, confidence)
         case Mean():
             yield from _mean_lines(found, confidence)
+        case Split():
+            yield f"{_head(found)}: {found.rare.mean:.3g}; {interval_text(found.low, found.high)}, {confidence}"
+            yield from _split_lines(found)
         case Drawn():
             yield f"{_head(found)}: {_count(len(found.runs), 'run')}"
             for run in found.runs:
@@ -95,6 +98,17 @@ def _mean_lines(found: Mean, confidence: str) -> Iterator[str]:
     unknown = f", {found.sample.unknown} of them unknown" if found.sample.unknown else ""
     yield f"  {_count(found.sample.runs, 'run')}{unknown}"
     yield from _endings(found.sample)
+
+
+def _split_lines(found: Split) -> Iterator[str]:
+    rare = found.rare
+    yield (
+        f"  by splitting: {_count(len(rare.probabilities), 'replication')}, {_count(rare.levels, 'level')} "
+        f"from {_count(rare.states, 'state')}{'' if rare.whole else ' (there are more)'}"
+    )
+    yield "  the interval is no guarantee: it is right for many replications"
+    if rare.unknown:
+        yield f"  {_count(rare.unknown, 'run')} ended before it was known whether they reach it; they count as not"
 
 
 def _points(line: Line) -> str:

@@ -11,6 +11,7 @@ from time import monotonic
 
 from tachk import api
 from tachk.campaign.grid import grid_of
+from tachk.campaign.job import ESTIMATED
 from tachk.campaign.run import Progress
 from tachk.cli.arguments import parse_size
 from tachk.cli.destination import destination
@@ -22,6 +23,8 @@ from tachk.engines.options import Limits
 from tachk.properties.verdict import Answer
 from tachk.records import dataclass
 from tachk.report.campaign.table import Sweep
+from tachk.statistics.estimate import Settings
+from tachk.statistics.sampling import Source as RunSource
 from tachk.time_limit import time_limit
 
 _EVERY = "all"
@@ -55,6 +58,10 @@ class Sweeping:
     states: int | None = None
     max_memory: str | None = None
     non_zeno: bool = False
+    confidence: float = 0.95
+    half_width: float = 0.05
+    runs: int | None = None
+    seed: int = 0
 
 
 def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> ExitStatus:
@@ -79,9 +86,11 @@ def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> E
             limits=Limits(states=asked.states, seconds=asked.seconds_each, memory_bytes=memory),
             seconds=None if seconds is None else max(0.0, seconds - (monotonic() - started)),
             progress=progress,
+            settings=Settings(RunSource(asked.seed), asked.confidence, asked.half_width, asked.runs),
         )
     if asked.picture is not None:
-        found.plot(asked.picture, asked.show)
+        estimated = asked.show == "answer" and all(row["answer"] == ESTIMATED for row in found.rows)
+        found.plot(asked.picture, "estimate" if estimated else asked.show)
     _write(found, reporting)
     if found.campaign.interrupted:
         return ExitStatus.INTERRUPTED

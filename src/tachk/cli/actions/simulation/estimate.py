@@ -14,9 +14,8 @@ from tachk.cli.reporting import ReportForm, Reporting
 from tachk.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source as Text
 from tachk.engines.simulation.simulator import Ending
-from tachk.frontend.queries.queries import UncheckedQuery
-from tachk.frontend.queries.statistical import FAMILY, read_statistical
-from tachk.model.query import Expectation, Query
+from tachk.frontend.queries.statistical import is_statistical, read_statistical
+from tachk.model.query import Expectation
 from tachk.model.statistical import StatisticalQuery
 from tachk.properties.questions import Questions
 from tachk.records import dataclass
@@ -24,7 +23,8 @@ from tachk.report.json_text import json_text
 from tachk.report.statistics.json import estimates_document
 from tachk.report.statistics.text import answer_lines
 from tachk.statistics.deciding import Decision, Errors
-from tachk.statistics.estimate import Decided, Drawn, Estimate, Settings, estimate
+from tachk.statistics.estimate import Decided, Drawn, Estimate, Settings, Split, estimate
+from tachk.statistics.rare import Splitting
 from tachk.statistics.sampling import Sample, Source
 from tachk.syntax.source_files import read_source
 
@@ -47,6 +47,10 @@ class Estimating:
     threads: int = 1
     most_steps: int | None = None
     most_runs: int = 1_000_000
+    splitting: bool = False
+    relative: float = 0.1
+    effort: int = 1000
+    picture: Path | None = None
 
 
 def run_estimate(asked: Estimating, reporting: Reporting) -> ExitStatus:
@@ -64,12 +68,17 @@ def run_estimate(asked: Estimating, reporting: Reporting) -> ExitStatus:
         asked.runs,
         Errors(asked.alpha, asked.beta, asked.delta),
         asked.most_runs,
+        Splitting(asked.relative, asked.effort) if asked.splitting else None,
     )
     statuses: list[ExitStatus] = []
     found: list[Estimate] = []
     for query, expectation in _queries(model, asked, typed, statuses):
         found.append(estimate(network, query, settings))
         statuses.append(_status(found[-1], expectation))
+    if asked.picture is not None:
+        from tachk.report.statistics.picture import plot_estimates
+
+        plot_estimates(found, network.time_unit, asked.picture)
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None and reporting.form is ReportForm.JSON:
             out.write(json_text(estimates_document(models[0], found, settings)))
@@ -91,14 +100,13 @@ def _queries(
     files = tuple(read_source(path) for path in asked.query_files)
     given = Questions(model.path, (), files, tuple(Text("<query>", text) for text in typed))
     formulas = [*named, *(given.about(loaded) if typed or files or not named else ())]
-    others = [query for query in formulas if not _is_statistical(query)]
-    if len(others) == len(formulas):
+    if not any(map(is_statistical, formulas)):
         raise UsageError(
             f"{model.path}: there is no statistical query",
             "give one behind the model, such as 'Pr[<=100](<> P.location)'; `tachk verify` checks all others",
         )
     for query in formulas:
-        if not isinstance(query, UncheckedQuery) or query in others:
+        if not is_statistical(query):
             continue
         try:
             yield read_statistical(query, loaded), query.expectation
@@ -114,13 +122,9 @@ def _queries(
             statuses.append(ExitStatus.UNSUPPORTED)
 
 
-def _is_statistical(query: Query | UncheckedQuery) -> bool:
-    return isinstance(query, UncheckedQuery) and query.family == FAMILY
-
-
 def _status(found: Estimate, expectation: Expectation | None) -> ExitStatus:
     statuses = [ExitStatus.AS_EXPECTED]
-    if not isinstance(found, Drawn):
+    if not isinstance(found, Drawn | Split):
         samples: Iterable[Sample] = found.samples if isinstance(found, Decided) else (found.sample,)
         if any(sample.endings[Ending.FAULT] for sample in samples):
             statuses.append(ExitStatus.NOT_AS_EXPECTED)

@@ -58,7 +58,7 @@ from tachk.cli.reporting import ReportForm
     metavar="COLUMN",
     default="answer",
     show_default=True,
-    help="What the map shows: answer, or a column of numbers such as states_stored, seconds, run_end.",
+    help="What the map shows: answer, or a column of numbers such as states_stored, run_end, estimate.",
 )
 @click.option(
     "seconds_each",
@@ -66,6 +66,27 @@ from tachk.cli.reporting import ReportForm
     metavar="SECONDS",
     type=options.Seconds(min=0),
     help="Stop the check of a cell after this time; its answers are unknown then.",
+)
+@click.option(
+    "--confidence",
+    metavar="C",
+    type=click.FloatRange(0.8, 0.999999),
+    default=0.95,
+    show_default=True,
+    help="Of the intervals of statistical queries.",
+)
+@click.option(
+    "half_width",
+    "--epsilon",
+    metavar="E",
+    type=click.FloatRange(0.0001, 0.25),
+    default=0.05,
+    show_default=True,
+    help="Statistical queries draw runs until the interval of a probability is at most 2 E wide.",
+)
+@click.option("runs", "--runs", metavar="N", type=options.Count(1, 10**9), help="Statistical queries draw N runs.")
+@click.option(
+    "--seed", metavar="S", type=options.Count(0, 2**63 - 1), default=0, help="Of the runs of statistical queries; 0."
 )
 @options.max_states("; its answers are unknown then")
 @options.max_memory

@@ -1,0 +1,51 @@
+// tachk._core.split; used through tachk.engines.simulation.splitting.
+#include "simulation/splitting.hpp"
+
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+#include "interruption.hpp"
+#include "program/program.hpp"
+#include "reachability/distances.hpp"
+#include "simulation.hpp"
+
+namespace nb = nanobind;
+
+void bind_splitting(nb::module_& m) {
+  nb::class_<tachk::Distances>(m, "Levels", "How far discrete states are from the first goal of a program.")
+      .def(
+          "__init__",
+          [](tachk::Distances* self, const std::vector<std::int64_t>& image, std::size_t zones) {
+            tachk::Program program = tachk::decode_program(image);
+            const nb::gil_scoped_release released;
+            new (self) tachk::Distances(tachk::distances(std::move(program), zones));
+          },
+          nb::arg("image"), nb::arg("zones"))
+      .def_prop_ro("top", [](const tachk::Distances& self) { return self.levels.top(); })
+      .def_ro("states", &tachk::Distances::states)
+      .def_ro("whole", &tachk::Distances::whole)
+      .def_ro("reached", &tachk::Distances::reached);
+  m.def(
+      "split",
+      [](const tachk::Simulation& simulation, const tachk::Distances& levels, const tachk::Asked& asked,
+         std::uint64_t seed, std::uint64_t first, std::uint64_t replications, std::uint64_t effort, unsigned threads,
+         std::uint64_t most_steps, double seconds) {
+        tachk::SplittingOrder order{seed, first, replications, effort, threads, most_steps, {}};
+        std::vector<std::tuple<double, std::uint64_t, std::uint64_t>> result;
+        interruptibly(order, seconds, [&] {
+          for (const tachk::Replication& each : tachk::split(simulation, levels.levels, asked, order))
+            result.emplace_back(each.probability, each.transitions, each.unknown);
+        });
+        return result;
+      },
+      nb::arg("simulation"), nb::arg("levels"), nb::arg("asked"), nb::kw_only(), nb::arg("seed"), nb::arg("first"),
+      nb::arg("replications"), nb::arg("effort"), nb::arg("threads"), nb::arg("most_steps"), nb::arg("seconds"),
+      "(estimate, transitions, unknown runs) of these replications; none if that takes more seconds, where these are "
+      "not negative.");
+}

@@ -1,0 +1,44 @@
+// What is asked of a run, looked at in one of its states.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "simulation/simulator.hpp"
+
+namespace tachk {
+
+// How far a run is looked at: up to a moment, a number of transitions, or a value of a clock.
+struct Bound {
+  Ticks until = latest_end;
+  std::uint64_t steps = UINT64_MAX;
+  std::uint16_t clock = 0;  // that `value` is for; 0: none
+  Ticks value = 0;
+};
+
+// The first moment from now on at which a goal is reached if nothing happens; `never` if it is not.
+inline Ticks first_moment(Simulator& simulator, const Goal& goal) {
+  Ticks first = never;
+  for (const Disjunct& disjunct : goal.disjuncts) {
+    Window window = simulator.moments(disjunct.condition);
+    window.first = std::max(window.first, simulator.now());
+    if (!window.empty()) first = std::min(first, window.first);
+  }
+  return first;
+}
+
+// As above, of a goal of the program; `never` for a negative number.
+inline Ticks first_moment(Simulator& simulator, const Program& program, std::int32_t goal) {
+  return goal < 0 ? never : first_moment(simulator, program.goals[static_cast<std::size_t>(goal)]);
+}
+
+// The last moment that is looked at, if nothing happens before.
+inline Ticks last_moment(const Simulator& simulator, const Bound& bound) {
+  if (bound.clock == 0) return bound.until;
+  const Ticks left = bound.value - simulator.clocks().value(bound.clock, simulator.now());
+  if (left < 0) return simulator.now() - 1;
+  return simulator.clocks().runs(bound.clock) ? std::min(latest_end, simulator.now() + left) : latest_end;
+}
+
+}  // namespace tachk
