@@ -64,6 +64,17 @@ def max_seconds(help: str = "Stop after this time, with exit status 20.") -> Cal
     return click.option("seconds", "--max-seconds", metavar="SECONDS", type=Seconds(min=0), help=help)
 
 
+faults = click.option(
+    "faults",
+    "--fault",
+    metavar="FAULT=ORDER",
+    multiple=True,
+    help="How often a fault of the model happens: lost=0.01, or to which messages: lost=send[0][1]:3,5..7, or as soon "
+    "as it can: 'falls asleep=now'. Can be given several times.",
+)
+"""What `simulation.orders` reads."""
+
+
 def max_states(more: str = "") -> Callable[[Decorated], Decorated]:
     """``--max-states``: the limit on the states of each search; ``more`` says what that means for an answer."""
     help = f"Stop a search after storing N states{more}."

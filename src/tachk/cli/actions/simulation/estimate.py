@@ -22,6 +22,7 @@ from tachk.records import dataclass
 from tachk.report.json_text import json_text
 from tachk.report.statistics.json import estimates_document
 from tachk.report.statistics.text import answer_lines
+from tachk.simulation.orders import ordered, orders_of
 from tachk.statistics.deciding import Decision, Errors
 from tachk.statistics.estimate import Decided, Drawn, Estimate, Settings, Split, estimate
 from tachk.statistics.rare import Splitting
@@ -36,6 +37,7 @@ class Estimating:
     arguments: tuple[str, ...]
     query_files: tuple[Path, ...] = ()
     definitions: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()
     properties: tuple[str, ...] = ()
     confidence: float = 0.95
     half_width: float = 0.05
@@ -60,7 +62,7 @@ def run_estimate(asked: Estimating, reporting: Reporting) -> ExitStatus:
         raise UsageError("tachk estimate takes one model", f"and queries: tachk estimate {models[0]} 'Pr[<=100](<> p)'")
     model = api.load(models[0], **parse_definitions(asked.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
-    network = model.network
+    network = ordered(model.network, orders_of(asked.faults)).network
     settings = Settings(
         Source(asked.seed, 0, asked.threads, asked.most_steps),
         asked.confidence,

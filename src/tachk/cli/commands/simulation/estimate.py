@@ -17,6 +17,7 @@ _SHARE = click.FloatRange(0, 0.5, min_open=True)
 @options.query_files("Answer the statistical queries in this file.")
 @options.definitions
 @click.option("properties", "--property", metavar="NAME", multiple=True, help="Answer this property of the model.")
+@options.faults
 @click.option(
     "--confidence",
     metavar="C",

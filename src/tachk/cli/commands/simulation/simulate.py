@@ -50,14 +50,7 @@ from tachk.engines.simulation.policy import SCRIPT, Policy
     "--threads", metavar="N", type=options.Count(1, 256), default=1, help="They make no difference to the runs."
 )
 @click.option("steps", "--max-steps", metavar="N", type=options.Count(1, 2**62), help="End a run after N transitions.")
-@click.option(
-    "faults",
-    "--fault",
-    metavar="FAULT=ORDER",
-    multiple=True,
-    help="How often a fault of the model happens: lost=0.01, or to which messages: lost=send[0][1]:3,5..7, or as soon "
-    "as it can: 'falls asleep=now'. Can be given several times.",
-)
+@options.faults
 @click.option(
     "record",
     "--record",
