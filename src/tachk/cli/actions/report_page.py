@@ -75,7 +75,7 @@ def run_report_page(asked: Reported, seconds: float | None) -> ExitStatus:
 def _read(path: Path, number: int) -> Iterator[Part]:
     """The parts of the page that are in a file; ``number`` is that of the first."""
     if path.suffix.lower() == ".svg":
-        yield Chapter(path.stem, pictures=((path.name, _svg(path)),))
+        yield Chapter("", pictures=((path.name, _svg(path)),))
         return
     if path.suffix.lower() == ".md":
         yield Text(_text(path))

@@ -39,13 +39,13 @@ def answers_part(run: Mapping[str, Any], number: int, told: Mapping[str, str]) -
         number: of the part, from 0, so that names on the page are different.
         told: runs in words by the names of properties; what is missing is told in fewer words.
     """
-    edges, pictures, remark = _automata(run, number)
-    templates = {process: f"{number}/{template}" for process, template in run["templates"].items()}
+    edges, pictures, remark = _automata(run)
+    templates = {process: f"{run['model']}/{template}" for process, template in run["templates"].items()}
     sections = [_section(run, result, number, told, templates, edges) for result in run["results"]]
     return Answers(run, sections, pictures, remark)
 
 
-def _automata(run: Mapping[str, Any], number: int) -> tuple[dict[str, str], Sequence[Picture], str]:
+def _automata(run: Mapping[str, Any]) -> tuple[dict[str, str], Sequence[Picture], str]:
     """The names of edges by their places, and the pictures in which they have these names; or why there are none."""
     path = run["model"]
     if not os.path.exists(path):
@@ -59,7 +59,7 @@ def _automata(run: Mapping[str, Any], number: int) -> tuple[dict[str, str], Sequ
         pictures = draw_items(templates, layout, path) if templates else ()
     except (InputError, UsageError):
         return {}, (), f"The automata are not drawn, as {path} cannot be read any more."
-    return edges, [replace(picture, name=f"{number}/{picture.name}") for picture in pictures], ""
+    return edges, [replace(picture, name=f"{path}/{picture.name}") for picture in pictures], ""
 
 
 def _told_places(run: Mapping[str, Any]) -> set[str]:

@@ -63,6 +63,7 @@ class Chapter:
     """Another result.
 
     Attributes:
+        title: empty for a picture alone.
         lines: what is said about it, in sentences.
         tables: what was found.
         pictures: what a picture shows, and its SVG.
@@ -105,6 +106,11 @@ class Page:
     def answers(self) -> list[Answers]:
         """The parts about models."""
         return [part for part in self.parts if isinstance(part, Answers)]
+
+    @property
+    def automata(self) -> Mapping[str, Sequence[Picture]]:
+        """The pictures by models: each model once, however often it was asked."""
+        return {answers.run["model"]: answers.pictures for answers in self.answers if answers.pictures}
 
     @property
     def results(self) -> list[Mapping[str, Any]]:

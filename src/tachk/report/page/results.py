@@ -18,7 +18,7 @@ from tachk.report.page.content import Chapter, Table
 _MOST_ROWS = 200
 """A table of more is not on the page."""
 
-_KNOWN = "tachk verify, sweep, simulate and monitor write such files with --format json"
+_KNOWN = "tachk verify, sweep, simulate, estimate and monitor write such files with --format json"
 
 
 def read_result(path: Path) -> Mapping[str, Any]:
@@ -58,7 +58,8 @@ def _sweep(document: Mapping[str, Any]) -> Chapter:
     grid = Grid(tuple(Axis(axis["name"], tuple(axis["values"])) for axis in document["constants"]))
     rows: list[dict[str, Any]] = document["rows"]
     asked = list(dict.fromkeys(row["property"] for row in rows))
-    lines = [f"{document['cells']} combinations of values of {', '.join(grid.names)}."]
+    varied = ", ".join(axis.name for axis in grid.varied) or "constants"
+    lines = [f"{document['cells']} combinations of values of {varied}."]
     if document["unfinished"]:
         lines.append(f"{document['unfinished']} of them are not finished.")
     for name in asked:
@@ -103,6 +104,32 @@ def _simulation(document: Mapping[str, Any]) -> Chapter:
     return Chapter(f"{document['model']}: simulation", lines, [endings, *formulas])
 
 
+# ---- statistics -----------------------------------------------------------------------------------------------------
+
+
+def _estimates(document: Mapping[str, Any]) -> Chapter:
+    confidence = f"{document['confidence']:.6g}"
+    rows, drawn = [], []
+    for answer in document["answers"]:
+        runs = f"{sum(sample['runs'] for sample in answer.get('samples', ())):,}"
+        match answer["kind"]:
+            case "probability":
+                rows.append((answer["query"], f"{answer['low']:.4g} to {answer['high']:.4g}", confidence, runs))
+            case "test":
+                rows.append((answer["query"], answer["answer"], "", runs))
+            case "mean" if answer["low"] is None:
+                low, high = answer["asymptotic"]
+                rows.append((answer["query"], f"asymptotically {low:.4g} to {high:.4g}", confidence, runs))
+            case "mean":
+                told = f"{answer['mean']:.4g}; {answer['low']:.4g} to {answer['high']:.4g}"
+                rows.append((answer["query"], told, confidence, runs))
+            case _:
+                drawn.append(f"{answer['query']}: {len(answer['runs'])} runs were drawn.")
+    table = Table(("query", "answer", "confidence", "runs"), rows, frozenset({2, 3}))
+    lines = [f"By random runs with seed {document['seed']}.", *drawn]
+    return Chapter(f"{document['model']}: statistics", lines, [table] if rows else [])
+
+
 # ---- monitoring -----------------------------------------------------------------------------------------------------
 
 
@@ -125,6 +152,7 @@ def _monitor(document: Mapping[str, Any]) -> Chapter:
 _READERS: Sequence[tuple[frozenset[str], Callable[[Mapping[str, Any]], Chapter]]] = (
     (frozenset({"cells", "constants", "rows"}), _sweep),
     (frozenset({"runs", "endings", "formulas"}), _simulation),
+    (frozenset({"answers", "seed", "confidence"}), _estimates),
     (frozenset({"trace", "results", "pending_counts_as"}), _monitor),
 )
 """What a result must have, and what makes a part of it."""

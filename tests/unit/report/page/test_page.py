@@ -148,11 +148,11 @@ def test_the_edge_that_was_taken_of_two_between_the_same_locations(tmp_path: Pat
 
 def test_automata_of_another_text_are_not_drawn(tmp_path: Path, bridge: str) -> None:
     answers = output_of(tmp_path / "answers.json", "verify", bridge, "--trace", "some")
-    assert 'data-template="0/P"' in page(tmp_path, answers)
+    assert f'data-template="{bridge}/P"' in page(tmp_path, answers)
     Path(bridge).write_text("\n" + BRIDGE, encoding="utf-8")
     changed = page(tmp_path, answers)
     assert "has changed since" in changed
-    assert 'data-template="0/P"' not in changed
+    assert f'data-template="{bridge}/P"' not in changed
     Path(bridge).unlink()
     assert "there is no file" in page(tmp_path, answers)
 
