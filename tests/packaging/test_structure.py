@@ -47,6 +47,7 @@ LIBRARIES = {
         "report.monitor",
         "report.statistics",
         "runtime",
+        "semantics",
         "simulation",
         "statistics",
         "synthesis",

@@ -17,13 +17,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk.records import dataclass
-from tachk.semantics.dbm import INFINITY
+from tachk.semantics.dbm import INFINITY, Zone, constrain_all, universe
+from tachk.semantics.timed_trace import DiscreteState, Transition
 
 Numbers = NDArray[np.int64]
 
 MAGIC = b"tachk certificate 2\n"
 _LARGEST_HEADER = 1 << 24
 _LARGEST_BLOCK = 1 << 28
+
+
+@dataclass(frozen=True, slots=True)
+class Objection:
+    """Why a set of symbolic states is no proof.
+
+    Attributes:
+        discrete: the discrete state of the element that is wrong; None if the initial state is missing.
+        zone: the number of its zone among those of the discrete state.
+        transition: that leads out of the set, if one does.
+    """
+
+    reason: str
+    discrete: DiscreteState | None = None
+    zone: int = 0
+    transition: Transition | None = None
 
 
 class MalformedCertificateError(Exception):
@@ -397,3 +414,18 @@ def _take(stream: BinaryIO, length: int, limit: int) -> bytes:
     if len(data) < length:
         raise MalformedCertificateError("it ends too early")
     return data
+
+
+def zone_at(certificate: CertificateReader, discrete: DiscreteState, number: int) -> Zone:
+    """The zone of that number of a discrete state. Raises LookupError."""
+    dimension = len(certificate.header.clocks) + 1
+    for block in certificate.blocks():
+        for row in np.flatnonzero((block.discretes == discrete.locations + discrete.values).all(axis=1)):
+            zone, first = int(block.zones[:row].sum()) + number, starts(block.constraints)
+            mine = slice(first[zone], first[zone + 1])
+            left, right = np.divmod(block.places[mine], dimension)
+            constraints = zip(left.tolist(), right.tolist(), block.bounds[mine].tolist(), strict=True)
+            found = constrain_all(universe(dimension), constraints)
+            if found is not None:
+                return found
+    raise LookupError("the certificate has no such state")

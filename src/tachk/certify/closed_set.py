@@ -1,246 +1,243 @@
 """The check that a set of symbolic states is closed, in plain Python, so that it can be read and believed.
 
-The set is a list of elements (discrete state, zone). It is a proof that no reachable state satisfies a predicate if
+The set is a list of elements: a discrete state, a zone and a rank. It is a proof if
 
-1. some element contains the initial state and what it becomes by waiting,
-2. of each element, every transition followed by any delay leads into elements of the discrete state reached,
-3. no element has a valuation that satisfies the predicate, and nothing in one is a run-time error.
+1. elements of the rank 0 contain the initial state and what it becomes by waiting,
+2. of each of them, every transition followed by any delay leads into elements of the rank 0,
+3. each state of them that satisfies a predicate is, with what it becomes by waiting, in ranked elements,
+4. of each ranked element, every transition followed by any delay leads to the goal or into elements of smaller ranks,
+5. in no ranked element can time pass for ever, and some transition stays possible,
+6. nothing in an element is a run-time error.
 
-For ``A<>`` and ``-->`` elements have ranks (Wimmer, Herbreteau and van de Pol 2020). Each transition from a ranked
-element leads to the goal or into elements of smaller ranks; time cannot pass for ever in it, and something stays
-possible. So a run that begins in a ranked element meets the goal: it cannot descend for ever, and cannot end before.
-For ``-->`` the elements of the rank 0 cover all reachable states, and ranked ones those where the goal is asked for.
-
-By induction over the transitions every reachable state is then in some element (Wimmer and von Mutius 2020). Elements
-may be larger than what is reachable, and how they were found does not matter. Zones are not extrapolated: successors
-are those of `tachk.semantics.symbolic`, the meaning of the model, and nothing of an engine or a compiler is used.
-
-This module looks at one discrete state after the other, by the symbolic semantics. `tachk.certify.sweep` looks at all
-of them together first, and settles nearly all of those without rank.
+By induction over the transitions every reachable state is then in some element of the rank 0 (Wimmer and von Mutius
+2020), and a run that begins in a ranked element meets the goal: it cannot descend for ever, and cannot end before
+(Wimmer, Herbreteau and van de Pol 2020). Without a goal nothing can be ranked, and the predicate is never met. If no
+predicate is given, the initial state must be ranked. Elements may be larger than what is reachable, and how they were
+found does not matter. All are looked at together, without extrapolation, and nothing of an engine or compiler is used.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import lru_cache
+from dataclasses import replace
 
 import numpy as np
 
-from tachk.certify.certificate import CertificateReader, MalformedCertificateError, starts
-from tachk.certify.elements import read_elements
-from tachk.certify.sweep import Sweep
-from tachk.certify.zone_arrays import as_zones, zones_of
-from tachk.model.connectives import negation
+from tachk.certify import zone_arrays
+from tachk.certify.certificate import CertificateReader, MalformedCertificateError, Numbers, Objection
+from tachk.certify.zone_arrays import Pieces, Truths, inside, joined, outside, released
 from tachk.model.expressions import Expression
-from tachk.model.fault import EvaluationFault
 from tachk.model.traversal import asks_deadlock
-from tachk.records import dataclass
-from tachk.semantics import dbm, symbolic
-from tachk.semantics.avoidance import elapse_before
-from tachk.semantics.dbm import INFINITY, Federation, Zone, subtract_all
+from tachk.semantics.dbm import INFINITY, LESS_EQUAL_ZERO, raw_bound
 from tachk.semantics.discrete import PreparedNetwork, initial_discrete
-from tachk.semantics.symbolic import intersections
+from tachk.semantics.many_states import ManyStates, Move
 from tachk.semantics.timed_trace import DiscreteState, Transition
-from tachk.time_limit import check_time
 
 
-@dataclass(frozen=True, slots=True)
-class Objection:
-    """Why a set is no proof.
+class ClosedSet:
+    """A certificate that each run meets the goal (None: nothing does) from each reachable state on that satisfies
+    ``begins``, or (None) from the initial state. Raises MalformedCertificateError.
 
-    Attributes:
-        discrete: the discrete state of the element that is wrong; None if the initial state is missing.
-        zone: the number of its zone among those of the discrete state.
-        transition: that leads out of the set, if one does.
-    """
-
-    reason: str
-    discrete: DiscreteState | None = None
-    zone: int = 0
-    transition: Transition | None = None
-
-
-_ANY_RANK = 1 << 62
-
-
-class _Open(Exception):
-    """The set is not closed: a reason and perhaps a transition."""
-
-
-def check_closed(model: PreparedNetwork, predicate: Expression, certificate: CertificateReader) -> Objection | None:
-    """What is wrong with a certificate that no reachable state satisfies the predicate; None if it is a proof.
-
-    Raises MalformedCertificateError.
-    """
-    return _objection(_Check(model, certificate, bad=predicate))
-
-
-def check_descent(
-    model: PreparedNetwork, goal: Expression, begins: Expression | None, certificate: CertificateReader
-) -> Objection | None:
-    """What is wrong with a certificate that each run meets the goal: from the initial state, or from each reachable
-    state that satisfies ``begins``; None if it is a proof.
-
-    Raises MalformedCertificateError.
-    """
-    return _objection(_Check(model, certificate, goal=goal, begins=begins))
-
-
-def _objection(check: _Check) -> Objection | None:
-    if not check.contains_start():
-        return Objection("the initial state is not in the set")
-    for discrete, zones, ranks in check.doubtful():
-        check_time()
-        for number, (zone, rank) in enumerate(zip(zones, ranks, strict=True)):
-            try:
-                check.element(discrete, zone, rank)
-            except EvaluationFault as fault:
-                return Objection(str(fault), discrete, number)
-            except _Open as found:
-                reason, *transition = found.args
-                return Objection(reason, discrete, number, *transition)
-    return None
-
-
-class _Check:
-    """A set with what it is about.
+    Discrete states are those of the set, and others that are reached; their mark is whether elements are ranked.
 
     Attributes:
-        bad: what no element may satisfy.
-        goal: what each run must meet; where it holds nothing is asked of ranked elements.
-        begins: from where it must; None: from the initial state.
+        sources: the elements, as far as the invariants allow them and without the goal.
+        goals, ahead: where the goal is met, and what is there or later.
+        domains: where the moves are possible; the origin is the number of the move.
+        alive, perhaps_alive: from where a move is possible now or later, for certain or perhaps.
     """
 
     def __init__(
-        self,
-        model: PreparedNetwork,
-        certificate: CertificateReader,
-        bad: Expression | None = None,
-        goal: Expression | None = None,
-        begins: Expression | None = None,
+        self, model: PreparedNetwork, certificate: CertificateReader, goal: Expression | None, begins: Expression | None
     ) -> None:
-        self.model = model
-        self.bad = bad
-        self.goal = goal
-        self.begins = begins
-        self.certificate = certificate
-        self.processes = len(model.network.processes)
-        self.situation = lru_cache(maxsize=4096)(lambda discrete: symbolic.situation(model, discrete))
-        self._check_width()
-        self.sets = read_elements(model, certificate.header.width, certificate.columns())
+        self.model, self.goal, self.begins = model, goal, begins
+        self.found: tuple[int, Objection] | None = None
+        self.asks_deadlock = any(asks_deadlock(one) for one in (goal, begins) if one is not None)
+        self.states = ManyStates(model)
+        self._read(certificate)
+        initial = initial_discrete(model)
+        self.start = self.states.numbers(np.array([[*initial.locations, *initial.values, begins is None]]))
+        self._find_moves()
+        self._find_pieces()
 
-    def _check_width(self) -> None:
-        header, layout = self.certificate.header, self.model.layout
-        if header.width != self.processes + len(layout.initial) or len(header.clocks) != len(layout.clock_cells):
+    def _read(self, certificate: CertificateReader) -> None:
+        header, layout, dimension = certificate.header, self.model.layout, self.model.dimension
+        if header.width != self.states.width or len(header.clocks) != len(layout.clock_cells):
             raise MalformedCertificateError("it has other processes, variables or clocks than the model")
+        none = np.zeros(0, np.int64)
+        parts = [(np.zeros((0, dimension, dimension), np.int64), none, none, none)]
+        for block in certificate.columns():
+            discretes = np.repeat(block.discretes(header.width), block.zones, axis=0)
+            states = np.column_stack((discretes, (block.ranks > 0).astype(np.int32)))
+            if (states < self.states.low).any() or (states > self.states.high).any():
+                raise MalformedCertificateError("a discrete state has a value out of its range")
+            table = zone_arrays.canonical(block.matrices(dimension))
+            if (table[:, np.arange(dimension), np.arange(dimension)] < LESS_EQUAL_ZERO).any():
+                raise MalformedCertificateError("a zone is empty")
+            parts.append((table, block.shapes, self.states.numbers(states), block.ranks))
+        table, shapes, rows, ranks = (np.concatenate(column) for column in zip(*parts, strict=True))
+        elements = joined([Pieces(table, shapes, rows, np.arange(len(rows)))])
+        self.elements, self.ranks = replace(elements, origin=np.arange(len(rows))), ranks[elements.origin]
 
-    # ---- the elements ------------------------------------------------------------------------------------------------
+    def _find_moves(self) -> None:
+        """What is possible in the states of the set, and as far as it matters in those that are reached."""
+        states = self.states
+        states.explore(states.settle())
+        self.twin = np.full(len(states.states), -1)
+        if self.begins is not None and self.goal is not None:
+            for dead in (True, False):
+                for rows, _ in states.truth(np.flatnonzero(~states.marked), self.begins, dead, widely=True):
+                    self.twin[rows] = states.numbers(np.insert(states.states[rows, :-1], states.width, 1, axis=1))
+        reached = states.settle()
+        states.explore(reached if self.asks_deadlock else reached[:0])
+        states.settle()
+        self.invalid = np.isin(np.arange(len(states.states)), states.invalid)
+        self.bounds = np.array([zone_arrays.bounds_of(each, self.model.dimension) for each in states.invariants])
+        self.stops = states.waits & states.stands[:, 1:].any(axis=1)
+        self.stands, pace = np.unique(states.stands | ~states.waits[:, None], axis=0, return_inverse=True)
+        self.pace, self.passing = pace.ravel(), ~self.stands[:, :, None] & self.stands[:, None, :]
 
-    def doubtful(self) -> Iterator[tuple[DiscreteState, list[Zone], list[int]]]:
-        """The discrete states that a look at all of them together has not settled, each with its zones and ranks."""
-        avoided = [one for one in (self.bad, self.begins) if one is not None]
-        stops = any(location.rates for process in self.model.network.processes for location in process.locations)
-        for ranked, elements in enumerate(self.sets):
-            rows = list(range(len(elements.states)))
-            if not stops and not ranked and len(rows):
-                rows = np.flatnonzero(~Sweep(self.model, avoided, elements).fine).tolist()
-            for row in rows:
-                numbers = elements.states[row].tolist()
-                mine = slice(elements.first[row], elements.first[row + 1])
-                discrete = DiscreteState(tuple(numbers[: self.processes]), tuple(numbers[self.processes :]))
-                yield discrete, as_zones(elements.zones[elements.shapes[mine]]), elements.ranks[mine].tolist()
+    def _find_pieces(self) -> None:
+        none = self._anything(np.zeros(0, np.int64))
+        self.goals = self.ahead = none
+        needed = self.goal is not None or self.asks_deadlock or self.model.has_priorities
+        self.domains = joined([none, *(self._domain(n) for n in range(len(self.states.moves)) if needed)])
+        doubtful = self.invalid.copy()
+        for move in self.states.moves:
+            doubtful[move.rows[self.invalid[move.targets]] if move.fault is None else move.rows] = True
+        self.alive = self._past(self.domains.take(~doubtful[self.domains.row]))
+        wholly = np.union1d(np.flatnonzero(doubtful), self.domains.row[self.stops[self.domains.row]])
+        self.perhaps_alive = joined([self.alive, self._anything(wholly)])
+        if self.goal is not None:
+            ranked = self._limited(self._anything(np.flatnonzero(self.states.marked)))
+            self.goals = self._where(ranked, self.goal, False)
+            moving = ~self.stops[self.goals.row]
+            future = self.goals.take(moving).become(released, self.passing, self.pace[self.goals.row[moving]])
+            self.ahead = joined([future, self.goals.take(~moving)])
+        self.sources = joined([self._limited(self.elements).without(self.goals)])
 
-    def covers(self, discrete: DiscreteState, zones: Federation, below: int) -> bool:
-        """Whether each of the zones lies in one element, or else in several of them together.
+    def objection(self) -> Objection | None:
+        """What is wrong; None if it is a proof."""
+        zone = np.full((1, self.model.dimension, self.model.dimension), LESS_EQUAL_ZERO)
+        start = self._limited(Pieces(zone, self.start * 0, self.start, self.start * 0))
+        if self.invalid[self.start].any() or len(self._uncovered(start, self.begins is None).row):
+            return Objection("the initial state is not in the set")
+        self._object(self.elements.take(self.invalid[self.elements.row]), "it cannot be said what the state allows")
+        if self.begins is not None:
+            met = self._where(self.sources.take(~self.states.marked[self.sources.row]), self.begins, True)
+            if self.goal is None:
+                self._object(met, "some state of the zone is one that must not be reached")
+            else:
+                awaited = self._uncovered(replace(met, row=self.twin[met.row]), True)
+                self._object(awaited, "it is not shown that the goal is met from here")
+        self._check_ends(self.sources.take(self.states.marked[self.sources.row]))
+        for move in self.states.moves:
+            self._check_move(move)
+        return self.found and self.found[1]
 
-        Args:
-            below: 0: elements of the rank 0; else ranked ones with a smaller rank.
-        """
-        elements = self.sets[below > 0]
-        row = int(elements.find(np.array([discrete.locations + discrete.values], np.int64))[0])
-        if row < 0:
-            return not zones
-        mine = slice(elements.first[row], elements.first[row + 1])
-        counts = elements.ranks[mine] < below if below else slice(None)
-        held = as_zones(elements.zones[elements.shapes[mine][counts]])
-        rest = [zone for zone in zones if not any(dbm.includes(one, zone) for one in held)]
-        return not rest or (len(held) > 1 and not subtract_all(rest, held))
+    def _object(self, wrong: Pieces, reason: str, transition: Transition | None = None) -> None:
+        """Notes the first discrete state of which there is something wrong, and what was found first there."""
+        if len(wrong.row):
+            place = int(wrong.origin.min())
+            row = int(self.elements.row[place])
+            if self.found is None or row < self.found[0]:
+                numbers, processes = self.states.states[row, :-1].tolist(), self.states.processes
+                discrete = DiscreteState(tuple(numbers[:processes]), tuple(numbers[processes:]))
+                first = int(np.searchsorted(self.elements.row, row))
+                self.found = row, Objection(reason, discrete, place - first, transition)
 
-    def contains_start(self) -> bool:
-        rank = _ANY_RANK if self.goal is not None and self.begins is None else 0
-        try:
-            here = symbolic.situation(self.model, initial_discrete(self.model))
-            start = intersections([dbm.origin(self.model.dimension)], [here.invariant] if here.invariant else [])
-            return not start or self._is_awaited(here, start, rank)
-        except (EvaluationFault, _Open):
-            return False
-
-    def _check_ends(self, here: symbolic.Situation, zones: Federation) -> None:
+    def _check_ends(self, pieces: Pieces) -> None:
         """Time cannot pass for ever in ranked elements, and some transition stays possible."""
-        goal = self._goal(here)
-        running = [clock for clock in range(1, self.model.dimension) if clock not in here.stopped]
-        for zone in self._waiting(here, subtract_all(zones, here.urgent)) if here.delays else []:
-            if all(zone[clock, 0] >= INFINITY for clock in running):
-                raise _Open("time can pass for ever, and the goal is not met")
-        later = goal if here.stopped else symbolic.reaching(here, goal)
-        if subtract_all(zones, [*here.alive, *later]):
-            raise _Open("nothing can happen any more in some state, and the goal is not met")
+        reached = self._waiting(pieces)
+        unbounded = reached.table[reached.zone][:, :, 0] >= INFINITY
+        endless = self.states.waits[reached.row] & (self.stands[self.pace[reached.row]] | unbounded).all(axis=1)
+        self._object(reached.take(endless), "time can pass for ever, and the goal is not met")
+        dead = pieces.without(self.alive).without(self._past(self.goals))
+        self._object(dead, "nothing can happen any more in some state, and the goal is not met")
 
-    def element(self, discrete: DiscreteState, zone: Zone, rank: int) -> None:
-        """Raises _Open, and EvaluationFault for invariants that go wrong."""
-        here = self.situation(discrete)
-        parts = intersections([zone], [here.invariant] if here.invariant else [])
-        if rank:
-            parts = subtract_all(parts, self._goal(here))
-            self._check_ends(here, parts)
-        elif self.bad is not None and intersections(parts, self._perhaps(here, self.bad)):
-            raise _Open("some state of the zone is one that must not be reached")
-        elif self.begins is not None:
-            begun = intersections(parts, self._perhaps(here, self.begins))
-            if not self._is_awaited(here, begun, _ANY_RANK):
-                raise _Open("it is not shown that the goal is met from here")
-        for fault in here.faults:
-            if intersections(parts, fault.domain):
-                raise _Open(str(fault.fault))
-        for move in here.moves:
-            reached = symbolic.fire(here, parts, move)
-            if reached and (move.target is None or move.fault is not None):
-                raise _Open(str(move.fault), move.transition)
-            if reached and move.target is not None:
-                if not self._is_awaited(self.situation(move.target), reached, rank):
-                    raise _Open("a successor is not in the set", move.transition)
+    def _check_move(self, move: Move) -> None:
+        """What it leads to is in the set; and it is no run-time error."""
+        for constraints in move.guard:
+            pieces = self.sources.at(move.rows).within(constraints)
+            if move.fault is not None:
+                self._object(pieces, str(move.fault))
+                continue
+            if self.model.has_priorities:
+                higher = np.array([other.priority > move.priority for other in self.states.moves])
+                pieces = pieces.without(self.domains.take(higher[self.domains.origin]))
+            entries, values = self._setting(move)
+            pieces = pieces.become(released, entries).within(values)
+            target = move.targets[np.searchsorted(move.rows, pieces.row)]
+            uncovered = self._uncovered(self._limited(replace(pieces, row=target)))
+            self._object(uncovered, "a successor is not in the set", move.transition)
 
-    def _is_awaited(self, there: symbolic.Situation, zones: Federation, below: int) -> bool:
-        """Whether the set covers what zones become by waiting; below a rank, as far as the goal is not met before."""
-        waited = self._waiting(there, zones) if below else symbolic.elapse(there, zones)
-        return self.covers(there.discrete, waited, below)
+    def _uncovered(self, pieces: Pieces, begins: bool = False) -> Pieces:
+        """What the set does not cover of what pieces become by waiting. They begin with any rank, or else come from an
+        element and must be in those of smaller ranks; what comes from the rank 0 must be in those of the rank 0."""
 
-    def _waiting(self, here: symbolic.Situation, zones: Federation) -> Federation:
-        """What is reached by waiting without the goal; more than that if clocks are stopped."""
-        goal = self._goal(here)
-        starts = subtract_all(zones, goal)
-        return subtract_all(symbolic.elapse(here, starts), goal) if here.stopped else elapse_before(here, starts, goal)
+        def counts(other: Numbers, origin: Numbers) -> Truths:
+            smaller: Truths = self.ranks[other] < np.maximum(self.ranks[origin], 1)
+            return smaller
 
-    def _goal(self, here: symbolic.Situation) -> Federation:
-        """Where nothing is asked of ranked elements; less, if clocks are stopped and it speaks of ``deadlock``."""
-        if self.goal is None or (here.stopped and asks_deadlock(self.goal)):
-            return []
-        return symbolic.where(self.model, here, self.goal)
+        there = (pieces.row >= 0) & ~self.invalid[pieces.row]
+        waited = self._waiting(pieces.take(there))
+        uncovered = waited.without(self.elements, None if begins or self.goal is None else counts)
+        return joined([uncovered, pieces.take(~there)])
 
-    def _perhaps(self, here: symbolic.Situation, predicate: Expression) -> Federation:
-        """Where a predicate holds, or cannot be evaluated."""
-        holds = symbolic.where(self.model, here, predicate)
-        denied = symbolic.where(self.model, here, negation(predicate))
-        return holds + subtract_all([here.invariant] if here.invariant else [], [*holds, *denied])
+    def _limited(self, pieces: Pieces) -> Pieces:
+        """The parts that the invariants allow."""
+        return pieces.become(inside, self.bounds, self.states.limits[pieces.row])
 
+    def _anything(self, rows: Numbers) -> Pieces:
+        everywhere = zone_arrays.canonical(zone_arrays.bounds_of((), self.model.dimension)[None])
+        return Pieces(everywhere, rows * 0, rows, rows * 0)
 
-def zone_at(certificate: CertificateReader, discrete: DiscreteState, number: int) -> Zone:
-    """The zone of that number of a discrete state. Raises LookupError."""
-    dimension = len(certificate.header.clocks) + 1
-    for block in certificate.blocks():
-        for row in np.flatnonzero((block.discretes == discrete.locations + discrete.values).all(axis=1)):
-            zone, first = int(block.zones[:row].sum()) + number, starts(block.constraints)
-            mine = slice(first[zone], first[zone + 1])
-            constraints = block.constraints[zone : zone + 1]
-            return as_zones(zones_of(constraints, block.places[mine], block.bounds[mine], dimension))[0]
-    raise LookupError("the certificate has no such state")
+    def _waiting(self, pieces: Pieces, behind: int = 0) -> Pieces:
+        """What is reached by waiting without the goal, of whose zones in each discrete state so many are seen to: what
+        begins behind one is not hindered by it, and else must stay before it. Where clocks are stopped it is more."""
+        pieces = pieces if behind else pieces.without(self.goals)
+        goal = np.searchsorted(self.ahead.row, pieces.row) + behind
+        some = goal < np.searchsorted(self.ahead.row, pieces.row, "right")
+        free, starts, zone = pieces.take(~some), pieces.take(some), self.ahead.zone[goal[some]]
+        reached = self._limited(free.become(released, self.passing, self.pace[free.row]))
+        if not some.any():
+            return reached
+        after = self._waiting(starts.become(inside, self.ahead.table, zone), behind + 1)
+        before = self._waiting(starts.become(outside, self.ahead.table, zone), behind + 1)
+        zone = self.ahead.zone[np.searchsorted(self.ahead.row, before.row) + behind]
+        return joined([reached, after, before.become(outside, self.ahead.table, zone)])
+
+    def _past(self, pieces: Pieces) -> Pieces:
+        """From where they are reached by waiting; where clocks are stopped it is perhaps less."""
+        runs = self.states.waits[pieces.row] & ~self.stops[pieces.row]
+        lower = np.zeros((1, self.model.dimension, self.model.dimension), bool)
+        lower[0, 0, 1:] = True
+        return joined([pieces.take(runs).become(released, lower), pieces.take(~runs)])
+
+    def _setting(self, move: Move) -> tuple[Truths, list[tuple[int, int, int]]]:
+        """The bounds that say something of clocks that a move sets, and constraints to their new values."""
+        clocks = [clock for clock, _ in move.resets]
+        entries = np.zeros((1, self.model.dimension, self.model.dimension), bool)
+        entries[0, clocks, :] = entries[0, :, clocks] = True
+        values = [(clock, 0, raw_bound(value, False)) for clock, value in move.resets]
+        return entries, values + [(0, clock, raw_bound(-value, False)) for clock, value in move.resets]
+
+    def _domain(self, number: int) -> Pieces:
+        """Where a move is possible."""
+        move = self.states.moves[number]
+        rows, targets = move.rows[: len(move.targets)], move.targets
+        entries, values = self._setting(move)
+        pieces = replace(self._anything(rows), origin=rows * 0 + number)
+        pieces = pieces.become(inside, self.bounds, self.states.limits[targets]).within(values)
+        return joined([self._limited(pieces.become(released, entries).within(each)) for each in move.guard])
+
+    def _where(self, pieces: Pieces, predicate: Expression, widely: bool) -> Pieces:
+        """The parts where a predicate holds for certain, or (widely) where it may hold."""
+        alive, dead = (self.perhaps_alive, self.alive) if widely else (self.alive, self.perhaps_alive)
+        parts = [pieces.take(slice(0))]
+        for is_dead in (True, False) if asks_deadlock(predicate) else (True,):
+            for rows, condition in self.states.truth(np.unique(pieces.row), predicate, is_dead, widely):
+                some = pieces.at(rows)
+                if asks_deadlock(predicate):
+                    some = some.without(dead) if is_dead else some.meeting(alive)
+                parts += [some.within(constraints) for constraints in condition]
+        return joined(parts)

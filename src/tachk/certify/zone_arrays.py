@@ -1,30 +1,32 @@
-"""Many zones as one array: entry ``[k, i, j]`` is the raw bound of zone k on ``x_i - x_j``, as in
-`tachk.semantics.dbm`. All zones are canonical."""
+"""Sets of clock values for many discrete states at once.
+
+Zones are in arrays: entry ``[k, i, j]`` is the raw bound of zone k on ``x_i - x_j``, as in `tachk.semantics.dbm`. All
+are canonical. A *change* takes zones and as many matrices; it gives what becomes of the zones, each with the number of
+the zone that it comes from, in ascending order.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.certify.certificate import MalformedCertificateError, Numbers
-from tachk.semantics.dbm import INFINITY, LESS_EQUAL_ZERO, Constraint, Zone, raw_bound
+from tachk.certify.certificate import Numbers
+from tachk.records import dataclass
+from tachk.semantics.dbm import INFINITY, LESS_EQUAL_ZERO, Constraint
+
+Truths = NDArray[np.bool_]
+Change = Callable[[Numbers, Any], tuple[Numbers, Numbers]]
 
 
-def zones_of(constraints: Numbers, places: Numbers, bounds: Numbers, dimension: int) -> Numbers:
-    """The zones of the constraints of blocks. Raises MalformedCertificateError if one is empty."""
-    entries = np.full((len(constraints), dimension, dimension), INFINITY, np.int64)
-    entries[:, 0, :] = LESS_EQUAL_ZERO
-    entries[:, np.arange(dimension), np.arange(dimension)] = LESS_EQUAL_ZERO
-    flat = entries.reshape(-1, dimension * dimension)
-    np.minimum.at(flat, (np.repeat(np.arange(len(flat)), constraints), places), bounds)
-    zones = flat.reshape(-1, dimension, dimension)
-    for k in range(dimension):
-        zones = np.minimum(zones, added(zones[:, :, k, None], zones[:, k, None, :]))
-    if (np.einsum("kii->ki", zones) < LESS_EQUAL_ZERO).any():
-        raise MalformedCertificateError("a zone is empty")
-    return zones
+def bounds_of(constraints: Iterable[Constraint], dimension: int) -> Numbers:
+    """A conjunction of constraints as a matrix of bounds."""
+    matrix = np.full((dimension, dimension), INFINITY)
+    for i, j, raw in constraints:
+        matrix[i, j] = min(matrix[i, j], raw)
+    return matrix
 
 
 def added(left: Numbers, right: Numbers) -> Numbers:
@@ -33,50 +35,48 @@ def added(left: Numbers, right: Numbers) -> Numbers:
     return np.where(sums > INFINITY // 2, INFINITY, sums)
 
 
-def upper_bounds(conjunctions: Iterable[Iterable[Constraint]], dimension: int) -> Numbers:
-    """Of each conjunction of constraints the raw bounds, as zones have them, but not canonical."""
-    matrices = []
-    for constraints in conjunctions:
-        matrix = np.full((dimension, dimension), INFINITY, np.int64)
-        for i, j, raw in constraints:
-            matrix[i, j] = min(matrix[i, j], raw)
-        matrices.append(matrix)
-    return np.array(matrices, np.int64).reshape(-1, dimension, dimension)
+def canonical(matrices: Numbers) -> Numbers:
+    """By Floyd and Warshall. No clock is negative."""
+    count = matrices.shape[1]
+    least = [(i, j, LESS_EQUAL_ZERO) for j in range(count) for i in (0, j)]
+    zones = np.minimum(matrices, bounds_of(least, count))
+    for k in range(zones.shape[1]):
+        zones = np.minimum(zones, added(zones[:, :, k, None], zones[:, k, None, :]))
+    return zones
 
 
-def reached_from(
-    zones: Numbers, guard: Iterable[Constraint], resets: Mapping[int, int], limits: Numbers, waits: NDArray[np.bool_]
-) -> tuple[Numbers, Numbers]:
-    """What is reached from the part of each zone within a guard by resets and, within limits, by waiting.
-
-    Args:
-        limits: for each zone, as by `upper_bounds`.
-        waits: for each zone whether time passes.
-
-    Returns:
-        What is not empty of it, with the number of the zone it comes from.
-    """
-    left, zones = within(zones, guard)
-    for clock, value in resets.items():
-        zones = _reset(zones, clock, value)
-    places = np.argwhere((limits < INFINITY).any(axis=0)).tolist()
-    for waited in (False, True):
-        if waited and waits.any():
-            zones = zones.copy()
-            zones[waits[left], 1:, 0] = INFINITY
-        for i, j in places:
-            some, zones = _cut(zones, i, j, limits[left, i, j])
-            left = left[some]
-    return left, zones
+def inside(zones: Numbers, bounds: Numbers) -> tuple[Numbers, Numbers]:
+    """The parts within the bounds."""
+    origin = np.arange(len(zones))
+    for i, j in np.argwhere((bounds < INFINITY).any(axis=0)).tolist():
+        some, zones = _cut(zones, i, j, bounds[origin, i, j])
+        origin = origin[some]
+    return origin, zones
 
 
-def within(zones: Numbers, constraints: Iterable[Constraint]) -> tuple[Numbers, Numbers]:
-    """The parts of zones that satisfy constraints, as far as they are not empty, each with the number of its zone."""
-    left = np.arange(len(zones))
-    for i, j, raw in constraints:
-        some, zones = _cut(zones, i, j, np.full(len(zones), raw))
-        left = left[some]
-    return left, zones
+def outside(zones: Numbers, bounds: Numbers) -> tuple[Numbers, Numbers]:
+    """The parts outside of the bounds: what is beyond one bound, of the rest what is beyond the next one, and so on. A
+    zone of which nothing is within the bounds stays whole."""
+    origin = np.flatnonzero((zones > bounds).any(axis=(1, 2)))
+    met = np.isin(origin, origin[inside(zones[origin], bounds[origin])[0]])
+    origins, parts = [origin[~met]], [zones[origin[~met]]]
+    origin, rest = origin[met], zones[origin[met]]
+    for i, j in np.argwhere((rest > bounds[origin]).any(axis=0)).tolist():
+        raw = bounds[origin, i, j]
+        beyond = np.flatnonzero(rest[:, i, j] > raw)
+        some, part = _cut(rest[beyond], j, i, 1 - raw[beyond])
+        origins.append(origin[beyond][some])
+        parts.append(part)
+        rest = _cut(rest, i, j, raw)[1]
+    order = np.argsort(np.concatenate(origins), kind="stable")
+    return np.concatenate(origins)[order], np.concatenate(parts)[order]
+
+
+def released(zones: Numbers, entries: Truths) -> tuple[Numbers, Numbers]:
+    """The zones without some of their bounds. Where time passes for all clocks, these are the upper bounds of clocks;
+    from where zones are reached by that, the lower ones."""
+    zones = np.where(entries, INFINITY, zones)
+    return np.arange(len(zones)), canonical(zones) if entries[:, :, 1:].any() else zones
 
 
 def _cut(zones: Numbers, i: int, j: int, raw: Numbers) -> tuple[Numbers | slice, Numbers]:
@@ -89,21 +89,69 @@ def _cut(zones: Numbers, i: int, j: int, raw: Numbers) -> tuple[Numbers | slice,
     return some, np.minimum(zones, over)
 
 
-def _reset(zones: Numbers, clock: int, value: int) -> Numbers:
-    result = zones.copy()
-    result[:, clock, :] = added(zones[:, 0, :], np.array(raw_bound(value, False)))
-    result[:, :, clock] = added(zones[:, :, 0], np.array(raw_bound(-value, False)))
-    result[:, clock, clock] = LESS_EQUAL_ZERO
-    return result
+@dataclass(frozen=True, slots=True)
+class Pieces:
+    """Sets of clock values: of each the number of its zone in a table, the number of its discrete state, and what it
+    comes from, which whoever makes it says."""
+
+    table: Numbers
+    zone: Numbers
+    row: Numbers
+    origin: Numbers
+
+    def take(self, chosen: Truths | Numbers | slice) -> Pieces:
+        return Pieces(self.table, self.zone[chosen], self.row[chosen], self.origin[chosen])
+
+    def at(self, rows: Numbers) -> Pieces:
+        """Those of some discrete states; these pieces are in the order of discrete states."""
+        return self.take(self._pairs(rows)[1])
+
+    def _pairs(self, rows: Numbers) -> tuple[Numbers, Numbers]:
+        """For each piece of each of the discrete states the place of the state, and of the piece, likewise."""
+        low, high = np.searchsorted(self.row, rows), np.searchsorted(self.row, rows, "right")
+        place = np.repeat(np.arange(len(rows)), high - low)
+        return place, np.arange(len(place)) - np.repeat(np.cumsum(high - low) - high, high - low)
+
+    def become(self, change: Change, matrices: Numbers | Truths, number: Numbers | int = 0) -> Pieces:
+        """What a change makes of each, with the matrix of that number; equal pairs are looked at once."""
+        keys, inverse = np.unique(self.zone * len(matrices) + number, return_inverse=True)
+        origin, table = change(self.table[keys // max(len(matrices), 1)], matrices[keys % max(len(matrices), 1)])
+        made = Pieces(table, np.arange(len(table)), origin, origin)
+        piece, zone = made._pairs(inverse)
+        return Pieces(table, zone, self.row[piece], self.origin[piece])
+
+    def within(self, constraints: Iterable[Constraint]) -> Pieces:
+        """The parts within some constraints."""
+        return self.become(inside, bounds_of(constraints, self.table.shape[1])[None])
+
+    def meeting(self, others: Pieces) -> Pieces:
+        """What they have in common with others of their discrete states, which are in the order of these."""
+        piece, other = others._pairs(self.row)
+        return self.take(piece).become(inside, others.table, others.zone[other])
+
+    def without(self, others: Pieces, counts: Callable[[Numbers, Numbers], Truths] | None = None) -> Pieces:
+        """What is outside of all others of their discrete states, which are in the order of these, as far as they count
+        for pieces of their origins."""
+        left, done, number = self, [self.take(slice(0))], 0
+        while len(left.row):
+            other = np.searchsorted(others.row, left.row) + number
+            some = other < np.searchsorted(others.row, left.row, "right")
+            done.append(left.take(~some))
+            left, other, number = left.take(some), other[some], number + 1
+            used = np.ones(len(other), bool) if counts is None else counts(other, left.origin)
+            parts = left.take(used).become(outside, others.table, others.zone[other[used]])
+            left = joined([left.take(~used), parts])
+        return joined(done)
 
 
-def including(outer: Numbers, of_outer: Numbers, inner: Numbers, of_inner: Numbers) -> NDArray[np.bool_]:
-    """For each pair of places whether the outer zone includes the inner one."""
-    keys, inverse = np.unique(of_outer * max(len(inner), 1) + of_inner, return_inverse=True)
-    outers, inners = keys // max(len(inner), 1), keys % max(len(inner), 1)
-    found: NDArray[np.bool_] = (inner[inners] <= outer[outers]).all(axis=(1, 2))[inverse]
-    return found
-
-
-def as_zones(zones: Numbers) -> list[Zone]:
-    return [Zone(zone.shape[0], tuple(zone.ravel().tolist())) for zone in zones]
+def joined(parts: Sequence[Pieces]) -> Pieces:
+    """All of them, in the order of discrete states; there is at least one part, perhaps without pieces."""
+    parts = [part for part in parts if len(part.row)] or parts[:1]
+    before = np.cumsum([0, *(len(part.table) for part in parts)])
+    whole = Pieces(
+        np.concatenate([part.table for part in parts]),
+        np.concatenate([part.zone + tables for part, tables in zip(parts, before, strict=False)]),
+        np.concatenate([part.row for part in parts]),
+        np.concatenate([part.origin for part in parts]),
+    )
+    return whole if (np.diff(whole.row) >= 0).all() else whole.take(np.argsort(whole.row, kind="stable"))

@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from tachk import _core
-from tachk.certify.certificate import Columns, MalformedCertificateError
-from tachk.certify.closed_set import Objection
+from tachk.certify.certificate import Columns, MalformedCertificateError, Objection
 from tachk.compiler.program import Goal, Program
 from tachk.engines.core_search import transition_of
 from tachk.engines.program_image import encode

@@ -14,9 +14,10 @@ from tachk.certify.certificate import (
     Header,
     Kind,
     MalformedCertificateError,
+    Objection,
     Shapes,
 )
-from tachk.certify.closed_set import Objection, check_closed, check_descent
+from tachk.certify.closed_set import ClosedSet
 from tachk.certify.widening import widened
 from tachk.compiler.lower import lower, lower_obligation
 from tachk.diagnostics.diagnostic import InternalError
@@ -179,10 +180,8 @@ def check_proof(network: Network, query: Query, certificate: CertificateReader, 
         raise MalformedCertificateError("the query is of a kind that has no proofs")
     match checker:
         case Checker.PYTHON:
-            if query.target is not None:
-                return check_closed(prepare(whole), query.target, certificate)
-            assert query.avoided is not None
-            return check_descent(prepare(whole), query.avoided, query.begins, certificate)
+            begins = query.begins if query.target is None else query.target
+            return ClosedSet(prepare(whole), certificate, query.avoided, begins).objection()
         case Checker.NATIVE:
             header = certificate.header
             return _check_natively(whole, query, header.width, len(header.clocks), certificate.columns())

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from tachk.certify.certificate import CertificateReader
-from tachk.certify.closed_set import Objection, zone_at
+from tachk.certify.certificate import CertificateReader, Objection, zone_at
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.certificates import Checker

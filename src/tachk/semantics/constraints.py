@@ -134,8 +134,11 @@ def _parts(
             yield excuses, condition, positive
 
 
-def certain(predicate: Expression, environment: Environment, negated: bool = False) -> Disjunction:
-    """Where a predicate, or its negation, is true whatever the parts of it are that cannot be evaluated.
+def certain(
+    predicate: Expression, environment: Environment, negated: bool = False, unknown: Disjunction = FALSE
+) -> Disjunction:
+    """Where a predicate, or its negation, is true whatever the parts of it are that cannot be evaluated; with TRUE for
+    unknown, where it may be true.
 
     The disjunctive normal form in Kleene's logic, an error being the third value.
     """
@@ -143,20 +146,36 @@ def certain(predicate: Expression, environment: Environment, negated: bool = Fal
         try:
             return disjunctive(predicate, environment, negated)
         except EvaluationFault:
-            return FALSE
+            return unknown
     match predicate:
         case Unary(UnaryOperator.NOT, operand):
-            return certain(operand, environment, not negated)
+            return certain(operand, environment, not negated, unknown)
         case Binary(BinaryOperator.AND | BinaryOperator.OR | BinaryOperator.IMPLY as operator, left, right):
             left_negated = negated if operator is not BinaryOperator.IMPLY else not negated
-            one, other = certain(left, environment, left_negated), certain(right, environment, negated)
+            one = certain(left, environment, left_negated, unknown)
+            other = certain(right, environment, negated, unknown)
             return conjunction(one, other) if (operator is BinaryOperator.AND) is not negated else one + other
         case Conditional(test, then, otherwise):
-            return conjunction(certain(test, environment), certain(then, environment, negated)) + conjunction(
-                certain(test, environment, True), certain(otherwise, environment, negated)
+            is_true, is_false = (certain(test, environment, no, unknown) for no in (False, True))
+            return conjunction(is_true, certain(then, environment, negated, unknown)) + conjunction(
+                is_false, certain(otherwise, environment, negated, unknown)
             )
         case _:
             raise TypeError(f"{type(predicate).__name__} connects no predicates")
+
+
+def alternatives(predicate: Expression, negated: bool = False) -> Iterator[tuple[Expression, bool]]:
+    """Predicates, or (True) their negations, of which one is true, or a run-time error, wherever the given one is."""
+    match predicate:
+        case Unary(UnaryOperator.NOT, operand):
+            yield from alternatives(operand, not negated)
+        case Binary(BinaryOperator.AND, left, right) if negated:
+            yield from (*alternatives(left, True), *alternatives(right, True))
+        case Binary(BinaryOperator.OR | BinaryOperator.IMPLY as operator, left, right) if not negated:
+            yield from alternatives(left, operator is BinaryOperator.IMPLY)
+            yield from alternatives(right)
+        case _:
+            yield predicate, negated
 
 
 def _is_connected(predicate: Expression) -> bool:
@@ -229,6 +248,14 @@ def disjunctive(condition: Expression | None, environment: Environment, negated:
 
 def conjunction(left: Disjunction, right: Disjunction) -> Disjunction:
     return [a + b for a in left for b in right]
+
+
+def complemented(condition: Disjunction) -> Disjunction:
+    """Where a condition does not hold."""
+    denied = TRUE
+    for constraints in condition:
+        denied = conjunction(denied, [(complement(constraint),) for constraint in constraints])
+    return denied
 
 
 def _connect(

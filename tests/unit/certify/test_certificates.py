@@ -21,12 +21,12 @@ from tachk.certify.certificate import (
     CertificateWriter,
     Columns,
     MalformedCertificateError,
+    Objection,
     Shapes,
     decoded,
     encoded,
     read_certificates,
 )
-from tachk.certify.closed_set import Objection
 from tachk.cli.actions.certificates.checking import Submitted, run_certify
 from tachk.cli.actions.run_report import RunReporting
 from tachk.cli.actions.verify import Asked, run_verify
