@@ -71,8 +71,10 @@ def conform_file(
         )
         return tried.accepted is True
 
+    refusal, queues = found.refusal, found.queues
     try:
-        return replace(found, edit=smallest_edit(events, found.refusal.event, found.queues.scale, accepts))
+        edit = smallest_edit(events, found.refusal.event, refusal.offers, queues.origin, queues.scale, accepts)
+        return replace(found, edit=edit)
     except OutOfTimeError:
         return replace(found, left_out="whether an edit of the recording would make it a run")
 

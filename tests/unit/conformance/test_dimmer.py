@@ -101,6 +101,19 @@ def test_smallest_edit(tmp_path: Path) -> None:
     assert found.recording.events[found.edit.event].place in ("line 3", "line 4")
 
 
+@pytest.mark.parametrize(
+    ("rows", "edit"),
+    [
+        ("2,press,,\n6,light,1,8\n20,other,,\n", "line 3 had been light(on=1, level=7)"),
+        ("2,press,,\n14,light,1,7\n20,other,,\n", "line 3, light(on=1, level=7), had come 6 ms earlier"),
+    ],
+)
+def test_other_edits(tmp_path: Path, rows: str, edit: str) -> None:
+    found = tachk.conform(MODEL, _written(tmp_path, rows))
+    assert f"it would be a run if {edit}" in conformance_to_text(found, "dimmer.ta")
+    jsonschema.validate(conformance_to_json([found], "dimmer.ta"), SCHEMA)
+
+
 def test_coverage() -> None:
     arguments = ["conform", str(MODEL), str(ROOT / "examples/dimmer/pressed.csv"), "--coverage", "--format", "json"]
     report = json.loads(CliRunner().invoke(app, arguments).stdout)

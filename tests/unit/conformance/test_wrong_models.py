@@ -17,8 +17,8 @@ import pytest
 
 import tachk
 from tachk.conformance.asking import constants_of
-from tachk.conformance.conform import conform
-from tachk.conformance.edits import Edit, edited
+from tachk.conformance.conform import Conformance, conform
+from tachk.conformance.edits import Edit, edited, smallest_edit
 from tachk.conformance.events import Event, Recording
 from tachk.conformance.packet_events import read_capture
 
@@ -154,3 +154,45 @@ def test_changed_recordings(
     sent = (n for n, e in enumerate(two.events) if e.name == "sent" and e.cells["kind"] == kind)
     number = next(n for n in sent if two.events[n].cells["link"] == link)
     assert accepted(change(two, number), CLIENTS=3, HISTORY=8) is False
+
+
+@pytest.mark.parametrize(
+    ("kind", "link", "change", "what"),
+    [
+        ("HEARTBEAT", 5, cell("number", lambda n: n + 1), "changed"),
+        ("ACKNACK", 3, gone, "added"),
+    ],
+)
+def test_the_smallest_edit_undoes_a_change(
+    two: Recording, kind: str, link: int, change: Callable[[Recording, int], Recording], what: str
+) -> None:
+    sent = [n for n, e in enumerate(two.events) if e.name == "sent" and e.cells["kind"] == kind]
+    number = [n for n in sent if two.events[n].cells["link"] == link][-1 if what == "added" else 0]
+    model, changed = load(CLIENTS=3, HISTORY=8), change(two, number)
+    mapping, names = model.loaded.recording, constants_of(model.loaded)
+    assert mapping is not None
+
+    def ask(recording: Recording, explain: bool) -> Conformance:
+        limits = tachk.Limits(states=60_000)
+        two_ms = Fraction(2)
+        return conform(
+            model.network, mapping, recording, names, two_ms, two_ms, limits=limits, run=False, explain=explain
+        )
+
+    found = ask(changed, True)
+    assert found.refusal is not None and found.refusal.event is not None
+    edit = smallest_edit(
+        changed,
+        found.refusal.event,
+        found.refusal.offers,
+        found.queues.origin,
+        found.queues.scale,
+        lambda other: ask(other, False).accepted is True,
+    )
+    assert edit is not None and edit.what == what
+    if what in ("changed", "added"):
+        said = dict(edit.cells)
+        assert (said["number"], said["detail"]) == (
+            two.events[number].cells["number"],
+            two.events[number].cells["detail"],
+        )

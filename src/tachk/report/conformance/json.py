@@ -41,7 +41,8 @@ def _answer(found: Conformance) -> dict[str, Any]:
 
 
 def _edit(found: Conformance, edit: Edit) -> dict[str, Any]:
-    return {"event": _event(found.recording.events[edit.event]), "what": edit.what, "by": edit.by}
+    event = _event(found.recording.events[edit.event])
+    return {"event": event, "what": edit.what, "by": edit.by, "name": edit.name, "cells": dict(edit.cells)}
 
 
 def _covered(each: Covered) -> dict[str, Any]:

@@ -31,6 +31,8 @@ def _lines(found: Conformance, model: str) -> Iterator[str]:
             yield from _refusal(found)
             if found.edit is not None:
                 yield f"it would be a run if {edit_text(found, found.edit)}"
+            elif found.refusal is not None and found.refusal.event is not None and not found.left_out:
+                yield "no edit of a single event near it was found that would make it a run"
             if found.left_out:
                 yield f"the time limit was over before it was known {found.left_out}"
         case None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 
 from tachk.conformance.conform import Conformance
@@ -30,9 +31,12 @@ def event_text(event: Event) -> str:
 
 def offer_text(found: Conformance, offer: Offer) -> str:
     """``sent(link=0, kind=HEARTBEAT)``: with the words that the recording has for values."""
+    return _said(found, offer.name, offer.cells)
+
+
+def _said(found: Conformance, event: str, cells: Iterable[tuple[str, int]]) -> str:
     names = found.queues.names
-    cells = ", ".join(f"{name}={names.get(name, {}).get(value, value)}" for name, value in offer.cells)
-    return f"{offer.name}({cells})"
+    return f"{event}({', '.join(f'{name}={names.get(name, {}).get(value, value)}' for name, value in cells)})"
 
 
 def edit_text(found: Conformance, edit: Edit) -> str:
@@ -44,6 +48,11 @@ def edit_text(found: Conformance, edit: Edit) -> str:
             return f"{name} had been lost"
         case "doubled":
             return f"{name} had come twice"
+        case "changed":
+            return f"{event.place} had been {_said(found, event.name, edit.cells)}"
+        case "added":
+            time = event.time + edit.by / found.queues.scale
+            return f"{_said(found, edit.name, edit.cells)} had come, too, at {recorded_time(found, time)}"
         case _:
             later = "later" if edit.by > 0 else "earlier"
             return f"{name} had come {units_text(Fraction(abs(edit.by)), found.time_unit)} {later}"
