@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from random import Random
@@ -137,3 +138,15 @@ def test_clients_and_agent_are_apart() -> None:
     ]
     assert across and all(sent <= arrived for sent, arrived in across)
     assert can_be_apart(model.network, range(len(model.network.processes)), queues)
+
+
+def test_parts_that_have_runs_only_apart_are_no_run_of_the_whole(tmp_path: Path) -> None:
+    """The server serves from 3 on, and the player has to take that until 2."""
+    file = tmp_path / "rally.csv"
+    file.write_text("time,event\n0,take\n2,back\n3,serve\n6,home\n", encoding="utf-8")
+    given = {"ready": 5, "early": 3, "wait": 6, "hold": 0, "committed": "", "again": "", "shared": 1}
+    model = tachk.loads(BALL.format(invariant="invariant y <= 2;", **given))
+    free = read_events(file, None)
+    assert [each.accepted for each in _whole_and_parts(model, free, 2, 2)] == [True, True]
+    bound = replace(free, events=(replace(free.events[0], after=2), *free.events[1:]))
+    assert [each.accepted for each in _whole_and_parts(model, bound, 2, 2)] == [False, False]

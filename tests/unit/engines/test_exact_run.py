@@ -20,6 +20,7 @@ from tachk.engines.exact.exact_run import exact_run
 from tachk.engines.options import Limits
 from tachk.engines.outcome import GoalOutcome, Status
 from tachk.engines.program_image import encode
+from tachk.model.builder import NetworkBuilder
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
@@ -100,3 +101,34 @@ def test_core_does_not_judge_what_it_does_not_know(shape: Shape, why: str) -> No
         _, reached = found_by_the_search(seed, shape)
         said |= {exact_run(program, goal, outcome.actions or ())[1] for program, goal, _, outcome in reached}
     assert why in said
+
+
+@pytest.mark.parametrize("language", [False, True])
+def test_what_is_made_is_accepted(language: bool) -> None:
+    """Where no transition depends on another one being impossible."""
+    made = 0
+    for seed in range(30):
+        shape = replace(SHAPE, clocks_on_broadcast=False, language=language)
+        _, reached = found_by_the_search(seed, shape)
+        for program, goal, _, outcome in reached:
+            moments, objection = exact_run(program, goal, outcome.actions or ())
+            assert objection == "", f"seed {seed}"
+            made += moments is not None
+    assert made > 15
+
+
+def test_whoever_can_receive_a_broadcast_does() -> None:
+    network = NetworkBuilder()
+    call = network.channel("call", broadcast=True)
+    speaker, listener = network.process("Speaker"), network.process("Listener")
+    a, b = speaker.location("A"), speaker.location("B")
+    c, d = listener.location("C"), listener.location("D")
+    speaker.edge(a, b, send=call)
+    listener.edge(c, d, receive=call)
+    program, (goal,) = lower(network.build(), [b.reached.expression])
+    (found,) = zone.explore(program, [goal]).goals
+    assert found.actions is not None
+    assert exact_run(program, goal, found.actions)[1] == ""
+    alone = [edges[:1] for edges in found.actions]
+    assert exact_run(program, goal, alone)[1] == "step 1: somebody who can receive a broadcast stays out"
+    assert exact_run(program, goal, [list(reversed(edges)) for edges in found.actions])[1] == "step 1: nobody sends"

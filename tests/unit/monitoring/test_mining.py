@@ -148,3 +148,60 @@ def test_what_is_open_at_the_end_is_told() -> None:
     found = tachk.mine("G (p -> F[0, T] q)", [trace], {"T": (0, 9)})
     assert (found.value, found.attained, found.undecided) == (0, False, ("the trace",))
     assert tachk.mine("G (p -> F[0, T] q)", [trace], {"T": (0, 9)}, end="strong").value is None
+
+
+BOUNDS = ("[0, T]", "[0, T)", "[T, 4]", "[0, 4 - T]", "[0, 2]", "[1, 3)")
+ATOMS = ("p", "q", "x < T", "x <= T", "T < x", "x >= T", "x - T > 0", "2 * T >= x", "x + T < 4", "!(x > T && p)")
+
+
+def random_formula(random: Random, depth: int) -> str:
+    """A formula with the parameter anywhere, or nowhere: larger values may make it easier, harder, or either."""
+    if depth == 0:
+        return f"({random.choice(ATOMS)})"
+    parts = (random_formula(random, depth - 1), random_formula(random, random.randrange(depth)))
+    bound = random.choice(BOUNDS)
+    forms = (
+        "G{2} {0}",
+        "F{2} {0}",
+        "{0} U{2} {1}",
+        "O{2} {0}",
+        "H{2} {0}",
+        "!{0}",
+        "{0} && {1}",
+        "{0} || {1}",
+        "{0} -> {1}",
+    )
+    return "(" + random.choice(forms).format(*parts, bound) + ")"
+
+
+def good_values(formula: str, trace: dict[str, list[int]], grid: list[Fraction]) -> list[Fraction]:
+    """Those with which a trace does not violate a formula."""
+    judged = (tachk.monitor(formula, trace, robustness=False, constants={"T": value}).truth for value in grid)
+    return [value for value, truth in zip(grid, judged, strict=True) if truth is not tachk.Truth.FALSE]
+
+
+def test_random_formulas_with_a_parameter_anywhere() -> None:
+    random, ways = Random(5), set()
+    for _ in range(30):
+        formula = f"G {random_formula(random, 2)}"
+        if "T" not in formula:
+            continue
+        times = [0, *sorted(random.sample(range(1, 8), 4))]
+        trace = {"t": times, **{name: [random.randint(0, 1) for _ in times] for name in "pq"}}
+        trace["x"] = [random.randint(0, 4) for _ in times]
+        found = tachk.mine(formula, [trace], {"T": (0, 4)})
+        border = found.value
+        near = [] if border is None or not found.exact else [border + Fraction(n, 48) for n in (-1, 0, 1)]
+        whole = [Fraction(n, 2 if found.exact else 1) for n in range(9 if found.exact else 5)]
+        grid = sorted({*whole, *(value for value in near if 0 <= value <= 4)})
+        good = good_values(formula, trace, grid)
+        ways.add((found.tightest, found.exact, border is None))
+        if found.tightest is None:
+            assert [v for v in grid if any(low <= v <= high for low, high in found.ranges)] == good, formula
+        elif border is None:
+            assert good == [], formula
+        else:
+            sign = 1 if found.tightest == "least" else -1
+            assert good == [v for v in grid if sign * (v - border) > 0 or (v == border and found.attained)], formula
+    assert {tightest for tightest, _, _ in ways} == {None, "least", "greatest"}
+    assert len(ways) >= 4
