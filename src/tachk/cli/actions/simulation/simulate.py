@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections import Counter
+from collections.abc import Iterator
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -84,6 +85,11 @@ class _Tally:
             kind, span = run.fault
             self.faults.append(f"{span}: {kind.name.lower().replace('_', ' ')}")
 
+    def orders(self) -> Iterator[tuple[str, int, int]]:
+        """What was ordered, how often it happened, and how often the model does not allow it."""
+        for written in dict.fromkeys(key.rpartition(" ")[0] for key in self.counts):
+            yield written, self.counts[f"{written} done"], self.counts[f"{written} missed"]
+
     def judge(self, name: str, number: int, truth: Truth) -> None:
         self.truths.setdefault(name, Counter())[truth] += 1
         if truth is Truth.FALSE:
@@ -159,8 +165,7 @@ def _print(asked: Simulating, tally: _Tally, network: Network) -> None:
             "" if ending is Ending.HORIZON else f", the first is run {number} at {decimal_time(end, TICKS_PER_UNIT)}"
         )
         print(f"{count:8} end with: {ending}{where}")
-    for written in dict.fromkeys(key.rpartition(" ")[0] for key in tally.counts):
-        done, missed = tally.counts[f"{written} done"], tally.counts[f"{written} missed"]
+    for written, done, missed in tally.orders():
         impossible = f", {missed} times the model does not allow it" if missed else ""
         print(f"{written}: {done} times{impossible}")
     for fault in tally.faults:
@@ -187,7 +192,7 @@ def _json(asked: Simulating, tally: _Tally) -> dict[str, object]:
         "seed": asked.seed,
         "policy": asked.policy,
         "transitions": tally.transitions,
-        "faults": dict(tally.counts),
+        "faults": [{"order": order, "done": done, "missed": missed} for order, done, missed in tally.orders()],
         "endings": {ending.value: count for ending, count in tally.endings.items()},
         "formulas": [
             {
