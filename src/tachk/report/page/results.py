@@ -5,15 +5,18 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 from tachk.campaign.grid import Axis, Grid
+from tachk.campaign.job import ESTIMATED
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.report.campaign.heat_map import STYLE, draw_maps
 from tachk.report.figure_files import svg_of
 from tachk.report.page.content import Chapter, Table
+from tachk.report.statistics.text import interval_text
 
 _MOST_ROWS = 200
 """A table of more is not on the page."""
@@ -63,17 +66,20 @@ def _sweep(document: Mapping[str, Any]) -> Chapter:
     if document["unfinished"]:
         lines.append(f"{document['unfinished']} of them are not finished.")
     for name in asked:
-        found = Counter(row["answer"] for row in rows if row["property"] == name)
+        own = [row for row in rows if row["property"] == name]
+        found = Counter(row["answer"] for row in own)
         lines.append(f"{name}: {', '.join(f'{answer} in {times}' for answer, times in found.items())}.")
-        reasons = Counter(row["reason"] for row in rows if row["property"] == name and row["reason"])
+        reasons = Counter(row["reason"] for row in own if row["reason"])
         lines += [f"Unknown in {times}: {reason}." for reason, times in reasons.most_common()]
-    try:
-        pictures = (
-            [("answers", svg_of(lambda: draw_maps(document["model"], grid, rows, "answer"), STYLE))] if rows else []
-        )
-    except UsageError as error:
-        pictures = []
-        lines.append(f"No picture: {error}.")
+    pictures = []
+    for shown in ("answer", "estimate"):
+        drawn = [row for row in rows if (row["answer"] == ESTIMATED) is (shown == "estimate")]
+        try:
+            pictures += (
+                [(shown, svg_of(partial(draw_maps, document["model"], grid, drawn, shown), STYLE))] if drawn else []
+            )
+        except UsageError as error:
+            lines.append(f"No picture: {error}.")
     return Chapter(f"{document['model']}: many values", lines, _cells(grid, asked, rows), pictures)
 
 
@@ -82,8 +88,12 @@ def _cells(grid: Grid, asked: Sequence[str], rows: Sequence[Mapping[str, Any]]) 
     cells = [list(own) for _, own in groupby(rows, lambda row: [row[name] for name in grid.names])]
     if not 0 < len(cells) <= _MOST_ROWS:
         return ()
-    lines = [[*(str(own[0][name]) for name in names), *(str(row["answer"]) for row in own)] for own in cells]
+    lines = [[*(str(own[0][name]) for name in names), *map(_answer, own)] for own in cells]
     return (Table((*names, *asked), lines, frozenset(range(len(names)))),)
+
+
+def _answer(row: Mapping[str, Any]) -> str:
+    return interval_text(row["low"], row["high"]) if row["answer"] == ESTIMATED else row["answer"]
 
 
 # ---- simulation -----------------------------------------------------------------------------------------------------
@@ -92,13 +102,16 @@ def _cells(grid: Grid, asked: Sequence[str], rows: Sequence[Mapping[str, Any]]) 
 def _simulation(document: Mapping[str, Any]) -> Chapter:
     drawn = f"{document['runs']:,} runs until {document['until']}, {document['transitions']:,} transitions"
     lines = [f"{drawn}, seed {document['seed']}, policy {document['policy']}."]
+    for order in document["faults"]:
+        impossible = f"; {order['missed']:,} times the model does not allow it" if order["missed"] else ""
+        lines.append(f"Ordered {order['order']}: {order['done']:,} times{impossible}.")
     endings = Table(("ending", "runs"), [(end, f"{n:,}") for end, n in document["endings"].items()], frozenset({1}))
     rows = []
     for formula in document["formulas"]:
         low, high = formula["probability_of_violation"]
         counts = [f"{formula[word]:,}" for word in ("true", "false", "undetermined")]
         first = str(formula["violating"][0]) if formula["violating"] else ""
-        rows.append((formula["name"], *counts, f"{low:.4g} to {high:.4g}", f"{formula['confidence']:.6g}", first))
+        rows.append((formula["name"], *counts, interval_text(low, high), f"{formula['confidence']:.6g}", first))
     columns = ("formula", "true", "false", "undetermined", "probability of a violation", "confidence", "first in run")
     formulas = [Table(columns, rows, frozenset({1, 2, 3, 5, 6}))] if rows else []
     return Chapter(f"{document['model']}: simulation", lines, [endings, *formulas])
@@ -114,14 +127,17 @@ def _estimates(document: Mapping[str, Any]) -> Chapter:
         runs = f"{sum(sample['runs'] for sample in answer.get('samples', ())):,}"
         match answer["kind"]:
             case "probability":
-                rows.append((answer["query"], f"{answer['low']:.4g} to {answer['high']:.4g}", confidence, runs))
+                rows.append((answer["query"], interval_text(answer["low"], answer["high"]), confidence, runs))
             case "test":
                 rows.append((answer["query"], answer["answer"], "", runs))
+            case "splitting":
+                told = f"{answer['mean']:.3g}; {interval_text(answer['low'], answer['high'])} by splitting"
+                rows.append((answer["query"], told, confidence, f"{len(answer['replications'])} replications"))
             case "mean" if answer["low"] is None:
-                low, high = answer["asymptotic"]
-                rows.append((answer["query"], f"asymptotically {low:.4g} to {high:.4g}", confidence, runs))
+                told = f"asymptotically {interval_text(*answer['asymptotic'])}"
+                rows.append((answer["query"], told, confidence, runs))
             case "mean":
-                told = f"{answer['mean']:.4g}; {answer['low']:.4g} to {answer['high']:.4g}"
+                told = f"{answer['mean']:.4g}; {interval_text(answer['low'], answer['high'])}"
                 rows.append((answer["query"], told, confidence, runs))
             case _:
                 drawn.append(f"{answer['query']}: {len(answer['runs'])} runs were drawn.")

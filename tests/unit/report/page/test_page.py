@@ -16,6 +16,7 @@ from click.testing import CliRunner
 
 import tachk
 from tachk.cli.main import app
+from tachk.report.statistics.text import interval_text
 
 ROOT = Path(__file__).parents[4]
 FISCHER = str(ROOT / "models/classics/fischer.ta")
@@ -174,6 +175,23 @@ def test_other_results_are_chapters(tmp_path: Path, bridge: str) -> None:
     for words in ("fischer.ta: many values", "2 combinations", "5 runs until 9", "seed 1", "why it is false"):
         assert words in text
     assert "data:image/svg+xml" in text[text.index("many values") :]
+
+
+def test_estimates_and_sweeps_of_them(tmp_path: Path) -> None:
+    path = tmp_path / "coin.ta"
+    path.write_text(
+        "const int WEIGHT = 1; process P() { init location A { invariant t <= 1; to b { guard t == 1; } } location Won;"
+        " location Lost; branchpoint b { to Won { probability WEIGHT; } to Lost { probability 1; } } }"
+        " clock t; system P; property won: Pr[<=2](<> P.Won); property safe: A[] true;",
+        encoding="utf-8",
+    )
+    estimate = output_of(tmp_path / "estimate.json", "estimate", str(path), "--runs", "100", "--seed", "1")
+    sweep = output_of(tmp_path / "sweep.json", "sweep", str(path), "-D", "WEIGHT=1,9", "-j", "1")
+    answer = json.loads(Path(estimate).read_text(encoding="utf-8"))["answers"][0]
+    text = page(tmp_path, estimate, sweep)
+    assert interval_text(answer["low"], answer["high"]) in text
+    assert text.count("data:image/svg+xml") == 2, "a map of answers and one of estimates"
+    assert "won: estimated in 2." in text
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"runs": [{}]}', '{"cells": 1, "constants": 2, "rows": 3}', "\x00"])
