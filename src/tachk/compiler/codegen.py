@@ -79,6 +79,13 @@ class CodeGenerator:
         self.assembler.emit(Opcode.END)
         return start
 
+    def cells_code(self, expression: Expression, known: Known | None = None) -> int:
+        """Code for the slot in which the value of an array or record begins, such as a floating point number."""
+        start = len(self.assembler.code)
+        self.address(fold(expression, known or self.known))
+        self.assembler.emit(Opcode.END)
+        return start
+
     def conjunction_code(self, parts: Sequence[Expression], known: Known | None = None) -> int:
         """Code for the truth of a conjunction, evaluated from left to right."""
         start = len(self.assembler.code)

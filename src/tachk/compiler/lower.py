@@ -354,11 +354,9 @@ class _Lowering:
 
     def chance(self, value: Chance | None, known: Known) -> Computed:
         """A rate or weight; what is not given is 1. Raises UnsupportedError for what is wrong with it."""
-        if value is None:
-            return Computed(constant=1.0)
         if isinstance(value, Diagnostic):
             raise UnsupportedError(replace(value, code="E0722"))
-        return self.computed(value, known)
+        return Computed(constant=1.0) if value is None else self.computed(value, known)
 
     def computed(self, value: Expression, known: Known) -> Computed:
         """An integer or floating point expression."""
@@ -366,7 +364,8 @@ class _Lowering:
         number = folded.value if isinstance(folded, Constant) else constant_number(folded)
         if number is not None:
             return Computed(constant=float(number))
-        return Computed(code=self.generator.value_code(value, known), floating=value.type == DOUBLE)
+        piece = self.generator.cells_code if value.type == DOUBLE else self.generator.value_code
+        return Computed(code=piece(value, known), floating=value.type == DOUBLE)
 
     def branches(self, known: Known) -> tuple[tuple[int, ...], tuple[Computed, ...]]:
         """For each edge the first one that is a branch of the same way into a branchpoint, and its weight."""

@@ -70,6 +70,7 @@ class Context:
     scalar_sets: how many anonymous scalar types there are.
     time_unit: as `Network.time_unit`.
     open_constants: scalar constants that are not `Constant` expressions but keep their names; usually none.
+    keeps_doubles: floating point variables are part of the state, as simulations want it; else they are left out.
     """
 
     findings: Findings
@@ -81,6 +82,7 @@ class Context:
     budget: Budget = field(default_factory=Budget)
     time_unit: str = ""
     open_constants: OpenConstants = field(default_factory=OpenConstants)
+    keeps_doubles: bool = False
 
     def error(self, code: str, span: Span, message: str, help: str | None = None) -> None:
         self.findings.add(code, span, message, help)

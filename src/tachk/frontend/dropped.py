@@ -22,6 +22,7 @@ from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
 
 FLOATING_CONSTANT = "floating point constant"
+FLOATING_VARIABLE = "floating point variable"
 
 
 def dropped_kind(node: ast.TypeExpression) -> str | None:
@@ -32,7 +33,7 @@ def dropped_kind(node: ast.TypeExpression) -> str | None:
         return "hybrid clock"
     constant = "const" in node.prefixes
     if node.base.name == "double":
-        return FLOATING_CONSTANT if constant else "floating point variable"
+        return FLOATING_CONSTANT if constant else FLOATING_VARIABLE
     if node.base.name == "string":
         return "text constant" if constant else "text variable"
     return None

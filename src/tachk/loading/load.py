@@ -37,6 +37,7 @@ def load_model(
     model: str | os.PathLike[str] | Source,
     constants: Mapping[str, int | bool | str] | None = None,
     strict_xta: bool = False,
+    keeps_doubles: bool = False,
 ) -> LoadedModel:
     """Reads and elaborates a model.
 
@@ -44,6 +45,7 @@ def load_model(
         model: the path of a file, or a text, in tachk's language or UPPAAL's XML. Imports are relative to its folder.
         constants: other values for global constants; a string is an expression of the language.
         strict_xta: refuse what tachk adds to XTA.
+        keeps_doubles: take floating point variables into the network, as simulations want it.
 
     A model whose only errors are constructs that tachk does not check is loaded, see `LoadedModel.refusals`.
 
@@ -56,7 +58,7 @@ def load_model(
     if is_xml(source):
         from tachk.formats.uppaal.reader import parse_uppaal_xml
 
-        return _load_xml(parse_uppaal_xml(source), constants or {}, strict_xta)
+        return _load_xml(parse_uppaal_xml(source), constants or {}, strict_xta, keeps_doubles)
     document, merged = Importer(findings, strict_xta).read(source)
     if document is None:
         raise InputError(findings.sorted())
@@ -64,7 +66,7 @@ def load_model(
     items = with_expectations(merged, findings)
     _refuse_dynamic_templates(items, findings)
     overrides = constant_overrides(constants or {}, items, findings)
-    context = Context(findings, budget=Budget(INSTANCES))
+    context = Context(findings, budget=Budget(INSTANCES), keeps_doubles=keeps_doubles)
     running = _without_charts(tuple(items), _charts_beside(source, items), findings)
     result: Elaborated = elaborate(running, document.span, overrides, context)
     if unreadable:
@@ -140,7 +142,9 @@ def _told_apart(findings: Findings) -> tuple[tuple[Diagnostic, ...], tuple[Diagn
     return tuple(d for d in found if d.is_unsupported), tuple(d for d in found if not d.is_unsupported)
 
 
-def _load_xml(read: XmlModel, constants: Mapping[str, int | bool | str], strict_xta: bool) -> LoadedModel:
+def _load_xml(
+    read: XmlModel, constants: Mapping[str, int | bool | str], strict_xta: bool, keeps_doubles: bool
+) -> LoadedModel:
     """As `load_model`; a wrong query is an unchecked one, for the file is another program's."""
     findings = Findings()
     findings.extend(read.diagnostics)
@@ -154,7 +158,7 @@ def _load_xml(read: XmlModel, constants: Mapping[str, int | bool | str], strict_
     items = _without_charts(stated, read.charts, findings)
     _refuse_dynamic_templates(items, findings)
     overrides = constant_overrides(constants, items, findings)
-    context = Context(findings, budget=Budget(INSTANCES))
+    context = Context(findings, budget=Budget(INSTANCES), keeps_doubles=keeps_doubles)
     result = elaborate_each_property(items, read.document.span, overrides, context)
     if findings.has_mistakes:
         raise InputError(findings.sorted())

@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.suggestion import did_you_mean
-from tachk.model.expressions import Expression, LocationTest
-from tachk.model.floating import DOUBLE
+from tachk.model.expressions import Constant, Expression, Field, Index, LocationTest, Reference
+from tachk.model.floating import DOUBLE, contains_double
 from tachk.model.network import Network
-from tachk.model.types import BoolType, ChannelType, ClockType, IntType, ScalarType, Type, leaves
+from tachk.model.types import (
+    ArrayType,
+    BoolType,
+    ChannelType,
+    ClockType,
+    IntType,
+    RecordType,
+    ScalarType,
+    Type,
+    cell_count,
+    leaves,
+)
 from tachk.records import dataclass
 
 _LOCATION = re.compile(r"(?P<process>.+)\.(?P<location>[A-Za-z_]\w*)")
@@ -22,12 +33,14 @@ class Column:
     value: an expression, or the number of a slot of the program.
     truth: whether its values are truth values.
     labels: of a column of texts, those that its values stand for.
+    floating: whether its values are floating point numbers, observed as their bits.
     """
 
     name: str
     value: Expression | int
     truth: bool = False
     labels: tuple[str, ...] = ()
+    floating: bool = False
 
 
 def all_columns(network: Network) -> tuple[Column, ...]:
@@ -64,7 +77,8 @@ def observed(columns: Sequence[Column]) -> list[Expression | int]:
 def _signals(network: Network) -> Iterator[Column]:
     for signal in network.signals:
         if not isinstance(signal.expression.type, ClockType):
-            yield Column(signal.name, signal.expression, isinstance(signal.expression.type, BoolType))
+            type_ = signal.expression.type
+            yield Column(signal.name, signal.expression, isinstance(type_, BoolType), floating=type_ == DOUBLE)
 
 
 def _locations(network: Network) -> Iterator[Column]:
@@ -76,10 +90,36 @@ def _locations(network: Network) -> Iterator[Column]:
 def _variables(network: Network) -> Iterator[Column]:
     slot = len(network.processes)
     for variable in network.all_variables():
-        for path, type_ in leaves(variable.type):
-            if _is_recorded(type_) and variable.type != DOUBLE and not network.resets(variable):
+        doubles = {} if network.resets(variable) else dict(_doubles(variable.name, Reference(variable)))
+        for place, (path, type_) in enumerate(leaves(variable.type)):
+            if place in doubles:
+                name, value = doubles[place]
+                yield Column(name, value, floating=True)
+            elif _is_recorded(type_) and not _is_half(doubles, place) and not network.resets(variable):
                 yield Column(variable.name + path, slot, isinstance(type_, BoolType))
             slot += 1
+
+
+def _doubles(name: str, place: Expression, first: int = 0) -> Iterator[tuple[int, tuple[str, Expression]]]:
+    """The floating point numbers in a place: at which of its cells each begins, its name and the expression."""
+    match place.type:
+        case RecordType() as record if record == DOUBLE:
+            yield first, (name, place)
+        case RecordType(_, fields) as record:
+            for field, type_ in fields:
+                yield from _doubles(f"{name}.{field}", Field(place, field, type_), first + record.offset(field))
+        case ArrayType(element) as array:
+            for number in range(array.size if contains_double(element) else 0):
+                index = number + array.low
+                inner = Index(place, Constant(index), element)
+                yield from _doubles(f"{name}[{index}]", inner, first + number * cell_count(element))
+        case _:
+            return
+
+
+def _is_half(doubles: Mapping[int, object], place: int) -> bool:
+    """Whether a cell is the second half of a floating point number."""
+    return place - 1 in doubles
 
 
 def _is_recorded(type_: Type) -> bool:

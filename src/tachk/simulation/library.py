@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.simulation.policy import Policy
 from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded
+from tachk.loading.load import load_model
 from tachk.model.network import Network
 from tachk.runtime.trace import Trace
 from tachk.simulation.columns import all_columns, chosen_columns
@@ -90,7 +92,7 @@ class Simulation(Sequence[DrawnRun]):
 
 
 def simulate(
-    model: HasNetwork,
+    model: HasNetwork | str | os.PathLike[str],
     runs: int = 1,
     until: float | str = 100,
     seed: int = 0,
@@ -105,6 +107,8 @@ def simulate(
     """Draws random runs of a model. docs/simulation.md says what they are.
 
     Args:
+        model: such as `tachk.load` gives it, or the path of one. Only then floating point variables are part of the
+            state; `tachk.load` leaves them out, for they are not checked.
         until: how long they are: a number of time units of the model, or a duration such as ``"3 min"``.
         seed: the same seed gives the same runs, with any number of threads.
         policy: ``"stochastic"``, ``"uniform"``, ``"earliest"`` or ``"latest"``.
@@ -116,7 +120,7 @@ def simulate(
         UsageError: an argument has no meaning.
         UnsupportedError: something in the model cannot be simulated.
     """
-    network = model.network
+    network = load_model(model, keeps_doubles=True).network if isinstance(model, str | os.PathLike) else model.network
     if policy not in {known.value for known in Policy}:
         raise UsageError(f"there is no policy {policy!r}", f"one of {', '.join(Policy)}")
     if runs < 1 or first < 0 or threads < 1:

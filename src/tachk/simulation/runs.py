@@ -95,6 +95,9 @@ def recording(
         numbers = known[:, number]
         if column.labels:
             numbers = np.array([places[label] for label in column.labels])[numbers]
+        if column.floating:
+            values[column.name] = np.ascontiguousarray(numbers).view(np.float64)
+            continue
         values[column.name] = numbers.astype(np.uint8) if column.truth else numbers.astype(np.float64)
     return Trace(
         name,

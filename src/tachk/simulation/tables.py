@@ -128,16 +128,24 @@ def _write_vcd(trace: Trace, out: TextIO) -> None:
     with VCDWriter(out, timescale=scale, date="", comment=trace.name) as dump:
         variables = {}
         for name, values in _columns(trace):
-            kind = "string" if name in trace.texts else "wire" if trace.columns[name].dtype.kind == "u" else "integer"
             scope, _, own = name.rpartition(".")
-            variables[name] = dump.register_var(
-                scope or "model", own, kind, size=1 if kind == "wire" else 32, init=values[0]
-            )
+            kind, size = _vcd_kind(trace, name)
+            variables[name] = dump.register_var(scope or "model", own, kind, size=size, init=values[0])
         kept = dict(_columns(trace))
         for row, time in enumerate(trace.times.tolist()):
             for name, variable in variables.items():
                 dump.change(variable, time * numerator // denominator, kept[name][row])
         dump.close(trace.end * numerator // denominator)
+
+
+def _vcd_kind(trace: Trace, name: str) -> tuple[str, int]:
+    """What a dump calls the values of a column, and how many bits they have."""
+    values = trace.columns[name]
+    if name in trace.texts:
+        return "string", 32
+    if values.dtype.kind == "u":
+        return "wire", 1
+    return ("integer", 32) if bool((values == values.round()).all()) else ("real", 64)
 
 
 def _columns(trace: Trace) -> Iterator[tuple[str, list[Any]]]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from math import lcm
 
-from tachk.model.evaluate import evaluate
+from tachk.model.evaluate import evaluate, evaluate_cells
 from tachk.records import dataclass
 from tachk.report.run.trace_view import Names
 from tachk.runtime.trace import LARGEST_TICK, Trace
@@ -58,4 +58,8 @@ def _value(names: Names, state: TimedState, column: Column) -> int:
             processes = len(state.discrete.locations)
             return state.discrete.locations[slot] if slot < processes else state.discrete.values[slot - processes]
         case expression:
-            return evaluate(expression, environment(names.model, state.discrete, state.clocks))
+            scratch = environment(names.model, state.discrete, state.clocks)
+            if not column.floating:
+                return evaluate(expression, scratch)
+            high, low = evaluate_cells(expression, scratch)
+            return (high << 32) | (low & 0xFFFFFFFF)

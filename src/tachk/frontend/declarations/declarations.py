@@ -7,7 +7,13 @@ from dataclasses import dataclass, field, replace
 
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.functions import declare_function, declare_types
-from tachk.frontend.dropped import FLOATING_CONSTANT, declare_dropped, declare_foreign_functions, dropped_kind
+from tachk.frontend.dropped import (
+    FLOATING_CONSTANT,
+    FLOATING_VARIABLE,
+    declare_dropped,
+    declare_foreign_functions,
+    dropped_kind,
+)
 from tachk.frontend.expressions.initialisers import initialiser
 from tachk.frontend.expressions.places import converted
 from tachk.frontend.expressions.typed_expressions import expression, type_reader
@@ -93,7 +99,7 @@ def declare(
 
 def _declare_variables(node: ast.VariableDeclaration, scope: Scope, declared: Declared, context: Context) -> None:
     left_out = None if node.type is None else dropped_kind(node.type)
-    if left_out is not None:
+    if left_out is not None and not (left_out == FLOATING_VARIABLE and context.keeps_doubles):
         if left_out != FLOATING_CONSTANT or not _declare_kept(node, scope, declared, context):
             declare_dropped(node, left_out, scope, context)
         return
@@ -140,7 +146,7 @@ def _variable(
     if meta and not is_data(type_):
         context.error("E0315", node.span, f"a {describe(type_)} cannot be meta")
         meta = False
-    if contains_double(type_):
+    if contains_double(type_) and not context.keeps_doubles:
         context.error(
             "E0750",
             node.span,

@@ -6,9 +6,9 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from tachk import api
 from tachk.cli.actions.judged import exit_status
 from tachk.cli.actions.simulation.formulas import formulas_for
+from tachk.cli.actions.simulation.models import simulated_model
 from tachk.cli.actions.simulation.run_signals import judged_run, write_run
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus, worst
@@ -43,10 +43,10 @@ def run_replay(asked: Replaying) -> ExitStatus:
     """Executes the run, prints and writes it as far as it is one."""
     claimed = read_claims(asked.file, asked.prop)
     given = parse_definitions(asked.definitions)
-    model = api.load(asked.model, **given)
+    model = simulated_model(asked.model, **given)
     of_run = constants_of(claimed, model.constants, given)
     if of_run:
-        model = api.load(asked.model, **of_run, **given)
+        model = simulated_model(asked.model, **of_run, **given)
     print_diagnostics((*model.refusals, *model.warnings))
     network = model.network
     names = Names(network)

@@ -6,9 +6,9 @@ import json
 import sys
 from pathlib import Path
 
-from tachk import api
 from tachk.cli.actions.judged import exit_status
 from tachk.cli.actions.simulation.formulas import formulas_for
+from tachk.cli.actions.simulation.models import simulated_model
 from tachk.cli.actions.simulation.run_signals import judged_run, write_run
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
@@ -40,10 +40,10 @@ def run_script(asked: Script) -> ExitStatus:
     """Takes each step of the file. Raises InputError with the first line that cannot be taken."""
     claimed = read_claims(asked.file)
     given = parse_definitions(asked.definitions)
-    model = api.load(asked.model, **given)
+    model = simulated_model(asked.model, **given)
     of_run = constants_of(claimed, model.constants, given)
     if of_run:
-        model = api.load(asked.model, **of_run, **given)
+        model = simulated_model(asked.model, **of_run, **given)
     print_diagnostics((*model.refusals, *model.warnings))
     names = Names(model.network)
     replayed = replay_claims(names, claimed)

@@ -10,9 +10,9 @@ from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from tachk import api
 from tachk.cli.actions.judged import exit_status
 from tachk.cli.actions.simulation.formulas import formulas_for
+from tachk.cli.actions.simulation.models import simulated_model
 from tachk.cli.actions.simulation.run_files import holds_steps, run_files
 from tachk.cli.actions.simulation.scripted import Script, run_script
 from tachk.cli.arguments import parse_definitions
@@ -108,7 +108,7 @@ def run_simulate(asked: Simulating) -> ExitStatus:
             Script(asked.model, asked.script, asked.definitions, asked.record, asked.formulas, asked.output, asked.form)
         )
     definitions = parse_definitions(asked.definitions)
-    model = api.load(asked.model, **definitions)
+    model = simulated_model(asked.model, **definitions)
     print_diagnostics((*model.refusals, *model.warnings))
     network = model.network
     formulas = formulas_for(asked.formulas, definitions)

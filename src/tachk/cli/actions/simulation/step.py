@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from tachk import api
+from tachk.cli.actions.simulation.models import simulated_model
 from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import complain, print_diagnostics
@@ -38,11 +38,11 @@ def run_step(asked: Stepping) -> ExitStatus:
     """Answers each line until there are no more."""
     check_time()
     given = parse_definitions(asked.definitions)
-    model = api.load(asked.model, **given)
+    model = simulated_model(asked.model, **given)
     claimed = None if asked.load is None else read_claims(asked.load, asked.prop)
     of_run = {} if claimed is None else constants_of(claimed, model.constants, given)
     if of_run:
-        model = api.load(asked.model, **of_run, **given)
+        model = simulated_model(asked.model, **of_run, **given)
     print_diagnostics((*model.refusals, *model.warnings))
     try:
         session = Session.begin(Names(model.network))

@@ -1,0 +1,119 @@
+"""Floating point variables are part of the state of a simulation."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import pairwise
+from math import exp, sqrt
+from pathlib import Path
+
+import pytest
+
+import tachk
+from tachk.diagnostics.span import Source
+from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
+from tachk.loading.load import load_model
+from tachk.model.network import Network
+from tachk.report.run.trace_view import Names
+from tachk.simulation.columns import all_columns
+from tachk.simulation.runs import Runs, steps_of
+from tachk.simulation.tables import run_writer
+from tachk.stepping.replaying import replay_claims
+from tachk.stepping.run_file import read_run_file, steps_text
+from tachk.stepping.signals import signals_of
+
+TANK = """
+typedef struct { int[0, 3] kind; double share; } part_t;
+double level = 20.0;
+double trend[2] = {0.5, -0.25};
+part_t parts[2] = {{1, 0.1}, {2, 0.3}};
+int[0, 100] n = 0;
+process Tank() {
+    clock x;
+    double own = 1.5;
+    init location Filling {
+        invariant x <= 1;
+        to Filling { guard x == 1 && level < 22.2; assign x = 0, level = level + trend[0], n = n + 1; }
+        to Draining { guard x == 1 && level >= 22.2; assign x = 0, own = own / 3; }
+    }
+    location Draining {
+        exponential_rate level > 6.0 ? level / 10 : 0.5;
+        to Draining { guard level > 5.0; assign level = level * (1 - parts[0].share); }
+    }
+}
+signal high = level > 21.1;
+system Tank;
+"""
+
+
+def _network(text: str) -> Network:
+    return load_model(Source("<text>", text), keeps_doubles=True).network
+
+
+def test_values_are_those_of_the_semantics() -> None:
+    network = _network(TANK)
+    runs = Runs(network, all_columns(network))
+    names = Names(network)
+    for run in runs.draw(Drawing(2, 30 * TICKS_PER_UNIT), range(3), Recorded(actions=True, observed=True)):
+        trace = runs.trace(run)
+        replayed = replay_claims(names, read_run_file(Source("a.run", steps_text(names, steps_of(run)))))
+        assert replayed.refusal is None
+        expected = signals_of(names, runs.columns, replayed.trace, "a", Fraction(run.end, TICKS_PER_UNIT)).trace
+        assert trace.times.tolist() == expected.times.tolist()
+        assert {name: values.tolist() for name, values in trace.columns.items()} == {
+            name: values.tolist() for name, values in expected.columns.items()
+        }
+        assert list(trace.columns)[2:8] == [
+            "level",
+            "trend[0]",
+            "trend[1]",
+            "parts[0].kind",
+            "parts[0].share",
+            "parts[1].kind",
+        ]
+        levels = list(dict.fromkeys(trace.columns["level"].tolist()))
+        fallen = levels[levels.index(22.5) :]
+        assert len(fallen) > 5
+        assert all(after == before * (1 - 0.1) for before, after in pairwise(fallen))
+        assert trace.columns["Tank.own"].tolist()[-1] == 1.5 / 3
+        assert {*trace.columns["high"].tolist()} == {0, 1}
+
+
+def test_a_rate_may_depend_on_them() -> None:
+    text = """
+        double rate = 0.25;
+        double waits[2] = {4.0, 0.5};
+        int[0, 1] which = 0;
+        process P() { init location A { exponential_rate which == 0 ? rate : waits[1]; to B; } location B; }
+        system P;
+    """
+    network = _network(text)
+    runs = Runs(network, ())
+    drawn = runs.draw(Drawing(7, 2 * TICKS_PER_UNIT), range(4000))
+    moved = sum(run.transitions for run in drawn)
+    probability = 1 - exp(-0.5)
+    assert abs(moved - 4000 * probability) < 4.5 * sqrt(4000 * probability * (1 - probability))
+
+
+def test_a_search_leaves_them_out() -> None:
+    model = tachk.loads(TANK)
+    assert {"W0406"} <= {found.code for found in model.warnings}
+    assert {"E0750"} == {found.code for found in model.refusals}
+
+
+def test_files_and_paths(tmp_path: Path) -> None:
+    model = tmp_path / "tank.ta"
+    model.write_text(TANK)
+    (run,) = tachk.simulate(model, until=10)
+    assert run["level"].max() == 22.5
+    dump = tmp_path / "a.vcd"
+    with run_writer(dump) as write:
+        write(0, run.trace)
+    text = dump.read_text()
+    assert "$var real 64" in text and "r20.5 " in text
+
+
+@pytest.mark.parametrize("value", ["1.5", "level"])
+def test_clocks_take_no_floating_point_numbers(value: str) -> None:
+    with pytest.raises(tachk.UnsupportedError):
+        _network(TANK.replace("assign x = 0, level", f"assign x = {value}, level"))
