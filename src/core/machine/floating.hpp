@@ -30,15 +30,42 @@ enum class FloatingOperation : std::int32_t {
   less_equal = 18,
   greater = 19,
   greater_equal = 20,
+  exponential = 21,
+  logarithm = 22,
+  decimal_logarithm = 23,
+  binary_logarithm = 24,
+  sine = 25,
+  cosine = 26,
+  tangent = 27,
+  arc_sine = 28,
+  arc_cosine = 29,
+  arc_tangent = 30,
+  random = 31,
+  arc_tangent_2 = 32,
+  power = 33,
+  remainder = 34,
+  hypotenuse = 35,
+  random_normal = 36,
 };
 
-constexpr bool gives_double(FloatingOperation operation) { return operation <= FloatingOperation::from_integer; }
+// Where random numbers come from.
+class Dice {
+ public:
+  virtual double fraction() = 0;  // in [0, 1)
+
+ protected:
+  ~Dice() = default;
+};
+
+constexpr bool gives_double(FloatingOperation operation) {
+  return operation <= FloatingOperation::from_integer || operation >= FloatingOperation::exponential;
+}
 
 // An operation on the doubles in the slots left and right, of which those with one argument take the left one;
 // from_integer takes the number left. A double is stored in the slot target and the next, and the result is that slot.
 // Nothing if the result is not finite, or does not fit an integer. Throws std::logic_error for a slot that is not
-// there.
+// there, and for a random number where there are no dice.
 std::optional<std::int32_t> operate(FloatingOperation operation, std::int32_t left, std::int32_t right,
-                                    std::int32_t target, std::int32_t* memory, std::size_t slots);
+                                    std::int32_t target, std::int32_t* memory, std::size_t slots, Dice* dice = nullptr);
 
 }  // namespace tachk

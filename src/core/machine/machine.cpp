@@ -255,7 +255,8 @@ std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vect
       case Operation::floating: {
         const auto operation = static_cast<FloatingOperation>(instruction->extra[0]);
         const std::int32_t slot = instruction->extra[1];
-        const std::optional<std::int32_t> result = operate(operation, left(), right(), slot, memory, slots.size());
+        const std::optional<std::int32_t> result =
+            operate(operation, left(), right(), slot, memory, slots.size(), dice_);
         if (!result) fault(FaultKind::not_finite);
         if (gives_double(operation)) {
           written_.add(static_cast<std::size_t>(slot));

@@ -5,6 +5,7 @@
 #include <exception>
 #include <vector>
 
+#include "machine/floating.hpp"
 #include "machine/machine_code.hpp"
 #include "machine/opcode.hpp"
 #include "program/program.hpp"
@@ -26,6 +27,9 @@ class Machine {
   // A clock set to more than `largest_reset` time units is a fault: the zones could not represent it.
   Machine(const Program& program, Raw largest_reset)
       : program_(program), largest_reset_(largest_reset), code_(program) {}
+
+  // Where code draws random numbers from, as long as it is not told otherwise; nullptr: nowhere.
+  void draw_from(Dice* dice) { dice_ = dice; }
 
   // The value of a piece of code. `memory` holds all slots; frame slots may be written. Throws ModelFault.
   std::int64_t value(std::int32_t code, std::int32_t* memory) { return run(code, memory, nullptr); }
@@ -54,6 +58,7 @@ class Machine {
   Raw largest_reset_;
   MachineCode code_;
   SlotSet written_;
+  Dice* dice_ = nullptr;
   std::vector<std::int32_t> registers_;
   std::vector<Frame> calls_;          // those open, with what to go on with
   std::vector<std::int32_t> copied_;  // by the copy under way

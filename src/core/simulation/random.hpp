@@ -6,11 +6,13 @@
 #include <cmath>
 #include <cstdint>
 
+#include "machine/floating.hpp"
+
 namespace tachk {
 
 // xoshiro256++ (Blackman, Vigna, "Scrambled linear pseudorandom number generators", 2021), its state filled by
 // splitmix64.
-class Random {
+class Random final : public Dice {
  public:
   Random(std::uint64_t seed, std::uint64_t run) {
     std::uint64_t key = mixed(seed + golden) ^ run;
@@ -40,7 +42,7 @@ class Random {
   }
 
   // In [0, 1).
-  double fraction() { return static_cast<double>(next() >> 11) * 0x1p-53; }
+  double fraction() override { return static_cast<double>(next() >> 11) * 0x1p-53; }
 
   // Exponentially distributed with mean 1.
   double exponential() { return -std::log(static_cast<double>((next() >> 11) + 1) * 0x1p-53); }

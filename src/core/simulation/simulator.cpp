@@ -28,6 +28,7 @@ Simulator::Simulator(const Program& program, const Chances& chances, const Table
 
 bool Simulator::begin(Random random) {
   random_ = random;
+  machine_.draw_from(&random_);
   now_ = 0;
   action_.clear();
   state_.slots.clear();

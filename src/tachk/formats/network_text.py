@@ -107,7 +107,7 @@ def _node(expression: Expression, network: Network, prefix: str) -> ast.Expressi
             return inner(value)
         case Call(Function(operation=FloatingOperation.NEGATE), (value,)):
             return ast.UnaryExpression(at, PrefixOperator.MINUS, inner(value))
-        case Call(Function(operation=FloatingOperation() as operation), (left, right)):
+        case Call(Function(operation=FloatingOperation() as operation), (left, right)) if not operation.only_simulated:
             return ast.BinaryExpression(at, BinaryOperator[operation.name], inner(left), inner(right))
         case Call(function, arguments):
             called = ast.NameExpression(at, function.name)

@@ -144,6 +144,10 @@ class Context:
                 mend = _assignment_help(node, self.in_query)
                 self.error("E0313", node.span, f"{where} must not change anything", mend)
                 return False
+            if isinstance(node, Call) and node.function.operation is not None and node.function.operation.draws:
+                mend = "draw it in an update, into a variable"
+                self.error("E0313", node.span, f"{where} must not draw random numbers", mend)
+                return False
             if isinstance(node, Call) and self.effects_of([node]).writes:
                 changed = ", ".join(sorted(f"`{v.name}`" for v in self.effects_of([node]).writes))
                 self.error(

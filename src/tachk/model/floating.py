@@ -1,8 +1,8 @@
 """Floating point numbers: IEEE doubles as values of two cells, and what can be computed with them.
 
 A double is a record of two 32-bit integers, its high and its low half, so that storing, passing and indexing need
-nothing of their own. `src/core/machine/floating.hpp` mirrors the numbers of the operations and what they compute. Only
-operations are here that every library computes alike, to the last bit.
+nothing of their own. `src/core/machine/floating.hpp` mirrors the numbers of the operations and what they compute. What
+every library computes alike, to the last bit, may be verified; the others are for simulations only.
 """
 
 from __future__ import annotations
@@ -47,30 +47,64 @@ class FloatingOperation(IntEnum):
     LESS_EQUAL = 18
     GREATER = 19
     GREATER_EQUAL = 20
+    EXPONENTIAL = 21
+    LOGARITHM = 22
+    """The natural one."""
+    DECIMAL_LOGARITHM = 23
+    BINARY_LOGARITHM = 24
+    SINE = 25
+    COSINE = 26
+    TANGENT = 27
+    ARC_SINE = 28
+    ARC_COSINE = 29
+    ARC_TANGENT = 30
+    RANDOM = 31
+    """Uniformly from 0 up to the argument, which is left out. Only the core can draw."""
+    ARC_TANGENT_2 = 32
+    POWER = 33
+    REMAINDER = 34
+    """With the sign of the first argument."""
+    HYPOTENUSE = 35
+    RANDOM_NORMAL = 36
+    """By mean and standard deviation."""
 
     @property
     def parameters(self) -> tuple[Type, ...]:
         if self is FloatingOperation.FROM_INTEGER:
             return (_HALF,)
-        unary = FloatingOperation.NEGATE <= self <= FloatingOperation.TO_INTEGER
+        exact = FloatingOperation.NEGATE <= self <= FloatingOperation.TO_INTEGER
+        unary = exact or FloatingOperation.EXPONENTIAL <= self <= FloatingOperation.RANDOM
         return (DOUBLE,) if unary else (DOUBLE, DOUBLE)
 
     @property
     def result(self) -> Type:
         if self is FloatingOperation.TO_INTEGER:
             return _HALF
-        return BoolType() if self >= FloatingOperation.EQUAL else DOUBLE
+        compares = FloatingOperation.EQUAL <= self <= FloatingOperation.GREATER_EQUAL
+        return BoolType() if compares else DOUBLE
+
+    @property
+    def draws(self) -> bool:
+        """Whether the result is a random number."""
+        return self in (FloatingOperation.RANDOM, FloatingOperation.RANDOM_NORMAL)
+
+    @property
+    def only_simulated(self) -> bool:
+        """Whether the result is random, or depends on the library that computes it."""
+        return self >= FloatingOperation.EXPONENTIAL
 
     @property
     def total(self) -> bool:
         """Whether there is always a result."""
-        return self not in _PARTIAL
+        return self not in _PARTIAL and not self.only_simulated
 
     def compute(self, arguments: Sequence[float]) -> float | int | None:
         """The result; None where it is not finite, or too large for an integer."""
         first, second = arguments[0], arguments[-1]
+        if self.draws:
+            return None
         try:
-            result = _computed(self, first, second)
+            result = _library(self, first, second) if self.only_simulated else _computed(self, first, second)
         except (ArithmeticError, ValueError):
             return None
         if self is FloatingOperation.TO_INTEGER:
@@ -131,6 +165,42 @@ def _computed(operation: FloatingOperation, first: float, second: float) -> floa
             return first > second
         case FloatingOperation.GREATER_EQUAL:
             return first >= second
+        case _:
+            raise ValueError(f"{operation} is computed by a library")
+
+
+def _library(operation: FloatingOperation, first: float, second: float) -> float:
+    match operation:
+        case FloatingOperation.EXPONENTIAL:
+            return math.exp(first)
+        case FloatingOperation.LOGARITHM:
+            return math.log(first)
+        case FloatingOperation.DECIMAL_LOGARITHM:
+            return math.log10(first)
+        case FloatingOperation.BINARY_LOGARITHM:
+            return math.log2(first)
+        case FloatingOperation.SINE:
+            return math.sin(first)
+        case FloatingOperation.COSINE:
+            return math.cos(first)
+        case FloatingOperation.TANGENT:
+            return math.tan(first)
+        case FloatingOperation.ARC_SINE:
+            return math.asin(first)
+        case FloatingOperation.ARC_COSINE:
+            return math.acos(first)
+        case FloatingOperation.ARC_TANGENT:
+            return math.atan(first)
+        case FloatingOperation.ARC_TANGENT_2:
+            return math.atan2(first, second)
+        case FloatingOperation.POWER:
+            return math.pow(first, second)
+        case FloatingOperation.REMAINDER:
+            return math.fmod(first, second)
+        case FloatingOperation.HYPOTENUSE:
+            return math.hypot(first, second)
+        case _:
+            raise ValueError(f"{operation} is not computed by a library")
 
 
 def halves(number: float) -> tuple[int, int]:

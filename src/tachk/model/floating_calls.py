@@ -17,11 +17,28 @@ _NAMES = {
     FloatingOperation.ROUND: "round",
     FloatingOperation.FROM_INTEGER: "double",
     FloatingOperation.TO_INTEGER: "fint",
+    FloatingOperation.EXPONENTIAL: "exp",
+    FloatingOperation.LOGARITHM: "ln",
+    FloatingOperation.DECIMAL_LOGARITHM: "log10",
+    FloatingOperation.BINARY_LOGARITHM: "log2",
+    FloatingOperation.SINE: "sin",
+    FloatingOperation.COSINE: "cos",
+    FloatingOperation.TANGENT: "tan",
+    FloatingOperation.ARC_SINE: "asin",
+    FloatingOperation.ARC_COSINE: "acos",
+    FloatingOperation.ARC_TANGENT: "atan",
+    FloatingOperation.ARC_TANGENT_2: "atan2",
+    FloatingOperation.POWER: "pow",
+    FloatingOperation.REMAINDER: "fmod",
+    FloatingOperation.HYPOTENUSE: "hypot",
+    FloatingOperation.RANDOM: "random",
+    FloatingOperation.RANDOM_NORMAL: "random_normal",
 }
 NAMED_OPERATIONS = {
     "fmin": FloatingOperation.MINIMUM,
     "fmax": FloatingOperation.MAXIMUM,
-    **{name: operation for operation, name in _NAMES.items() if name.isalpha() and name != "double"},
+    "log": FloatingOperation.DECIMAL_LOGARITHM,
+    **{name: operation for operation, name in _NAMES.items() if name not in ("-", "double")},
 }
 """The operations that models call by name."""
 

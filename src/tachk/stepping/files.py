@@ -7,6 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.model.expressions import Call
+from tachk.model.network import Network
+from tachk.model.traversal import called_functions, process_expressions, statement_expressions, walk
 from tachk.stepping.claims import ClaimedRun
 from tachk.stepping.report_file import read_report
 from tachk.stepping.run_file import SUFFIX, read_run_file
@@ -30,6 +33,16 @@ def read_claims(path: Path, prop: str | None = None) -> ClaimedRun:
     except ValueError as error:
         raise UsageError(f"{path}: {error}", "a report of tachk verify --format json is expected") from None
     return read_report(document, str(path), prop)
+
+
+def check_determined(network: Network) -> None:
+    """Raises UsageError for a model whose steps do not determine its states: its updates draw random numbers."""
+    expressions = [e for process in network.processes for e in process_expressions(process)]
+    expressions += [e for f in called_functions(expressions) for e in statement_expressions(f.body)]
+    for node in (node for expression in expressions for node in walk(expression)):
+        if isinstance(node, Call) and node.function.operation is not None and node.function.operation.draws:
+            problem = f"{node.span}: `{node.function.name}` draws a number that no run tells"
+            raise UsageError(problem, "such a model is simulated, but its runs cannot be replayed")
 
 
 def constants_of(run: ClaimedRun, known: Mapping[str, int], given: Mapping[str, object]) -> dict[str, int]:

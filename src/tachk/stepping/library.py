@@ -14,7 +14,7 @@ from tachk.report.run.trace_view import Names, Snapshot, TraceView, view_trace
 from tachk.runtime.trace import Trace
 from tachk.semantics.timed_trace import TimedTrace
 from tachk.simulation.columns import columns_for
-from tachk.stepping.files import read_claims
+from tachk.stepping.files import check_determined, read_claims
 from tachk.stepping.refusals import refusal_diagnostic
 from tachk.stepping.replaying import replay_claims
 from tachk.stepping.run_file import run_text
@@ -82,6 +82,7 @@ def replay(model: HasNetwork, run: str | os.PathLike[str], property: str | None 
         InputError: a line of the file is not understood.
         UsageError: the file cannot be read, or holds no run.
     """
+    check_determined(model.network)
     names = Names(model.network)
     replayed = replay_claims(names, read_claims(Path(run), property))
     refusal = None if replayed.refusal is None else refusal_diagnostic(replayed.refusal)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from itertools import pairwise
 from math import exp, sqrt
@@ -10,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import tachk
+from tachk.cli.main import app
 from tachk.diagnostics.span import Source
 from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
 from tachk.loading.load import load_model
@@ -117,3 +119,82 @@ def test_files_and_paths(tmp_path: Path) -> None:
 def test_clocks_take_no_floating_point_numbers(value: str) -> None:
     with pytest.raises(tachk.UnsupportedError):
         _network(TANK.replace("assign x = 0, level", f"assign x = {value}, level"))
+
+
+FUNCTIONS = {
+    "exp(0.7)": math.exp(0.7),
+    "ln(0.7)": math.log(0.7),
+    "log(0.7)": math.log10(0.7),
+    "log10(0.7)": math.log10(0.7),
+    "log2(0.7)": math.log2(0.7),
+    "sin(0.7)": math.sin(0.7),
+    "cos(0.7)": math.cos(0.7),
+    "tan(0.7)": math.tan(0.7),
+    "asin(0.7)": math.asin(0.7),
+    "acos(0.7)": math.acos(0.7),
+    "atan(0.7)": math.atan(0.7),
+    "atan2(0.7, -2.0)": math.atan2(0.7, -2.0),
+    "pow(0.7, 2.5)": 0.7**2.5,
+    "fmod(-7.5, 2.0)": math.fmod(-7.5, 2.0),
+    "hypot(0.7, 2.0)": math.hypot(0.7, 2.0),
+}
+
+
+@pytest.mark.parametrize("call", FUNCTIONS)
+def test_functions_are_those_of_the_library(call: str) -> None:
+    """Computed by the core, from a variable, and while the model is read, from numbers."""
+    computed = call.replace("0.7", "x").replace("-7.5", "y")
+    text = f"""
+        double x = 0.7, y = -7.5, got, folded;
+        process P() {{ init location A {{ to B {{ assign got = {computed}, folded = {call}; }} }} location B; }}
+        system P;
+    """
+    network = _network(text)
+    runs = Runs(network, all_columns(network))
+    (run,) = runs.draw(Drawing(1), range(1), Recorded(observed=True))
+    last = {name: values[-1] for name, values in runs.trace(run).columns.items()}
+    assert last["got"] == pytest.approx(FUNCTIONS[call], rel=1e-15)
+    assert last["folded"] == pytest.approx(FUNCTIONS[call], rel=1e-15)
+
+
+RANDOM = """
+double drawn = 0.0, normal = 0.0;
+process P() {
+    clock x;
+    init location A { invariant x <= 1; to A {
+        guard x == 1;
+        assign x = 0, drawn = random(4), normal = random_normal(5.0, 2.0);
+    } }
+}
+system P;
+"""
+
+
+def test_random_numbers_have_their_distributions() -> None:
+    network = _network(RANDOM)
+    runs = Runs(network, all_columns(network))
+    (run,) = runs.draw(Drawing(3, 8000 * TICKS_PER_UNIT), range(1), Recorded(observed=True))
+    columns = runs.trace(run).columns
+    drawn, normal = columns["drawn"][1:-1], columns["normal"][1:-1]
+    count = len(drawn)
+    assert drawn.min() >= 0 and drawn.max() < 4
+    for share in (0.1, 0.5, 0.9):
+        assert abs((drawn < 4 * share).sum() - share * count) < 4.5 * sqrt(count * share * (1 - share))
+    for sigmas in (-1.0, 0.0, 1.5):
+        probability = (1 + math.erf(sigmas / sqrt(2))) / 2
+        below = (normal < 5 + 2 * sigmas).sum()
+        assert abs(below - probability * count) < 4.5 * sqrt(count * probability * (1 - probability))
+    (again,) = runs.draw(Drawing(3, 8000 * TICKS_PER_UNIT), range(1), Recorded(observed=True))
+    assert runs.trace(again).columns["normal"].tolist() == columns["normal"].tolist()
+
+
+def test_random_numbers_are_drawn_in_updates_of_simulations_only(tmp_path: Path) -> None:
+    for place in ("x == 1", "invariant x <= 1"):
+        with pytest.raises(tachk.InputError, match="E0313"):
+            _network(RANDOM.replace(place, f"{place} && random(2) < 1.0", 1))
+    assert "E0750" in {found.code for found in tachk.loads(RANDOM).refusals} or tachk.loads(RANDOM).warnings
+    model, run = tmp_path / "m.ta", tmp_path / "a.run"
+    model.write_text(RANDOM)
+    run.write_text("1 P: A -> A\n")
+    for line in (["replay", str(model), str(run)], ["simulate", str(model), "--policy", "script", str(run)]):
+        assert app.main(line, standalone_mode=False) == 2

@@ -367,7 +367,7 @@ def _operation(
 def _call(node: ast.CallExpression, scope: Scope, context: Context) -> Expression | None:
     if isinstance(node.function, ast.NameExpression) and scope.lookup(node.function.name) is None:
         operation = NAMED_OPERATIONS.get(node.function.name)
-        if operation is not None:
+        if operation is not None and (context.keeps_doubles or not operation.only_simulated):
             return _operation(operation, node, scope, context)
     symbol = _called(node.function, scope, context)
     if symbol is None:

@@ -18,7 +18,7 @@ from tachk.report.quantity import duration
 from tachk.report.run.telling import Telling
 from tachk.report.run.trace_text import print_trace
 from tachk.report.run.trace_view import Names, view_trace
-from tachk.stepping.files import constants_of, read_claims
+from tachk.stepping.files import check_determined, constants_of, read_claims
 from tachk.stepping.refusals import refusal_diagnostic
 from tachk.stepping.replaying import replay_claims
 
@@ -49,6 +49,7 @@ def run_replay(asked: Replaying) -> ExitStatus:
         model = simulated_model(asked.model, **of_run, **given)
     print_diagnostics((*model.refusals, *model.warnings))
     network = model.network
+    check_determined(model.network)
     names = Names(network)
     replayed = replay_claims(names, claimed)
     trace = replayed.trace

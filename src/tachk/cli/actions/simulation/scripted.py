@@ -18,7 +18,7 @@ from tachk.diagnostics.diagnostic import InputError
 from tachk.records import dataclass
 from tachk.report.quantity import duration
 from tachk.report.run.trace_view import Names
-from tachk.stepping.files import constants_of, read_claims
+from tachk.stepping.files import check_determined, constants_of, read_claims
 from tachk.stepping.refusals import refusal_diagnostic
 from tachk.stepping.replaying import replay_claims
 
@@ -45,6 +45,7 @@ def run_script(asked: Script) -> ExitStatus:
     if of_run:
         model = simulated_model(asked.model, **of_run, **given)
     print_diagnostics((*model.refusals, *model.warnings))
+    check_determined(model.network)
     names = Names(model.network)
     replayed = replay_claims(names, claimed)
     if replayed.refusal is not None:

@@ -14,7 +14,7 @@ from tachk.cli.guard import complain, print_diagnostics
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.report.run.trace_view import Names
 from tachk.semantics.step import StepError
-from tachk.stepping.files import constants_of, read_claims
+from tachk.stepping.files import check_determined, constants_of, read_claims
 from tachk.stepping.refusals import refusal_diagnostic
 from tachk.stepping.session import Session
 from tachk.stepping.stepper import NotUnderstoodError, QuitError, Stepper
@@ -44,6 +44,7 @@ def run_step(asked: Stepping) -> ExitStatus:
     if of_run:
         model = simulated_model(asked.model, **of_run, **given)
     print_diagnostics((*model.refusals, *model.warnings))
+    check_determined(model.network)
     try:
         session = Session.begin(Names(model.network))
     except StepError as error:
