@@ -35,8 +35,7 @@ if TYPE_CHECKING:
     from tachk.monitoring.offline import MonitorReport, monitor
     from tachk.monitoring.online import Monitor
     from tachk.runtime.node_signal import Truth
-    from tachk.simulation.library import simulate
-    from tachk.stepping.library import replay
+    from tachk.stepping.library import replay, simulate
     from tachk.xrce.measuring.measure import measure
 
 __version__ = "0.1.0"
@@ -82,7 +81,7 @@ _MONITORING = {
     "mine": "tachk.monitoring.mining",
     "monitor": "tachk.monitoring.offline",
     "replay": "tachk.stepping.library",
-    "simulate": "tachk.simulation.library",
+    "simulate": "tachk.stepping.library",
 }
 
 

@@ -1,33 +1,21 @@
-"""Simulation for scripts: `tachk.simulate`."""
+"""Drawn runs as scripts want them."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any, Protocol, overload
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.simulation.policy import Policy
 from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded
-from tachk.loading.load import load_model
 from tachk.model.network import Network
 from tachk.runtime.trace import Trace
 from tachk.simulation.columns import all_columns, chosen_columns
 from tachk.simulation.orders import ordered, orders_of
 from tachk.simulation.runs import Runs
-from tachk.simulation.times import ticks_of
-
-
-class HasNetwork(Protocol):
-    """Such as `tachk.Model`."""
-
-    @property
-    def network(self) -> Network: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,45 +79,13 @@ class Simulation(Sequence[DrawnRun]):
         return f"<{len(self.runs)} {'run' if len(self.runs) == 1 else 'runs'}>"
 
 
-def simulate(
-    model: HasNetwork | str | os.PathLike[str],
-    runs: int = 1,
-    until: float | str = 100,
-    seed: int = 0,
-    policy: str = "stochastic",
-    *,
-    first: int = 0,
-    threads: int = 1,
-    max_steps: int | None = None,
-    record: Iterable[str] = (),
-    fault: str | Iterable[str] = (),
+def drawn_runs(
+    network: Network, drawing: Drawing, numbers: range, record: Sequence[str], orders: Sequence[str]
 ) -> Simulation:
-    """Draws random runs of a model. docs/simulation.md says what they are.
-
-    Args:
-        model: such as `tachk.load` gives it, or the path of one. Only then floating point variables are part of the
-            state; `tachk.load` leaves them out, for they are not checked.
-        until: how long they are: a number of time units of the model, or a duration such as ``"3 min"``.
-        seed: the same seed gives the same runs, with any number of threads.
-        policy: ``"stochastic"``, ``"uniform"``, ``"earliest"`` or ``"latest"``.
-        first: the number of the first run.
-        record: signals, processes, variables, and ``"P.location"``; none: all signals, processes and variables.
-        fault: orders such as ``"lost=0.01"``, see docs/faults.md.
-
-    Raises:
-        UsageError: an argument has no meaning.
-        UnsupportedError: something in the model cannot be simulated.
-    """
-    network = load_model(model, keeps_doubles=True).network if isinstance(model, str | os.PathLike) else model.network
-    if policy not in {known.value for known in Policy}:
-        raise UsageError(f"there is no policy {policy!r}", f"one of {', '.join(Policy)}")
-    if runs < 1 or first < 0 or threads < 1:
-        raise UsageError("runs and threads are at least 1, and first at least 0")
-    chosen = tuple(record)
-    wanted = ordered(network, orders_of([fault] if isinstance(fault, str) else fault))
-    drawn = Runs(wanted.network, chosen_columns(network, chosen) if chosen else all_columns(network))
-    drawing = Drawing(seed, ticks_of(str(until), network.time_unit, "until"), Policy(policy), max_steps, threads)
-    found = drawn.draw(drawing, range(first, first + runs), Recorded(observed=True))
+    """Runs of a network with these columns, all if there are none, and orders for faults. Raises UsageError."""
+    wanted = ordered(network, orders_of(orders))
+    drawn = Runs(wanted.network, chosen_columns(network, record) if record else all_columns(network))
+    found = drawn.draw(drawing, numbers, Recorded(observed=True))
     return Simulation(
         tuple(
             DrawnRun(run.number, run.ending, Fraction(run.end, TICKS_PER_UNIT), run.transitions, drawn.trace(run))

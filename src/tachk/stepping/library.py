@@ -1,4 +1,4 @@
-"""Replaying for scripts: `tachk.replay`."""
+"""Simulation and replaying for scripts: `tachk.simulate`, `tachk.replay`."""
 
 from __future__ import annotations
 
@@ -8,12 +8,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
-from tachk.diagnostics.diagnostic import Diagnostic
+from tachk.diagnostics.diagnostic import Diagnostic, UsageError
+from tachk.engines.simulation.policy import Policy
+from tachk.engines.simulation.simulator import Drawing
+from tachk.loading.load import load_model
 from tachk.model.network import Network
 from tachk.report.run.trace_view import Names, Snapshot, TraceView, view_trace
 from tachk.runtime.trace import Trace
 from tachk.semantics.timed_trace import TimedTrace
 from tachk.simulation.columns import columns_for
+from tachk.simulation.library import Simulation, drawn_runs
+from tachk.simulation.times import ticks_of
 from tachk.stepping.files import check_determined, read_claims
 from tachk.stepping.refusals import refusal_diagnostic
 from tachk.stepping.replaying import replay_claims
@@ -67,6 +72,45 @@ class Replay:
     def to_text(self) -> str:
         """The run as `tachk step` saves it."""
         return run_text(self.names, self.trace)
+
+
+def simulate(
+    model: HasNetwork | str | os.PathLike[str],
+    runs: int = 1,
+    until: float | str = 100,
+    seed: int = 0,
+    policy: str = "stochastic",
+    *,
+    first: int = 0,
+    threads: int = 1,
+    max_steps: int | None = None,
+    record: Iterable[str] = (),
+    fault: str | Iterable[str] = (),
+) -> Simulation:
+    """Draws random runs of a model. docs/simulation.md says what they are.
+
+    Args:
+        model: such as `tachk.load` gives it, or the path of one. Only then floating point variables are part of the
+            state; `tachk.load` leaves them out, for they are not checked.
+        until: how long they are: a number of time units of the model, or a duration such as ``"3 min"``.
+        seed: the same seed gives the same runs, with any number of threads.
+        policy: ``"stochastic"``, ``"uniform"``, ``"earliest"`` or ``"latest"``.
+        first: the number of the first run.
+        record: signals, processes, variables, and ``"P.location"``; none: all signals, processes and variables.
+        fault: orders such as ``"lost=0.01"``, see docs/faults.md.
+
+    Raises:
+        UsageError: an argument has no meaning.
+        UnsupportedError: something in the model cannot be simulated.
+    """
+    network = load_model(model, keeps_doubles=True).network if isinstance(model, str | os.PathLike) else model.network
+    if policy not in {known.value for known in Policy}:
+        raise UsageError(f"there is no policy {policy!r}", f"one of {', '.join(Policy)}")
+    if runs < 1 or first < 0 or threads < 1:
+        raise UsageError("runs and threads are at least 1, and first at least 0")
+    drawing = Drawing(seed, ticks_of(str(until), network.time_unit, "until"), Policy(policy), max_steps, threads)
+    orders = [fault] if isinstance(fault, str) else list(fault)
+    return drawn_runs(network, drawing, range(first, first + runs), tuple(record), orders)
 
 
 def replay(model: HasNetwork, run: str | os.PathLike[str], property: str | None = None) -> Replay:
