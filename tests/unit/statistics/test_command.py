@@ -130,3 +130,11 @@ def test_pictures_show_every_answer(coin: str, tmp_path: Path) -> None:
     split = tmp_path / "split.svg"
     assert _run(coin, "Pr[<=1](<> side == 2)", "--splitting", "--effort", "50", "--plot", str(split))[0] == 0
     assert "replications" in split.read_text(encoding="utf-8")
+
+
+def test_one_run_says_nothing_of_a_mean(coin: str) -> None:
+    status, output = _run(coin, "E[<=1; 1](max: side)", "--format", "json")
+    assert status == 0
+    document = json.loads(output, parse_constant=pytest.fail)
+    Draft202012Validator(SCHEMA).validate(document)
+    assert "say nothing" in _run(coin, "E[<=1; 1](max: side)")[1]

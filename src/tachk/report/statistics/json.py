@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isfinite
 from typing import Any, assert_never
 
 from tachk.statistics.estimate import Decided, Drawn, Estimate, Estimated, Mean, Settings, Split
@@ -49,10 +50,10 @@ def answer_document(found: Estimate) -> dict[str, Any]:
             return {
                 **head,
                 "kind": "mean",
-                "mean": found.mean,
+                "mean": _finite(found.mean),
                 "low": found.low,
                 "high": found.high,
-                "asymptotic": list(found.asymptotic),
+                "asymptotic": [_finite(end) for end in found.asymptotic],
                 "bounds": None if found.values is None else list(found.values),
                 "samples": [_sample(found.sample)],
             }
@@ -62,6 +63,10 @@ def answer_document(found: Estimate) -> dict[str, Any]:
             return {**head, "kind": "trajectories", "runs": [_run(run) for run in found.runs]}
         case never:
             assert_never(never)
+
+
+def _finite(number: float) -> float | None:
+    return number if isfinite(number) else None
 
 
 def _splitting(found: Split) -> dict[str, Any]:

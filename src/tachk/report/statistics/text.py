@@ -87,6 +87,10 @@ def _test_lines(found: Decided, settings: Settings, confidence: str) -> Iterator
 
 
 def _mean_lines(found: Mean, confidence: str) -> Iterator[str]:
+    if not isfinite(found.asymptotic[0]):
+        yield f"{_head(found)}: {_count(found.sample.runs - found.sample.unknown, 'run')} with a value say nothing"
+        yield from _endings(found.sample)
+        return
     asymptotic = interval_text(*found.asymptotic)
     if found.low is None or found.high is None or found.values is None:
         yield f"{_head(found)}: {found.mean:.6g}; asymptotically {asymptotic}, {confidence}"
