@@ -138,3 +138,23 @@ def test_one_run_says_nothing_of_a_mean(coin: str) -> None:
     document = json.loads(output, parse_constant=pytest.fail)
     Draft202012Validator(SCHEMA).validate(document)
     assert "say nothing" in _run(coin, "E[<=1; 1](max: side)")[1]
+
+
+def test_floating_point_variables_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "warm.ta"
+    path.write_text(
+        """double heat = 1.5;
+process P() {
+    clock x;
+    init location A { invariant x <= 1; to A { guard x >= 1; assign x = 0, heat = heat * 2.0; } }
+}
+system P;""",
+        encoding="utf-8",
+    )
+    queries = "Pr[<=3; 20](<> heat > 11.0)", "E[<=3; 20](max: heat)", "simulate [<=3] {heat}"
+    status, output = _run(str(path), *queries, "--format", "json")
+    assert status == 0
+    probability, mean, drawn = json.loads(output)["answers"]
+    assert probability["frequency"] == 1
+    assert mean["mean"] == 12 and mean["low"] is None
+    assert drawn["runs"][0]["lines"][0]["values"][-1] == 12

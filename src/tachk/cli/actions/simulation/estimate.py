@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from tachk import api
+from tachk.cli.actions.simulation.models import simulated_model
 from tachk.cli.arguments import parse_definitions, split_models_and_queries
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
@@ -60,7 +61,7 @@ def run_estimate(asked: Estimating, reporting: Reporting) -> ExitStatus:
     models, typed = split_models_and_queries(asked.arguments)
     if len(models) > 1:
         raise UsageError("tachk estimate takes one model", f"and queries: tachk estimate {models[0]} 'Pr[<=100](<> p)'")
-    model = api.load(models[0], **parse_definitions(asked.definitions))
+    model = simulated_model(models[0], **parse_definitions(asked.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
     network = ordered(model.network, orders_of(asked.faults)).network
     settings = Settings(
