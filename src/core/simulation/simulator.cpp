@@ -58,6 +58,7 @@ void Simulator::resume(const Snapshot& snapshot, Random random) {
 }
 
 std::optional<Ending> Simulator::step(const RunLimits& limits) {
+  machine_.draw_from(&random_);  // this may be a copy of another simulator
   for (std::uint64_t draws = 0; draws < most_idle_draws; ++draws) {
     if (frozen()) return act_now() ? std::nullopt : std::optional(Ending::deadlock);
     const auto [first, limit] = next_moments();
@@ -81,6 +82,7 @@ std::optional<Ending> Simulator::step(const RunLimits& limits) {
 }
 
 Ticks Simulator::next_moment() {
+  machine_.draw_from(&random_);  // this may be a copy of another simulator
   if (frozen()) return now_;
   const auto [first, limit] = next_moments();
   return std::min(first, limit);
@@ -285,6 +287,7 @@ bool Simulator::act(std::size_t process) {
 }
 
 bool Simulator::take(std::uint32_t edge, Ticks moment) {
+  machine_.draw_from(&random_);  // this may be a copy of another simulator
   now_ = moment;
   offered_.assign(1, edge);
   return carry_out();
