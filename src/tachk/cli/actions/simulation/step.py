@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 
 from tachk.cli.actions.simulation.models import simulated_model
@@ -80,7 +82,8 @@ def _converse(stepper: Stepper, with_terminal: bool) -> ExitStatus:
 def _lines(with_terminal: bool) -> Iterator[str]:
     """What is typed, shown as well where no terminal does that."""
     if with_terminal:
-        pass  # noqa: F401: input() has a history with it
+        with suppress(ImportError):
+            import_module("readline")  # with it `input` has a history
     while True:
         try:
             typed = input(_PROMPT)
