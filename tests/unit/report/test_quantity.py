@@ -16,7 +16,8 @@ from tachk.report.quantity import decimal, duration, seconds
         (Fraction(1, 8), "0.125"),
         (Fraction(-1, 4), "-0.25"),
         (Fraction(7, 3), "7/3"),
-        (Fraction(1, 10**9), "1/1000000000"),
+        (Fraction(1, 10**9), "0.000000001"),
+        (Fraction(1, 10**10), "1/10000000000"),
     ],
 )
 def test_decimal_is_exact(value: Fraction, text: str) -> None:

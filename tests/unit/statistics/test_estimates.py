@@ -8,6 +8,7 @@ from math import exp
 import pytest
 
 import tachk
+from tachk.diagnostics.codes.statistics_codes import STATISTICS_CODES
 from tachk.diagnostics.diagnostic import InputError, TachkError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source as Text
 from tachk.frontend.loaded import elaborate_query_file
@@ -225,15 +226,15 @@ def test_trajectories() -> None:
 @pytest.mark.parametrize(
     ("query", "error", "code"),
     [
-        ("Pr[100](<> n == 1)", InputError, "E0145"),
-        ("Pr[<=100](n == 1)", InputError, "E0145"),
-        ("Pr[<=100](<> n == 1) >= 2", InputError, "E0145"),
+        ("Pr[100](<> n == 1)", InputError, "E0147"),
+        ("Pr[<=100](n == 1)", InputError, "E0147"),
+        ("Pr[<=100](<> n == 1) >= 2", InputError, "E0147"),
         ("Pr[<=100](<> m == 1)", InputError, "E0201"),
-        ("Pr[n<=100](<> n == 1)", InputError, "E0145"),
-        ("Pr[<=5 s](<> n == 1)", InputError, "E0145"),
-        ("Pr[<=-5](<> n == 1)", InputError, "E0145"),
-        ("E[<=5; 0](max: n)", InputError, "E0145"),
-        ("E[<=5; 10](n)", InputError, "E0145"),
+        ("Pr[n<=100](<> n == 1)", InputError, "E0147"),
+        ("Pr[<=5 s](<> n == 1)", InputError, "E0147"),
+        ("Pr[<=-5](<> n == 1)", InputError, "E0147"),
+        ("E[<=5; 0](max: n)", InputError, "E0147"),
+        ("E[<=5; 10](n)", InputError, "E0147"),
         ("Pr[<=100](<> deadlock)", UnsupportedError, "E0728"),
         ("Pr(<>[0, 5] n == 1)", UnsupportedError, "E0728"),
         ("simulate [<=5; 10] {n} : 3 : n > 1", UnsupportedError, "E0728"),
@@ -246,6 +247,16 @@ def test_what_is_wrong_has_a_place(query: str, error: type[TachkError], code: st
     found = value.diagnostics[0] if isinstance(value, InputError) else value.diagnostic  # type: ignore[attr-defined]
     assert found.code == code
     assert 0 <= found.span.start < found.span.end <= len(query)
+
+
+@pytest.mark.parametrize("code", STATISTICS_CODES)
+def test_the_examples_of_the_explanations(code: str) -> None:
+    model = "process P() { init location a; } system P;"
+    with pytest.raises((InputError, UnsupportedError)) as raised:
+        answer(model, STATISTICS_CODES[code].bad)
+    assert code in str(raised.value)
+    if code != "E0728":  # whose good example is for `tachk verify`
+        answer(model, STATISTICS_CODES[code].good)
 
 
 def test_what_has_no_number_is_refused() -> None:

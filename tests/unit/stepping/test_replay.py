@@ -11,6 +11,7 @@ from random import Random
 import pytest
 
 import tachk
+from tachk.diagnostics.codes.run_codes import RUN_CODES
 from tachk.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
 from tachk.engines.simulation.policy import Policy
@@ -137,6 +138,16 @@ def test_lines_that_are_not_understood_are_named(line: str) -> None:
     (found,) = caught.value.diagnostics
     assert found.code == "E0922"
     assert str(found.span).startswith("a.run:2:1")
+
+
+def test_the_examples_of_the_explanations() -> None:
+    step, line = RUN_CODES["E0921"], RUN_CODES["E0922"]
+    model = "clock x; process P() { init location A { to B { guard x > 10; } } location B; } system P;"
+    assert _replayed(model, step.bad).refusal is not None
+    assert _replayed(model, step.good).refusal is None
+    with pytest.raises(InputError, match="E0922"):
+        read_run_file(Source("a.run", line.bad))
+    assert len(read_run_file(Source("a.run", line.good)).claims) == 1
 
 
 def _networks(count: int, seed: int) -> list[Network]:

@@ -2,7 +2,7 @@
 
 The numbers: E00xx files and characters, E01xx syntax, E02xx names, E03xx types, E04xx templates and systems, E05xx
 queries and properties, E06xx constants, E07xx unsupported features and run-time errors, E08xx the formats and versions
-of other tools, E090x and E091x formulas over traces, E095x rules of a relay, W0xxx warnings.
+of other tools, E090x and E091x formulas over traces, E092x runs, E095x rules of a relay, W0xxx warnings.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from tachk.diagnostics.codes.model_codes import MODEL_CODES
 from tachk.diagnostics.codes.monitoring_codes import MONITORING_CODES
 from tachk.diagnostics.codes.observer_codes import OBSERVER_CODES
 from tachk.diagnostics.codes.proxy_codes import PROXY_CODES
+from tachk.diagnostics.codes.run_codes import RUN_CODES
 from tachk.diagnostics.codes.run_time_codes import RUN_TIME_CODES
 from tachk.diagnostics.codes.sentence_codes import SENTENCE_CODES
 from tachk.diagnostics.codes.statistics_codes import STATISTICS_CODES
@@ -39,6 +40,7 @@ CODES: dict[str, Explanation] = {
     **DEEP_CODES,
     **MONITORING_CODES,
     **TRACE_CODES,
+    **RUN_CODES,
     **PROXY_CODES,
 }
 

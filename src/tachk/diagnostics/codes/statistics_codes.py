@@ -5,7 +5,7 @@ from __future__ import annotations
 from tachk.diagnostics.explanation import Explanation
 
 STATISTICS_CODES = {
-    "E0145": Explanation(
+    "E0147": Explanation(
         "malformed statistical query",
         "The forms are Pr[<=100](<> p), with [] or with p U q, alone or compared by >= or <= with a probability or "
         "with another such query; E[<=100; 1000](max: e) or min:; simulate [<=100; 5] {e, f}. The bound is a time, a "

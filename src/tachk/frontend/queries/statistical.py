@@ -265,7 +265,7 @@ class _Reader:
         return Span(self._span.source, min(start, self._span.end - 1), self._span.end)
 
     def _wrong(self, message: str, span: Span | None = None, help_: str = _EXAMPLE) -> InputError:
-        return InputError([Diagnostic("E0145", message, span or self._here(), help_)])
+        return InputError([Diagnostic("E0147", message, span or self._here(), help_)])
 
     def _unsupported(self, message: str, span: Span | None = None) -> UnsupportedError:
         return UnsupportedError(Diagnostic("E0728", message, span or self._here(), _EXAMPLE))
