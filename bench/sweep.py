@@ -1,23 +1,25 @@
-"""How much of two processors a sweep uses: `python bench/sweep.py [CELLS] [MILLISECONDS]`.
+"""How much of two processors a sweep uses: `python bench/sweep.py [CELLS] [MILLISECONDS] [--dask]`.
 
 Each cell computes for some milliseconds of processor time. Prints how much of the wall-clock time of all processes
 went into cells, with everything that `tachk sweep` does beside them: giving them out, and a transaction in the file for
-each. The time before the first cell is printed apart. The machine should be idle.
+each. The time before the first cell is printed apart. The machine should be idle. With --dask the cells go to a Dask
+cluster of two workers on this machine.
 """
 
 from __future__ import annotations
 
-import sys
+import argparse
 import time
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from tachk.campaign.cluster import compute_on_cluster
 from tachk.campaign.grid import Values, grid_of
 from tachk.campaign.job import COLUMNS
 from tachk.campaign.local import compute_locally
-from tachk.campaign.run import Progress, run_campaign
+from tachk.campaign.run import Computing, Progress, run_campaign
 
 PROCESSES = 2
 
@@ -41,9 +43,24 @@ class Burning:
         return ({**dict.fromkeys(COLUMNS), "property": "p", "answer": "holds"},)
 
 
-def main(arguments: list[str]) -> None:
-    cells = int(arguments[0]) if arguments else 10_000
-    seconds = float(arguments[1]) / 1000 if len(arguments) > 1 else 0.01
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("cells", type=int, nargs="?", default=10_000)
+    parser.add_argument("milliseconds", type=float, nargs="?", default=10)
+    parser.add_argument("--dask", action="store_true")
+    asked = parser.parse_args()
+    if asked.dask:
+        from distributed import LocalCluster
+
+        with LocalCluster(n_workers=PROCESSES, threads_per_worker=1, dashboard_address=None) as cluster:
+            measure(
+                asked.cells, asked.milliseconds / 1000, partial(compute_on_cluster, address=cluster.scheduler_address)
+            )
+    else:
+        measure(asked.cells, asked.milliseconds / 1000, partial(compute_locally, processes=PROCESSES))
+
+
+def measure(cells: int, seconds: float, compute: Computing) -> None:
     started = time.monotonic()
     first: list[float] = []
 
@@ -53,14 +70,14 @@ def main(arguments: list[str]) -> None:
 
     with TemporaryDirectory() as folder:
         job: Any = Burning(seconds)
-        compute = partial(compute_locally, processes=PROCESSES)
         run_campaign(grid_of([f"N=1..{cells}"]), job, Path(folder) / "cells.sqlite", compute, None, progress)
     ended = time.monotonic()
     used = cells * seconds / PROCESSES
+    beside = (ended - first[0] - used) * PROCESSES / cells
     print(f"{cells} cells of {seconds * 1000:g} ms on {PROCESSES} processes: {ended - started:.2f} s")
-    print(f"before the first cell: {first[0] - started:.2f} s")
+    print(f"before the first cell: {first[0] - started:.2f} s; beside each cell: {beside * 1000:.2f} ms of a processor")
     print(f"efficiency with it {used / (ended - started):.1%}, without {used / (ended - first[0]):.1%}")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

@@ -12,7 +12,7 @@ STUDY = Path(__file__).parents[2] / "examples/paper/study.py"
 
 def test_a_small_study(tmp_path: Path) -> None:
     """One loss is enough to see every part of the page; two subscribers that do not linger are disturbed."""
-    size = ["--runs", "3", "--drawn", "200", "--losses", "1", "--rates", "0.3 0.1", "--lingers", "1,4"]
+    size = ["--runs", "3", "--drawn", "200", "--losses", "1", "--rates", "0.3", "--lingers", "1,4"]
     subprocess.run(
         [sys.executable, str(STUDY), "--folder", str(tmp_path), *size], check=True, stdout=subprocess.DEVNULL
     )

@@ -10,7 +10,7 @@ import pytest
 from tachk.diagnostics.codes.deep_codes import DEEP_CODES
 from tachk.diagnostics.codes.model_codes import MODEL_CODES
 from tachk.diagnostics.codes.observer_codes import OBSERVER_CODES
-from tachk.diagnostics.codes.statistics_codes import STATISTICS_CODES
+from tachk.diagnostics.codes.runs.statistics_codes import STATISTICS_CODES
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.diagnostics.span import Source
 from tachk.loading.load import load_model

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from tachk import _core
 from tachk.diagnostics.codes.all_codes import CODES
-from tachk.diagnostics.codes.trace_codes import TRACE_CODES
+from tachk.diagnostics.codes.runs.trace_codes import TRACE_CODES
 from tachk.diagnostics.diagnostic import InputError, UsageError
 from tachk.runtime.trace import Trace
 from tachk.runtime.trace_csv import open_csv, open_csv_stream

@@ -8,7 +8,7 @@ from math import exp
 import pytest
 
 import tachk
-from tachk.diagnostics.codes.statistics_codes import STATISTICS_CODES
+from tachk.diagnostics.codes.runs.statistics_codes import STATISTICS_CODES
 from tachk.diagnostics.diagnostic import InputError, TachkError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source as Text
 from tachk.frontend.loaded import elaborate_query_file

@@ -11,7 +11,7 @@ from random import Random
 import pytest
 
 import tachk
-from tachk.diagnostics.codes.run_codes import RUN_CODES
+from tachk.diagnostics.codes.runs.run_codes import RUN_CODES
 from tachk.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
 from tachk.diagnostics.span import Source
 from tachk.engines.simulation.policy import Policy

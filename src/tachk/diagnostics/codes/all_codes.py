@@ -15,12 +15,12 @@ from tachk.diagnostics.codes.model_codes import MODEL_CODES
 from tachk.diagnostics.codes.monitoring_codes import MONITORING_CODES
 from tachk.diagnostics.codes.observer_codes import OBSERVER_CODES
 from tachk.diagnostics.codes.proxy_codes import PROXY_CODES
-from tachk.diagnostics.codes.run_codes import RUN_CODES
 from tachk.diagnostics.codes.run_time_codes import RUN_TIME_CODES
+from tachk.diagnostics.codes.runs.run_codes import RUN_CODES
+from tachk.diagnostics.codes.runs.statistics_codes import STATISTICS_CODES
+from tachk.diagnostics.codes.runs.trace_codes import TRACE_CODES
 from tachk.diagnostics.codes.sentence_codes import SENTENCE_CODES
-from tachk.diagnostics.codes.statistics_codes import STATISTICS_CODES
 from tachk.diagnostics.codes.syntax_codes import SYNTAX_CODES
-from tachk.diagnostics.codes.trace_codes import TRACE_CODES
 from tachk.diagnostics.codes.verification_codes import VERIFICATION_CODES
 from tachk.diagnostics.codes.xml_codes import XML_CODES
 from tachk.diagnostics.explanation import Explanation

@@ -1,0 +1,1 @@
+"""Codes about runs: recorded ones, written ones, and those that are drawn."""
