@@ -14,8 +14,14 @@ from tachk.engines.options import LARGEST_SEED, NEVER, Extrapolation, Limits, Op
 from tachk.engines.outcome import Progress
 from tachk.engines.program_image import encode
 from tachk.records import dataclass
+from tachk.time_limit import check_time
 
 ZONES_IN_A_BLOCK = 4096
+
+_SLICE = 256
+_SEVERAL = 1.5
+"""From so many zones for a discrete state on it pays to look for one each."""
+_STEPS_FOR_A_ZONE = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,8 +42,8 @@ class Cover:
 def find_cover(
     program: Program, goal: Goal, options: Options, limits: Limits, progress: Progress | None = None
 ) -> Cover | str:
-    """The smaller of two covers, or the reason why there is none: one has as few zones as can be for each discrete
-    state, the other no more discrete states than the search stores.
+    """The smallest of some covers, or the reason why there is none: one has as few zones as can be for each discrete
+    state, another no more discrete states than the search stores; see `_single` for the third.
 
     Hulls may reach discrete states that are not reachable, so that either may be the smaller one. With the bounds of LU
     a goal that asks for deadlock may seem reachable that is not; the maximum bounds are tried then.
@@ -54,8 +60,26 @@ def find_cover(
             elif found:
                 return min(covers, key=lambda cover: cover.zones) if covers else found
         if covers:
-            return min(covers, key=lambda cover: cover.zones)
+            best = min(covers, key=lambda cover: cover.zones)
+            single = _single(program, goal, options, best) if best.zones > _SEVERAL * best.groups else None
+            return best if single is None or single.zones >= best.zones else single
     return reason
+
+
+def _single(program: Program, goal: Goal, options: Options, best: Cover) -> Cover | None:
+    """A cover with the smallest zone for each discrete state, if a short search ends with one.
+
+    Bounds that an abstraction has dropped can be those that keep one zone from meeting the goal. Without abstraction a
+    search need not end, so that it may only explore some times as many states as the best cover known has zones.
+    """
+    exact = replace(options, extrapolation=Extrapolation.NONE)
+    search = _core.CoverSearch(encode(program, [goal]), core_options(exact), core_limits(Limits()), hulls=True)
+    for _ in range(_STEPS_FOR_A_ZONE * best.zones // _SLICE + 1):
+        check_time()
+        status = search.run(_SLICE)
+        if status is not _core.Status.RUNNING:
+            return _told(search.cover()) if status is _core.Status.FINISHED and not search.reached() else None
+    return None
 
 
 def _search(

@@ -602,6 +602,7 @@ def test_a_zone_is_written_once_however_many_states_have_it() -> None:
         ("brp.ta", "no_overflow", {}),
         ("fddi.ta", "one_sender", {}),
         ("fddi.ta", "rotation_bound", {}),
+        ("fddi.ta", "no_deadlock", {}),
     ],
 )
 def test_a_proof_needs_at_most_a_quarter_of_the_stored_zones(model: str, name: str, constants: dict[str, int]) -> None:
@@ -616,6 +617,15 @@ def test_a_proof_needs_at_most_a_quarter_of_the_stored_zones(model: str, name: s
     assert 4 * before > stored >= 4 * after
     assert wide.zones <= proof.zones and wide.states == proof.states
     assert judged(loaded.network, query, written(wide)) is None
+
+
+def test_one_zone_for_each_discrete_state_where_exact_bounds_allow_it() -> None:
+    """With abstraction the hull of two zones of FDDI seems to have a deadlock."""
+    loaded = tachk.load(MODELS / "classics/fddi.ta", N=10)
+    (query,) = (query for query in loaded.properties if query.name == "no_deadlock")
+    proof = proved(loaded.network, query)
+    assert proof.zones == proof.states == 80
+    assert judged(loaded.network, query, written(proof)) is None
 
 
 def test_a_proof_with_ranks_can_do_without_some_constraints_too() -> None:
