@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+from tachk.model.network import Network
 from tachk.monitoring.formulas import NamedFormula, read_formulas
+from tachk.monitoring.offline import Judging, judge
+from tachk.runtime.node_signal import Truth
+from tachk.runtime.trace import Trace
+from tachk.runtime.trace_files import open_trace
+from tachk.simulation.columns import Column, columns_for
 
 
 def formulas_for(given: str | None, definitions: Mapping[str, str]) -> tuple[NamedFormula, ...]:
@@ -13,3 +19,16 @@ def formulas_for(given: str | None, definitions: Mapping[str, str]) -> tuple[Nam
     if given is None:
         return ()
     return read_formulas(given, dict(definitions) if Path(given).suffix in (".ta", ".xta", ".xml", ".stl") else {})
+
+
+def columns_with(network: Network, record: Sequence[str], formulas: Iterable[NamedFormula]) -> tuple[Column, ...]:
+    """What is recorded: the chosen columns, and those that the formulas read."""
+    return columns_for(network, record, (name for f in formulas for name in f.columns - f.constant_names))
+
+
+def truths_on(trace: Trace, formulas: tuple[NamedFormula, ...]) -> dict[str, Truth]:
+    """The verdict of each formula."""
+    if not formulas:
+        return {}
+    verdicts = judge(formulas, open_trace(trace), Judging(robustness=False)).verdicts
+    return {verdict.name: verdict.truth for verdict in verdicts}

@@ -3,9 +3,44 @@
 from __future__ import annotations
 
 from tachk.api import Model
+from tachk.cli.arguments import parse_definitions
+from tachk.cli.guard import print_diagnostics
 from tachk.loading.load import load_model
+from tachk.records import dataclass
+from tachk.stepping.claims import ClaimedRun
+from tachk.stepping.files import check_determined, constants_of
 
 
 def simulated_model(path: str, **constants: int | bool | str) -> Model:
     """As `tachk.api.load`."""
     return Model(load_model(path, constants, keeps_doubles=True), path, tuple(constants))
+
+
+@dataclass(frozen=True, slots=True)
+class ModelOfRun:
+    """A model with the values of constants that a run was made with.
+
+    Attributes:
+        of_run: the constants that have another value because of the run.
+        constants: those, and the ones that the user has chosen, with their values.
+    """
+
+    model: Model
+    of_run: dict[str, int]
+    constants: dict[str, int]
+
+
+def model_of_run(path: str, definitions: tuple[str, ...], claimed: ClaimedRun | None) -> ModelOfRun:
+    """Loads the model that a run speaks of, or the model as it is where there is none, and prints what there is to say.
+
+    Raises UsageError for a run of another model, and for a model whose runs cannot be replayed.
+    """
+    given = parse_definitions(definitions)
+    model = simulated_model(path, **given)
+    of_run = {} if claimed is None else constants_of(claimed, model.constants, given)
+    if of_run:
+        model = simulated_model(path, **of_run, **given)
+    print_diagnostics((*model.refusals, *model.warnings))
+    check_determined(model.network)
+    constants = {name: value for name, value in model.constants.items() if name in {**of_run, **given}}
+    return ModelOfRun(model, of_run, constants)

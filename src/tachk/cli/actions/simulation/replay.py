@@ -8,9 +8,8 @@ from pathlib import Path
 
 from tachk.cli.actions.judged import exit_status
 from tachk.cli.actions.simulation.formulas import formulas_for
-from tachk.cli.actions.simulation.models import simulated_model
+from tachk.cli.actions.simulation.models import model_of_run
 from tachk.cli.actions.simulation.run_signals import judged_run, write_run
-from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.terminal import console
@@ -18,7 +17,7 @@ from tachk.report.quantity import duration
 from tachk.report.run.telling import Telling
 from tachk.report.run.trace_text import print_trace
 from tachk.report.run.trace_view import Names, view_trace
-from tachk.stepping.files import check_determined, constants_of, read_claims
+from tachk.stepping.files import read_claims
 from tachk.stepping.refusals import refusal_diagnostic
 from tachk.stepping.replaying import replay_claims
 
@@ -42,21 +41,15 @@ class Replaying:
 def run_replay(asked: Replaying) -> ExitStatus:
     """Executes the run, prints and writes it as far as it is one."""
     claimed = read_claims(asked.file, asked.prop)
-    given = parse_definitions(asked.definitions)
-    model = simulated_model(asked.model, **given)
-    of_run = constants_of(claimed, model.constants, given)
-    if of_run:
-        model = simulated_model(asked.model, **of_run, **given)
-    print_diagnostics((*model.refusals, *model.warnings))
-    network = model.network
-    check_determined(model.network)
+    about = model_of_run(asked.model, asked.definitions, claimed)
+    network = about.model.network
     names = Names(network)
     replayed = replay_claims(names, claimed)
     trace = replayed.trace
     if not asked.quiet:
         telling = Telling(asked.clocks, asked.every_step)
         print_trace(view_trace(network, trace), console(sys.stdout), network.time_unit, telling)
-    for name, value in of_run.items():
+    for name, value in about.of_run.items():
         print(f"with {name} = {value}, as the run says")
     steps = f"{len(claimed.claims)} step{'s' if len(claimed.claims) != 1 else ''}"
     when = duration(trace.states[-1].time, network.time_unit)
@@ -67,10 +60,9 @@ def run_replay(asked: Replaying) -> ExitStatus:
         print(f"{asked.file}: no run of {asked.model}: {where}")
         print_diagnostics([refusal_diagnostic(replayed.refusal)])
     statuses = [ExitStatus.AS_EXPECTED if replayed.refusal is None else ExitStatus.NOT_AS_EXPECTED]
-    constants = {name: value for name, value in model.constants.items() if name in {**of_run, **given}}
-    formulas = formulas_for(asked.formulas, {name: str(value) for name, value in constants.items()})
+    formulas = formulas_for(asked.formulas, {name: str(value) for name, value in about.constants.items()})
     if asked.output is not None:
-        write_run(asked.output, names, trace, asked.record, formulas, asked.model, constants)
+        write_run(asked.output, names, trace, asked.record, formulas, asked.model, about.constants)
     truths = judged_run(names, trace, formulas, str(asked.file))
     for name, truth in truths.items():
         print(f"{name}: {truth}")

@@ -6,13 +6,11 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from tachk.cli.actions.simulation.formulas import columns_with, truths_on
 from tachk.monitoring.formulas import NamedFormula
-from tachk.monitoring.offline import Judging, judge
 from tachk.report.run.trace_view import Names
 from tachk.runtime.node_signal import Truth
-from tachk.runtime.trace_files import open_trace
 from tachk.semantics.timed_trace import TimedTrace
-from tachk.simulation.columns import Column, columns_for
 from tachk.simulation.tables import run_writer
 from tachk.stepping.run_file import SUFFIX, run_text
 from tachk.stepping.signals import signals_of
@@ -34,22 +32,15 @@ def write_run(
     if output.suffix.lower() == SUFFIX:
         output.write_text(run_text(names, run, [f"a run of {model}"], constants), encoding="utf-8")
         return
-    recorded = signals_of(names, _columns(names, record, formulas), run, str(output), decimal_times=True)
+    recorded = signals_of(names, columns_with(names.network, record, formulas), run, str(output), decimal_times=True)
     if not recorded.exact:
         print(f"{output}: times are rounded down to 1e-9 time units", file=sys.stderr)
     with run_writer(output) as write:
         write(0, recorded.trace)
 
 
-def judged_run(names: Names, run: TimedTrace, formulas: Sequence[NamedFormula], name: str) -> dict[str, Truth]:
+def judged_run(names: Names, run: TimedTrace, formulas: tuple[NamedFormula, ...], name: str) -> dict[str, Truth]:
     """The verdict of each formula."""
     if not formulas:
         return {}
-    recorded = signals_of(names, _columns(names, (), formulas), run, name)
-    verdicts = judge(tuple(formulas), open_trace(recorded.trace), Judging(robustness=False)).verdicts
-    return {verdict.name: verdict.truth for verdict in verdicts}
-
-
-def _columns(names: Names, record: Sequence[str], formulas: Sequence[NamedFormula]) -> tuple[Column, ...]:
-    needed = (name for formula in formulas for name in formula.columns - formula.constant_names)
-    return columns_for(names.network, record, needed)
+    return truths_on(signals_of(names, columns_with(names.network, (), formulas), run, name).trace, formulas)

@@ -8,17 +8,15 @@ from pathlib import Path
 
 from tachk.cli.actions.judged import exit_status
 from tachk.cli.actions.simulation.formulas import formulas_for
-from tachk.cli.actions.simulation.models import simulated_model
+from tachk.cli.actions.simulation.models import model_of_run
 from tachk.cli.actions.simulation.run_signals import judged_run, write_run
-from tachk.cli.arguments import parse_definitions
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import TableForm
 from tachk.diagnostics.diagnostic import InputError
 from tachk.records import dataclass
 from tachk.report.quantity import duration
 from tachk.report.run.trace_view import Names
-from tachk.stepping.files import check_determined, constants_of, read_claims
+from tachk.stepping.files import read_claims
 from tachk.stepping.refusals import refusal_diagnostic
 from tachk.stepping.replaying import replay_claims
 
@@ -39,21 +37,14 @@ class Script:
 def run_script(asked: Script) -> ExitStatus:
     """Takes each step of the file. Raises InputError with the first line that cannot be taken."""
     claimed = read_claims(asked.file)
-    given = parse_definitions(asked.definitions)
-    model = simulated_model(asked.model, **given)
-    of_run = constants_of(claimed, model.constants, given)
-    if of_run:
-        model = simulated_model(asked.model, **of_run, **given)
-    print_diagnostics((*model.refusals, *model.warnings))
-    check_determined(model.network)
-    names = Names(model.network)
+    about = model_of_run(asked.model, asked.definitions, claimed)
+    names = Names(about.model.network)
     replayed = replay_claims(names, claimed)
     if replayed.refusal is not None:
         raise InputError([refusal_diagnostic(replayed.refusal)])
-    constants = {name: value for name, value in model.constants.items() if name in {**of_run, **given}}
-    formulas = formulas_for(asked.formulas, {name: str(value) for name, value in constants.items()})
+    formulas = formulas_for(asked.formulas, {name: str(value) for name, value in about.constants.items()})
     if asked.output is not None:
-        write_run(asked.output, names, replayed.trace, asked.record, formulas, asked.model, constants)
+        write_run(asked.output, names, replayed.trace, asked.record, formulas, asked.model, about.constants)
     truths = judged_run(names, replayed.trace, formulas, str(asked.file))
     end = replayed.trace.states[-1].time
     if asked.form is TableForm.JSON:
@@ -67,7 +58,7 @@ def run_script(asked: Script) -> ExitStatus:
         json.dump(told, sys.stdout, indent=2)
         print()
     else:
-        when = duration(end, model.network.time_unit)
+        when = duration(end, names.network.time_unit)
         print(f"{asked.model}: 1 run until {when}, {len(replayed.trace.path)} transitions, as {asked.file} says")
         for name, truth in truths.items():
             print(f"{name}: {truth}")

@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 import sys
 from collections import Counter
-from collections.abc import Iterator
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from tachk.cli.actions.judged import exit_status
-from tachk.cli.actions.simulation.formulas import formulas_for
+from tachk.cli.actions.simulation.formulas import columns_with, formulas_for, truths_on
 from tachk.cli.actions.simulation.models import simulated_model
 from tachk.cli.actions.simulation.run_files import holds_steps, run_files
 from tachk.cli.actions.simulation.scripted import Script, run_script
@@ -24,10 +23,7 @@ from tachk.engines.simulation.policy import SCRIPT, Policy
 from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded, Simulated
 from tachk.model.network import Network
 from tachk.monitoring.formulas import NamedFormula
-from tachk.monitoring.offline import Judging, judge
 from tachk.runtime.node_signal import Truth
-from tachk.runtime.trace_files import open_trace
-from tachk.simulation.columns import columns_for
 from tachk.simulation.intervals import clopper_pearson
 from tachk.simulation.orders import ordered, orders_of
 from tachk.simulation.runs import Runs
@@ -67,6 +63,7 @@ class _Tally:
         examples: the first run of each ending, and when it ends in ticks.
         truths: for each formula how many runs have each verdict.
         violating: for each formula the runs on which it is false.
+        done, missed: how often each ordered fault happened, and how often the model did not allow it.
     """
 
     transitions: int = 0
@@ -75,7 +72,8 @@ class _Tally:
     faults: list[str] = field(default_factory=list)
     truths: dict[str, Counter[Truth]] = field(default_factory=dict)
     violating: dict[str, list[int]] = field(default_factory=dict)
-    counts: Counter[str] = field(default_factory=Counter)
+    done: Counter[str] = field(default_factory=Counter)
+    missed: Counter[str] = field(default_factory=Counter)
 
     def add(self, run: Simulated) -> None:
         self.transitions += run.transitions
@@ -84,11 +82,6 @@ class _Tally:
         if run.fault is not None and not self.faults:
             kind, span = run.fault
             self.faults.append(f"{span}: {kind.name.lower().replace('_', ' ')}")
-
-    def orders(self) -> Iterator[tuple[str, int, int]]:
-        """What was ordered, how often it happened, and how often the model does not allow it."""
-        for written in dict.fromkeys(key.rpartition(" ")[0] for key in self.counts):
-            yield written, self.counts[f"{written} done"], self.counts[f"{written} missed"]
 
     def judge(self, name: str, number: int, truth: Truth) -> None:
         self.truths.setdefault(name, Counter())[truth] += 1
@@ -113,21 +106,19 @@ def run_simulate(asked: Simulating) -> ExitStatus:
     network = model.network
     formulas = formulas_for(asked.formulas, definitions)
     until = ticks_of(asked.until, network.time_unit)
-    columns = columns_for(network, asked.record, (name for f in formulas for name in f.columns - f.constant_names))
+    columns = columns_with(network, asked.record, formulas)
     wanted = ordered(network, orders_of(asked.faults))
-    counters = {
-        **{f"{w} done": s for w, s in wanted.done.items()},
-        **{f"{w} missed": s for w, s in wanted.missed.items()},
-    }
-    runs = Runs(wanted.network, columns, list(counters.values()))
+    runs = Runs(wanted.network, columns, [*wanted.done.values(), *wanted.missed.values()])
     drawing = Drawing(asked.seed, until, Policy(asked.policy), asked.steps, asked.threads)
-    observed = asked.output is not None or bool(formulas or counters)
+    observed = asked.output is not None or bool(formulas or wanted.done or wanted.missed)
     tally = _Tally()
     with nullcontext() if asked.output is None else run_files(asked.output, model, definitions, asked.runs) as write:
         numbers = range(asked.first, asked.first + asked.runs)
         for run in runs.draw(drawing, numbers, Recorded(holds_steps(asked.output), observed)):
             tally.add(run)
-            tally.counts.update(dict(zip(counters, runs.counts(run), strict=False)))
+            counted = iter(runs.counts(run))
+            tally.done.update(dict(zip(wanted.done, counted, strict=False)))
+            tally.missed.update(dict(zip(wanted.missed, counted, strict=False)))
             if not observed or not len(run.times):
                 continue
             violating = _is_kept(runs, run, formulas, tally)
@@ -143,10 +134,10 @@ def _is_kept(runs: Runs, run: Simulated, formulas: tuple[NamedFormula, ...], tal
     """Judges a run; whether it is written: there are no formulas, or one is false on it."""
     if not formulas:
         return True
-    record = judge(formulas, open_trace(runs.trace(run)), Judging(robustness=False))
-    for verdict in record.verdicts:
-        tally.judge(verdict.name, run.number, verdict.truth)
-    return any(verdict.truth is Truth.FALSE for verdict in record.verdicts)
+    truths = truths_on(runs.trace(run), formulas)
+    for name, truth in truths.items():
+        tally.judge(name, run.number, truth)
+    return Truth.FALSE in truths.values()
 
 
 # ---- the summary ----------------------------------------------------------------------------------------------------
@@ -165,7 +156,8 @@ def _print(asked: Simulating, tally: _Tally, network: Network) -> None:
             "" if ending is Ending.HORIZON else f", the first is run {number} at {decimal_time(end, TICKS_PER_UNIT)}"
         )
         print(f"{count:8} end with: {ending}{where}")
-    for written, done, missed in tally.orders():
+    for written, done in tally.done.items():
+        missed = tally.missed[written]
         impossible = f", {missed} times the model does not allow it" if missed else ""
         print(f"{written}: {done} times{impossible}")
     for fault in tally.faults:
@@ -192,7 +184,7 @@ def _json(asked: Simulating, tally: _Tally) -> dict[str, object]:
         "seed": asked.seed,
         "policy": asked.policy,
         "transitions": tally.transitions,
-        "faults": [{"order": order, "done": done, "missed": missed} for order, done, missed in tally.orders()],
+        "faults": [{"order": order, "done": done, "missed": tally.missed[order]} for order, done in tally.done.items()],
         "endings": {ending.value: count for ending, count in tally.endings.items()},
         "formulas": [
             {

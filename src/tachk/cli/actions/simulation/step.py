@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 
-from tachk.cli.actions.simulation.models import simulated_model
-from tachk.cli.arguments import parse_definitions
+from tachk.cli.actions.simulation.models import model_of_run
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import complain, print_diagnostics
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.report.run.trace_view import Names
 from tachk.semantics.step import StepError
-from tachk.stepping.files import check_determined, constants_of, read_claims
+from tachk.stepping.files import read_claims
 from tachk.stepping.refusals import refusal_diagnostic
 from tachk.stepping.session import Session
 from tachk.stepping.stepper import NotUnderstoodError, QuitError, Stepper
@@ -39,24 +38,17 @@ class Stepping:
 def run_step(asked: Stepping) -> ExitStatus:
     """Answers each line until there are no more."""
     check_time()
-    given = parse_definitions(asked.definitions)
-    model = simulated_model(asked.model, **given)
     claimed = None if asked.load is None else read_claims(asked.load, asked.prop)
-    of_run = {} if claimed is None else constants_of(claimed, model.constants, given)
-    if of_run:
-        model = simulated_model(asked.model, **of_run, **given)
-    print_diagnostics((*model.refusals, *model.warnings))
-    check_determined(model.network)
+    about = model_of_run(asked.model, asked.definitions, claimed)
     try:
-        session = Session.begin(Names(model.network))
+        session = Session.begin(Names(about.model.network))
     except StepError as error:
         raise UsageError(f"{asked.model}: {error}", "tachk check tells where") from None
     if claimed is not None:
         session, refusal = session.loaded(claimed)
         if refusal is not None:
             print_diagnostics([refusal_diagnostic(refusal)])
-    constants = {name: value for name, value in model.constants.items() if name in {**of_run, **given}}
-    return _converse(Stepper(session, asked.model, constants, asked.seed), sys.stdin.isatty())
+    return _converse(Stepper(session, asked.model, about.constants, asked.seed), sys.stdin.isatty())
 
 
 def _converse(stepper: Stepper, with_terminal: bool) -> ExitStatus:
