@@ -423,17 +423,17 @@ def test_no_command_line_is_a_defect(folder: Path, seed: int, monkeypatch: pytes
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (["-t1"], Options(shortest=True)),
+        (["-t1"], Options(SearchOrder.BFS, shortest=True)),
         (["-t2", "-o1"], Options(SearchOrder.DFS, pace=Pace.FASTEST)),
         (["-t0", "-o1"], Options(SearchOrder.DFS)),
         (["-o2", "-r", "-1"], Options(SearchOrder.RANDOM_DFS, 2**32 - 1)),
-        (["-n1"], Options(extrapolation=Extrapolation.NONE)),
-        (["-n", "2"], Options(extrapolation=Extrapolation.MAX)),
-        ([], Options()),
-        (["-S0"], Options()),
-        (["-S1"], Options(passing=8)),
-        (["-S", "2", "-t1"], Options(passing=8, shortest=True)),
-        (["--statespace-consumption=1", "-S0"], Options()),
+        (["-n1"], Options(SearchOrder.BFS, extrapolation=Extrapolation.NONE)),
+        (["-n", "2"], Options(SearchOrder.BFS, extrapolation=Extrapolation.MAX)),
+        ([], Options(SearchOrder.BFS)),
+        (["-S0"], Options(SearchOrder.BFS)),
+        (["-S1"], Options(SearchOrder.BFS, passing=8)),
+        (["-S", "2", "-t1"], Options(SearchOrder.BFS, passing=8, shortest=True)),
+        (["--statespace-consumption=1", "-S0"], Options(SearchOrder.BFS)),
     ],
 )
 def test_what_the_engine_is_asked(

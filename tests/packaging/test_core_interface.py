@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 WORDS = {
     "Opcode": {"constant": "const", "logical_not": "not", "call_return": "return", "assertion": "assert"},
     "FaultKind": {"assertion": "assert"},
-    "SearchOrder": {"breadth_first": "bfs", "depth_first": "dfs", "random_depth_first": "random_dfs"},
+    "SearchOrder": {"automatic": "auto", "breadth_first": "bfs", "depth_first": "dfs", "random_depth_first": "random_dfs"},
     "NodeKind": {
         "always_false": "false",
         "always_true": "true",
@@ -59,7 +59,7 @@ def numbers_of(header: str, enumeration: str) -> dict[str, int]:
         ("machine/floating.hpp", "FloatingOperation", FloatingOperation),
         ("machine/opcode.hpp", "FaultKind", _core.FaultKind),
         ("reachability/explorer.hpp", "Status", _core.Status),
-        ("reachability/options.hpp", "SearchOrder", _core.SearchOrder),
+        ("order/waiting.hpp", "SearchOrder", _core.SearchOrder),
         ("symbolic/abstraction.hpp", "Extrapolation", _core.Extrapolation),
         ("symbolic/abstraction.hpp", "BoundScope", _core.BoundScope),
         ("zones/zone.hpp", "Width", _core.Width),

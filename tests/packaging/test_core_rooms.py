@@ -20,6 +20,7 @@ FLOORS = (
     "fmi",
     "states",
     "symbolic",
+    "order",
     "reachability",
     "liveness",
 )

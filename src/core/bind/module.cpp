@@ -33,9 +33,11 @@ using FaultTuple =
 // business.
 void bind_enumerations(nb::module_& m) {
   nb::enum_<tachk::SearchOrder>(m, "SearchOrder")
+      .value("AUTO", tachk::SearchOrder::automatic)
       .value("BFS", tachk::SearchOrder::breadth_first)
       .value("DFS", tachk::SearchOrder::depth_first)
-      .value("RANDOM_DFS", tachk::SearchOrder::random_depth_first);
+      .value("RANDOM_DFS", tachk::SearchOrder::random_depth_first)
+      .value("PROGRESS", tachk::SearchOrder::progress);
   nb::enum_<tachk::Extrapolation>(m, "Extrapolation")
       .value("NONE", tachk::Extrapolation::none)
       .value("MAX", tachk::Extrapolation::max)

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "liveness/restriction.hpp"
+#include "order/waiting.hpp"
 #include "reachability/options.hpp"
-#include "reachability/waiting.hpp"
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
 

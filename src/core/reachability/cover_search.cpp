@@ -120,7 +120,7 @@ void CoverSearch::keep(const Successor& successor, std::uint32_t discrete) {
   const std::uint32_t parent = successor.edges.empty() ? no_node : node_;
   const std::uint32_t number = attempt.passed.add(discrete, {zone, dimension}, parent, true);
   if (number == no_node) return;
-  attempt.waiting.add(number, parent);
+  attempt.waiting.add(number, parent, successor.slots, attempt.passed.covered_last());
   attempt.latest[discrete] = number;
   attempt.widened.resize(number + std::size_t{1});
   attempt.widened[number] = widened;

@@ -12,13 +12,13 @@
 #include <unordered_set>
 #include <vector>
 
+#include "order/waiting.hpp"
 #include "program/program.hpp"
 #include "reachability/cover_parts.hpp"
 #include "reachability/deadlock_watch.hpp"
 #include "reachability/explorer.hpp"
 #include "reachability/goals.hpp"
 #include "reachability/options.hpp"
-#include "reachability/waiting.hpp"
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
 

@@ -9,6 +9,9 @@ namespace tachk {
 namespace {
 
 Options consistent(Options options, const Limits& limits, const Program& program) {
+  // What is counted in steps from the initial state is explored in their order.
+  if (options.order == SearchOrder::automatic && (options.shortest || limits.depth != UINT32_MAX))
+    options.order = SearchOrder::breadth_first;
   if (options.shortest && options.order != SearchOrder::breadth_first)
     throw std::invalid_argument("shortest paths need a breadth-first search");
   // Steps are counted in stored states.
@@ -70,12 +73,14 @@ Status Explorer::search(std::uint64_t expansions) {
   if (!std::exchange(started_, true)) {
     graph_.start(Storing{*this});
     waiting_.close();
+    waiting_.consider(graph_.program(), passed_);
   }
   while (!goals_.settled()) {
     if (expansions-- == 0) return Status::running;
     const std::uint32_t node = next();
     if (node == no_node) return goals_.settled() || waiting_.complete() ? Status::finished : Status::depth_limit;
     expand(node);
+    waiting_.consider(graph_.program(), passed_);
     if (passed_.stored() > limits_.states) return Status::state_limit;
     if (limits_.memory_bytes != UINT64_MAX && statistics().bytes > limits_.memory_bytes) return Status::memory_limit;
   }
@@ -95,6 +100,7 @@ void Explorer::expand(std::uint32_t number) {
   passed_.unpack(node, source_.slots.data());
   graph_.unpack(source_.slots.data(), passed_.zone(node), source_.zone);
   node_ = number;
+  waiting_.begin(source_.slots.data());
   ++work_.explored;
   deadlocks_.begin(source_);
   passing_.begin(!deadlocks_.open());
@@ -109,7 +115,7 @@ void Explorer::store(const Successor& successor, std::uint32_t discrete) {
   const std::uint32_t parent = edges.empty() ? no_node : node_;
   const std::uint32_t number = passed_.add(discrete, graph_.packed(slots, zone), parent, options_.subsumption);
   if (number == no_node) return;
-  waiting_.add(number, parent);
+  waiting_.add(number, parent, slots, passed_.covered_last());
   try {
     goals_.check(number, slots, zone);
     measures_.check(number, slots, zone);

@@ -10,13 +10,13 @@
 #include <optional>
 #include <vector>
 
+#include "order/waiting.hpp"
 #include "program/program.hpp"
 #include "reachability/deadlock_watch.hpp"
 #include "reachability/goals.hpp"
 #include "reachability/measures.hpp"
 #include "reachability/options.hpp"
 #include "reachability/passing.hpp"
-#include "reachability/waiting.hpp"
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
 

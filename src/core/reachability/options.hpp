@@ -5,14 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "order/waiting.hpp"
 #include "symbolic/zone_graph.hpp"
 
 namespace tachk {
 
-enum class SearchOrder { breadth_first, depth_first, random_depth_first };
-
 struct Options : ZoneGraphOptions {
-  SearchOrder order = SearchOrder::breadth_first;
+  SearchOrder order = SearchOrder::automatic;
   std::uint32_t seed = 1;
   bool subsumption = true;
   bool reclaim = true;

@@ -64,6 +64,7 @@ void PassedList::cover(std::uint32_t number) {
   Node& node = entry(number);
   node.next = covered_mark;
   --stored_;
+  covered_last_.push_back(number);
   if (!reclaim_) return;
   const std::uint32_t upper_hash = zones_.upper_hash(node.zone);
   zones_.release(node.zone);
@@ -144,6 +145,7 @@ void PassedList::append(std::uint32_t& head, std::uint32_t number) {
 }
 
 std::uint32_t PassedList::add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption) {
+  covered_last_.clear();
   if (subsumption) {
     if (covers(discrete, zone)) return no_node;
     thin_out(head(discrete), zone);

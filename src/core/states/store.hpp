@@ -55,6 +55,9 @@ class PassedList {
   // With `subsumption` a state is covered by a state with a zone that contains its own, without by an equal one only.
   std::uint32_t add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption);
 
+  // The nodes that the last `add` has removed.
+  const std::vector<std::uint32_t>& covered_last() const { return covered_last_; }
+
   // From now on the nodes with numbers from `first` to `last`, without it, are not covered by others.
   void protect(std::uint32_t first, std::uint32_t last) {
     protected_first_ = first;
@@ -113,6 +116,7 @@ class PassedList {
   std::vector<Antichain> chains_;
   std::size_t chain_bytes_ = 0;
   std::uint32_t stored_ = 0;
+  std::vector<std::uint32_t> covered_last_;
   std::uint32_t protected_first_ = 0;
   std::uint32_t protected_count_ = 0;
 };

@@ -31,9 +31,19 @@ class Pace(StrEnum):
 
 
 class SearchOrder(StrEnum):
+    AUTO = "auto"
+    """Breadth first; by progress from the moment on when most states that were explored turn out to be covered by
+    later ones."""
     BFS = "bfs"
     DFS = "dfs"
     RANDOM_DFS = "rdfs"
+    PROGRESS = "progress"
+    """The states first that have come least far, counted in rounds and layers of the locations of each process."""
+
+    @property
+    def finds_shortest(self) -> bool:
+        """Whether a path that is found first can be asked to be a shortest one."""
+        return self in (SearchOrder.AUTO, SearchOrder.BFS)
 
 
 class Extrapolation(StrEnum):
@@ -65,7 +75,7 @@ class Options:
 
     Attributes:
         engine: which engine answers; all other options are of the zone engine.
-        order: which state is explored next; BFS gives short paths.
+        order: which state is explored next; BFS gives short paths, and so does AUTO where it stays with it.
         seed: for RANDOM_DFS, from 0 to 2**32 - 1.
         extrapolation: the zone abstraction.
         bounds: where the clock bounds of the abstraction come from.
@@ -86,14 +96,14 @@ class Options:
         hold_spectators: hold processes still that cannot influence the answer; off: explore them too.
         drop_bystanders: first search without the processes that can only block others; off: search the whole network
             at once. Of `A<>`, `E[]` and `-->`: without those that certainly do not even block.
-        shortest: find paths of as few transitions as possible; with BFS only. It may take more states: a state is
+        shortest: find paths of as few transitions as possible; with BFS, which AUTO then is, only. It may take more states: a state is
             dropped for a larger one only if that is not further from the initial state.
         pace: which run to a state that was found is shown; FASTEST takes further searches.
 
     Raises UsageError for a number out of its range and for `shortest` with another order than BFS.
     """
 
-    order: SearchOrder = SearchOrder.BFS
+    order: SearchOrder = SearchOrder.AUTO
     seed: int = 1
     extrapolation: Extrapolation = Extrapolation.LU
     bounds: BoundScope = BoundScope.LOCAL
@@ -121,7 +131,7 @@ class Options:
         _check_range("passing", self.passing, 0, 64)
         if self.width not in (16, 32, 64):
             raise UsageError(f"`width` is 16, 32 or 64, not {self.width}")
-        if self.shortest and self.order is not SearchOrder.BFS:
+        if self.shortest and not self.order.finds_shortest:
             raise UsageError(
                 f"a shortest path needs the search order bfs, not {self.order.value}",
                 "breadth-first search is what makes the first path that is found a shortest one",

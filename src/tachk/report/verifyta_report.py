@@ -18,9 +18,11 @@ from tachk.report.record import NotChecked, RunRecord
 from tachk.semantics.timed_trace import Ending, TimedTrace
 
 _ORDERS = {
+    SearchOrder.AUTO: "breadth first",
     SearchOrder.BFS: "breadth first",
     SearchOrder.DFS: "depth first",
     SearchOrder.RANDOM_DFS: "random depth first",
+    SearchOrder.PROGRESS: "by progress",
 }
 OUT_OF_MEMORY = "memory limit"
 

@@ -21,6 +21,9 @@ from tachk.testing.networks import Case
 from tachk.words import QueryKind
 
 VARIANTS = (
+    Options(order=SearchOrder.BFS),
+    Options(order=SearchOrder.PROGRESS),
+    Options(order=SearchOrder.PROGRESS, passing=8, reclaim=False),
     Options(order=SearchOrder.DFS),
     Options(order=SearchOrder.RANDOM_DFS, seed=7),
     Options(extrapolation=Extrapolation.MAX),

@@ -21,7 +21,7 @@ from tachk.cli.progress import ProgressLine
 from tachk.cli.reporting import Evidence
 from tachk.cli.terminal import can_rewrite_lines
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.options import Limits, Options, Pace, SearchOrder
+from tachk.engines.options import Limits, Options, Pace
 from tachk.engines.outcome import INTERRUPTED
 from tachk.properties.variants.second_engine import DisagreementError
 from tachk.properties.verdict import Answer
@@ -155,7 +155,7 @@ def _written(
 
 
 def _shortest(options: Options) -> Options:
-    if options.order is not SearchOrder.BFS:
+    if not options.order.finds_shortest:
         raise UsageError(
             f"--trace shortest needs --search bfs, not {options.order.value}",
             "breadth-first search is what makes the first run that is found a shortest one",

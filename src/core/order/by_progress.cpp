@@ -1,0 +1,36 @@
+#include "order/by_progress.hpp"
+
+namespace tachk {
+
+ByProgress::ByProgress(const Program& program, PassedList& states, std::uint32_t first_waiting) : progress_(program) {
+  std::vector<std::int32_t> before(program.slots.size());
+  std::vector<std::int32_t> after(program.slots.size());
+  std::vector<std::uint32_t> far_of;  // of each state
+  for (std::uint32_t number = 0; number < states.size(); ++number) {
+    const Node& node = states.node(number);
+    std::uint32_t far = 0;
+    if (node.parent != no_node) {
+      states.unpack(states.node(node.parent), before.data());
+      states.unpack(node, after.data());
+      far = beyond(far_of[node.parent], progress_.between(before.data(), after.data()));
+    }
+    far_of.push_back(far);
+    if (number >= first_waiting && !states.covered(number)) wait(number, far);
+  }
+}
+
+std::uint32_t ByProgress::next() {
+  while (!queues_.empty()) {
+    const auto first = queues_.begin();
+    Queue& queue = first->second;
+    if (queue.taken < queue.nodes.size()) {
+      far_ = first->first;
+      --waiting_;
+      return queue.nodes[queue.taken++];
+    }
+    queues_.erase(first);
+  }
+  return no_node;
+}
+
+}  // namespace tachk
