@@ -1,99 +1,119 @@
-"""Families of models, this checkout beside another one: verdicts, states, memory and CPU time of whole processes.
-
-    python bench/families.py --against /path/to/another/checkout
-    python bench/families.py --against /path/to/another/checkout --repeat 9 --only fischer fddi
-
-Both checkouts need the extension in src/tachk (`cmake --workflow --preset dev`). They take turns; CPU seconds are user
-and system time by wait4, the least of several runs, start included: what others do on the machine only adds to it.
-Each model is that of its own checkout. The last column is the ratio of the CPU times, below 1 where this checkout is
-faster.
-"""
+"""Families of networks: where each instance comes from, what is asked of it, and how TChecker is asked the same."""
 
 from __future__ import annotations
 
-import argparse
-import json
-import os
-import sys
+import re
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
-from processes import finished
+from bench.processes import finished, tachk
 
-HERE = Path(__file__).resolve().parents[1]
-
-FAMILIES = {
-    "fischer": ("classics/fischer.ta", "N=9", "mutual_exclusion"),
-    "csma_cd": ("classics/csma_cd.ta", "N=11", "collision_noticed"),
-    "train_gate": ("classics/train_gate.ta", "N=8", "one_at_a_time"),
-    "fddi": ("classics/fddi.ta", "N=14", "one_sender"),
-    "dining": ("classics/dining_philosophers.ta", "N=7", "no_deadlock"),
-    "brp": ("classics/brp.ta", "N=16", None),
-    "client_3_0": ("micro_xrce_dds/client_3_0.ta", "LOSSES=1", "ECFS"),
-    "publication": ("micro_xrce_dds/publication.ta", "LOSSES=1", None),
-}
-"""Model, definition of a constant, and property; None for all of them."""
+ROOT = Path(__file__).resolve().parents[1]
+MODELS = ROOT / "models"
 
 
 @dataclass(frozen=True, slots=True)
-class Measurement:
-    """One run of a whole process.
+class Instance:
+    """One network and one question.
 
     Attributes:
-        answers: what must not differ: verdict, states explored and stored, for each property.
-        memory: largest memory of a search, in bytes.
+        ours: what follows `tachk verify`.
+        network: the same network for TChecker; None if it has no words for it.
+        labels: what TChecker looks for; None: it goes through all states, as tachk does where the answer needs it.
     """
 
-    answers: tuple[tuple[str, int, int], ...]
-    memory: int
-    cpu_seconds: float
+    ours: tuple[str, ...]
+    network: Path | None
+    labels: str | None
 
 
-def measure(checkout: Path, family: str) -> Measurement:
-    """One run of a family in a checkout."""
-    model, definition, name = FAMILIES[family]
-    command = [sys.executable, "-m", "tachk", "verify", str(checkout / "models" / model), "-D", definition]
-    command += ["--format", "json", *(() if name is None else ("--property", name))]
-    process = finished(command, checkout / "src")
-    report = json.loads(process.output)
-    results = [result for run in report["runs"] for result in run["results"]]
-    searches = [result["stats"] for result in results]
-    answers = [
-        (result["answer"], search["states_explored"], search["states_stored"])
-        for result, search in zip(results, searches, strict=True)
-    ]
-    return Measurement(
-        tuple(answers),
-        max(search["peak_bytes"] for search in searches),
-        process.cpu_seconds,
-    )
+@dataclass(frozen=True, slots=True)
+class OurFamily:
+    """A model of this project in which a constant gives the size.
+
+    Attributes:
+        model: its path below models/.
+        constant: the one that gives the size.
+        asked: the property.
+        sizes: those of a run that names none, from the smallest up.
+    """
+
+    model: str
+    constant: str
+    asked: str
+    sizes: tuple[int, ...]
+
+    def instance(self, size: int, folder: Path, *, exported: bool) -> Instance:
+        model = str(MODELS / self.model)
+        definition = f"{self.constant}={size}"
+        ours = (model, "-D", definition, "--property", self.asked)
+        if not exported:
+            return Instance(ours, None, None)
+        network = folder / f"{Path(self.model).stem}_{size}.tck"
+        export = tachk("export", model, "-D", definition, "-o", str(network))
+        finished(export, statuses=(0, 2, 3), told=False)  # or TChecker has no words for something
+        if not network.exists():
+            return Instance(ours, None, None)
+        words = network.read_text(encoding="utf-8")
+        told = re.search(rf"^# {self.asked}: .*\n# +(?:holds|fails) if TChecker reaches -l (\S+)$", words, re.MULTILINE)
+        return Instance(ours, network, told and told.group(1))
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--against", type=Path, required=True, metavar="FOLDER", help="the other checkout")
-    parser.add_argument("--repeat", type=int, default=5, help="how often each is run")
-    parser.add_argument("--only", nargs="+", choices=FAMILIES, default=list(FAMILIES), metavar="FAMILY")
-    given = parser.parse_args()
-    print(f"load average {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores, least of {given.repeat}\n")
-    print("| family | explored | stored | MB other | MB this | CPU s other | CPU s this | ratio |")
-    print("|---|---|---|---|---|---|---|---|")
-    differ = False
-    for family in given.only:
-        pairs = [(measure(given.against, family), measure(HERE, family)) for _ in range(given.repeat)]
-        other, this = (min(side, key=lambda run: run.cpu_seconds) for side in zip(*pairs, strict=True))
-        explored, stored = (sum(answer[column] for answer in this.answers) for column in (1, 2))
-        print(
-            f"| {family} {FAMILIES[family][1]} | {explored:,} | {stored:,} | {other.memory / 1e6:.1f} | "
-            f"{this.memory / 1e6:.1f} | {other.cpu_seconds:.2f} | {this.cpu_seconds:.2f} | "
-            f"{this.cpu_seconds / other.cpu_seconds:.3f} |",
-            flush=True,
-        )
-        if this.answers != other.answers:
-            differ = True
-            print(f"    answers differ: {other.answers} there, {this.answers} here")
-    return 1 if differ else 0
+@dataclass(frozen=True, slots=True)
+class TheirFamily:
+    """A generator of TChecker's examples; both programs read what it writes.
+
+    Attributes:
+        script: its file name.
+        arguments: with `{size}` where the size goes.
+        labels: what is looked for; None: nothing, all states are gone through.
+        sizes: those of a run that names none, from the smallest up.
+    """
+
+    script: str
+    arguments: str
+    labels: str | None
+    sizes: tuple[int, ...]
+
+    def instance(self, size: int, folder: Path, examples: Path) -> Instance:
+        network = folder / f"{Path(self.script).stem}_{size}.tck"
+        arguments = shlex.split(self.arguments.format(size=size))
+        network.write_text(finished(["bash", str(examples / self.script), *arguments]).output, encoding="utf-8")
+        asked = "E<> false" if self.labels is None else "E<> " + self.labels.replace(",", " && ")
+        return Instance((str(network), asked), network, self.labels)
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+OURS = {
+    "fischer": OurFamily("classics/fischer.ta", "N", "mutual_exclusion", (7, 8, 9, 10)),
+    "csma_cd": OurFamily("classics/csma_cd.ta", "N", "collision_noticed", (8, 9, 10, 11)),
+    "train_gate": OurFamily("classics/train_gate.ta", "N", "one_at_a_time", (6, 7, 8)),
+    "fddi": OurFamily("classics/fddi.ta", "N", "one_sender", (8, 14, 30, 50)),
+    "dining": OurFamily("classics/dining_philosophers.ta", "N", "neighbours", (5, 6, 7)),
+    "critical_region": OurFamily("classics/critical_region.ta", "N", "exclusive", (3, 4, 5)),
+    "brp": OurFamily("classics/brp.ta", "N", "no_failure", (8, 16)),
+    "client_3_0": OurFamily("micro_xrce_dds/client_3_0.ta", "LOSSES", "ECFS", (0, 1)),
+    "publication": OurFamily("micro_xrce_dds/publication.ta", "LOSSES", "RMIO", (0, 1)),
+}
+"""By name, for tables and for the command line."""
+
+THEIRS = {
+    "tck_fischer": TheirFamily("fischer.sh", "{size}", "cs1,cs2", (8, 9, 10)),
+    "tck_fischer_async": TheirFamily("fischer-async.sh", "{size}", "cs1,cs2", (7, 8, 9)),
+    "tck_fischer_concurrent": TheirFamily("fischer-async-concurrent.sh", "{size}", "cs1,cs2", (4, 5, 6)),
+    "tck_csmacd": TheirFamily("csmacd.sh", "{size}", None, (8, 9, 10)),
+    "tck_train_gate": TheirFamily("train_gate.sh", "{size}", "cross1,cross2", (3, 4, 5)),
+    "tck_critical_region": TheirFamily("critical-region.sh", "{size}", None, (3, 4)),
+    "tck_critical_region_async": TheirFamily("critical-region-async.sh", "{size}", "error1", (3, 4)),
+    "tck_fddi": TheirFamily("fddi.sh", "{size}", None, (8, 14, 20)),
+    "tck_dining": TheirFamily("dining-philosophers.sh", "{size}", "eating1,eating2", (5, 6, 7)),
+    "tck_corsso": TheirFamily("corsso.sh", "{size}", None, (2, 3)),
+    "tck_parallel": TheirFamily("parallel.sh", "{size}", None, (4, 5, 6)),
+    "tck_parallel_b": TheirFamily("parallel-b.sh", "{size}", None, (4, 5, 6)),
+    "tck_parallel_c": TheirFamily("parallel-c.sh", "{size}", None, (4, 5, 6)),
+    "tck_fire_alarm": TheirFamily("fire-alarm.sh", "{size}", None, (8, 12, 16)),
+    "tck_leader": TheirFamily("leader-election.sh", "{size} 4", "error", (5, 6, 7)),
+    "tck_job_shop": TheirFamily("job-shop.sh", "{size} {size} 6 1 7", "scheduled", (4, 5)),
+    "tck_gps": TheirFamily("gps-mc.sh", "{size} {size} 100 150", "error", (4, 8)),
+}
+"""Those that need the folder of TChecker's examples."""

@@ -21,10 +21,10 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from fischer import DELAY, tchecker_network
 from processes import finished
 
 ROOT = Path(__file__).resolve().parents[1]
+DELAY = 10
 SAFETY = "A[] forall (i : pid_t) forall (j : pid_t) P(i).critical && P(j).critical imply i == j"
 QUESTIONS = {"request": "P(1).request --> P(1).waiting", "waiting": "P(1).waiting --> P(1).critical"}
 """The location in which a run would have to stay, and the question."""
@@ -39,6 +39,26 @@ class Measurement:
     cpu_seconds: float
     search_seconds: float
     memory_bytes: int
+
+
+def tchecker_network(processes: int) -> str:
+    """The network in TChecker's input format."""
+    lines = [f"system:fischer_{processes}", "event:tau", f"int:1:0:{processes}:0:id"]
+    for i in range(1, processes + 1):
+        lines += [
+            f"process:P{i}",
+            f"clock:1:x{i}",
+            f"location:P{i}:idle{{initial:}}",
+            f"location:P{i}:request{{invariant:x{i}<={DELAY}}}",
+            f"location:P{i}:waiting{{}}",
+            f"location:P{i}:critical{{labels:critical{i}}}",
+            f"edge:P{i}:idle:request:tau{{provided:id==0 : do:x{i}=0}}",
+            f"edge:P{i}:request:waiting:tau{{provided:x{i}<={DELAY} : do:x{i}=0;id={i}}}",
+            f"edge:P{i}:waiting:request:tau{{provided:id==0 : do:x{i}=0}}",
+            f"edge:P{i}:waiting:critical:tau{{provided:x{i}>{DELAY}&&id=={i}}}",
+            f"edge:P{i}:critical:idle:tau{{do:id=0}}",
+        ]
+    return "\n".join(lines) + "\n"
 
 
 def median_of(runs: list[Measurement]) -> Measurement:

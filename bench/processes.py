@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import os
+import resource
+import signal
 import subprocess
+import sys
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,19 +28,52 @@ class Finished:
     memory_bytes: int
 
 
-def finished(command: Sequence[str], source: Path | None = None, statuses: Collection[int] = (0,)) -> Finished:
+class TimeOut(Exception):
+    """A process was ended because it took too long."""
+
+    def __init__(self, cpu_seconds: float, memory_bytes: int) -> None:
+        super().__init__(f"ended after {cpu_seconds:.1f} s of CPU time")
+        self.cpu_seconds = cpu_seconds
+        self.memory_bytes = memory_bytes
+
+
+def tachk(*arguments: str) -> list[str]:
+    """A command line of tachk."""
+    return [sys.executable, "-m", "tachk", *arguments]
+
+
+def finished(
+    command: Sequence[str],
+    source: Path | None = None,
+    statuses: Collection[int] = (0,),
+    seconds: float | None = None,
+    *,
+    told: bool = True,
+) -> Finished:
     """Runs a command to its end.
 
     Args:
         source: the folder that holds the package, where it is not the one that Python finds by itself.
         statuses: with which it may end. Raises RuntimeError if it ends with another one.
+        seconds: of CPU time that it may take. Raises TimeOut if that is not enough.
+        told: whether its error messages are shown.
     """
+
+    def limit() -> None:
+        if seconds is not None:
+            resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(seconds), math.ceil(seconds) + 1))
+
     environment = None if source is None else os.environ | {"PYTHONPATH": str(source)}
-    process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
+    messages = None if told else subprocess.DEVNULL
+    process = subprocess.Popen(
+        command, env=environment, stdout=subprocess.PIPE, stderr=messages, text=True, preexec_fn=limit
+    )
     assert process.stdout is not None
     output = process.stdout.read()
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode in (-signal.SIGXCPU, -signal.SIGKILL) and seconds is not None:
+        raise TimeOut(usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024)
     if process.returncode not in statuses:
         raise RuntimeError(f"{' '.join(command)} ended with status {process.returncode}:\n{output}")
     return Finished(output, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024)

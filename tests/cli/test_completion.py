@@ -17,7 +17,13 @@ def complete(words: str, position: int) -> list[str]:
 def test_commands_options_choices_and_files_are_completed() -> None:
     assert "plain,verify" in complete("tachk ver", 1)
     assert "plain,--max-states" in complete("tachk verify --max-", 2)
-    assert complete("tachk verify --search ", 3) == ["plain,auto", "plain,bfs", "plain,dfs", "plain,rdfs", "plain,progress"]
+    assert complete("tachk verify --search ", 3) == [
+        "plain,auto",
+        "plain,bfs",
+        "plain,dfs",
+        "plain,rdfs",
+        "plain,progress",
+    ]
     assert complete("tachk check mod", 2) == ["file,mod"]
 
 

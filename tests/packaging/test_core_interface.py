@@ -24,7 +24,12 @@ ROOT = Path(__file__).resolve().parents[2]
 WORDS = {
     "Opcode": {"constant": "const", "logical_not": "not", "call_return": "return", "assertion": "assert"},
     "FaultKind": {"assertion": "assert"},
-    "SearchOrder": {"automatic": "auto", "breadth_first": "bfs", "depth_first": "dfs", "random_depth_first": "random_dfs"},
+    "SearchOrder": {
+        "automatic": "auto",
+        "breadth_first": "bfs",
+        "depth_first": "dfs",
+        "random_depth_first": "random_dfs",
+    },
     "NodeKind": {
         "always_false": "false",
         "always_true": "true",

@@ -33,8 +33,7 @@ struct Reachable::Storing {
   void take(const Successor& successor) const {
     const ZoneView zone = search.graph_.packed(successor.slots, successor.zone);
     const std::uint32_t number = search.passed_.add(discrete, zone, search.node_, search.subsumption_);
-    if (number != no_node)
-      search.waiting_.add(number, search.node_, successor.slots, search.passed_.covered_last());
+    if (number != no_node) search.waiting_.add(number, search.node_, successor.slots, search.passed_.covered_last());
   }
 };
 

@@ -96,8 +96,8 @@ class Options:
         hold_spectators: hold processes still that cannot influence the answer; off: explore them too.
         drop_bystanders: first search without the processes that can only block others; off: search the whole network
             at once. Of `A<>`, `E[]` and `-->`: without those that certainly do not even block.
-        shortest: find paths of as few transitions as possible; with BFS, which AUTO then is, only. It may take more states: a state is
-            dropped for a larger one only if that is not further from the initial state.
+        shortest: find paths of as few transitions as possible; with BFS only, which AUTO then is. It may take more
+            states: a state is dropped for a larger one only if that is not further from the initial state.
         pace: which run to a state that was found is shown; FASTEST takes further searches.
 
     Raises UsageError for a number out of its range and for `shortest` with another order than BFS.

@@ -1,4 +1,4 @@
-"""The order of a search: a model on which breadth first explores nearly everything in vain, and one on which it does not."""
+"""The order of a search: a model on which breadth first explores nearly everything in vain, and one that it fits."""
 
 from __future__ import annotations
 
