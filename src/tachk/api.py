@@ -16,7 +16,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from html import escape
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
@@ -482,6 +481,8 @@ class Model:
         return f"<Model {self.path}{set_}>"
 
     def _repr_html_(self) -> str:
+        from html import escape
+
         constants = ", ".join(f"{name} = {value}" for name, value in self.constants.items())
         title = f"<p><b>{escape(self.path)}</b>{escape(f' — {constants}' if constants else '')}</p>"
         try:

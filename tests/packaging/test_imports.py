@@ -70,7 +70,9 @@ property p : E<> P.b;
 """
 
 UNUSED = {
+    "difflib",
     "hashlib",
+    "html",
     "jinja2",
     "jsonschema",
     "lark",
@@ -78,12 +80,16 @@ UNUSED = {
     "networkx",
     "numpy",
     "pandas",
+    "tempfile",
     "typer",
     "vcd",
     "xml.etree.ElementTree",
     "z3",
     *(f"tachk.{name}" for name in ("formats", "logic", "monitoring", "runtime", "testing")),
     *(f"tachk.report.{name}" for name in ("html_report", "json_report", "junit_report", "signal_plot")),
+    *(f"tachk.properties.{name}" for name in ("deadlines", "deep", "extremes", "liveness", "observed_liveness")),
+    *(f"tachk.engines.{name}" for name in ("liveness", "reference", "smt", "simulation")),
+    "tachk.cli.actions.disagreement",
     "tachk.frontend.queries.observer_processes",
     "tachk.monitoring.compiler",
     "tachk.syntax.sentences.parser",

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+import tachk.records
 from tachk.records import dataclass
 
 
@@ -109,8 +110,8 @@ def test_the_signature_is_known_before_and_after_the_first_call() -> None:
 
 def test_a_method_is_compiled_once_and_when_it_is_called(monkeypatch: pytest.MonkeyPatch) -> None:
     made = []
-    make = dataclasses.make_dataclass
-    monkeypatch.setattr(dataclasses, "make_dataclass", lambda *a, **n: made.append(a[0]) or make(*a, **n))
+    compiled = tachk.records._compiled  # type: ignore[attr-defined]
+    monkeypatch.setattr(tachk.records, "_compiled", lambda *a: made.append(a[0].__name__) or compiled(*a))
 
     @dataclass(frozen=True, slots=True)
     class Late:
@@ -121,3 +122,55 @@ def test_a_method_is_compiled_once_and_when_it_is_called(monkeypatch: pytest.Mon
     assert made == ["Late", "Late"]
     assert Late(2) != Late(1)
     assert made == ["Late", "Late"]
+
+
+STANDARD = dataclasses.dataclass
+
+
+def test_classes_are_like_those_of_the_standard_decorator() -> None:
+    """What both make of the same words."""
+    ours, theirs = ({"dataclass": each, "field": field} for each in (dataclass, STANDARD))
+    words = """
+from __future__ import annotations
+
+@dataclass(frozen=True, slots=True)
+class Base:
+    "A base."
+    a: int
+    b: list[int] = field(default_factory=list, kw_only=True)
+    c: str = field(default="c", repr=False, hash=False)
+
+@dataclass(frozen=True, slots=True)
+class Derived(Base):
+    d: int = 4
+    e: tuple[int, ...] = field(default=(), init=False)
+    c: str = "d"
+
+@dataclass(eq=False)
+class Plain:
+    x: object = None
+"""
+    for names in (ours, theirs):
+        exec(words, names)
+    for name, arguments in (("Base", (1,)), ("Derived", (1, "x")), ("Plain", ())):
+        mine, other = ours[name], theirs[name]
+        for what in ("__match_args__", "__slots__", "__doc__"):
+            if what != "__doc__" or name == "Base":
+                assert getattr(mine, what, None) == getattr(other, what, None)
+        assert str(inspect.signature(mine)) == str(inspect.signature(other))
+        assert [(f.name, f.type, f.init, f.kw_only) for f in fields(mine)] == [
+            (f.name, f.type, f.init, f.kw_only) for f in fields(other)
+        ]
+        assert dataclasses.asdict(mine(*arguments)) == dataclasses.asdict(other(*arguments))
+        if name != "Plain":
+            assert repr(mine(*arguments)) == repr(other(*arguments))
+            assert hash(mine(1, b=3)) == hash(other(1, b=3))
+    mutable = {"dataclass": dataclass}
+    with pytest.raises(ValueError, match="mutable default"):
+        exec("@dataclass()\nclass Wrong:\n    x: list = []", mutable)
+
+
+def test_an_object_that_holds_itself_has_a_text() -> None:
+    point = Point("here", 1)
+    point.more.append(point)  # type: ignore[arg-type]
+    assert repr(point) == "Point(x=1, more=[...])"

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from tachk.compiler.bytecode import Opcode
 from tachk.diagnostics.span import Span
+from tachk.records import dataclass
 
 
 @dataclass(slots=True, eq=False)

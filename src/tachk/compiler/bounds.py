@@ -25,9 +25,10 @@ the same amount in both. A clock that is stopped and not read before its next re
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from tachk.diagnostics.span import NOWHERE, Span
+from tachk.records import dataclass
 
 ClockBounds = tuple[tuple[int, int], ...]
 """Pairs (clock, bound) in ascending order of clocks; a clock that is missing does not matter."""

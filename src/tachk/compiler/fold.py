@@ -6,7 +6,7 @@ An operation that would fail is left in place, so that it fails when the model r
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import assert_never
 
 from tachk.model.cell_layout import default_cells
@@ -37,6 +37,7 @@ from tachk.model.network import Network
 from tachk.model.traversal import process_expressions, walk, written_variables
 from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarType, Type, cell_count, kinds_of_cells
 from tachk.operators import COMPARISONS, BinaryOperator, OperandError, UnaryOperator, wrapped
+from tachk.records import dataclass
 from tachk.time_limit import check_time
 
 

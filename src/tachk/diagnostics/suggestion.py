@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 
 def closest(name: str, candidates: Iterable[str], likeness: float = 0.6) -> str | None:
@@ -12,6 +11,8 @@ def closest(name: str, candidates: Iterable[str], likeness: float = 0.6) -> str 
     Args:
         likeness: from 0 to 1, as `difflib` measures it.
     """
+    from difflib import get_close_matches
+
     by_lower = {candidate.lower(): candidate for candidate in candidates}
     close = get_close_matches(name.lower(), by_lower, n=1, cutoff=likeness)
     return by_lower[close[0]] if close else None

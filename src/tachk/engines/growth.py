@@ -14,7 +14,7 @@ clocks show that nothing compares does not count.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial, reduce
 from itertools import chain, islice
 
@@ -23,6 +23,7 @@ from tachk.model.expressions import Expression, Variable, VariableKind
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Location, Network, Process
 from tachk.model.types import ClockType
+from tachk.records import dataclass
 from tachk.semantics import dbm, symbolic
 from tachk.semantics.clock_constants import ClockConstants, clock_constants
 from tachk.semantics.dbm import INFINITY, Federation, Zone

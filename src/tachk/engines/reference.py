@@ -11,13 +11,14 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from tachk.engines.options import Limits
 from tachk.engines.outcome import GoalOutcome, Outcome, RunTimeFault, Statistics, Status
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
+from tachk.records import dataclass
 from tachk.semantics import dbm, symbolic
 from tachk.semantics.clock_constants import ClockConstants, clock_constants
 from tachk.semantics.dbm import Federation, Zone

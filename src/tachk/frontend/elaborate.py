@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from tachk.diagnostics.diagnostic import Label
 from tachk.diagnostics.span import Span
@@ -21,6 +21,7 @@ from tachk.model.metas import keep_lasting
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.recording import RecordingMap
+from tachk.records import dataclass
 from tachk.syntax import ast
 
 

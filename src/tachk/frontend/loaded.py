@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError
@@ -20,6 +20,7 @@ from tachk.model.expressions import Variable
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.recording import RecordingMap
+from tachk.records import dataclass
 from tachk.syntax import ast
 from tachk.syntax.picture_layout import Layout
 from tachk.syntax.query_files import parse_each_query

@@ -7,11 +7,11 @@ cell of a clock or channel holds its number.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from tachk.model.expressions import Variable
 from tachk.model.network import Network
 from tachk.model.types import BoolType, ChannelType, ClockType, IntType, ScalarType, Type, bounds, leaves
+from tachk.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

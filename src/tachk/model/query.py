@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
 from typing import assert_never
 
@@ -10,6 +9,7 @@ from tachk.diagnostics.span import NOWHERE, Span
 from tachk.model.connectives import negation
 from tachk.model.expressions import Expression
 from tachk.model.network import Process
+from tachk.records import dataclass
 from tachk.words import QueryKind
 
 

@@ -12,7 +12,7 @@ earlier, later or instead; committed locations and priorities stay what they are
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.engines.options import Limits, Options
@@ -28,6 +28,7 @@ from tachk.properties import liveness
 from tachk.properties.observed import fault_without_observer, without_observer
 from tachk.properties.plan import Search, Task
 from tachk.properties.verdict import Verdict
+from tachk.records import dataclass
 from tachk.reduction.beats import DoubledNetwork, with_beginnings
 from tachk.semantics.discrete import PreparedNetwork, prepare
 from tachk.words import QueryKind

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from tachk.compiler.fold import fold_place, known_cell, known_values
 from tachk.compiler.lower import Measured, lower, lower_measures
@@ -26,6 +26,7 @@ from tachk.model.network import Network
 from tachk.model.traversal import asks_deadlock, reads_clock
 from tachk.model.types import ClockType
 from tachk.operators import BinaryOperator
+from tachk.records import dataclass
 from tachk.semantics.discrete import PreparedNetwork
 from tachk.semantics.timed_trace import Transition
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import assert_never
 
 from tachk.certify.replay import ReplayError
@@ -34,6 +34,7 @@ from tachk.properties.unanswered import not_begun
 from tachk.properties.unexamined import unexamined
 from tachk.properties.vacuity import never_begins
 from tachk.properties.verdict import Answer, Verdict
+from tachk.records import dataclass
 from tachk.reduction.beats import DoubledNetwork, with_beats
 from tachk.semantics.clock_constants import clock_constants
 from tachk.semantics.discrete import PreparedNetwork, prepare

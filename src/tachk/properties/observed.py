@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
@@ -10,6 +10,7 @@ from tachk.engines.outcome import RunTimeFault
 from tachk.model.cell_layout import cell_layout
 from tachk.model.network import Network
 from tachk.model.query import Observer, Query
+from tachk.records import dataclass
 from tachk.semantics.timed_trace import DiscreteState, TimedState, TimedStep, TimedTrace, Transition
 
 

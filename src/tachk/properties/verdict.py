@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.engines.outcome import RunTimeFault, Statistics
 from tachk.model.query import Expectation, Query
 from tachk.properties.observed import ObserverMove
+from tachk.records import dataclass
 from tachk.semantics.timed_trace import TimedTrace, Transition
 
 

@@ -17,7 +17,7 @@ from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Progress, Statistics
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties import deadlines, extremes, liveness, observed_liveness, reachability
+from tachk.properties import reachability
 from tachk.properties.observed import check_observable
 from tachk.properties.plan import Analysis, Search, Task, plan
 from tachk.properties.unanswered import none_begun, not_begun, unsupported
@@ -96,7 +96,10 @@ def _check_answerable(network: Network, query: Query, options: Options) -> None:
     """Raises UnsupportedError for a query that cannot be answered."""
     check_observable(network, query)
     check_supported(network, query)
-    deadlines.check_deadline(network, query)
+    if query.deadline is not None:
+        from tachk.properties.deadlines import check_deadline
+
+        check_deadline(network, query)
     non_zeno.check_combination(query)
     second_engine.check_answerable(query, options.engine)
 
@@ -115,6 +118,8 @@ def _answer(
             found = decide(model, search, options, limits, progress, trace)
             return pace.unpaced(second_engine.uncompared(found, options.engine), options)
         case Analysis.EXTREMES:
+            from tachk.properties import extremes
+
             found = extremes.answer(model, search, options, limits, progress, trace)
             return pace.unpaced(second_engine.uncompared(found, options.engine), options)
         case never:
@@ -124,8 +129,16 @@ def _answer(
 def _deciding(search: Search) -> Answering:
     """What decides whether some run avoids something for ever."""
     if search.observer is not None:
+        from tachk.properties import observed_liveness
+
         return observed_liveness.answer
-    return liveness.answer if search.tasks[0].query.deadline is None else deadlines.answer
+    if search.tasks[0].query.deadline is None:
+        from tachk.properties import liveness
+
+        return liveness.answer
+    from tachk.properties import deadlines
+
+    return deadlines.answer
 
 
 def _examined(network: Network, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:

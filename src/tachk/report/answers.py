@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from io import StringIO
 from typing import TYPE_CHECKING, Any, overload
 
 from tachk.diagnostics.suggestion import unknown_key
 from tachk.properties.verdict import Verdict
+from tachk.records import dataclass
 from tachk.report.record import RunRecord
 
 if TYPE_CHECKING:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import product
 
 from tachk.model.cell_layout import CellLayout, cell_layout
@@ -12,6 +11,7 @@ from tachk.model.network import Network
 from tachk.model.traversal import walk
 from tachk.model.types import BoolType, ClockType, IntType, ScalarType, bounds, cell_count
 from tachk.operators import CONSTANT_HIGH, CONSTANT_LOW, BinaryOperator, UnaryOperator
+from tachk.records import dataclass
 from tachk.semantics.dbm import Constraint, raw_bound
 
 Interval = tuple[int, int]

@@ -10,8 +10,9 @@ Sources: Dill 1989; Bengtsson and Yi 2004 (operations); Behrmann, Bouyer, Larsen
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
+
+from tachk.records import dataclass
 
 INFINITY = 1 << 60
 LESS_EQUAL_ZERO = 1

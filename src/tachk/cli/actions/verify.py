@@ -11,7 +11,6 @@ from functools import partial
 from pathlib import Path
 
 from tachk import api
-from tachk.cli.actions.disagreement import write_disagreement
 from tachk.cli.actions.run_report import RunReport, RunReporting
 from tachk.cli.arguments import parse_definitions, parse_size, split_models_and_queries
 from tachk.cli.destination import destination
@@ -119,6 +118,8 @@ def _check_all(
             try:
                 record = _verified(model, queries, asked, options, left, reporting)
             except DisagreementError as error:
+                from tachk.cli.actions.disagreement import write_disagreement
+
                 complain(str(error), f"one of them is wrong; please report it with {write_disagreement(model, error)}")
                 return ExitStatus.INTERNAL_ERROR
         report.add(record)

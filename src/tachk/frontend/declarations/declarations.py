@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.functions import declare_function, declare_types
@@ -40,6 +40,7 @@ from tachk.model.types import (
     element_type,
     leaves,
 )
+from tachk.records import dataclass
 from tachk.syntax import ast
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import NOWHERE, Span
@@ -19,6 +19,7 @@ from tachk.model.query import Deadline, Expectation, Query
 from tachk.model.traversal import compares_clocks, walk
 from tachk.model.types import ClockType, ScalarType
 from tachk.operators import BinaryOperator
+from tachk.records import dataclass
 from tachk.syntax import ast
 from tachk.syntax.query_files import BrokenQuery
 from tachk.words import QueryKind

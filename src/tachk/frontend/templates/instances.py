@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import islice
 
 from tachk.diagnostics.diagnostic import Label
@@ -37,6 +37,7 @@ from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import Constant, Expression, Field, Index, Reference, Variable, VariableKind
 from tachk.model.network import Process
 from tachk.model.types import BoolType, IntType, ScalarType, Type, VoidType, bounds
+from tachk.records import dataclass
 from tachk.syntax import ast
 
 MAXIMUM_INSTANCES = 2**16

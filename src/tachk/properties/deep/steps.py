@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 from tachk.compiler.conditions import conjuncts, split_conjunction
 from tachk.compiler.fold import Known, fold, fold_place, network_expressions
@@ -14,6 +13,7 @@ from tachk.model.network import Edge, Network
 from tachk.model.traversal import called_functions, reads_clock, roots, statement_expressions, walk, written_variables
 from tachk.model.types import BoolType, ChannelType, ClockType, IntType, bounds
 from tachk.operators import BinaryOperator
+from tachk.records import dataclass
 from tachk.words import Direction
 
 LARGEST_RANGE = 256

@@ -7,11 +7,11 @@ open braces. A name that the text defines as a type is never taken for a keyword
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum, auto
 from itertools import pairwise
 
 from tachk.diagnostics.span import Span
+from tachk.records import dataclass
 from tachk.syntax.formulas.tokens import is_sentence, is_temporal, resolve_formula
 from tachk.syntax.parsing.tokens import END, Token
 from tachk.syntax.parsing.unchecked import unchecked_family, words_of

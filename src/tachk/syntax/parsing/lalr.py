@@ -8,9 +8,9 @@ a relation ...) are followed once for each place in the tables.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from tachk.records import dataclass
 from tachk.syntax.parsing.grammar import Grammar, Rule
 from tachk.syntax.parsing.tokens import END, Token
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
 
 from tachk.diagnostics.diagnostic import Diagnostic, Label
 from tachk.diagnostics.span import Span
@@ -228,6 +227,8 @@ def _did_you_mean(token: Token, found: str) -> Diagnostic:
 
 
 def _close(word: str, candidates: Iterable[str], cutoff: float = 0.6) -> str | None:
+    from difflib import get_close_matches
+
     matches = get_close_matches(word, list(candidates), 1, cutoff)
     return matches[0] if matches else None
 

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import Source, Span
+from tachk.records import dataclass
 from tachk.syntax.ast import Comment
 from tachk.syntax.parsing.grammar import Terminal
 from tachk.time_limit import check_time
