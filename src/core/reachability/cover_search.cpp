@@ -8,7 +8,6 @@ namespace {
 
 constexpr int attempts_by_state = 12;      // before all discrete states with the same locations keep their zones
 constexpr int attempts_by_locations = 24;  // before all discrete states do
-constexpr std::uint16_t most_growths = 64;
 
 // Zones are stored whole, and no state is left out.
 Options plain(Options options) {
@@ -114,7 +113,6 @@ void CoverSearch::keep(const Successor& successor, std::uint32_t discrete) {
       hull_.assign(zone);
       graph_.operations().hull(hull_.get(), held, dimension);
       zone = hull_.get();
-      if (widened && ++attempt.growths[discrete] > most_growths) attempt.modes[discrete] = Mode::exact;
     }
   }
   const std::uint32_t parent = successor.edges.empty() ? no_node : node_;
@@ -135,7 +133,6 @@ CoverSearch::Mode CoverSearch::mode(std::uint32_t discrete, const std::int32_t* 
     const std::size_t size = std::max<std::size_t>(discrete + std::size_t{1}, 2 * attempt.modes.size());
     attempt.modes.resize(size, Mode::unknown);
     attempt.latest.resize(size, no_node);
-    attempt.growths.resize(size, 0);
   }
   Mode& mode = attempt.modes[discrete];
   if (mode == Mode::unknown) {

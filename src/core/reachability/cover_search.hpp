@@ -55,10 +55,9 @@ class CoverSearch final {
     Waiting waiting;
     GoalWatch goals;
     DeadlockWatch deadlocks;
-    std::vector<Mode> modes;             // of each discrete state
-    std::vector<std::uint32_t> latest;   // of each discrete state with hulls: the node that has it
-    std::vector<std::uint16_t> growths;  // of each discrete state: how often its hull has grown
-    std::vector<bool> widened;           // of each node: its zone is a hull
+    std::vector<Mode> modes;            // of each discrete state
+    std::vector<std::uint32_t> latest;  // of each discrete state with hulls: the node that has it
+    std::vector<bool> widened;          // of each node: its zone is a hull
     bool started = false;
   };
   struct Keeping;

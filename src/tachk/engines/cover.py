@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -18,7 +19,13 @@ from tachk.time_limit import check_time
 
 ZONES_IN_A_BLOCK = 4096
 
-_SLICE = 256
+_TURN = 256
+"""How many states a search explores before it is the turn of the other one."""
+_AGAIN = 2
+"""When one search has ended, the other may go on until it has explored so many times as many states, or stores so many
+times as many zones as the cover has that has been found."""
+_SHORT = 10_000
+"""So many states a search may explore in any case."""
 _SEVERAL = 1.5
 """From so many zones for a discrete state on it pays to look for one each."""
 _STEPS_FOR_A_ZONE = 20
@@ -42,59 +49,111 @@ class Cover:
 def find_cover(
     program: Program, goal: Goal, options: Options, limits: Limits, progress: Progress | None = None
 ) -> Cover | str:
-    """The smallest of some covers, or the reason why there is none: one has as few zones as can be for each discrete
-    state, another no more discrete states than the search stores; see `_single` for the third.
+    """The smallest of some covers, or the reason why there is none: `_TwoSearches` tells of two, `_single` of one.
 
-    Hulls may reach discrete states that are not reachable, so that either may be the smaller one. With the bounds of LU
-    a goal that asks for deadlock may seem reachable that is not; the maximum bounds are tried then.
+    With the bounds of LU a goal that asks for deadlock may seem reachable that is not; the maximum bounds are tried
+    then.
     """
     started = time.perf_counter()
-    reason = "a state that satisfies the goal is reachable, or seems to be"
     for bounds in dict.fromkeys((options.extrapolation, Extrapolation.MAX)):
-        covers = []
-        for hulls in (True, False):
-            left = limits.after(time.perf_counter() - started)
-            found = _search(program, goal, replace(options, extrapolation=bounds), left, hulls, progress)
-            if isinstance(found, Cover):
-                covers.append(found)
-            elif found:
-                return min(covers, key=lambda cover: cover.zones) if covers else found
-        if covers:
-            best = min(covers, key=lambda cover: cover.zones)
-            single = _single(program, goal, options, best) if best.zones > _SEVERAL * best.groups else None
+        left = limits.after(time.perf_counter() - started)
+        searches = _TwoSearches(program, goal, replace(options, extrapolation=bounds), replace(left, depth=None))
+        status, reason = run_in_slices(searches, time.perf_counter(), left, progress)
+        best = searches.best()
+        if best is not None:
+            single = _single(program, goal, options, best, searches.statistics()[0])
             return best if single is None or single.zones >= best.zones else single
-    return reason
+        if status is not _core.Status.FINISHED:
+            return reason
+    return "a state that satisfies the goal is reachable, or seems to be"
 
 
-def _single(program: Program, goal: Goal, options: Options, best: Cover) -> Cover | None:
-    """A cover with the smallest zone for each discrete state, if a short search ends with one.
+class _TwoSearches:
+    """Two searches for a cover that take turns. One keeps a single zone for each discrete state, as far as it can; this
+    may take it long, as it begins anew where that zone meets the goal. The other one keeps all zones, as the search for
+    the answer does.
+
+    Hulls may reach discrete states that are not reachable, so that either cover may be the smaller one. Each search
+    bounds the other: neither costs much more than the one that ends first. Turns are counted in states, so that the
+    same cover comes out each time.
+    """
+
+    def __init__(self, program: Program, goal: Goal, options: Options, limits: Limits) -> None:
+        image, taken, self._limits = encode(program, [goal]), core_options(options), limits
+        self._all = [_core.CoverSearch(image, taken, core_limits(limits), hulls=hulls) for hulls in (False, True)]
+        self._running = list(self._all)
+        self._covers: list[Cover] = []
+        self._most: float = math.inf
+
+    def run(self, expansions: int) -> _core.Status:
+        """Explores so many states or some more, as far as there are any. FINISHED also if a goal is reached;
+        then there is no cover."""
+        for _ in range(expansions // _TURN + 1):
+            for search in tuple(self._all):
+                status = search.run(_TURN) if search in self._running else _core.Status.RUNNING
+                if status is not _core.Status.RUNNING and self._ends(search, status):
+                    return status
+            self._running = [search for search in self._running if self._is_hopeful(search)]
+            if not self._running:
+                return _core.Status.FINISHED
+            self._save_memory()
+        return _core.Status.RUNNING
+
+    def _ends(self, search: _core.CoverSearch, status: _core.Status) -> bool:
+        """Whether all is said when one search has ended."""
+        self._running.remove(search)
+        if status is not _core.Status.FINISHED:
+            return not self._running and not self._covers
+        if search.reached():
+            self._running.clear()
+            return True
+        self._covers.append(_told(search.cover()))
+        self._most = _AGAIN * search.statistics()[0]
+        if search is self._all[0] and self._covers[-1].zones == self._covers[-1].groups:
+            self._running.clear()
+        return False
+
+    def _is_hopeful(self, search: _core.CoverSearch) -> bool:
+        """Whether a search may go on. Stored zones are covered by others now and then, but hardly most of them."""
+        best = self.best()
+        explored, stored, *_ = search.statistics()
+        return explored < _SHORT or best is None or (explored < self._most and stored <= _AGAIN * best.zones)
+
+    def _save_memory(self) -> None:
+        limit = self._limits.memory_bytes
+        if limit is not None and len(self._running) > 1 and self.statistics()[3] > limit:
+            self._all.remove(self._running.pop())
+
+    def best(self) -> Cover | None:
+        """The cover with the fewest zones."""
+        return min(self._covers, key=lambda cover: cover.zones, default=None)
+
+    def statistics(self) -> tuple[int, int, int, int]:
+        """Of both together: states explored and stored, transitions, bytes."""
+        explored, stored, transitions, size = (
+            sum(numbers) for numbers in zip(*(search.statistics() for search in self._all), strict=True)
+        )
+        return explored, stored, transitions, size
+
+
+def _single(program: Program, goal: Goal, options: Options, best: Cover, explored: int) -> Cover | None:
+    """A cover with the smallest zone for each discrete state, if several have more than one zone and a short search
+    ends with one.
 
     Bounds that an abstraction has dropped can be those that keep one zone from meeting the goal. Without abstraction a
-    search need not end, so that it may only explore some times as many states as the best cover known has zones.
+    search need not end, so that it may only explore some times as many states as the best cover known has zones, and
+    not many more than have been explored to find that one.
     """
+    if best.zones <= _SEVERAL * best.groups:
+        return None
     exact = replace(options, extrapolation=Extrapolation.NONE)
     search = _core.CoverSearch(encode(program, [goal]), core_options(exact), core_limits(Limits()), hulls=True)
-    for _ in range(_STEPS_FOR_A_ZONE * best.zones // _SLICE + 1):
+    for _ in range(min(_STEPS_FOR_A_ZONE * best.zones, max(_SHORT, explored)) // _TURN + 1):
         check_time()
-        status = search.run(_SLICE)
+        status = search.run(_TURN)
         if status is not _core.Status.RUNNING:
             return _told(search.cover()) if status is _core.Status.FINISHED and not search.reached() else None
     return None
-
-
-def _search(
-    program: Program, goal: Goal, options: Options, limits: Limits, hulls: bool, progress: Progress | None
-) -> Cover | str:
-    """A cover; or why the search ended, empty where it has reached the goal."""
-    search = _core.CoverSearch(
-        encode(program, [goal]), core_options(options), core_limits(replace(limits, depth=None)), hulls=hulls
-    )
-    status, reason = run_in_slices(search, time.perf_counter(), limits, progress)
-    if status is not _core.Status.FINISHED:
-        return reason
-    if search.reached():
-        return ""
-    return _told(search.cover())
 
 
 def find_descent(

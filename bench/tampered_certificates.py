@@ -1,0 +1,269 @@
+"""Certificates that have been tampered with, before both checkers: `python -m bench.tampered_certificates N SEED`.
+
+Each is a certificate of a random network or of Fischer's protocol in which one to three bounds, discrete states, ranks
+or elements have been changed, exchanged or left out. It is offered for what it proved, and for something false about
+the same network (a state that can be reached, or an obligation that some run does not meet) or, of Fischer's protocol,
+about the variant that is wrong. Whatever is false must be rejected. What is accepted for something true is confirmed by
+a third reading, the symbolic semantics of single states: it is still a proof. Exit status 1 if anything false is
+accepted, the checkers differ, or the third reading does not confirm.
+"""
+
+from __future__ import annotations
+
+import io
+import sys
+import time
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import groupby
+from random import Random
+
+import numpy as np
+
+import tachk
+from tachk.certify.certificate import (
+    Block,
+    CertificateReader,
+    CertificateWriter,
+    Kind,
+    MalformedCertificateError,
+    read_certificates,
+    starts,
+)
+from tachk.engines.options import Limits
+from tachk.model.network import Network
+from tachk.model.query import Query
+from tachk.properties.certificates import Checker, Proof, check_proof, find_proof, is_provable
+from tachk.properties.verdict import Answer
+from tachk.properties.verify import verify
+from tachk.resources import data_root
+from tachk.semantics import dbm
+from tachk.semantics.dbm import Zone
+from tachk.semantics.discrete import prepare
+from tachk.semantics.symbolic import elapse, fire, initial_situation, intersections, situation, where
+from tachk.semantics.timed_trace import DiscreteState
+from tachk.testing.networks import Shape, random_case
+from tachk.words import QueryKind
+
+SHAPES = (
+    Shape(),
+    Shape(clocks=2, deadlocks=False),
+    Shape(priorities=True, clocks=2),
+    Shape(diagonals=True, exact=0.3, clocks=2),
+    Shape(language=True, faults=0.1, clocks=2),
+)
+_LIMITS = Limits(states=1_000)
+_LARGEST = 60
+_OF_EACH = 5
+
+
+@dataclass
+class Element:
+    """A symbolic state of a certificate; `told`: the places and bounds of its constraints."""
+
+    discrete: list[int]
+    rank: int
+    told: list[tuple[int, int]]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A certificate, what it proves of a network, and what is false: of the same network, or of another one."""
+
+    network: Network
+    query: Query
+    proof: Proof
+    false: tuple[tuple[Network, Query], ...]
+
+
+def main(arguments: list[str]) -> int:
+    count, seed = int(arguments[0]), int(arguments[1])
+    told: Counter[str] = Counter()
+    offered: Counter[str] = Counter()
+    started = time.process_time()
+    wrong = 0
+    for claim in _claims(seed):
+        random = Random(f"{seed}/{sum(told.values())}")
+        for _ in range(_OF_EACH):
+            if sum(told.values()) == count:
+                break
+            for problem in _judge(claim, random, told, offered):
+                wrong += 1
+                print(f"after {sum(told.values())}: {claim.query.kind.value} {claim.query.text}: {problem}", flush=True)
+        if sum(told.values()) == count:
+            break
+    for answer, times in sorted(told.items()):
+        print(f"{times:8} {answer}")
+    for answer, times in sorted(offered.items()):
+        print(f"{times:8} {answer}, offered for something false")
+    print(f"{sum(told.values())} certificates, {wrong} problems, {time.process_time() - started:.0f} s of CPU")
+    return 1 if wrong else 0
+
+
+def _claims(seed: int) -> Iterator[Claim]:
+    path = data_root() / "models/classics/fischer.ta"
+    for number in range(sys.maxsize):
+        if number % 4 == 0:
+            right, wrong = (tachk.load(path, N=2 + number // 4 % 2, **constants) for constants in ({}, {"WAIT": 9}))
+            queries = right.properties[:1]
+            networks = ((wrong.network, queries[0]),)
+            found = find_proof(right.network, "digest", queries[0])
+            if isinstance(found, Proof):
+                yield Claim(right.network, queries[0], found, networks)
+            continue
+        case = random_case(Random(seed + number), SHAPES[number % len(SHAPES)])
+        first, second, *_ = case.predicates
+        asked = [Query(f"q{n}", QueryKind.POSSIBLY, predicate) for n, predicate in enumerate(case.predicates)]
+        asked += [
+            Query("met", QueryKind.EVENTUALLY, first),
+            Query("kept", QueryKind.POTENTIALLY_ALWAYS, second),
+            Query("answered", QueryKind.LEADS_TO, first, (second,)),
+        ]
+        verdicts = [verify(case.network, [query], limits=_LIMITS, trace=False)[0] for query in asked]
+        for verdict in verdicts:
+            proof = find_proof(case.network, "digest", verdict.query, limits=_LIMITS) if is_provable(verdict) else ""
+            if isinstance(proof, Proof) and 0 < proof.zones <= _LARGEST:
+                yield Claim(case.network, verdict.query, proof, _false(case.network, verdict.query, verdicts))
+
+
+def _false(network: Network, query: Query, verdicts: list[tachk.Verdict]) -> tuple[tuple[Network, Query], ...]:
+    """Claims of the same kind of which the opposite has been found."""
+    return tuple(
+        (network, other.query)
+        for other in verdicts
+        if (other.query.target is None) is (query.target is None)
+        and other.answer is not Answer.UNKNOWN
+        and not is_provable(other)
+    )
+
+
+def _judge(claim: Claim, random: Random, told: Counter[str], offered: Counter[str]) -> Iterator[str]:
+    data = _tampered(claim.proof, random)
+    answer = _answer(claim.network, claim.query, data)
+    told[answer] += 1
+    if answer.startswith("the checkers differ"):
+        yield answer
+    if answer == "accepted, still a proof" and claim.query.target is not None:
+        (certificate,) = read_certificates(io.BytesIO(data))
+        if not _is_closed(claim.network, claim.query, certificate):
+            yield "accepted, and the third reading says that it is no proof"
+    for network, query in claim.false:
+        other = _answer(network, query, data)
+        offered[other] += 1
+        if other.startswith(("accepted", "the checkers differ")):
+            yield f"offered for {query.name} {query.kind.value}: {other}"
+
+
+def _tampered(proof: Proof, random: Random) -> bytes:
+    elements = _elements(proof)
+    for _ in range(random.choice((1, 1, 1, 2, 3))):
+        _change(elements, random, proof.header.kind)
+    elements.sort(key=lambda element: (element.discrete, element.rank > 0))
+    stream = io.BytesIO()
+    CertificateWriter(stream).write(proof.header, [_block(elements, proof.header.width)] if elements else [])
+    return stream.getvalue()
+
+
+def _elements(certificate: Proof | CertificateReader) -> list[Element]:
+    found = []
+    for block in certificate.blocks():
+        first = starts(block.constraints).tolist()
+        told = list(zip(block.places.tolist(), block.bounds.tolist(), strict=True))
+        discretes = np.repeat(block.discretes, block.zones, axis=0).tolist()
+        for discrete, rank, start, end in zip(discretes, block.ranks.tolist(), first, first[1:], strict=False):
+            found.append(Element(discrete, rank, told[start:end]))
+    return found
+
+
+def _block(elements: list[Element], width: int) -> Block:
+    groups = [list(group) for _, group in groupby(elements, lambda element: (element.discrete, element.rank > 0))]
+    told = [constraint for element in elements for constraint in element.told]
+    return Block(
+        np.array([group[0].discrete for group in groups], np.int64).reshape(len(groups), width),
+        np.array([len(group) for group in groups], np.int64),
+        np.array([element.rank for element in elements], np.int64),
+        np.array([len(element.told) for element in elements], np.int64),
+        np.array([place for place, _ in told], np.int64),
+        np.array([bound for _, bound in told], np.int64),
+    )
+
+
+def _change(elements: list[Element], random: Random, kind: Kind) -> None:
+    """A change of a bound, a number of a discrete state, a rank, or of what there is."""
+    if not elements:
+        return
+    element = random.choice(elements)
+    change = random.choice((-2, -1, 1, 2, random.randint(-20, 20)))
+    match random.randrange(10 if kind is Kind.INEVITABLE else 8):
+        case 0 | 1 | 2 if element.told:
+            number = random.randrange(len(element.told))
+            place, bound = element.told[number]
+            element.told[number] = (place, bound + change)
+        case 3 if element.told:
+            del element.told[random.randrange(len(element.told))]
+        case 4 if element.told:
+            other = random.choice(elements)
+            element.told, other.told = other.told, element.told
+        case 5 if element.told and (others := random.choice(elements).told):
+            element.told[random.randrange(len(element.told))] = random.choice(others)
+        case 6:
+            elements.remove(element)
+        case 8 | 9:
+            element.rank = max(element.rank + change, 0)
+        case _:
+            number = random.randrange(len(element.discrete))
+            element.discrete[number] = max(element.discrete[number] + (1 if change > 0 else -1), 0)
+
+
+def _answer(network: Network, query: Query, data: bytes) -> str:
+    said = []
+    for checker in Checker:
+        try:
+            (certificate,) = read_certificates(io.BytesIO(data))
+            said.append("rejected" if check_proof(network, query, certificate, checker) else "accepted, still a proof")
+        except (MalformedCertificateError, ValueError, OverflowError):
+            said.append("unreadable")
+    accepted = [each.startswith("accepted") for each in said]
+    return said[0] if accepted[0] is accepted[1] else f"the checkers differ: {said}"
+
+
+def _is_closed(network: Network, query: Query, certificate: CertificateReader) -> bool:
+    """Whether the set is a proof, by the semantics of one symbolic state after the other."""
+    model = prepare(network)
+    dimension = len(certificate.header.clocks) + 1
+    processes = len(network.processes)
+    zones: dict[DiscreteState, list[Zone]] = defaultdict(list)
+    for element in _elements(certificate):
+        discrete = DiscreteState(tuple(element.discrete[:processes]), tuple(element.discrete[processes:]))
+        told = [(*divmod(place, dimension), bound) for place, bound in element.told]
+        found = dbm.constrain_all(dbm.universe(dimension), told)
+        zones[discrete] += [] if found is None else [found]
+
+    def contains(discrete: DiscreteState, reached: dbm.Federation) -> bool:
+        return not dbm.subtract_all(reached, zones.get(discrete, []))
+
+    here, start = initial_situation(model)
+    assert query.target is not None
+    if not contains(here.discrete, start):
+        return False
+    for discrete, held in zones.items():
+        here = situation(model, discrete)
+        inside = [] if here.invariant is None else intersections(held, [here.invariant])
+        bad = [*where(model, here, query.target), *(zone for fault in here.faults for zone in fault.domain)]
+        if intersections(bad, inside):
+            return False
+        for move in here.moves:
+            reached = fire(here, inside, move)
+            if not reached:
+                continue
+            if move.target is None:
+                return False
+            there = situation(model, move.target)
+            if not contains(move.target, elapse(there, reached)):
+                return False
+    return True
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
