@@ -103,12 +103,11 @@ std::unique_ptr<tachk::Explorer> make_explorer(const std::vector<std::int64_t>& 
 }
 
 std::optional<FaultTuple> fault_of(tachk::Explorer& explorer) {
-  const auto& fault = explorer.fault();
-  if (!fault) return std::nullopt;
+  if (!explorer.fault()) return std::nullopt;
   std::vector<std::vector<std::uint32_t>> path;
-  if (fault->node != tachk::no_node) path = explorer.path(fault->node);
-  path.insert(path.end(), fault->passed.begin(), fault->passed.end());
-  return FaultTuple{fault->kind, fault->position, std::move(path), fault->edges};
+  const tachk::FaultReport told = explorer.told_fault(path);
+  path.insert(path.end(), told.passed.begin(), told.passed.end());
+  return FaultTuple{told.kind, told.position, std::move(path), told.edges};
 }
 
 }  // namespace

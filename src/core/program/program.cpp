@@ -78,6 +78,7 @@ class Decoder {
     note(in_.number());
     program_.computed_unit = in_.wide();
     if (program_.computed_unit < 0) throw std::invalid_argument("negative unit in image");
+    program_.interchangeable = in_.sequence([this] { return interchangeable(); });
     in_.finish();
     return std::move(program_);
   }
@@ -198,9 +199,43 @@ class Decoder {
     return result;
   }
 
+  Interchangeable interchangeable() {
+    Interchangeable group;
+    group.slots = in_.sequence([this] { return in_.sequence([this] { return slot(); }); });
+    group.clocks = in_.sequence([this] { return in_.sequence([this] { return clock(); }); });
+    group.tables = in_.sequence([this] { return in_.sequence([this] { return in_.number(); }); });
+    group.names = in_.sequence([this, &group] {
+      const std::uint32_t where = slot();
+      return Interchangeable::Name{where, in_.below(group.tables.size(), "table")};
+    });
+    const auto differ = [](const auto& items, std::size_t size) {
+      return std::any_of(items.begin(), items.end(), [size](const auto& item) { return item.size() != size; });
+    };
+    const std::size_t members = group.slots.size();
+    if (members < 2 || group.clocks.size() != members || differ(group.slots, group.slots.front().size()) ||
+        differ(group.clocks, group.clocks.front().size()) || differ(group.tables, members))
+      throw std::invalid_argument("bad group of processes in image");
+    return group;
+  }
+
   Reader in_;
   Program program_;
 };
+
+void renumber_members(std::vector<Interchangeable>& groups, const std::vector<std::uint16_t>& numbers) {
+  // Exchanging processes means nothing where a clock of only one of them is compared.
+  std::erase_if(groups, [&numbers](const Interchangeable& group) {
+    for (const std::vector<std::uint16_t>& clocks : group.clocks)
+      for (std::size_t role = 0; role < clocks.size(); ++role)
+        if ((numbers[clocks[role]] == 0) != (numbers[group.clocks.front()[role]] == 0)) return true;
+    return false;
+  });
+  for (Interchangeable& group : groups)
+    for (std::vector<std::uint16_t>& clocks : group.clocks) {
+      for (std::uint16_t& clock : clocks) clock = numbers[clock];
+      std::erase(clocks, 0);
+    }
+}
 
 }  // namespace
 
@@ -256,6 +291,7 @@ Program without_idle_clocks(Program program) {
     for (Disjunct& disjunct : measure.where.disjuncts) renumber_condition(disjunct.condition);
     mentioned(measure.clock);
   }
+  renumber_members(program.interchangeable, numbers);
   renumber(program.diagonals);
   for (std::size_t clock = 1; clock < numbers.size(); ++clock)
     if (numbers[clock] != 0) program.maximum_constants[numbers[clock]] = program.maximum_constants[clock];

@@ -161,6 +161,21 @@ struct Measure {
   std::int32_t code;    // of the integer
 };
 
+// Processes any two of which can be exchanged without changing what is possible.
+struct Interchangeable {
+  struct Name {
+    std::uint32_t slot;
+    std::uint32_t table;
+  };
+
+  // What belongs to each member, so that the entries of two members correspond; the first slot is that of the location.
+  std::vector<std::vector<std::uint32_t>> slots;
+  std::vector<std::vector<std::uint16_t>> clocks;
+  // The slots that may name members, and which number of each table is the name of each member.
+  std::vector<Name> names;
+  std::vector<std::vector<std::int32_t>> tables;
+};
+
 struct Program {
   std::vector<Process> processes;
   std::vector<Channel> channels;
@@ -174,6 +189,7 @@ struct Program {
   std::vector<Edge> edges;
   std::vector<Goal> goals;
   std::vector<Measure> measures;
+  std::vector<Interchangeable> interchangeable;
   bool has_priorities = false;
   bool has_stopwatches = false;
   Raw largest_constant = 0;        // in any atom, reset or bound

@@ -16,8 +16,8 @@ Options consistent(Options options, const Limits& limits, const Program& program
     throw std::invalid_argument("shortest paths need a breadth-first search");
   // Steps are counted in stored states.
   if (options.shortest || limits.depth != UINT32_MAX) options.passing = 0;
-  // What is passed through is not measured.
-  if (!program.measures.empty()) options.passing = 0;
+  // What is passed through is not measured, and paths through it are not told with the names of processes.
+  if (!program.measures.empty() || !program.interchangeable.empty()) options.passing = 0;
   return options;
 }
 
@@ -177,6 +177,17 @@ std::optional<std::uint32_t> Explorer::reached(std::size_t goal) const {
 }
 
 Path Explorer::path(std::uint32_t node) { return path_to(graph_, passed_, options_.passing, node); }
+
+FaultReport Explorer::told_fault(Path& path) {
+  FaultReport report = *fault_;
+  if (report.node == no_node) return report;
+  SymbolicState last = graph_.blank();
+  path = path_to(graph_, passed_, options_.passing, report.node, &last);
+  if (report.edges.empty() || !graph_.representatives().active()) return report;
+  if (const std::optional<ActionFault> fault = fault_after(graph_, last))
+    report = {fault->kind, fault->position, report.node, {}, fault->edges};
+  return report;
+}
 
 bool Explorer::leads_to(const Path& actions, std::size_t goal) {
   return tachk::leads_to(graph_, goals_, deadlocks_, actions, goal);

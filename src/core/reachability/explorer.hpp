@@ -64,6 +64,8 @@ class Explorer final {
   // The extreme value of a measure among the states stored so far.
   std::optional<Extreme> extreme(std::size_t measure) const { return measures_.extreme(measure); }
   const std::optional<FaultReport>& fault() const { return fault_; }
+  // The fault there is, with the names of processes that belong to a path to its node.
+  FaultReport told_fault(Path& path);
   // The edges that some action of an explored state has taken, in ascending order. Where the search has gone through
   // everything, no other edge can be taken at all.
   std::vector<std::uint32_t> taken() const;

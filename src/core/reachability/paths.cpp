@@ -20,8 +20,9 @@ struct OnlyStates {
 
 // How a state that a path may lead through is reached.
 struct Step {
-  Path actions;          // more than one where states between were not stored
-  std::size_t previous;  // among the states one step before
+  Path actions;             // more than one where states between were not stored
+  std::size_t previous;     // among the states one step before
+  Arrangement arrangement;  // of the state, behind the actions; empty where processes keep their places
 };
 
 // Keeps the states that may be those of a node, each once, with the actions that lead there, and those passed through.
@@ -43,8 +44,9 @@ struct Recogniser : OnlyStates {
     if (!passed.may_equal(node, graph.packed(successor.slots, successor.zone))) return;
     for (const SymbolicState& state : states)
       if (std::memcmp(state.zone.get().bytes, successor.zone.bytes, graph.operations().bytes) == 0) return;
+    Representatives& sorted = graph.representatives();
     states.push_back(graph.copy(successor));
-    steps.push_back({passing.actions_to(successor), previous});
+    steps.push_back({passing.actions_to(successor), previous, sorted.active() ? sorted.arrangement() : Arrangement{}});
   }
 };
 
@@ -79,6 +81,74 @@ std::vector<Node> chain_of_parents(const PassedList& passed, std::uint32_t node)
   return chain;
 }
 
+// Keeps the action that leads to a given state.
+struct Matcher : OnlyStates {
+  const ZoneGraph& graph;
+  const SymbolicState& state;
+  std::optional<Edges>& edges;
+
+  bool wants(const Successor& successor) const {
+    return !edges && std::equal(successor.slots, successor.slots + graph.program().state_slots, state.slots.begin());
+  }
+  void take(const Successor& successor) const {
+    if (std::memcmp(state.zone.get().bytes, successor.zone.bytes, graph.operations().bytes) == 0)
+      edges.emplace(successor.edges.begin(), successor.edges.end());
+  }
+};
+
+// Whatever is asked of the graph during the life of this, processes keep their places.
+class Unsorted {
+ public:
+  explicit Unsorted(ZoneGraph& graph) : representatives_(graph.representatives()), before_(representatives_.active()) {
+    representatives_.activate(false);
+  }
+  ~Unsorted() { representatives_.activate(before_); }
+  Unsorted(const Unsorted&) = delete;
+  Unsorted& operator=(const Unsorted&) = delete;
+
+ private:
+  Representatives& representatives_;
+  bool before_;
+};
+
+// The numbers of the states of each layer that lie on the way to the first of the last ones.
+std::vector<std::size_t> way_back(const std::vector<std::vector<Step>>& layers) {
+  std::vector<std::size_t> numbers(layers.size(), 0);
+  for (std::size_t layer = layers.size() - 1; layer > 0; --layer)
+    numbers[layer - 1] = layers[layer][numbers[layer]].previous;
+  return numbers;
+}
+
+// The same way with processes that keep their places: what the search calls the member at some place is another one
+// whenever a state has been sorted.
+Path unsorted_path(ZoneGraph& graph, const std::vector<std::vector<Step>>& layers,
+                   std::vector<std::vector<SymbolicState>>& states, SymbolicState* last) {
+  const std::vector<std::size_t> numbers = way_back(layers);
+  const Unsorted unsorted(graph);
+  Path path;
+  Arrangement places;  // which place of the sorted state each member has
+  SymbolicState source = graph.blank();
+  for (std::size_t layer = 0; layer < layers.size(); ++layer) {
+    const Arrangement back = inverse(layers[layer][numbers[layer]].arrangement);
+    places = layer == 0 ? back : composed(back, places);
+    SymbolicState& target = states[layer][numbers[layer]];
+    graph.representatives().arrange(places, target.slots.data(), target.zone);
+    if (layer > 0) {
+      std::optional<Edges> edges;
+      try {
+        graph.expand(source, Matcher{{}, graph, target, edges});
+      } catch (const ModelFault&) {  // as when the state was recognised
+      } catch (const ConstantOverflow&) {
+      }
+      if (!edges) throw std::logic_error("processes are not as interchangeable as they seem to be");
+      path.push_back(*std::move(edges));
+    }
+    source = target;
+  }
+  if (last != nullptr) *last = source;
+  return path;
+}
+
 // The way back from the first of the last states; `layers`: the steps to the states of each layer.
 Path actions_through(std::vector<std::vector<Step>>& layers) {
   Path actions;  // from the last to the first
@@ -96,7 +166,10 @@ Path actions_through(std::vector<std::vector<Step>>& layers) {
 
 // Of a covered node only half a hash of the zone is known, so that two states may seem to be its own: all are followed.
 // Each is reached by the actions noted for it, so that whichever remains at the end has been reached.
-Path path_to(ZoneGraph& graph, PassedList& passed, std::uint32_t most_passing, std::uint32_t node) {
+Path path_to(ZoneGraph& graph, PassedList& passed, std::uint32_t most_passing, std::uint32_t node,
+             SymbolicState* last) {
+  const bool sorted = graph.representatives().active();
+  std::vector<std::vector<SymbolicState>> kept;  // of all layers, where processes have been sorted
   PassingStates passing(graph, most_passing);
   SymbolicState source = graph.blank();
   std::vector<SymbolicState> states;  // of the last layer
@@ -121,8 +194,27 @@ Path path_to(ZoneGraph& graph, PassedList& passed, std::uint32_t most_passing, s
     }
     states.swap(next);
     if (states.empty()) throw std::logic_error("a stored state is not a successor of its parent");
+    if (sorted) kept.push_back(states);
   }
+  if (sorted) return unsorted_path(graph, layers, kept, last);
+  if (last != nullptr) *last = states.front();
   return actions_through(layers);
+}
+
+std::optional<ActionFault> fault_after(ZoneGraph& graph, SymbolicState& state) {
+  struct Nothing : OnlyStates {
+    bool wants(const Successor&) const { return false; }
+    void take(const Successor&) const {}
+  };
+  const Unsorted unsorted(graph);
+  try {
+    graph.expand(state, Nothing{});
+  } catch (const ActionFault& fault) {
+    return fault;
+  } catch (const ModelFault&) {  // of the state itself
+  } catch (const ConstantOverflow&) {
+  }
+  return std::nullopt;
 }
 
 bool leads_to(ZoneGraph& graph, GoalWatch& goals, DeadlockWatch& deadlocks, const Path& actions, std::size_t goal) {

@@ -7,6 +7,7 @@ namespace {
 
 Program prepared(Program program, const ZoneGraphOptions& options) {
   if (options.bounds == BoundScope::local) program = without_idle_clocks(std::move(program));
+  if (!program.diagonals.empty()) program.interchangeable.clear();
   if (options.scale) program = in_largest_unit(std::move(program));
   return program;
 }
@@ -49,6 +50,7 @@ ZoneGraph::ZoneGraph(Program program, const ZoneGraphOptions& options)
       semantics_(program_, operations_),
       active_(program_, semantics_, operations_, smaller_),
       abstraction_(program_, semantics_, operations_, options.extrapolation, options.bounds),
+      representatives_(program_, operations_),
       target_(operations_) {}
 
 SymbolicState ZoneGraph::blank() const {

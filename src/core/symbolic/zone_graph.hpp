@@ -14,6 +14,7 @@
 #include "states/zone_store.hpp"
 #include "symbolic/abstraction.hpp"
 #include "symbolic/active_clocks.hpp"
+#include "symbolic/representative.hpp"
 #include "symbolic/successor.hpp"
 #include "zones/federation.hpp"
 #include "zones/zone.hpp"
@@ -80,6 +81,9 @@ class ZoneGraph final {
   // Those of each smaller dimension, if zones are stored without clocks that do not matter; else none.
   const std::vector<ZoneOperations>& smaller_operations() const { return smaller_; }
   Semantics& semantics() { return semantics_; }
+  // Where processes are interchangeable, successors are told with those sorted; how that was done for the last one, and
+  // whether it is done, may be asked for here.
+  Representatives& representatives() { return representatives_; }
 
   // The successors that no action leads to: the initial states. Throws ModelFault, ConstantOverflow.
   template <Receiver R>
@@ -115,6 +119,8 @@ class ZoneGraph final {
   void expand_by_priority(SymbolicState& source, R& receiver);
   template <Receiver R>
   void follow(std::span<const std::uint32_t> edges, ConstZoneRef guarded, Effect& effect, R& receiver);
+  template <Receiver R>
+  void follow_sorted(std::span<const std::uint32_t> edges, Effect& effect, R& receiver);
   // The value of the body; names the action in a run-time error.
   template <class Body>
   static bool within(std::span<const std::uint32_t> edges, Body&& body);
@@ -125,6 +131,7 @@ class ZoneGraph final {
   Semantics semantics_;
   ActiveClocks active_;
   Abstraction abstraction_;
+  Representatives representatives_;
   Effect effect_;
   ZoneBuffer target_;
 };
@@ -185,6 +192,10 @@ void ZoneGraph::expand_by_priority(SymbolicState& source, R& receiver) {
 
 template <Receiver R>
 void ZoneGraph::follow(std::span<const std::uint32_t> edges, ConstZoneRef guarded, Effect& effect, R& receiver) {
+  if (representatives_.active()) {
+    if (enter(guarded, effect)) follow_sorted(edges, effect, receiver);
+    return;
+  }
   receiver.expect(effect);
   if (!enter(guarded, effect)) return;
   std::int32_t* slots = effect.slots.data();
@@ -193,6 +204,19 @@ void ZoneGraph::follow(std::span<const std::uint32_t> edges, ConstZoneRef guarde
   within(edges, [&] { return delay(effect), true; });
   if (!receiver.wants(Successor{edges, slots, target_.get()})) return;
   abstraction_.apply(slots, target_, [&](ConstZoneRef zone) { receiver.take(Successor{edges, slots, zone}); });
+}
+
+// There are no diagonals here, so that a state has one zone.
+template <Receiver R>
+void ZoneGraph::follow_sorted(std::span<const std::uint32_t> edges, Effect& effect, R& receiver) {
+  std::int32_t* slots = effect.slots.data();
+  within(edges, [&] { return delay(effect), true; });
+  abstraction_.apply(slots, target_, [](ConstZoneRef) {});
+  representatives_.sort(slots, target_);
+  effect.written = SlotSet::all();
+  receiver.expect(effect);
+  const Successor successor{edges, slots, target_.get()};
+  if (receiver.wants(successor)) receiver.take(successor);
 }
 
 template <class Body>

@@ -62,6 +62,11 @@ struct ZoneOperations {
   void (*gather)(ZoneRef target, ConstZoneRef zone, int dimension, const std::uint16_t* clocks, int count, int length);
   // The largest zone with this part.
   void (*scatter)(ZoneRef target, ConstZoneRef part, int dimension, const std::uint16_t* clocks, int count, int length);
+  // The zone with its clocks renamed: clock i of the target is clock sources[i] of the zone.
+  void (*rename)(ZoneRef target, ConstZoneRef zone, int dimension, const std::uint16_t* sources);
+  // Of each clock the sum of its row and that of its column, as far as entries count: those are cut off far out. A
+  // clock that is never larger than another one has a row sum that is not larger either.
+  void (*sum_up)(ConstZoneRef zone, int dimension, std::int64_t* rows, std::int64_t* columns);
   // Writes one value into a row of bounds.
   void (*set_bound)(BoundRow row, int clock, Raw value);
 };

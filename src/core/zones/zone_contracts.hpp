@@ -180,6 +180,12 @@ struct CheckedKernel : Kernel<T, Stride> {
     K::gather(target, zone, dimension, clocks, count, length);
     TACHK_EXPECT(canonical(target, count, length));
   }
+  static void rename(ZoneRef target, ConstZoneRef zone, int dimension, const std::uint16_t* sources) {
+    TACHK_EXPECT(sources[0] == 0);
+    for (int i = 0; i < dimension; ++i) TACHK_EXPECT(sources[i] < dimension);
+    K::rename(target, zone, dimension, sources);
+    TACHK_EXPECT(canonical(target, dimension));
+  }
   static void scatter(ZoneRef target, ConstZoneRef part, int dimension, const std::uint16_t* clocks, int count,
                       int length) {
     TACHK_EXPECT(proper(clocks, count, dimension));

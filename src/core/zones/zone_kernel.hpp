@@ -420,6 +420,31 @@ struct Kernel {
     }
   }
 
+  static void rename(ZoneRef target, ConstZoneRef zone, int dimension, const std::uint16_t* sources) {
+    for (int i = 0; i < dimension; ++i) {
+      const T* from = row(zone, dimension, sources[i]);
+      T* to = row(target, dimension, i);
+      for (int j = 0; j < dimension; ++j) to[j] = from[sources[j]];
+      for (int j = dimension; j < stride(dimension); ++j) to[j] = infinity;
+    }
+  }
+
+  static void sum_up(ConstZoneRef zone, int dimension, std::int64_t* rows, std::int64_t* columns) {
+    constexpr std::int64_t limit = std::int64_t{1} << 40;
+    for (int j = 0; j < dimension; ++j) columns[j] = 0;
+    for (int i = 0; i < dimension; ++i) {
+      const T* entries = row(zone, dimension, i);
+      std::int64_t sum = 0;
+      for (int j = 0; j < dimension; ++j) {
+        std::int64_t entry = entries[j];
+        if constexpr (sizeof(T) == 8) entry = entry > limit ? limit : entry < -limit ? -limit : entry;
+        sum += entry;
+        columns[j] += entry;
+      }
+      rows[i] = sum;
+    }
+  }
+
   static std::uint64_t hash(ConstZoneRef zone, int dimension) {
     const int number = vectors(dimension) * dimension;
     const Words* words = reinterpret_cast<const Words*>(zone.bytes);
@@ -478,6 +503,8 @@ struct Table {
     table.hash = K::hash;
     table.gather = K::gather;
     table.scatter = K::scatter;
+    table.rename = K::rename;
+    table.sum_up = K::sum_up;
     table.largest_entry = K::largest_entry;
     table.extent = K::extent;
     table.entry = K::entry;

@@ -143,6 +143,23 @@ class Slot:
 
 
 @dataclass(frozen=True, slots=True)
+class Interchangeable:
+    """Processes any two of which can be exchanged without changing what is possible.
+
+    Attributes:
+        slots: of each member those that belong to it, the corresponding ones in the same order; its location first.
+        clocks: of each member likewise.
+        names: the slots that may hold names of members, each with the number of the table that tells which.
+        tables: each with the name of each member.
+    """
+
+    slots: tuple[tuple[int, ...], ...]
+    clocks: tuple[tuple[int, ...], ...]
+    names: tuple[tuple[int, int], ...]
+    tables: tuple[tuple[int, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Program:
     """Attributes:
     locations: for each process, its locations.
@@ -158,6 +175,7 @@ class Program:
     largest_reset: the largest value a clock may be set to.
     computed_unit: divides every time that code computes, the bounds of constraints and the values of clocks; 0 if they
         are all 0.
+        interchangeable: groups of processes, whose states a search for the goals need not tell apart.
     """
 
     process_priorities: tuple[int, ...]
@@ -176,6 +194,7 @@ class Program:
     has_stopwatches: bool = False
     largest_reset: int = 0
     computed_unit: int = 0
+    interchangeable: tuple[Interchangeable, ...] = ()
 
     @property
     def clocks(self) -> int:

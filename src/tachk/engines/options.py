@@ -96,6 +96,7 @@ class Options:
         hold_spectators: hold processes still that cannot influence the answer; off: explore them too.
         drop_bystanders: first search without the processes that can only block others; off: search the whole network
             at once. Of `A<>`, `E[]` and `-->`: without those that certainly do not even block.
+        symmetry: search one state for all that differ by an exchange of interchangeable processes.
         shortest: find paths of as few transitions as possible; with BFS only, which AUTO then is. It may take more
             states: a state is dropped for a larger one only if that is not further from the initial state.
         pace: which run to a state that was found is shown; FASTEST takes further searches.
@@ -119,6 +120,7 @@ class Options:
     attempts: bool = True
     hold_spectators: bool = True
     drop_bystanders: bool = True
+    symmetry: bool = True
     shortest: bool = False
     engine: Engine = Engine.ZONE
     pace: Pace = Pace.EARLY

@@ -38,6 +38,12 @@ def encode(program: Program, goals: Sequence[Goal], measures: Sequence[Measure] 
     image += (len(program.maximum_constants), *program.maximum_constants)
     image += (len(program.diagonals), *(number for diagonal in program.diagonals for number in diagonal))
     image += (int(program.has_priorities), int(program.has_stopwatches), program.largest_reset, program.computed_unit)
+    image.append(len(program.interchangeable))
+    for group in program.interchangeable:
+        for rows in (group.slots, group.clocks, group.tables, group.names):
+            image.append(len(rows))
+            for row in rows:
+                image += row if rows is group.names else (len(row), *row)
     return image
 
 

@@ -104,11 +104,12 @@ def _outcome(
     if options.extrapolation is not Extrapolation.LU:
         return outcome, []
     exact = replace(options, extrapolation=Extrapolation.NONE)
+    everybody = replace(program, interchangeable=())
     doubtful = []
     for number, goal in enumerate(goals):
         node = explorer.reached(number)
         if node is not None and any(d.deadlock is not DeadlockLiteral.ABSENT for d in goal.disjuncts):
-            if not _explorer(program, goals, exact, Limits()).leads_to(explorer.path(node), number):
+            if not _explorer(everybody, goals, exact, Limits()).leads_to(explorer.path(node), number):
                 doubtful.append(number)
     return outcome, doubtful
 

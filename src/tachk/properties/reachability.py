@@ -27,6 +27,7 @@ from tachk.properties.vacuity import Trigger, noted, triggers_of, with_notes
 from tachk.properties.verdict import Answer, Verdict
 from tachk.reduction.bystanders import without_bystanders
 from tachk.reduction.spectators import with_spectators, without_spectators
+from tachk.reduction.symmetry.tables import with_symmetry
 from tachk.semantics.discrete import PreparedNetwork, prepare
 from tachk.semantics.step import StepError
 from tachk.semantics.timed_trace import TimedTrace
@@ -75,7 +76,7 @@ def _settle_without_bystanders(
             relaxed = without_bystanders(network, [*targets, *(trigger.condition for trigger in triggers)])
             if relaxed == network:
                 return {}
-            program, goals = _lowered(relaxed, targets, triggers)
+            program, goals = _lowered(relaxed, targets, triggers, options)
     except OutOfTimeError:
         return {}
     outcome = explore(program, goals, options, first_try.after(time.monotonic() - started), progress)
@@ -101,7 +102,7 @@ def _explore(
             triggers = triggers_of(search.tasks, network)
             mentioned = [*targets, *(trigger.condition for trigger in triggers)]
             reduced = without_spectators(network, mentioned) if options.hold_spectators else network
-            program, goals = _lowered(reduced, targets, triggers)
+            program, goals = _lowered(reduced, targets, triggers, options)
     except OutOfTimeError:
         return none_begun(search.tasks, TIME_LIMIT)
     outcome = explore(program, goals, options, limits.after(time.monotonic() - started), progress)
@@ -126,10 +127,13 @@ def _explore(
 
 
 def _lowered(
-    network: Network, targets: Sequence[Expression], triggers: Sequence[Trigger]
+    network: Network, targets: Sequence[Expression], triggers: Sequence[Trigger], options: Options
 ) -> tuple[Program, tuple[Goal, ...]]:
     """The program, the goals of the targets, and behind them those of the triggers, for which no search goes on."""
-    program, goals = lower(network, [*targets, *(trigger.condition for trigger in triggers)])
+    predicates = [*targets, *(trigger.condition for trigger in triggers)]
+    program, goals = lower(network, predicates)
+    if options.symmetry:
+        program = with_symmetry(program, network, predicates)
     return program, (*goals[: len(targets)], *noted(goals[len(targets) :]))
 
 

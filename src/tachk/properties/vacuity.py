@@ -11,14 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import reduce
 
 from tachk.compiler.fold import cannot_fail, fold, known_values
 from tachk.compiler.goal import mentions_time
 from tachk.compiler.program import Goal
 from tachk.diagnostics.span import Span
 from tachk.engines.outcome import GoalOutcome, Status
-from tachk.model.connectives import both, either
+from tachk.model.connectives import any_of, both
 from tachk.model.expressions import BOOL, Binary, Constant, Expression, Quantifier, QuantifierKind, Variable
 from tachk.model.network import Network
 from tachk.model.query import Query
@@ -61,7 +60,7 @@ def triggers_of(tasks: Iterable[Task], network: Network) -> tuple[Trigger, ...]:
         folded = [fold(condition, known) for condition in conditions]
         open_ = [condition for condition in folded if not (isinstance(condition, Constant) and condition.value == 0)]
         if open_ and all(cannot_fail(c) and not mentions_time(c) and not isinstance(c, Constant) for c in open_):
-            triggers.append(Trigger(number, text, reduce(either, open_)))
+            triggers.append(Trigger(number, text, any_of(open_)))
     return tuple(triggers)
 
 

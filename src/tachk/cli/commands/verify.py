@@ -120,6 +120,14 @@ _DEFAULT = Options()
     "them are explored more than once. No effect with --trace shortest, --max-depth or deadlock.",
 )
 @click.option(
+    "symmetry",
+    "--symmetry/--no-symmetry",
+    default=_DEFAULT.symmetry,
+    show_default=True,
+    help="Explore one state for all that differ only in which of several interchangeable processes is which. `tachk "
+    "check --deep` tells which are, and why others are not.",
+)
+@click.option(
     "every_trace",
     "--all-traces",
     is_flag=True,

@@ -1,0 +1,72 @@
+// One state for all that differ by an exchange of interchangeable processes: the members of each group are sorted by
+// what is known of them, so that most of these states become the same one. Any order is sound, because every exchange
+// maps what is possible onto itself; a better one leaves fewer states (Ip & Dill 1996; Hendriks et al. 2003).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "program/program.hpp"
+#include "zones/zone.hpp"
+#include "zones/zone_buffer.hpp"
+
+namespace tachk {
+
+// Of each group which member has come to each place.
+using Arrangement = std::vector<std::vector<std::uint32_t>>;
+
+// The arrangement that undoes one.
+Arrangement inverse(const Arrangement& arrangement);
+// What two arrangements do, the first one first.
+Arrangement composed(const Arrangement& first, const Arrangement& second);
+
+class Representatives final {
+ public:
+  Representatives(const Program& program, const ZoneOperations& operations);
+
+  bool active() const { return active_; }
+  // Whether states are sorted, where there are interchangeable processes.
+  void activate(bool wanted) { active_ = wanted && !groups_.empty(); }
+
+  // Sorts the members of each group in a state.
+  void sort(std::int32_t* slots, ZoneBuffer& zone);
+  // How the state sorted last was arranged.
+  const Arrangement& arrangement() const { return arrangement_; }
+  void arrange(const Arrangement& arrangement, std::int32_t* slots, ZoneBuffer& zone);
+
+ private:
+  struct Group {
+    Interchangeable parts;
+    std::vector<bool> names_own;                       // of the slots of a member, whether they may name members
+    std::vector<std::size_t> own_tables;               // their tables
+    std::vector<Interchangeable::Name> shared;         // names outside the slots of members
+    std::vector<std::int32_t> least;                   // of each table the smallest number
+    std::vector<std::vector<std::int32_t>> member_of;  // of each table, by number less the smallest one; -1: nobody
+
+    std::int32_t member(std::size_t table, std::int32_t number) const;
+  };
+
+  void describe(const Group& group, const std::int32_t* slots);
+  bool order(std::size_t group);
+  void move_slots(const Group& group, const std::vector<std::uint32_t>& from, std::int32_t* slots);
+  void move_clocks(const Arrangement& arrangement, ZoneBuffer& zone);
+
+  int dimension_;
+  ZoneOperations operations_;
+  std::vector<Group> groups_;
+  bool active_;
+  Arrangement arrangement_;
+  Arrangement identity_;
+  std::size_t width_ = 0;            // of the description of a member
+  std::vector<std::int64_t> facts_;  // the descriptions of all members
+  std::vector<std::int64_t> rows_;
+  std::vector<std::int64_t> columns_;
+  std::vector<std::int32_t> moved_;
+  std::vector<std::uint32_t> places_;
+  std::vector<std::uint16_t> sources_;
+  ZoneBuffer scratch_;
+};
+
+}  // namespace tachk

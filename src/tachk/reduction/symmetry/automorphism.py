@@ -1,0 +1,320 @@
+"""Renamings of a network, and whether one maps the network onto itself.
+
+A renaming exchanges processes, variables and numbers of some kinds. It maps a network onto itself if the text of each
+process, renamed, is that of the process it is mapped to, up to the order of edges, and if initial values, ranges,
+priorities and what is asked for are mapped onto themselves. Then it maps runs to runs: an automorphism.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Hashable, Iterable, Mapping
+from dataclasses import field
+
+from tachk.compiler.fold import Known
+from tachk.diagnostics.span import Span
+from tachk.model.cell_layout import default_cells
+from tachk.model.expressions import Expression, Variable
+from tachk.model.network import Edge, Location, Network
+from tachk.model.types import ArrayType, Type, cell_count
+from tachk.records import dataclass
+from tachk.reduction.symmetry.kinds import ArrayTree, Kinds, RecordTree, Refusal, Tree
+from tachk.reduction.symmetry.terms import (
+    Junction,
+    Number,
+    Place,
+    Reader,
+    Term,
+    Token,
+    cell_nodes,
+    flat,
+    predicate_term,
+)
+
+Atom = Variable | Place | tuple[int, int]
+"""What a renaming may move: a variable, a process, a number of a kind."""
+
+
+@dataclass(frozen=True, slots=True)
+class Renaming:
+    """Attributes:
+    processes, variables: those that are moved.
+    values: for each kind, by the node that stands for it, the numbers that are moved.
+    """
+
+    processes: Mapping[int, int] = field(default_factory=dict)
+    variables: Mapping[Variable, Variable] = field(default_factory=dict)
+    values: Mapping[int, Mapping[int, int]] = field(default_factory=dict)
+
+    def value(self, kinds: Kinds, node: int, value: int) -> int:
+        """The image of a number at a node."""
+        root, shift = kinds.find(node)
+        moved = self.values.get(root)
+        return value if moved is None else moved.get(value - shift, value - shift) + shift
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A location or an edge, as a sequence of tokens."""
+
+    process: int
+    tokens: tuple[Token, ...]
+    span: Span
+
+
+@dataclass(slots=True)
+class Reading:
+    """A network and what is asked of it, as terms.
+
+    Attributes:
+        locations, edges: of each process.
+    """
+
+    network: Network
+    reader: Reader
+    locations: list[list[Unit]]
+    edges: list[list[Unit]]
+    predicates: list[Term]
+    _touched: dict[Atom, list[tuple[int, bool, int]]] = field(default_factory=dict)
+    _of_kind: dict[int, list[Variable]] = field(default_factory=dict)
+
+    @property
+    def kinds(self) -> Kinds:
+        return self.reader.kinds
+
+    def settle(self) -> None:
+        """Nothing more will be found to be of one kind."""
+        for process, (locations, edges) in enumerate(zip(self.locations, self.edges, strict=True)):
+            for is_edge, units in ((False, locations), (True, edges)):
+                for number, unit in enumerate(units):
+                    for atom in set(self._atoms(unit.tokens)):
+                        self._touched.setdefault(atom, []).append((process, is_edge, number))
+        for variable, tree in self.reader.trees.items():
+            for root in {self.kinds.find(node)[0] for node in _all_nodes(tree)}:
+                self._of_kind.setdefault(root, []).append(variable)
+
+    def _atoms(self, tokens: Iterable[Token]) -> Iterable[Atom]:
+        for token in tokens:
+            if isinstance(token, Number):
+                root, shift = self.kinds.find(token.node)
+                yield root, token.value - shift
+            elif isinstance(token, Variable | Place):
+                yield token
+
+    # ---- images -----------------------------------------------------------------------------------------------------
+
+    def image(self, tokens: Iterable[Token], renaming: Renaming) -> tuple[Hashable, ...]:
+        """Renamed tokens, without the kinds of numbers."""
+        image: list[Hashable] = []
+        for token in tokens:
+            if isinstance(token, Number):
+                image.append(renaming.value(self.kinds, token.node, token.value))
+            elif isinstance(token, Variable):
+                image.append(renaming.variables.get(token, token))
+            elif isinstance(token, Place):
+                image.append(Place(renaming.processes.get(token.process, token.process)))
+            else:
+                image.append(token)
+        return tuple(image)
+
+    def _term_image(self, term: Term, renaming: Renaming) -> Hashable:
+        if isinstance(term, Junction):
+            parts = Counter(self._term_image(part, renaming) for part in term.parts)
+            return term.conjunctive, frozenset(parts.items())
+        return self.image(term, renaming)
+
+    def _moved_atoms(self, renaming: Renaming) -> set[Atom]:
+        return {
+            *renaming.variables,
+            *map(Place, renaming.processes),
+            *((root, value) for root, moved in renaming.values.items() for value in moved),
+        }
+
+    # ---- the proof --------------------------------------------------------------------------------------------------
+
+    def objection(self, renaming: Renaming) -> Refusal | None:
+        """Why a renaming, which is its own inverse, does not map the network onto itself; None if it does."""
+        moved = self._moved_atoms(renaming)
+        return (
+            self._kinds_objection(renaming)
+            or self._process_objection(renaming)
+            or self._variable_objection(renaming)
+            or self._text_objection(renaming, moved)
+            or self._predicate_objection(renaming, moved)
+        )
+
+    def _kinds_objection(self, renaming: Renaming) -> Refusal | None:
+        for root in renaming.values:
+            plain = self.kinds.plain(root)
+            if plain is not None:
+                return Refusal(f"the model {plain.reason}" if _is_verb(plain.reason) else plain.reason, plain.span)
+        for limit in self.kinds.ranges:
+            root, shift = self.kinds.find(limit.node)
+            for value, image in renaming.values.get(root, {}).items():
+                if (limit.low <= value + shift <= limit.high) != (limit.low <= image + shift <= limit.high):
+                    reason = f"the range [{limit.low}, {limit.high}] holds the number of one and not that of another"
+                    return Refusal(reason, limit.span)
+        for default in self.kinds.defaults:
+            if renaming.value(self.kinds, default.node, default.low) != default.low:
+                return Refusal(f"a variable begins with {default.low}, the number of one of them", default.span)
+        return None
+
+    def _process_objection(self, renaming: Renaming) -> Refusal | None:
+        processes = self.network.processes
+        for one, other in renaming.processes.items():
+            first, second = processes[one], processes[other]
+            if first.priority != second.priority:
+                return Refusal("they have different priorities", second.span)
+            if first.initial != second.initial or len(first.locations) != len(second.locations):
+                return Refusal("they begin in different locations", second.span)
+        return None
+
+    def _variable_objection(self, renaming: Renaming) -> Refusal | None:
+        touched = dict.fromkeys(renaming.variables)
+        for root in renaming.values:
+            touched.update(dict.fromkeys(self._of_kind.get(root, ())))
+        for variable in touched:
+            if variable.kind in ("bound", "frame"):
+                continue
+            objection = self._one_variable(variable, renaming)
+            if objection is not None:
+                return objection
+        return None
+
+    def _one_variable(self, variable: Variable, renaming: Renaming) -> Refusal | None:
+        other = renaming.variables.get(variable, variable)
+        tree, others_tree = self.reader.tree_of(variable), self.reader.tree_of(other)
+        nodes, of_other = cell_nodes(tree, variable.type), cell_nodes(others_tree, other.type)
+        if variable.type != other.type or self.network.resets(variable) != self.network.resets(other):
+            return Refusal(f"`{variable.name}` and `{other.name}` are declared differently", other.span)
+        if variable.carries is not None or other.carries is not None:
+            return Refusal(f"`{variable.name}` passes values through a channel", other.span)
+        if list(map(self.kinds.find, nodes)) != list(map(self.kinds.find, of_other)):
+            return Refusal(f"`{variable.name}` and `{other.name}` hold different kinds of numbers", other.span)
+        images = cell_images(self.kinds, tree, variable.type, renaming)
+        before, after = variable.initial or default_cells(variable.type), other.initial or default_cells(other.type)
+        for cell, image in enumerate(images):
+            if after[image] != renaming.value(self.kinds, nodes[cell], before[cell]):
+                if variable is other and len(images) == 1:
+                    return Refusal(f"`{other.name}` begins with {before[cell]}, the number of one of them", other.span)
+                return Refusal(f"the initial values of `{other.name}` tell them apart", other.span)
+        if variable.priorities or other.priorities:
+            default = (self.network.default_priority,) * len(images)
+            before, after = variable.priorities or default, other.priorities or default
+            if any(after[image] != before[cell] for cell, image in enumerate(images)):
+                return Refusal(f"the priorities of the channels `{other.name}` tell them apart", other.span)
+        return None
+
+    def _text_objection(self, renaming: Renaming, moved: set[Atom]) -> Refusal | None:
+        same, elsewhere = Renaming(), set(range(len(self.edges))) - set(renaming.processes)
+        for one, other in renaming.processes.items():
+            for here, there in ((self.locations[one], self.locations[other]), (self.edges[one], self.edges[other])):
+                for unit, image in zip(here, there, strict=True):
+                    if self.image(unit.tokens, renaming) != self.image(image.tokens, same):
+                        return Refusal("their texts differ in more than their own numbers and variables", image.span)
+        touched = {place for atom in moved for place in self._touched.get(atom, ()) if place[0] in elsewhere}
+        edges: dict[int, list[Unit]] = {}
+        for process, is_edge, number in sorted(touched):
+            if is_edge:
+                edges.setdefault(process, []).append(self.edges[process][number])
+                continue
+            unit = self.locations[process][number]
+            if self.image(unit.tokens, renaming) != self.image(unit.tokens, same):
+                return Refusal(f"the process {self.network.processes[process].name} tells them apart here", unit.span)
+        for process, units in edges.items():
+            present = Counter(self.image(unit.tokens, same) for unit in units)
+            for unit in units:
+                renamed = self.image(unit.tokens, renaming)
+                present[renamed] -= 1
+                if present[renamed] < 0:
+                    name = self.network.processes[process].name
+                    return Refusal(f"the process {name} tells them apart here", unit.span)
+        return None
+
+    def _predicate_objection(self, renaming: Renaming, moved: set[Atom]) -> Refusal | None:
+        for term in self.predicates:
+            parts = term.parts if isinstance(term, Junction) else (term,)
+            touched = [part for part in parts if not moved.isdisjoint(self._atoms(flat([part])))]
+            before = Counter(self._term_image(part, Renaming()) for part in touched)
+            if before != Counter(self._term_image(part, renaming) for part in touched):
+                return Refusal("what is asked for tells them apart")
+        return None
+
+
+def _is_verb(reason: str) -> bool:
+    return reason.startswith(("counts", "uses", "is used"))
+
+
+def _all_nodes(tree: Tree) -> Iterable[int]:
+    match tree:
+        case int():
+            yield tree
+        case ArrayTree(index, element):
+            yield index
+            yield from _all_nodes(element)
+        case RecordTree(fields):
+            for _, part in fields:
+                yield from _all_nodes(part)
+
+
+def cell_images(kinds: Kinds, tree: Tree, type_: Type, renaming: Renaming) -> list[int]:
+    """For each cell of a variable the cell of its image that a renaming maps it to."""
+    match tree, type_:
+        case ArrayTree(index, element), ArrayType():
+            inner = cell_images(kinds, element, type_.element, renaming)
+            size = cell_count(type_.element)
+            images = []
+            for place in range(type_.size):
+                image = renaming.value(kinds, index, type_.low + place) - type_.low
+                images += [image * size + cell for cell in inner]
+            return images
+        case RecordTree(fields), _:
+            images, before = [], 0
+            for (_, part), (_, of_part) in zip(fields, type_.fields, strict=True):  # type: ignore[union-attr]
+                images += [before + cell for cell in cell_images(kinds, part, of_part, renaming)]
+                before += cell_count(of_part)
+            return images
+        case _:
+            return [0]
+
+
+# ---- reading --------------------------------------------------------------------------------------------------------
+
+
+def read(network: Network, predicates: Iterable[Expression], known: Known) -> Reading:
+    """The terms of a network and of what is asked of it."""
+    reader = Reader(known)
+    for variable in network.all_variables():
+        reader.tree_of(variable)
+    locations, edges = [], []
+    for number, process in enumerate(network.processes):
+        locations.append([_location(reader, number, each) for each in process.locations])
+        edges.append([_edge(reader, number, each) for each in process.edges])
+    return Reading(network, reader, locations, edges, [predicate_term(reader, each) for each in predicates])
+
+
+def _location(reader: Reader, process: int, location: Location) -> Unit:
+    reader.begin()
+    tokens: list[Token] = [("location", location.urgent, location.committed, location.invariant is None)]
+    if location.invariant is not None:
+        reader.condition(location.invariant, tokens)
+    for clock, rate in location.rates:
+        tokens.append("rate")
+        reader.whole(clock, tokens)
+        reader.kinds.make_plain(reader.whole(rate, tokens), "a clock runs with it", rate.span)
+    return Unit(process, tuple(tokens), location.span)
+
+
+def _edge(reader: Reader, process: int, edge: Edge) -> Unit:
+    reader.begin()
+    tokens: list[Token] = [("edge", edge.source, edge.target, edge.guard is None, len(edge.updates))]
+    for variable in edge.selects:
+        reader.bind(variable, tokens)
+    if edge.guard is not None:
+        reader.condition(edge.guard, tokens)
+    if edge.synchronisation is not None:
+        tokens.append(("synchronisation", edge.synchronisation.direction))
+        reader.whole(edge.synchronisation.channel, tokens)
+    for update in edge.updates:
+        reader.whole(update, tokens)
+    return Unit(process, tuple(tokens), edge.spans[0])

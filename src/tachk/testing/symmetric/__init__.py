@@ -1,0 +1,1 @@
+"""Random models of processes that are interchangeable, or almost."""

@@ -1,0 +1,47 @@
+"""Interchangeable processes sorted or not: the same answers, and runs that replay with the names of the model."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+
+import tachk
+from tachk import Limits, Options
+from tachk.engines import reference
+from tachk.engines.outcome import Status
+from tachk.testing.symmetric.cases import random_symmetric_case
+
+LIMITS = Limits(states=1500)
+
+
+@pytest.mark.parametrize("block", range(4))
+def test_symmetry_changes_no_answer(block: int) -> None:
+    reduced = 0
+    for seed in range(25 * block, 25 * block + 25):
+        case = random_symmetric_case(Random(seed))
+        model = tachk.loads(case.text)
+        sorted_, plain = (
+            list(model.verify(*case.queries, options=Options(symmetry=symmetry), limits=LIMITS))
+            for symmetry in (True, False)
+        )
+        for one, other in zip(sorted_, plain, strict=True):
+            reduced += one.statistics.states_stored < other.statistics.states_stored
+            if not other.reason.endswith("limit"):
+                assert (one.answer, one.fault is None) == (other.answer, other.fault is None), f"seed {seed}"
+    assert reduced > 0
+
+
+def test_symmetry_agrees_with_the_plain_oracle() -> None:
+    decided = 0
+    for seed in range(200, 215):
+        case = random_symmetric_case(Random(seed))
+        model = tachk.loads(case.text)
+        for verdict in model.verify(*case.queries, limits=LIMITS):
+            assert verdict.query.target is not None
+            (goal,) = reference.explore(model.network, [verdict.query.target], Limits(states=150)).goals
+            if goal.status is not Status.UNDECIDED and not verdict.reason:
+                decided += 1
+                reached = (verdict.answer.value == "holds") == verdict.query.holds_when_reached
+                assert reached == (goal.status is Status.REACHED), f"seed {seed}"
+    assert decided > 10

@@ -1,0 +1,141 @@
+"""Which processes are interchangeable, and what tells others apart."""
+
+import pytest
+
+import tachk
+from tachk.reduction.symmetry.detection import find_symmetry
+from tachk.resources import data_root
+
+ORDER = "the updates of two of them that hear the same broadcast depend on their order"
+
+TEXT = """
+const int N = 3;
+typedef int[1, N] id_t;
+int[0, N] owner = 0;
+int[0, N] queue[3];
+int[0, 2] mark[N + 1];
+int[0, 9] count = 0;
+chan to[N + 1];
+broadcast chan all;
+
+void push(int[0, N] who) { queue[count] = who; count = count + 1; }
+
+process P(const id_t me) {
+    clock x;
+    int[0, N] friend = 0;
+    init location L { to M { %s } }
+    location M { to L { guard owner == me && x > 2; assign owner = 0, x = 0; } }
+}
+process Q() {
+    init location L { to L { %s } }
+}
+system P, Q;
+"""
+
+
+def found(edge: str = "", other: str = "", *queries: str, text: str = TEXT) -> tuple[list[int], list[str]]:
+    """The numbers of interchangeable processes in groups, and why others are not interchangeable."""
+    model = tachk.loads(text % (edge, other) if "%s" in text else text)
+    targets = [verdict.query.target for verdict in model.verify(*queries, trace=False)] if queries else []
+    symmetry = find_symmetry(model.network, [target for target in targets if target is not None])
+    return [len(group.members) for group in symmetry.groups], [each.refusal.reason for each in symmetry.differences]
+
+
+@pytest.mark.parametrize(
+    "edge",
+    [
+        "guard owner == 0; assign owner = me;",
+        "guard owner != me; assign friend = owner;",
+        "select k : id_t; guard k != me; assign owner = k;",
+        "guard mark[me] == 0; assign mark[me] = mark[me] + 1;",
+        "guard friend != 0 and mark[friend] == 1; assign mark[friend] = 0;",
+        "guard forall (i : id_t) mark[i] == 0;",
+        "guard sum (i : id_t) mark[i] < 2;",
+        "sync to[me]?;",
+        "guard count < 3; assign push(me);",
+        "guard queue[0] == me; assign count = 0;",
+        "sync all?; assign x = 0;",
+        "sync all?; assign mark[me] = 1;",
+        "sync all?; assign owner = 0;",
+    ],
+)
+def test_numbers_that_are_only_names_do_not_tell_processes_apart(edge: str) -> None:
+    assert found(edge, "sync all!; assign count = 0;") == ([3], [])
+    assert found(edge, "select k : id_t; sync to[k]!;") == ([3], [])
+
+
+@pytest.mark.parametrize(
+    ("edge", "reason"),
+    [
+        ("guard owner < me;", "`<` compares it"),
+        ("assign count = me + count;", "they compute with their numbers"),
+        ("guard count == 3 and owner != 2;", "their texts differ in more than their own numbers and variables"),
+        ("assign owner = 2;", "their texts differ in more than their own numbers and variables"),
+        ("guard x <= me;", "`<=` compares it"),
+        ("assign mark[1] = 1, mark[me] = 0;", "their texts differ in more than their own numbers and variables"),
+        (
+            "sync all?; assign owner = me;",
+            ORDER,
+        ),
+        (
+            "sync all?; assign count = 9 - count;",
+            ORDER,
+        ),
+        ("assign owner = queue[me - 1];", "`<` compares it"),
+    ],
+)
+def test_what_tells_processes_apart_is_named(edge: str, reason: str) -> None:
+    groups, reasons = found(edge, "sync all!; assign queue[count] = 0, count = count < 2 ? count + 1 : 0;")
+    assert groups == [] or groups == [2]
+    assert reason in reasons or "counts with it" in " ".join(reasons)
+
+
+def test_another_process_may_not_prefer_one() -> None:
+    groups, reasons = found("sync to[me]?;", "sync to[2]!;")
+    assert groups == [2]
+    assert reasons == ["the process Q tells them apart here"]
+
+
+def test_initial_values_may_not_prefer_one() -> None:
+    groups, reasons = found("guard owner == 0; assign owner = me;", text=TEXT.replace("owner = 0;", "owner = 1;", 1))
+    assert groups == [] or reasons
+
+
+@pytest.mark.parametrize(
+    ("query", "group"),
+    [
+        ("E<> exists (i : id_t) P(i).M and owner == i", [3]),
+        ("A[] forall (i : id_t) forall (j : id_t) P(i).M and P(j).M imply i == j", [3]),
+        ("E<> P(1).M", [2]),
+        ("E<> owner == 3", [2]),
+        ("E<> P(1).x > 2 and P(2).M", []),
+        ("A[] not deadlock", [3]),
+    ],
+)
+def test_a_query_that_names_processes_leaves_the_others(query: str, group: list[int]) -> None:
+    assert found("guard owner == 0; assign owner = me;", "", query)[0] == group
+
+
+def test_priorities_tell_processes_apart() -> None:
+    text = "process P() { init location L; }\nA = P();\nB = P();\nC = P();\nsystem A, B < C;"
+    assert found(text=text) == ([2], ["they have different priorities"])
+
+
+def test_processes_without_numbers_are_interchangeable_with_their_own_globals() -> None:
+    text = """
+    clock x, y; int[0, 3] m; int[0, 3] n;
+    process P(clock &c, int[0, 3] &k) {
+        init location L { to L { guard c > 2; assign c = 0, k = k == 3 ? 0 : k + 1; } }
+    }
+    A = P(x, m); B = P(y, n); system A, B;
+    """
+    assert found(text=text) == ([2], [])
+    assert found(text=text.replace("int[0, 3] n;", "int[0, 3] n = 1;"))[0] == []
+
+
+@pytest.mark.parametrize("size", [4, 6, 10])
+def test_fischer_stores_a_quadratic_number_of_states(size: int) -> None:
+    model = tachk.load(data_root() / "models" / "classics" / "fischer.ta", N=size)
+    (verdict,) = model.verify(property="mutual_exclusion")
+    assert verdict.answer.value == "holds"
+    assert verdict.statistics.states_stored == size * (size + 3)
