@@ -31,6 +31,9 @@ class Reading {
   // Executes updates and goes to the targets; appends what clocks are set to. Throws ModelFault.
   void take(std::span<const std::uint32_t> edges, std::vector<ClockReset>& resets);
 
+  // The slots of the state.
+  std::vector<std::int32_t> state() const { return {slots_.begin(), slots_.begin() + program_.state_slots}; }
+
   const Location& location(std::size_t process) const {
     return program_.processes[process].locations[static_cast<std::size_t>(slots_[process])];
   }

@@ -96,18 +96,26 @@ def lower_recurrence(
 
 
 def lower_measures(
-    network: Network, measured: Sequence[Measured], tables: Collection[Variable] = ()
+    network: Network,
+    measured: Sequence[Measured],
+    tables: Collection[Variable] = (),
+    predicates: Sequence[Expression] = (),
 ) -> tuple[Program, tuple[Goal, ...], tuple[Measure, ...]]:
-    """The program of a network, a goal for each clock whose largest value is asked for, and how to measure in states.
+    """The program of a network, the goals of predicates and one for each clock whose largest value is asked for, and
+    how to measure in states.
 
     The goal is that the clock is beyond its horizon. Up to there the clock bounds of the program keep its values apart.
     Raises as `lower` does, and ValueError for a clock that depends on the state.
     """
-    known = known_values(network, [part for m in measured for part in (m.where, m.beyond)])
+    known = known_values(network, [*predicates, *(part for m in measured for part in (m.where, m.beyond))])
     lowering = _lowered(network, known, tables)
     measures = []
     goals = []
     observed: list[Observed] = []
+    for predicate in predicates:
+        goal, compared = compile_goal(predicate, known, lowering.compiler)
+        goals.append(goal)
+        observed.extend(compared)
     for each in measured:
         where, compared = compile_goal(each.where, known, lowering.compiler)
         observed.extend(compared)

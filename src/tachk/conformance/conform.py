@@ -23,7 +23,7 @@ from tachk.conformance.parts import Part, can_be_apart, parts_of, restricted, se
 from tachk.conformance.queues import Constants, Queues, make_queues
 from tachk.conformance.refusal import Offer, end_of, offers, state_text
 from tachk.engines.exact.exact_run import Moments
-from tachk.engines.measuring import measure
+from tachk.engines.measuring import Measurement, measure
 from tachk.engines.options import Limits, Options, SearchOrder
 from tachk.engines.outcome import GoalOutcome, Statistics, Status
 from tachk.engines.zone import explore
@@ -117,7 +117,7 @@ def conform(
     Args:
         tolerance, late: in units of the model; None: as the model says.
         run: give the run that shows it exact times, and judge it.
-        explain: find where the recording leaves the model, by a second search.
+        explain: find where the recording leaves the model.
         divide: search parts that share nothing one by one; no verdict depends on it.
 
     Raises UsageError for a recording that does not fit the model, UnsupportedError.
@@ -154,7 +154,11 @@ def conform(
 
 @dataclass(frozen=True, slots=True)
 class _Answer:
-    """What one search has found, about a part or the whole."""
+    """What one search has found, about a part or the whole.
+
+    Attributes:
+        furthest: the path that goes along with the recording as far as any; None where that was not asked for.
+    """
 
     accepted: bool | None
     following: Following
@@ -164,6 +168,7 @@ class _Answer:
     goal: Goal
     found: GoalOutcome
     reason: str
+    furthest: Measurement | None
 
 
 class _Search:
@@ -184,15 +189,21 @@ class _Search:
         own = restricted(queues, part)
         following = follow(self.network, self.mapping, own, part.processes, to_the_end)
         check_selections(following.network)
-        program, goals = lower(following.network, [following.done], following.tables)
         limits = self.left()
         if states is not None:
             limits = replace(limits, states=min(states, limits.states or states))
-        outcome = explore(program, goals, self.options, limits)
+        furthest = None
+        if self.explain and not to_the_end:
+            measured = [Measured(_TRUE, following.progress, largest=True)]
+            program, goals, measures = lower_measures(following.network, measured, following.tables, [following.done])
+            outcome, (furthest,) = measure(program, goals, measures, self.options, limits)
+        else:
+            program, goals = lower(following.network, [following.done], following.tables)
+            outcome = explore(program, goals, self.options, limits)
         found = outcome.goals[0]
         accepted = {Status.REACHED: True, Status.UNREACHABLE: None if outcome.reason else False}.get(found.status)
         reason = "" if accepted is not None else outcome.reason or "unknown"
-        answer = _Answer(accepted, following, own, outcome.statistics, program, goals[0], found, reason)
+        answer = _Answer(accepted, following, own, outcome.statistics, program, goals[0], found, reason, furthest)
         self.answers.append(answer)
         return answer
 
@@ -264,11 +275,8 @@ def _earliest(search: _Search, refusing: Sequence[_Answer]) -> Refusal | None:
 
 
 def _furthest(search: _Search, answer: _Answer) -> Refusal | None:
-    """A run of a part that goes along with the recording as far as any."""
-    following, queues = answer.following, answer.queues
-    measured = Measured(_TRUE, following.progress, largest=True)
-    program, goals, measures = lower_measures(following.network, [measured], following.tables)
-    _, (found,) = measure(program, goals, measures, search.options, search.left())
+    """A run of a part that goes along with the recording as far as any that was found."""
+    following, queues, program, found = answer.following, answer.queues, answer.program, answer.furthest
     if found is None:
         return None
     happened = _happened(following, queues, found.path)
@@ -282,9 +290,9 @@ def _furthest(search: _Search, answer: _Answer) -> Refusal | None:
     others = [
         n for queue in search.queues.queues for n in queue.events if n not in own and (event is None or n < event)
     ]
-    state = state_text(following, end_of(following, found.path))
-    allowed = offers(following, queues, found.path)
-    return Refusal(found.path, sum(happened) + len(others), event, state, allowed)
+    end = end_of(following, program, found.path, found.actions)
+    allowed = offers(search.network, search.mapping, following, queues, happened, end)
+    return Refusal(found.path, sum(happened) + len(others), event, state_text(following, end), allowed)
 
 
 def _happened(following: Following, queues: Queues, path: Sequence[Transition]) -> list[int]:

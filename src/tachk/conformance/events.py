@@ -37,11 +37,16 @@ class Event:
 
 @dataclass(frozen=True, slots=True)
 class Closing:
-    """Events with a value in a column are recorded only up to a time."""
+    """Events with a value in a column are recorded only up to a time.
+
+    Attributes:
+        by_sender: they end with one that their sender did itself, so whatever it did before has been recorded before.
+    """
 
     column: str
     value: int
     time: Fraction
+    by_sender: bool = False
 
 
 @dataclass(frozen=True, slots=True)

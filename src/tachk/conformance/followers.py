@@ -103,13 +103,14 @@ def follow(
     now = builder.clock("now")
     positions = [builder.integer(f"happened[{n}]", 0, len(q.events)) for n, q in enumerate(queues.queues)]
     _check_hearable(queues, processes)
-    followers = [QueueProcess(builder, queues, n, now, positions).build() for n in range(len(queues.queues))]
+    following = [QueueProcess(builder, queues, n, now, positions) for n in range(len(queues.queues))]
+    followers = [each.build() for each in following]
     hidden = _outsider(builder, mapping, processes)
     released = _released(mapping, queues, processes)
     done = now >= (queues.horizon - 1 if to_the_end else queues.quiet_until)
     progress: Term | int = 0
-    for position, queue in zip(positions, queues.queues, strict=True):
-        done = done & (position == len(queue.events))
+    for position, queue, each in zip(positions, queues.queues, following, strict=True):
+        done = done & (position == len(queue.events) if each.ended is None else each.ended)
         progress = position + progress
     made = [*hidden, *followers]
     whole = replace(

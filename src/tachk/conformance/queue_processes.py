@@ -28,6 +28,8 @@ class QueueProcess:
         builder: takes the tables of the recording, constant arrays with an entry for each event and one behind them.
         now: the clock that nothing resets.
         positions: the counters of all queues.
+        ended: the sender has ended the recording of this queue, which it does not do in the midst of something; None
+            where somebody else ends it.
     """
 
     builder: NetworkBuilder
@@ -39,10 +41,12 @@ class QueueProcess:
     position: Term = field(init=False)
     columns: dict[str, Term] = field(init=False)
     known: dict[str, Term] = field(init=False)
+    ended: Term | None = field(init=False)
 
     def __post_init__(self) -> None:
         self.queue = self.queues.queues[self.number]
         self.position = self.positions[self.number]
+        self.ended = self.builder.boolean(f"ended[{self.number}]", False) if self.queue.ends_itself else None
         values = self.queue.values
         self.columns = {}
         self.known = {}
@@ -62,6 +66,8 @@ class QueueProcess:
             here = process.location("following", matches & in_time)
             for indices in cases(self.queue):
                 self._hear(process, here, indices, matches)
+            if self.ended is not None:
+                process.edge(here, here, guard=self._is_over() & ~self.ended, updates=[self.ended.assign(~_NEVER)])
         else:
             here = process.location("following", in_time)
             if any(self.queue.optional):  # the search tries the last edge first
@@ -77,13 +83,13 @@ class QueueProcess:
         table = self.builder.declare(f"{name}[{self.number}]", type_, values)
         return table[self.position]
 
+    def _is_over(self) -> Term:
+        """All events have happened, and what happens from now on need not have been recorded."""
+        return (self.position == len(self.queue.events)) & (self.now >= self.queue.quiet_until)
+
     def _hear(self, process: ProcessBuilder, here: LocationHandle, indices: Indices, matches: Term) -> None:
         """The edges that receive an event of the model."""
-        channel, count, quiet = (
-            Term(channel_of_queue(self.queue, indices)),
-            len(self.queue.events),
-            self.queue.quiet_until,
-        )
+        channel, count = Term(channel_of_queue(self.queue, indices)), len(self.queue.events)
         same = self.position < count
         for name, expression in self.queue.visible.columns:
             said = self.columns[name] == Term(substitute(expression, indices, set()))
@@ -92,10 +98,11 @@ class QueueProcess:
             same = same & said
         updates = [matches.assign(same), self.position.assign(self.position + 1)]
         process.edge(here, here, guard=self.position < count, receive=channel, updates=updates)
-        over = self.position == count
-        process.edge(here, here, guard=over & (self.now >= quiet), receive=channel)
+        free = self._is_over() if self.ended is None else self.ended
+        process.edge(here, here, guard=free, receive=channel)
         if is_broadcast(self.queue):
-            unheard = over & (self.now < quiet)
+            quiet = self.now < self.queue.quiet_until if self.ended is None else ~self.ended
+            unheard = (self.position == count) & quiet
             process.edge(here, here, guard=unheard, receive=channel, updates=[matches.assign(_NEVER)])
 
     def _say(self, process: ProcessBuilder, here: LocationHandle, indices: Indices) -> None:
@@ -160,12 +167,14 @@ def speaking(process: Process, queue: Queue, said: Mapping[str, Variable]) -> Pr
     """The process of a queue of outputs that lets every event happen and keeps what it says in variables."""
     edges_of_case = 3 if is_broadcast(queue) else 2
     edges = []
-    for edge, indices in zip(process.edges, (i for i in cases(queue) for _ in range(edges_of_case)), strict=True):
+    heard = process.edges[:-1] if queue.ends_itself else process.edges
+    for edge, indices in zip(heard, (i for i in cases(queue) for _ in range(edges_of_case)), strict=True):
         told = (
             Assign(Reference(said[name]), substitute(expression, indices, set()), said[name].type)
             for name, expression in queue.visible.columns
         )
         edges.append(replace(edge, updates=tuple(told)))
+    edges += process.edges[len(heard) :]
     return replace(process, edges=tuple(edges), locations=tuple(replace(x, invariant=None) for x in process.locations))
 
 

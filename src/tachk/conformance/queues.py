@@ -11,11 +11,12 @@ rounded outwards to whole units of the model.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from itertools import product
 from math import floor
 
-from tachk.conformance.events import Event, Recording
+from tachk.conformance.events import Closing, Event, Recording
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.frontend.expressions.folded_expressions import substitute
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable
@@ -45,6 +46,7 @@ class Queue:
         needed: for each event, how many events of other queues must have happened before: pairs (queue, how many).
         optional: for each event, whether it may be left out.
         quiet_until: what happens until then has been recorded.
+        ends_itself: the recording ends with an event of the same sender, before which it has finished what it did.
     """
 
     visible: VisibleEvents
@@ -58,6 +60,7 @@ class Queue:
     needed: tuple[tuple[tuple[int, int], ...], ...] = ()
     optional: tuple[bool, ...] = ()
     quiet_until: int = 0
+    ends_itself: bool = False
 
     @property
     def name(self) -> str:
@@ -110,6 +113,8 @@ def make_queues(
         before, behind = (late, tolerance) if seen else (tolerance, late)
         times = [recording.events[number].time for number, _ in found]
         needed = [recording.events[number].after for number, _ in found]
+        closing = _closing(recording, visible, common)
+        end = recording.end if closing is None else min(closing.time, recording.end)
         queues.append(
             Queue(
                 visible,
@@ -122,12 +127,37 @@ def make_queues(
                 tuple(_floors(times, scale, origin * scale)),
                 tuple(() if n is None or n not in place else ((place[n][0], place[n][1] + 1),) for n in needed),
                 tuple(recording.events[number].optional for number, _ in found),
-                max(floor((_recorded_until(recording, visible, common) - origin) * scale - late), 0),
+                max(floor((end - origin) * scale - late), 0),
+                outputs and closing is not None and closing.by_sender,
             )
         )
     quiet = max([queue.quiet_until for queue in queues], default=0)
     horizon = max([quiet, *(queue.latest[-1] for queue in queues if queue.latest)]) + 1
     return Queues(tuple(queues), quiet, horizon, reader.other, origin, scale, reader.names)
+
+
+def around(queues: Queues, happened: Sequence[int]) -> Queues:
+    """Of each queue the last event that has happened, if there is one, and the next one."""
+    bases = [max(count - 1, 0) for count in happened]
+    near = []
+    for queue, base, count in zip(queues.queues, bases, happened, strict=True):
+        part = slice(base, count + 1)
+        near.append(
+            replace(
+                queue,
+                events=queue.events[part],
+                values=queue.values[part],
+                earliest=queue.earliest[part],
+                latest=queue.latest[part],
+                recorded=queue.recorded[part],
+                needed=tuple(
+                    tuple((other, number - bases[other]) for other, number in needs if number > bases[other])
+                    for needs in queue.needed[part]
+                ),
+                optional=queue.optional[part],
+            )
+        )
+    return replace(queues, queues=tuple(near))
 
 
 def _scale(network: Network, recording: Recording) -> Fraction:
@@ -143,14 +173,15 @@ def _scale(network: Network, recording: Recording) -> Fraction:
     return recording.unit / length
 
 
-def _recorded_until(recording: Recording, visible: VisibleEvents, common: Mapping[Variable, int]) -> Fraction:
-    """Until when the events of a queue were recorded."""
-    end = recording.end
-    for name, expression in visible.columns:
-        for closing in recording.closings:
-            if closing.column == name and _value_in(expression, common) == closing.value:
-                end = min(end, closing.time)
-    return end
+def _closing(recording: Recording, visible: VisibleEvents, common: Mapping[Variable, int]) -> Closing | None:
+    """The first closing that ends the recording of a queue."""
+    found = [
+        closing
+        for name, expression in visible.columns
+        for closing in recording.closings
+        if closing.column == name and _value_in(expression, common) == closing.value
+    ]
+    return min(found, key=lambda closing: closing.time, default=None)
 
 
 def _value_in(expression: Expression, common: Mapping[Variable, int]) -> int | None:

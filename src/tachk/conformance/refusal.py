@@ -6,12 +6,18 @@ event that it could do is an offer, whether it was recorded or not, with the tim
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from math import isqrt
 
-from tachk.conformance.followers import Following
-from tachk.conformance.queues import Queues
+from tachk.compiler.program import Program
+from tachk.conformance.followers import Following, follow
+from tachk.conformance.queues import Queues, around
 from tachk.engines.concretise import discrete_run
+from tachk.engines.exact.exact_run import end_of_path
 from tachk.model.expressions import Variable
+from tachk.model.network import Network
+from tachk.model.recording import RecordingMap
+from tachk.model.types import cell_count
 from tachk.records import dataclass
 from tachk.semantics import dbm, symbolic
 from tachk.semantics.dbm import INFINITY, Zone
@@ -37,12 +43,68 @@ class Offer:
     latest: int | None
 
 
-def offers(following: Following, queues: Queues, path: Sequence[Transition]) -> tuple[Offer, ...]:
-    """What the model could do behind a run, by the earliest time."""
-    lenient, said = following.lenient(queues)
-    strict, model = prepare(following.network), prepare(lenient)
-    discrete, zones = _end(strict, path)
-    start = _moved(strict, discrete, model)
+@dataclass(frozen=True, slots=True)
+class End:
+    """The state in which a run ends.
+
+    Attributes:
+        locations: one for each process of the network that follows the recording.
+        values: the cells of its variables.
+        zones: the clock valuations with which it does.
+    """
+
+    locations: tuple[int, ...]
+    values: Mapping[Variable, tuple[int, ...]]
+    zones: tuple[Zone, ...]
+
+
+def end_of(following: Following, program: Program, path: Sequence[Transition], actions: Sequence[Sequence[int]]) -> End:
+    """The state in which a path ends; found by the core, or by the reference where the core cannot tell.
+
+    Args:
+        program: of the network that follows the recording; it has the recording's tables in its code.
+        actions: the path by the numbers of the edges of the program.
+    """
+    found = end_of_path(program, actions)
+    return end_by_reference(following, path) if found is None else _end_in_slots(following, *found)
+
+
+def _end_in_slots(following: Following, slots: tuple[int, ...], bounds: tuple[int, ...]) -> End:
+    place = processes = len(following.network.processes)
+    values = {}
+    for variable in following.network.all_variables():
+        if variable not in following.tables:
+            count = cell_count(variable.type)
+            values[variable] = slots[place : place + count]
+            place += count
+    return End(slots[:processes], values, (Zone(isqrt(len(bounds)), bounds),) if bounds else ())
+
+
+def end_by_reference(following: Following, path: Sequence[Transition]) -> End:
+    """The same by the meaning of the network."""
+    model = prepare(following.network)
+    discrete, zones = _end(model, path)
+    layout = model.layout
+    values = {v: discrete.values[n : n + cell_count(v.type)] for v, n in layout.first.items()}
+    return End(discrete.locations, values, tuple(zones))
+
+
+def offers(
+    network: Network, mapping: RecordingMap, following: Following, queues: Queues, happened: Sequence[int], end: End
+) -> tuple[Offer, ...]:
+    """What the model could do behind a run, by the earliest time.
+
+    Of the recording only what is next matters, so that a long one takes no longer than a short one.
+
+    Args:
+        network, mapping: of which the other network was made.
+        happened: how many events of each queue have happened.
+    """
+    near = around(queues, happened)
+    following = follow(network, mapping, near, following.kept)
+    lenient, said = following.lenient(near)
+    model = prepare(lenient)
+    start, zones = _start(model, following, happened, end), list(end.zones)
     clock = model.layout.initial[model.layout.first[following.now]]
     found: dict[tuple[int, tuple[tuple[str, int], ...]], tuple[int, int]] = {}
     pending: list[tuple[DiscreteState, list[Zone]]] = [(start, zones)]
@@ -78,16 +140,11 @@ def offers(following: Following, queues: Queues, path: Sequence[Transition]) -> 
     )
 
 
-def state_text(following: Following, discrete: DiscreteState) -> str:
+def state_text(following: Following, end: End) -> str:
     """The locations of the processes of the model."""
-    processes = zip(following.network.processes, discrete.locations, strict=True)
+    processes = zip(following.network.processes, end.locations, strict=True)
     named = [f"{p.name}.{p.locations[location].name}" for p, location in processes]
     return ", ".join(named[-len(following.kept) :] if following.kept else [])
-
-
-def end_of(following: Following, path: Sequence[Transition]) -> DiscreteState:
-    """The discrete state in which a run ends."""
-    return _end(prepare(following.network), path)[0]
 
 
 def _end(model: PreparedNetwork, path: Sequence[Transition]) -> tuple[DiscreteState, list[Zone]]:
@@ -112,14 +169,15 @@ def _end(model: PreparedNetwork, path: Sequence[Transition]) -> tuple[DiscreteSt
     return states[-1], [] if zone is None else [zone]
 
 
-def _moved(model: PreparedNetwork, discrete: DiscreteState, other: PreparedNetwork) -> DiscreteState:
-    """The state of another network whose variables are those of the first one and some more."""
-    values = list(other.layout.initial)
+def _start(model: PreparedNetwork, following: Following, happened: Sequence[int], end: End) -> DiscreteState:
+    """The state of the network that knows of each queue only what is near."""
+    values = list(model.layout.initial)
     for variable, first in model.layout.first.items():
-        place = other.layout.first[variable]
-        count = len(variable.initial)
-        values[place : place + count] = discrete.values[first : first + count]
-    return DiscreteState(discrete.locations, tuple(values))
+        if variable in end.values and variable not in following.tables:
+            values[first : first + cell_count(variable.type)] = end.values[variable]
+    for position, count in zip(following.positions, happened, strict=True):
+        values[model.layout.first[position]] = min(count, 1)
+    return DiscreteState(end.locations, tuple(values))
 
 
 def _cells(

@@ -33,11 +33,13 @@ class Measurement:
         value: None where there is no limit.
         strict: the value is approached and not taken.
         path: to a state with this value.
+        actions: the same by the numbers of the edges of the program.
     """
 
     value: int | None
     strict: bool
     path: tuple[Transition, ...]
+    actions: Sequence[Sequence[int]] = ()
 
 
 def measure(
@@ -60,8 +62,13 @@ def measure(
     outcomes = tuple(goal_outcome(program, explorer, number, goal, status) for number, goal in enumerate(goals))
     statistics = replace(statistics_of(explorer, start), user_seconds=user_seconds() - user)
     outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
-    extremes = [explorer.extreme(number) for number in range(len(measures))]
-    return outcome, tuple(
-        None if found is None else Measurement(found[0], found[1], transitions_of(program, explorer.path(found[2])))
-        for found in extremes
-    )
+    return outcome, tuple(_measurement(program, explorer, number) for number in range(len(measures)))
+
+
+def _measurement(program: Program, explorer: _core.Explorer, number: int) -> Measurement | None:
+    found = explorer.extreme(number)
+    if found is None:
+        return None
+    value, strict, node = found
+    actions = explorer.path(node)
+    return Measurement(value, strict, transitions_of(program, actions), actions)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -10,12 +11,18 @@ from pathlib import Path
 import pytest
 
 import tachk
+from tachk.compiler.program import Program
+from tachk.conformance import conform as conformance
 from tachk.conformance import exact_runs
 from tachk.conformance.asking import constants_of
 from tachk.conformance.conform import Conformance, conform
 from tachk.conformance.exact_runs import moments_of_trace, run_by_reference
+from tachk.conformance.followers import Following
 from tachk.conformance.packet_events import read_capture
+from tachk.conformance.refusal import End, end_by_reference, end_of
 from tachk.engines.exact.exact_run import Moments
+from tachk.model.types import ClockType
+from tachk.semantics.timed_trace import Transition
 
 ROOT = Path(__file__).parents[3]
 CAPTURES = ROOT / "tests/data/captures/later"
@@ -55,3 +62,28 @@ def test_reference_judges_what_the_core_cannot(monkeypatch: pytest.MonkeyPatch) 
 def test_moments_are_in_units_of_time() -> None:
     assert Moments((3, 5), 2)[1] == Fraction(5, 2)
     assert replace(Moments((3, 5), 2), unit=1)[0] == 3
+
+
+def test_core_and_reference_end_a_run_in_the_same_state(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the recording of a changed capture leaves the model."""
+    found: list[tuple[End, End]] = []
+
+    def both(
+        following: Following, program: Program, path: Sequence[Transition], actions: Sequence[Sequence[int]]
+    ) -> End:
+        end = end_of(following, program, path, actions)
+        found.append((end, end_by_reference(following, path)))
+        return end
+
+    monkeypatch.setattr(conformance, "end_of", both)
+    model = tachk.load(ROOT / "models/micro_xrce_dds/recorded.ta")
+    assert model.loaded.recording is not None
+    recording = read_capture(CAPTURES / "client_2_0.pcap")
+    refused = conform(model.network, model.loaded.recording, recording, constants_of(model.loaded))
+    assert refused.accepted is False
+    for core, reference in found:
+        assert core.locations == reference.locations
+        assert core.zones == reference.zones
+        clocks = {variable for variable in core.values if isinstance(variable.type, ClockType)}
+        assert all(core.values[v] == reference.values[v] for v in core.values.keys() - clocks)
+    assert found

@@ -21,6 +21,7 @@
 #include "../arrays.hpp"
 #include "machine/machine.hpp"
 #include "program/program.hpp"
+#include "runs/ending.hpp"
 #include "runs/judge.hpp"
 #include "runs/path.hpp"
 #include "runs/schedule.hpp"
@@ -37,7 +38,6 @@ struct PathOfRun {
 
   PathOfRun(const std::vector<std::int64_t>& image, const std::vector<std::vector<std::uint32_t>>& actions)
       : program(tachk::decode_program(image)) {
-    if (program.goals.size() != 1) throw std::invalid_argument("a run goes to one goal");
     for (const auto& edges : actions) {
       for (const std::uint32_t edge : edges)
         if (edge >= program.edges.size()) throw std::invalid_argument("there is no such edge");
@@ -46,10 +46,24 @@ struct PathOfRun {
     }
   }
 
+  const tachk::Goal& goal() const {
+    if (program.goals.size() != 1) throw std::invalid_argument("a run goes to one goal");
+    return program.goals.front();
+  }
+
+  std::optional<tachk::RunEnd> end() const {
+    const nb::gil_scoped_release released;
+    try {
+      return tachk::end_of(program, path);
+    } catch (const tachk::ModelFault&) {
+      return std::nullopt;
+    }
+  }
+
   std::optional<tachk::Moments> earliest() const {
     const nb::gil_scoped_release released;
     try {
-      return tachk::earliest_moments(program, path, program.goals.front());
+      return tachk::earliest_moments(program, path, goal());
     } catch (const tachk::ModelFault&) {
       return std::nullopt;
     }
@@ -58,7 +72,7 @@ struct PathOfRun {
   std::optional<tachk::RunObjection> objection(tachk::Moments moments) const {
     const nb::gil_scoped_release released;
     try {
-      return tachk::objection_to(program, path, moments, program.goals.front());
+      return tachk::objection_to(program, path, moments, goal());
     } catch (const tachk::ModelFault&) {
       return tachk::RunObjection{0, "a run-time error"};
     }
@@ -74,6 +88,13 @@ void bind_runs(nb::module_& m) {
              return std::make_unique<PathOfRun>(image, actions);
            }),
            nb::arg("image"), nb::arg("actions"))
+      .def(
+          "end",
+          [](const PathOfRun& self) -> nb::object {
+            const auto found = self.end();
+            return found ? nb::make_tuple(found->slots, found->bounds) : nb::object(nb::none());
+          },
+          "(slots, raw bounds of the clocks row by row) of the state in which the path ends, or None.")
       .def(
           "earliest",
           [](const PathOfRun& self) -> nb::object {

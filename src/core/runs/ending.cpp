@@ -1,0 +1,39 @@
+#include "runs/ending.hpp"
+
+#include "certificates/zones.hpp"
+#include "runs/reading.hpp"
+
+namespace tachk {
+
+std::optional<RunEnd> end_of(const Program& program, const RunPath& path) {
+  if (program.has_stopwatches) return std::nullopt;
+  const auto dimension = static_cast<std::size_t>(program.dimension());
+  std::vector<bool> stands(dimension, false);
+  stands[0] = true;
+  Reading reading(program);
+  certificates::Zone zone = certificates::Zone::filled(dimension, raw_zero);
+  std::vector<Atom> invariant;
+  std::vector<Atom> guard;
+  std::vector<ClockReset> resets;
+  for (std::size_t k = 0;; ++k) {
+    invariant.clear();
+    if (!reading.invariants(invariant)) return std::nullopt;
+    zone.tighten(invariant);
+    if (k == path.size() || zone.empty()) break;
+    if (reading.waits()) {
+      zone.go_on(stands);
+      zone.tighten(invariant);
+    }
+    guard.clear();
+    for (const std::uint32_t edge : path[k])
+      if (!reading.holds(program.edges[edge].guard, guard)) return std::nullopt;
+    zone.tighten(guard);
+    resets.clear();
+    reading.take(path[k], resets);
+    for (const ClockReset& reset : resets)
+      if (!zone.empty()) zone.reset(reset);
+  }
+  return RunEnd{reading.state(), zone.entries};
+}
+
+}  // namespace tachk
