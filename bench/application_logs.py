@@ -1,18 +1,20 @@
 """What the applications of the recorded clients did, from their logs, as events that go into a recording.
 
 The scripted client notes when a run function has returned, but not when it is called. It calls the next one at once,
-so these are the times of the calls. Where it calls in slices, the log has their number, and calls are as far apart as
-they fit into that time. While it sets its session up, or waits for samples, the log does not tell when it calls.
+so these are the times of the calls. Where it writes several samples one after the other, it sends each of them and
+calls no run function in between: it is outside until the last one is written. Where it calls in slices, the log has
+their number, and calls are as far apart as they fit into that time. While it sets its session up, or waits for samples,
+the log does not tell when it calls.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 from bench.conformance import logs_of_clients
+from tachk.conformance.application_logs import with_log as with_application
 from tachk.conformance.events import Event, Recording
 
 CALLED, LEFT, BACK, TOLD_ALL, TOLD_SOME = range(5)
@@ -34,20 +36,22 @@ WORDS = {
 
 def with_log(recording: Recording, truth: dict[str, Any]) -> Recording:
     """The recording with the log of all applications in it."""
-    told = [
-        Event(Fraction(time - recording.epoch), "told", {"client": client, "what": what}, f"log of client {client}")
-        for client, log in enumerate(logs_of_clients(truth))
-        for time, what in _told(log)
-    ]
-    ends = {closing.value: closing.time for closing in recording.closings if closing.column == "client"}
-    told = [event for event in told if event.time < ends.get(int(event.cells["client"]), recording.end)]
-    numbered = sorted(enumerate([*recording.events, *told]), key=lambda pair: pair[1].time)
-    place = {old: new for new, (old, _) in enumerate(numbered)}
-    events = (e if e.after is None else replace(e, after=place[e.after]) for _, e in numbered)
-    return replace(recording, events=tuple(events))
+    for client, log in enumerate(logs_of_clients(truth)):
+        rows = tuple(
+            Event(Fraction(time), "written", {"client": client}, "log")
+            if what is None
+            else Event(Fraction(time), "told", {"client": client, "what": what}, "log")
+            for time, what in _told(log)
+        )
+        if rows:
+            told = Recording(f"log of client {client}", rows, Fraction(1), None, rows[-1].time)
+            recording = with_application(recording, told)
+    return recording
 
 
-def _told(log: list[dict[str, Any]]) -> Iterator[tuple[int, int]]:
+def _told(log: list[dict[str, Any]]) -> Iterator[tuple[int, int | None]]:
+    """When the application did what; None: it wrote a sample."""
+    away = False
     for entry, following in zip(log, [*log[1:], log[-1]], strict=True):
         begin, end = entry["t_wall_ns"], following["t_wall_ns"]
         match entry["event"]:
@@ -55,6 +59,16 @@ def _told(log: list[dict[str, Any]]) -> Iterator[tuple[int, int]]:
                 slices = round((end - begin) / BLOCKED_SLICE / 1_000_000)
             case "slice_begin":
                 slices = next(e["slices"] for e in log if e["event"] == "slice_end" and e["t_wall_ns"] >= begin)
+            case "write" if entry.get("ok"):
+                slices = 0
+                yield begin, None
+            case "flushed" if following["event"] == "write" or away:
+                slices = 0
+                if following["event"] == "write" and not away:
+                    yield begin, LEFT
+                elif following["event"] != "write":
+                    yield begin, BACK
+                away = following["event"] == "write"
             case event:
                 slices = 0
                 yield from ((begin, what) for what in WORDS.get(event, ()))

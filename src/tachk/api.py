@@ -104,6 +104,7 @@ def conform(
     unit: str | None = None,
     ports: Iterable[int] = (),
     limits: Limits | None = None,
+    applications: Iterable[str | os.PathLike[str]] = (),
 ) -> Conformance:
     """Whether a recording of the real system is a run of a model, which says in ``recording { ... }`` how to read it.
 
@@ -114,18 +115,19 @@ def conform(
         unit: of the recorded times, where the file does not say it.
         ports: of Agents, where the recording is a capture of packets; without any 8888 and where sessions are created.
         limits: of each search; the seconds are for all of them together.
+        applications: files of events that applications noted; beside a capture with times since 1970.
 
     Raises:
         UsageError: the model says nothing of recordings, or the recording does not fit it.
         UnsupportedError: the model has refusals.
     """
-    from tachk.conformance.asking import conform_file
+    from tachk.conformance.asking import Question, conform_file
     from tachk.loading.recorded_models import recorded_model
 
     model = model if isinstance(model, Model) else load(model)
     model = Model(recorded_model(model.loaded, model.path, model.definitions), model.path, model.definitions)
-    chosen = limits or Limits()
-    return conform_file(model.loaded, model.path, os.fspath(recording), tolerance, late, unit, tuple(ports), chosen)
+    asked = Question(tolerance, late, unit, tuple(ports), tuple(os.fspath(each) for each in applications))
+    return conform_file(model.loaded, model.path, os.fspath(recording), asked, limits or Limits())
 
 
 def diff(before: Model, after: Model) -> str:

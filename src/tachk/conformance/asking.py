@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from time import monotonic
 
+from tachk.conformance.application_logs import with_log
+from tachk.conformance.carried import most_pieces
 from tachk.conformance.conform import Conformance, conform
 from tachk.conformance.edits import smallest_edit
 from tachk.conformance.event_tables import read_events
@@ -20,25 +21,28 @@ from tachk.engines.options import Limits
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.scope import ValueSymbol
 from tachk.model.expressions import Constant
+from tachk.records import dataclass
 from tachk.time_limit import OutOfTimeError
 
 AUTO = "auto"
-CLIENTS, CLIENT = "CLIENTS", "client"
-"""What models in the words of `models/micro_xrce_dds/protocol.ta` call the number of clients, and events the client."""
+CLIENT = "client"
+"""What events in the words of `models/micro_xrce_dds/protocol.ta` call their client."""
 _STATES_OF_EDIT = 20_000
 """So many states at most are stored for each edit of a recording that is tried."""
 
 
-def conform_file(
-    loaded: LoadedModel,
-    name: str,
-    recording: str,
-    tolerance: str | None,
-    late: str | None,
-    unit: str | None,
-    ports: Sequence[int],
-    limits: Limits,
-) -> Conformance:
+@dataclass(frozen=True, slots=True)
+class Question:
+    """How a recording is to be read, as `tachk.api.conform` says."""
+
+    tolerance: str | None = None
+    late: str | None = None
+    unit: str | None = None
+    ports: tuple[int, ...] = ()
+    applications: tuple[str, ...] = ()
+
+
+def conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question, limits: Limits) -> Conformance:
     """As `tachk.api.conform`. Raises UsageError, UnsupportedError."""
     network, mapping = loaded.network, loaded.recording
     if mapping is None:
@@ -46,19 +50,19 @@ def conform_file(
             f"{name} does not say how recordings are read", "write `recording { visible channel as event(); }` into it"
         )
 
-    events = _read(Path(recording), unit, ports)
+    events = _read(Path(recording), asked)
     constants = constants_of(loaded)
-    _check_clients(events, constants)
+    _check_room(events, constants)
     started = monotonic()
-    lateness = None if late is None else duration(late, network.time_unit)
+    lateness = None if asked.late is None else duration(asked.late, network.time_unit)
 
     def ask(allowed: Fraction | None) -> Conformance:
         left = limits.after(monotonic() - started)
         return conform(network, mapping, events, constants, allowed, lateness, limits=left)
 
-    if tolerance == AUTO:
+    if asked.tolerance == AUTO:
         return least(ask)
-    found = ask(None if tolerance is None else duration(tolerance, network.time_unit))
+    found = ask(None if asked.tolerance is None else duration(asked.tolerance, network.time_unit))
     if found.accepted is not False or found.refusal is None or found.refusal.event is None:
         return found
 
@@ -79,22 +83,32 @@ def conform_file(
         return replace(found, left_out="whether an edit of the recording would make it a run")
 
 
-def _read(path: Path, unit: str | None, ports: Sequence[int]) -> Recording:
-    """A capture of packets, or a file of events."""
+def _read(path: Path, asked: Question) -> Recording:
+    """A capture of packets, or a file of events; with the logs of applications."""
     if path.suffix not in SUFFIXES:
-        return read_events(path, unit)
-    if unit is not None:
+        recording = read_events(path, asked.unit)
+    elif asked.unit is not None:
         raise UsageError("a capture has its own times: it takes no unit")
-    return read_capture(path, ports)
+    else:
+        recording = read_capture(path, asked.ports)
+    for log in asked.applications:
+        recording = with_log(recording, read_events(Path(log)))
+    return recording
 
 
-def _check_clients(recording: Recording, constants: Constants) -> None:
-    """Raises UsageError if a recording has more clients than the model."""
-    known, found = constants(CLIENTS), len({event.cells[CLIENT] for event in recording.events if CLIENT in event.cells})
-    if known is not None and found > known:
-        raise UsageError(
-            f"{recording.source} has {found} clients (or sessions), but the model {known}", f"set -D {CLIENTS}={found}"
-        )
+def _check_room(recording: Recording, constants: Constants) -> None:
+    """Raises UsageError if a recording has more than the model has room for."""
+    own = [event.cells for event in recording.events if CLIENT in event.cells]
+    largest = max((detail for cells in own if isinstance(detail := cells.get("detail"), int)), default=0)
+    clients = len({cells[CLIENT] for cells in own})
+    for name, found, what in (
+        ("CLIENTS", clients, "clients (or sessions)"),
+        ("PIECES", most_pieces(recording), "pieces of one sample before its last one"),
+        ("LARGEST_WORD", largest, "as content of a message that carries several samples"),
+    ):
+        known = constants(name)
+        if known is not None and found > known:
+            raise UsageError(f"{recording.source} has {found} {what}, but the model {known}", f"set -D {name}={found}")
 
 
 def constants_of(loaded: LoadedModel) -> Constants:

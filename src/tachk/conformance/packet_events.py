@@ -8,8 +8,8 @@ client c sends is on the link 2 c, what the Agent sends to it on 2 c + 1. The ev
     written(client, detail)                       a client puts a new message into its output stream
     created_again(client)                         one more CREATE_CLIENT of a session reaches the Agent
 
-A message with several submessages is one event. The recording of a client ends where it deletes its session. Fragments,
-several samples in one message and best-effort streams have no words there: a capture that has them is refused.
+A message with several submessages is one event, and so is a piece of a larger one (FRAGMENT). The recording of a client
+ends where it deletes its session. Best-effort streams have no words there: a capture that has them is refused.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
+from tachk.conformance.carried import Contents, UnknownContentError, begins_sample
 from tachk.conformance.events import Cell, Closing, Event, Recording
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.records import dataclass
@@ -29,9 +30,7 @@ from tachk.xrce.wire import Kind
 
 SUFFIXES = (".pcap", ".pcapng")
 _CLIENT_OBJECT = "FFFE"
-_STATUS, _READ = -16, -32
 _KINDS = "DATA", "HEARTBEAT", "ACKNACK", "PING"
-_UNLIMITED = 65535
 _SAMPLES = (Kind.WRITE_DATA, Kind.DATA, Kind.READ_DATA)
 
 
@@ -66,7 +65,7 @@ class _Reader:
         self.path = path
         self.transmissions = transmissions
         self.client = _numbered(transmissions, links)
-        self.samples: dict[str, int] = {}
+        self.contents = Contents()
         self.rows: list[tuple[int, int, Event, int | None]] = []
         self.written = [0] * links
         self.deleted: list[int | None] = [None] * links
@@ -83,7 +82,7 @@ class _Reader:
             _, _, event, after = self.rows[number]
             events.append(event if after is None else replace(event, after=place[after]))
         closings = tuple(
-            Closing(column, value, Fraction(time - begin))
+            Closing(column, value, Fraction(time - begin), by_sender=column == "link" and value % 2 == 0)
             for link, time in enumerate(self.deleted)
             if time is not None
             for column, value in _of_client(self.client[link])
@@ -130,9 +129,9 @@ class _Reader:
     def _contents(self, one: Transmission) -> Iterator[_Content]:
         """What the automata know of a message: what is in a reliable stream, ACKNACK, HEARTBEAT, a question."""
         first = one.events[0]
-        self._reject_unknown(one)
+        self._reject_best_effort(one)
         if first.is_reliable and first.sequence is not None:
-            yield _Content("DATA", first.sequence, self._carried(one.events))
+            yield _Content("DATA", first.sequence, self._carried(one))
             return
         for event in one.events:
             fields = event.fields
@@ -145,36 +144,21 @@ class _Reader:
             elif event.kind is Kind.GET_INFO and one.to_agent:
                 yield _Content("PING", 0, 0)
 
-    def _reject_unknown(self, one: Transmission) -> None:
+    def _reject_best_effort(self, one: Transmission) -> None:
         """Raises UsageError for what the automata have no word for and would take for silence."""
         for event in one.events:
-            if event.kind is Kind.FRAGMENT:
-                self._reject(one, "is a FRAGMENT: the automata know only whole messages")
-            if event.kind in _SAMPLES[:2] and sum(other.kind in _SAMPLES[:2] for other in one.events) > 1:
-                self._reject(one, "message carries several samples: the automata know only one in each")
             if event.kind in _SAMPLES and not event.is_reliable:
                 self._reject(one, f"is {_name(event)} of a best-effort stream: the automata know only reliable ones")
 
     def _reject(self, one: Transmission, why: str) -> None:
         raise UsageError(f"{self.path}, packet {one.packet}: this {why}", "tachk monitor judges such captures, too")
 
-    def _carried(self, events: Sequence[Submessage]) -> int | None:
-        """What a message of a reliable stream carries: a sample, or what is created, answered, asked for."""
-        created = sum(event.kind is Kind.CREATE for event in events)
-        if created:
-            return -created
-        for event in events:
-            match event.kind:
-                case Kind.STATUS:
-                    return _STATUS
-                case Kind.READ_DATA:
-                    count = event.fields["max_samples"]
-                    return _READ if count == _UNLIMITED else _READ - (1 if count is None else _integer(count))
-                case Kind.WRITE_DATA | Kind.DATA:
-                    return self.samples.setdefault(str(event.fields["sample"]), len(self.samples))
-                case _:
-                    pass
-        return None
+    def _carried(self, one: Transmission) -> int | None:
+        try:
+            return self.contents.detail(one)
+        except UnknownContentError as error:
+            self._reject(one, str(error))
+            raise
 
 
 def _of_client(number: int) -> Iterator[tuple[str, int]]:
@@ -195,6 +179,6 @@ def _integer(value: object) -> int:
 
 def _numbered(transmissions: Sequence[Transmission], links: int) -> list[int]:
     """The number of the client of each link."""
-    writes = {one.link for one in transmissions if any(e.kind is Kind.WRITE_DATA for e in one.events)}
+    writes = {one.link for one in transmissions if any(begins_sample(event) for event in one.events)}
     order = sorted(range(links), key=lambda link: (link not in writes, link))
     return [order.index(link) for link in range(links)]

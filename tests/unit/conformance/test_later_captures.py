@@ -145,10 +145,38 @@ def test_more_clients_than_the_model_has() -> None:
         tachk.conform(str(MODEL), str(CAPTURES / "two_publishers_losses.pcap"))
 
 
-@pytest.mark.parametrize(("name", "what"), [("fragments_losses", "FRAGMENT"), ("best_effort", "best-effort stream")])
-def test_what_is_not_modelled_is_named(name: str, what: str) -> None:
-    with pytest.raises(UsageError, match=what):
-        read_capture(CAPTURES / f"{name}.pcap")
+def test_samples_in_pieces() -> None:
+    """Three FRAGMENTs for each sample, in both directions, and 10 % losses."""
+    assert in_noise("later/fragments_losses", 5, 5, HISTORY=8, INPUT_HISTORY=8, PIECES=2) is True
+    assert in_noise("later/fragments_losses", 5, 5, HISTORY=8, INPUT_HISTORY=8, PIECES=1) is False
+
+
+def test_pieces_are_put_together() -> None:
+    """The last piece is the sample; what the subscriber gets is what the publisher has written."""
+    events = read_capture(CAPTURES / "fragments_losses.pcap").events
+    data = [e.cells for e in events if e.name == "sent" and e.cells["kind"] == "DATA"]
+    up, down = ([e["detail"] for e in data if e["link"] == link] for link in (0, 3))
+    assert [detail for detail in dict.fromkeys(up) if int(str(detail)) >= 0] == [*range(8)]
+    assert [detail for detail in dict.fromkeys(down) if int(str(detail)) >= 0] == [*range(8)]
+    assert up[1:4] == [-17, -17, 0]
+
+
+def test_several_samples_in_one_message() -> None:
+    """The application writes three before it runs the session, and 10 % are lost."""
+    assert in_noise("later/batches_losses", 5, 5, HISTORY=8, INPUT_HISTORY=8, LARGEST_WORD=2**20 - 1) is True
+    written = [e.cells["detail"] for e in read_capture(CAPTURES / "batches_losses.pcap").events if e.name == "written"]
+    assert [detail for detail in written if int(str(detail)) >= 0] == [2 * 65536 + 3 * n for n in range(8)]
+
+
+def test_what_is_not_modelled_is_named() -> None:
+    with pytest.raises(UsageError, match="best-effort stream"):
+        read_capture(CAPTURES / "best_effort.pcap")
+
+
+@pytest.mark.parametrize(("name", "constant"), [("fragments_losses", "PIECES=2"), ("batches_losses", "LARGEST_WORD=")])
+def test_what_the_model_has_no_room_for_is_named(name: str, constant: str) -> None:
+    with pytest.raises(UsageError, match=f"set -D {constant}"):
+        tachk.conform(str(MODEL), str(CAPTURES / f"{name}.pcap"))
 
 
 def test_two_writers_write_the_same_bytes() -> None:

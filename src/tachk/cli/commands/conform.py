@@ -42,6 +42,16 @@ from tachk.cli.reporting import ReportForm
     help="Of a capture of packets: a port of an Agent, or of a relay that clients take for one; without this option "
     "8888 and every port at which a session is created. Can be given several times.",
 )
+@click.option(
+    "applications",
+    "--application",
+    metavar="LOG",
+    type=click.Path(),
+    multiple=True,
+    help="What an application noted, as events (CSV or JSON lines); beside a capture with times since 1970, such as "
+    "`time [ns]`. Rows `told` say when it called the run function, rows `written` when it wrote. Can be given several "
+    "times.",
+)
 @click.option("--coverage", is_flag=True, help="Also tell which edges of the model the runs that were found take.")
 @options.max_states()
 @options.max_seconds()

@@ -32,6 +32,7 @@ class Conforming:
     unit: str | None = None
     ports: tuple[int, ...] = ()
     states: int | None = None
+    applications: tuple[str, ...] = ()
     coverage: bool = False
 
 
@@ -43,7 +44,14 @@ def run_conform(asked: Conforming, reporting: Reporting, seconds: float | None) 
     limits, started = Limits(states=asked.states, seconds=seconds), monotonic()
     found = [
         api.conform(
-            model, each, asked.tolerance, asked.late, asked.unit, asked.ports, limits.after(monotonic() - started)
+            model,
+            each,
+            asked.tolerance,
+            asked.late,
+            asked.unit,
+            asked.ports,
+            limits.after(monotonic() - started),
+            asked.applications,
         )
         for each in asked.recordings
     ]

@@ -1,0 +1,96 @@
+"""What applications noted beside a recording."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from tachk.cli.main import app
+from tachk.conformance.application_logs import with_log
+from tachk.conformance.events import Closing, Event, Recording
+from tachk.diagnostics.diagnostic import UsageError
+
+ROOT = Path(__file__).parents[3]
+CAPTURE = ROOT / "tests/data/captures/spin_pause.pcap"
+MODEL = ROOT / "models/micro_xrce_dds/recorded.ta"
+SECOND = Fraction(10**9)
+
+
+def event(time: int, name: str, **cells: int | str) -> Event:
+    return Event(Fraction(time), name, cells, f"at {time}")
+
+
+def recording(*events: Event, unit: Fraction | None = Fraction(1), epoch: int = 0) -> Recording:
+    closings = (Closing("client", 1, Fraction(50)),)
+    return Recording("run.pcap", events, unit, None, Fraction(100), closings, epoch)
+
+
+RUN = recording(
+    event(10, "written", client=0, detail=-4),
+    event(20, "written", client=0, detail=0),
+    event(30, "written", client=0, detail=1),
+    epoch=5 * 10**9,
+)
+
+
+def log(*events: Event, unit: Fraction | None = Fraction(1)) -> Recording:
+    return Recording("app.csv", events, unit, Fraction(0), Fraction(0))
+
+
+def test_events_of_a_log_are_put_where_their_time_is() -> None:
+    found = with_log(RUN, log(event(5 * 10**9 + 25, "told", client=0, what="CALLED")))
+    assert [(e.name, int(e.time)) for e in found.events] == [
+        ("written", 10),
+        ("written", 20),
+        ("told", 25),
+        ("written", 30),
+    ]
+
+
+def test_what_a_log_tells_behind_a_sample_happens_after_it() -> None:
+    """The CREATE is no sample."""
+    start = 5 * 10**9
+    rows = [event(start + 19, "written", client="0"), event(start + 29, "written", client=0)]
+    found = with_log(RUN, log(*rows, event(start + 31, "told", client=0, what="BACK")))
+    told = next(e for e in found.events if e.name == "told")
+    assert told.after is not None
+    assert found.events[told.after].cells["detail"] == 1
+
+
+def test_another_unit() -> None:
+    seconds = log(event(5, "told", client=0, what="CALLED"), unit=SECOND)
+    assert [int(e.time) for e in with_log(RUN, seconds).events] == [0, 10, 20, 30]
+
+
+def test_a_client_has_ended() -> None:
+    rows = [event(5 * 10**9 + time, "told", client=1, what="CALLED") for time in (40, 60)]
+    assert sum(e.name == "told" for e in with_log(RUN, log(*rows)).events) == 1
+
+
+def test_a_log_of_another_time() -> None:
+    with pytest.raises(UsageError, match=r"nothing of app\.csv happens while run\.pcap is recorded"):
+        with_log(RUN, log(event(6 * 10**9, "told", client=0, what="CALLED")))
+
+
+def test_a_log_without_a_unit() -> None:
+    with pytest.raises(UsageError, match=r"the times of app\.csv have no unit"):
+        with_log(RUN, log(event(0, "told"), unit=None))
+
+
+@pytest.mark.parametrize(("said", "status"), [("TOLD_SOME", 0), ("LEFT", 10)])
+def test_on_the_command_line(tmp_path: Path, said: str, status: int) -> None:
+    """An application that is outside of its run function from the start takes no ACKNACK: its history fills."""
+    printed = json.loads(CAPTURE.with_suffix(".json").read_text(encoding="utf-8"))["publisher"]
+    ready = next(line["time"] for line in printed if line["event"] == "ready")
+    rows = ["time [ns],event,client,what", f"{ready},told,0,TOLD_ALL", f"{ready + 1},told,0,{said}"]
+    file = tmp_path / "app.csv"
+    file.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    settings = ("HISTORY=8", "CLIENT_JITTER=60", "AGENT_JITTER=60", "EXACT_BITMAPS=true")
+    asked = ["conform", str(MODEL), str(CAPTURE), *(word for each in settings for word in ("-D", each))]
+    asked += ["--tolerance", "30ms", "--late", "60ms", "--application", str(file), "--max-states", "3000"]
+    found = CliRunner().invoke(app, asked)
+    assert found.exit_code == status, found.output
