@@ -117,9 +117,7 @@ def conform(
         limits: of each search; the seconds are for all of them together.
         applications: files of events that applications noted; beside a capture with times since 1970.
 
-    Raises:
-        UsageError: the model says nothing of recordings, or the recording does not fit it.
-        UnsupportedError: the model has refusals.
+    Raises UsageError if the recording does not fit the model, or it says nothing of them, UnsupportedError.
     """
     from tachk.conformance.asking import Question, conform_file
     from tachk.loading.recorded_models import recorded_model

@@ -65,8 +65,7 @@ def lower(
     lowering = _lowered(network, known, tables)
     goals = []
     observed: list[Observed] = []
-    for predicate in predicates:
-        goal, compared = compile_goal(predicate, known, lowering.compiler)
+    for goal, compared in (compile_goal(predicate, known, lowering.compiler) for predicate in predicates):
         goals.append(goal)
         observed.extend(compared)
     lowering.generator.finish()
@@ -96,26 +95,19 @@ def lower_recurrence(
 
 
 def lower_measures(
-    network: Network,
-    measured: Sequence[Measured],
-    tables: Collection[Variable] = (),
-    predicates: Sequence[Expression] = (),
+    network: Network, measured: Sequence[Measured], tables: Collection[Variable] = (), asked: Sequence[Expression] = ()
 ) -> tuple[Program, tuple[Goal, ...], tuple[Measure, ...]]:
-    """The program of a network, the goals of predicates and one for each clock whose largest value is asked for, and
-    how to measure in states.
+    """The program of a network, goals (what is asked, each clock whose largest value is), and how to measure in states.
 
     The goal is that the clock is beyond its horizon. Up to there the clock bounds of the program keep its values apart.
     Raises as `lower` does, and ValueError for a clock that depends on the state.
     """
-    known = known_values(network, [*predicates, *(part for m in measured for part in (m.where, m.beyond))])
+    known = known_values(network, [*asked, *(part for m in measured for part in (m.where, m.beyond))])
     lowering = _lowered(network, known, tables)
     measures = []
-    goals = []
-    observed: list[Observed] = []
-    for predicate in predicates:
-        goal, compared = compile_goal(predicate, known, lowering.compiler)
-        goals.append(goal)
-        observed.extend(compared)
+    compiled = [compile_goal(each, known, lowering.compiler) for each in asked]
+    goals = [goal for goal, _ in compiled]
+    observed = [each for _, compared in compiled for each in compared]
     for each in measured:
         where, compared = compile_goal(each.where, known, lowering.compiler)
         observed.extend(compared)
