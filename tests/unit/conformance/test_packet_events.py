@@ -10,6 +10,7 @@ import pytest
 import tachk
 from tachk.conformance.asking import constants_of
 from tachk.conformance.conform import conform
+from tachk.conformance.edits import Edit, edited
 from tachk.conformance.packet_events import read_capture
 
 MODELS = Path(__file__).parents[3] / "models/micro_xrce_dds"
@@ -46,6 +47,31 @@ def test_nobody_saw_what_arrived(capture: Path) -> None:
 def test_second_create_client(capture: Path) -> None:
     created = [e.cells for e in read_capture(capture).events if e.name == "created_again"]
     assert created == [{"client": 1}]
+
+
+@pytest.mark.parametrize("capture", ["b_loss20_burst_seed14"], indirect=True)
+@pytest.mark.parametrize(("packet", "expected"), [(None, True), (158, False)])
+def test_last_message_of_the_last_repetition(capture: Path, packet: int | None, expected: bool) -> None:
+    """It leaves the client 34 µs before the DELETE that ends the recording of it."""
+    settings = {"CLIENT_JITTER": 5, "AGENT_JITTER": 5, "EXACT_BITMAPS": True, "MISSED_ROUNDS": 1}
+    model, recording = tachk.load(MODELS / "recorded.ta", **settings), read_capture(capture)
+    assert model.loaded.recording is not None
+    place = f"packet {packet}"
+    for number in reversed(range(len(recording.events))):
+        if recording.events[number].place == place:
+            recording = edited(recording, Edit(number, "lost"), Fraction(1))
+    found = conform(
+        model.network,
+        model.loaded.recording,
+        recording,
+        constants_of(model.loaded),
+        Fraction(5),
+        Fraction(5),
+        limits=tachk.Limits(states=60_000),
+        run=False,
+        explain=False,
+    )
+    assert found.accepted is expected
 
 
 @pytest.mark.parametrize(
