@@ -16,6 +16,7 @@ FLOORS = (
     "machine",
     "certificates",
     "runs",
+    "flow",
     "simulation",
     "fmi",
     "states",

@@ -160,4 +160,5 @@ NB_MODULE(_core, m) {
   bind_simulation(m);
   bind_trials(m);
   bind_splitting(m);
+  bind_course(m);
 }

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "flow/chances.hpp"
+#include "flow/clock_values.hpp"
 #include "program/program.hpp"
-#include "simulation/chances.hpp"
-#include "simulation/clock_values.hpp"
 #include "simulation/tables.hpp"
 
 namespace tachk::fmi {

@@ -1,9 +1,10 @@
 #include "machine/floating.hpp"
 
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+
+#include "machine/distributions.hpp"
 
 namespace tachk {
 namespace {
@@ -92,15 +93,6 @@ double computed(FloatingOperation operation, double left, double right) {
   }
 }
 
-double drawn(FloatingOperation operation, double left, double right, Dice* dice) {
-  if (dice == nullptr) throw std::logic_error("random numbers are drawn in simulations only");
-  if (operation == FloatingOperation::random) return dice->fraction() * left;
-  // Box and Muller, "A note on the generation of random normal deviates", 1958.
-  constexpr double turn = 6.283185307179586476925;
-  const double radius = std::sqrt(-2 * std::log(1 - dice->fraction()));
-  return left + right * radius * std::cos(turn * dice->fraction());
-}
-
 }  // namespace
 
 std::optional<std::int32_t> operate(FloatingOperation operation, std::int32_t left, std::int32_t right,
@@ -109,19 +101,18 @@ std::optional<std::int32_t> operate(FloatingOperation operation, std::int32_t le
     if (slot < 0 || static_cast<std::size_t>(slot) + 1 >= slots) throw std::logic_error("a double outside the memory");
     return memory + slot;
   };
-  const auto number = [&](std::int32_t slot) {
-    const std::int32_t* const cells = halves(slot);
-    const auto high = static_cast<std::uint64_t>(static_cast<std::uint32_t>(cells[0]));
-    return std::bit_cast<double>((high << 32) | static_cast<std::uint32_t>(cells[1]));
-  };
+  const auto number = [&](std::int32_t slot) { return double_at(halves(slot)); };
   const bool exact = operation >= FloatingOperation::negate && operation <= FloatingOperation::to_integer;
-  const bool unary = exact || (operation >= FloatingOperation::exponential && operation <= FloatingOperation::random);
+  const bool unary = exact || (operation >= FloatingOperation::exponential && operation <= FloatingOperation::random) ||
+                     operation == FloatingOperation::random_poisson ||
+                     operation == FloatingOperation::random_triangular;
   const auto result_of = [&] {
     if (operation == FloatingOperation::from_integer) return static_cast<double>(left);
     const double first = number(left);
     const double second = unary ? 0 : number(right);
-    const bool draws = operation == FloatingOperation::random || operation == FloatingOperation::random_normal;
-    return draws ? drawn(operation, first, second, dice) : computed(operation, first, second);
+    if (!draws(operation)) return computed(operation, first, second);
+    if (dice == nullptr) throw std::logic_error("random numbers are drawn in simulations only");
+    return drawn(operation, first, second, *dice);
   };
   const double result = result_of();
   if (!std::isfinite(result)) return std::nullopt;
@@ -129,10 +120,7 @@ std::optional<std::int32_t> operate(FloatingOperation operation, std::int32_t le
     if (result < Integers::min() || result > Integers::max()) return std::nullopt;
     return static_cast<std::int32_t>(result);
   }
-  const auto bits = std::bit_cast<std::uint64_t>(result);
-  std::int32_t* const cells = halves(target);
-  cells[0] = static_cast<std::int32_t>(static_cast<std::uint32_t>(bits >> 32));
-  cells[1] = static_cast<std::int32_t>(static_cast<std::uint32_t>(bits));
+  store_double(result, halves(target));
   return target;
 }
 

@@ -1,6 +1,7 @@
 // Floating point operations of models. A double takes two slots: its high and its low half.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -46,7 +47,24 @@ enum class FloatingOperation : std::int32_t {
   remainder = 34,
   hypotenuse = 35,
   random_normal = 36,
+  random_poisson = 37,
+  random_arcsine = 38,
+  random_gamma = 39,
+  random_beta = 40,
+  random_weibull = 41,
+  random_triangular = 42,
 };
+
+// The double in two slots.
+inline double double_at(const std::int32_t* slots) {
+  const std::uint64_t high = static_cast<std::uint32_t>(slots[0]);
+  return std::bit_cast<double>(high << 32 | static_cast<std::uint32_t>(slots[1]));
+}
+inline void store_double(double number, std::int32_t* slots) {
+  const auto bits = std::bit_cast<std::uint64_t>(number);
+  slots[0] = static_cast<std::int32_t>(static_cast<std::uint32_t>(bits >> 32));
+  slots[1] = static_cast<std::int32_t>(static_cast<std::uint32_t>(bits));
+}
 
 // Where random numbers come from.
 class Dice {
@@ -59,6 +77,10 @@ class Dice {
 
 constexpr bool gives_double(FloatingOperation operation) {
   return operation <= FloatingOperation::from_integer || operation >= FloatingOperation::exponential;
+}
+
+constexpr bool draws(FloatingOperation operation) {
+  return operation == FloatingOperation::random || operation >= FloatingOperation::random_normal;
 }
 
 // An operation on the doubles in the slots left and right, of which those with one argument take the left one;

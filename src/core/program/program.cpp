@@ -122,6 +122,15 @@ class Decoder {
       else
         result.computed.push_back({left, right, strict, bound, bound_code, when, left_code, right_code});
     }
+    result.flow = in_.sequence([this] {
+      const auto kind = static_cast<FlowTest::Kind>(in_.below(7, "kind of condition"));
+      const bool affine = in_.flag();
+      const std::int32_t left = code();
+      const std::int32_t right = code();
+      if (left == no_code || (right == no_code) != (kind == FlowTest::Kind::truth))
+        throw std::invalid_argument("bad condition on hybrid clocks in image");
+      return FlowTest{kind, affine, left, right};
+    });
     return result;
   }
 

@@ -67,14 +67,26 @@ struct ComputedConstraint {
   std::int32_t right_code;
 };
 
+// A condition on hybrid clocks, which only simulations know: a comparison of two floating point numbers, or (truth) any
+// other condition.
+struct FlowTest {
+  enum class Kind : std::int32_t { truth, less, less_equal, greater, greater_equal, equal, not_equal };
+
+  Kind kind;
+  bool affine;  // the difference of both sides is a sum of multiples of hybrid clocks
+  std::int32_t left;
+  std::int32_t right;  // no_code for a truth
+};
+
 struct Condition {
   std::vector<Test> tests;
   std::int32_t code = no_code;
   std::vector<Atom> atoms;
   std::vector<ComputedConstraint> computed;
+  std::vector<FlowTest> flow;
 
   bool constrains_clocks() const { return !atoms.empty() || !computed.empty(); }
-  bool trivial() const { return tests.empty() && code == no_code && atoms.empty() && computed.empty(); }
+  bool trivial() const { return tests.empty() && code == no_code && atoms.empty() && computed.empty() && flow.empty(); }
 };
 
 struct Update {

@@ -17,20 +17,28 @@ struct Bound {
   Ticks value = 0;
 };
 
-// The first moment from now on at which a goal is reached if nothing happens; `never` if it is not.
-inline Ticks first_moment(Simulator& simulator, const Goal& goal) {
+// The first moment from now on at which a goal is reached if nothing happens; `never` if it is not. `sight` becomes
+// less if hybrid clocks were followed only up to there.
+inline Ticks first_moment(Simulator& simulator, const Goal& goal, Ticks& sight) {
   Ticks first = never;
   for (const Disjunct& disjunct : goal.disjuncts) {
-    Window window = simulator.moments(disjunct.condition);
-    window.first = std::max(window.first, simulator.now());
+    const Window window = simulator.moments(disjunct.condition);
+    sight = std::min(sight, simulator.sight());
     if (!window.empty()) first = std::min(first, window.first);
   }
   return first;
 }
 
 // As above, of a goal of the program; `never` for a negative number.
-inline Ticks first_moment(Simulator& simulator, const Program& program, std::int32_t goal) {
-  return goal < 0 ? never : first_moment(simulator, program.goals[static_cast<std::size_t>(goal)]);
+inline Ticks first_moment(Simulator& simulator, const Program& program, std::int32_t goal, Ticks& sight) {
+  return goal < 0 ? never : first_moment(simulator, program.goals[static_cast<std::size_t>(goal)], sight);
+}
+
+// The next moment at which values of hybrid clocks are noted: the last one before something may happen, or earlier.
+inline Ticks next_note(Simulator& simulator, Ticks apart) {
+  const Ticks before_next = simulator.next_moment() - 1;
+  const Ticks regular = simulator.now() + apart;
+  return before_next > simulator.now() ? std::min(before_next, regular) : regular;
 }
 
 // The last moment that is looked at, if nothing happens before.

@@ -9,6 +9,10 @@ namespace tachk {
 void Reads::add(const Condition& condition) {
   for (const Test& test : condition.tests) add_range(test.slot, 1);
   add(condition.code);
+  for (const FlowTest& test : condition.flow) {
+    add(test.left);
+    add(test.right);
+  }
   for (const ComputedConstraint& constraint : condition.computed)
     for (const std::int32_t code :
          {constraint.bound_code, constraint.condition, constraint.left_code, constraint.right_code})

@@ -1,16 +1,22 @@
 #include "simulation/runs.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <optional>
 #include <utility>
 
 #include "simulation/crew.hpp"
+#include "simulation/horizon.hpp"
 
 namespace tachk {
 namespace {
 
 constexpr std::uint64_t between_stops = 1 << 16;  // transitions
+constexpr Ticks rows = 1000;
+
+// How far rows are apart that tell how hybrid clocks go on.
+Ticks between_rows(Ticks until) { return until < latest_end ? std::max(until / rows, Ticks{1}) : 10 * flow_sample; }
 
 }  // namespace
 
@@ -43,7 +49,16 @@ void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t
         break;
       }
       const Ticks before = simulator.now();
-      ending = simulator.step(limits);
+      RunLimits sight = limits;
+      const bool notes = order.recording.observed && simulator.has_hybrid_clocks();
+      if (notes) sight.until = std::min(limits.until, next_note(simulator, between_rows(limits.until)));
+      ending = simulator.step(sight);
+      if (ending == Ending::horizon && notes) {
+        keep_values(simulator, order.recording, record);
+        if (simulator.now() == limits.until) break;
+        ending.reset();
+        continue;
+      }
       if (ending) break;
       if (++record.transitions % between_stops == 0 && order.stop && order.stop()) throw Stopped();
       keep(simulator, order.recording, record);
@@ -61,12 +76,15 @@ void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t
 
 void Simulation::keep(Simulator& simulator, const Recording& recording, RunRecord& record) const {
   if (!recording.actions && !recording.observed && !recording.clocks) return;
-  const Ticks now = simulator.now();
-  record.times.push_back(now);
   if (recording.actions) {
     record.sizes.push_back(static_cast<std::uint32_t>(simulator.edges().size()));
     record.edges.insert(record.edges.end(), simulator.edges().begin(), simulator.edges().end());
   }
+  keep_values(simulator, recording, record);
+}
+
+void Simulation::keep_values(Simulator& simulator, const Recording& recording, RunRecord& record) const {
+  record.times.push_back(simulator.now());
   if (recording.observed)
     for (const Number& number : chances_.observed) {
       const double value = number.value(simulator.machine(), simulator.slots());
@@ -75,7 +93,7 @@ void Simulation::keep(Simulator& simulator, const Recording& recording, RunRecor
     }
   if (recording.clocks)
     for (int clock = 1; clock < program_.dimension(); ++clock)
-      record.clocks.push_back(simulator.clocks().value(static_cast<std::size_t>(clock), now));
+      record.clocks.push_back(simulator.clocks().value(static_cast<std::size_t>(clock), simulator.now()));
 }
 
 }  // namespace tachk

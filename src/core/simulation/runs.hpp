@@ -5,9 +5,9 @@
 #include <functional>
 #include <vector>
 
+#include "flow/chances.hpp"
 #include "machine/opcode.hpp"
 #include "program/program.hpp"
-#include "simulation/chances.hpp"
 #include "simulation/simulator.hpp"
 #include "simulation/tables.hpp"
 
@@ -63,6 +63,7 @@ class Simulation {
  private:
   void run_one(Simulator& simulator, const Order& order, std::uint64_t number, RunRecord& record) const;
   void keep(Simulator& simulator, const Recording& recording, RunRecord& record) const;
+  void keep_values(Simulator& simulator, const Recording& recording, RunRecord& record) const;
 
   Program program_;
   Chances chances_;

@@ -10,7 +10,8 @@ namespace {
 constexpr Raw largest_reset = INT32_MAX;
 constexpr std::uint64_t most_idle_draws = 100'000;
 constexpr Ticks retry = ticks_per_unit / 4;  // of what only target invariants forbid, where no delay is drawn
-constexpr int attempts = 16;                 // of drawing an action that target invariants admit
+constexpr Ticks near = ticks_per_unit;       // how far hybrid clocks are followed before something happens
+constexpr Ticks far = 10'000 * near;         // ... to see where an invariant ends
 
 }  // namespace
 
@@ -21,9 +22,10 @@ Simulator::Simulator(const Program& program, const Chances& chances, const Table
       policy_(policy),
       machine_(program, largest_reset),
       random_(0, 0),
-      state_{{}, ClockValues(program.dimension())} {
+      state_{{}, ClockValues(program.dimension())},
+      flow_(chances) {
   const std::size_t count = program.processes.size();
-  race_ = {std::vector<Ticks>(count), std::vector<Ticks>(count), std::vector<std::uint8_t>(count)};
+  race_ = {std::vector<Ticks>(count), std::vector<Ticks>(count), std::vector<Wait>(count)};
 }
 
 bool Simulator::begin(Random random) {
@@ -44,6 +46,7 @@ bool Simulator::begin(Random random) {
   }
   for (std::size_t p = 0; p < processes(); ++p) change_.concerned.push_back(p);
   if (!invariants_hold()) return false;
+  if (flow_.exists()) flow_.start(now_, machine_, state_.slots.data());
   for (std::size_t p = 0; p < processes(); ++p) refresh(p);
   return true;
 }
@@ -54,29 +57,34 @@ void Simulator::resume(const Snapshot& snapshot, Random random) {
   race_ = snapshot.race;
   now_ = snapshot.now;
   action_.clear();
-  for (std::size_t p = 0; p < processes(); ++p) race_.parked[p] != 0 ? park(p) : refresh(p);
+  for (std::size_t p = 0; p < processes(); ++p) race_.waits[p] == Wait::parked ? park(p) : refresh(p);
 }
 
 std::optional<Ending> Simulator::step(const RunLimits& limits) {
   machine_.draw_from(&random_);  // this may be a copy of another simulator
-  for (std::uint64_t draws = 0; draws < most_idle_draws; ++draws) {
+  for (std::uint64_t draws = 0; draws < most_idle_draws;) {
     if (frozen()) return act_now() ? std::nullopt : std::optional(Ending::deadlock);
     const auto [first, limit] = next_moments();
     if (std::min(first, limit) > limits.until) {
-      now_ = limits.until;
+      move_to(limits.until);
       return Ending::horizon;
     }
     if (limit < first) {
       // Nobody has drawn a moment before an invariant ends: whoever can act then must.
-      now_ = limit;
-      candidates_.clear();
-      for (std::size_t p = 0; p < processes(); ++p) candidates_.push_back(p);
-      return act_first(candidates_) ? std::nullopt : std::optional(Ending::time_lock);
+      move_to(limit);
+      scratch_.candidates.clear();
+      for (std::size_t p = 0; p < processes(); ++p) scratch_.candidates.push_back(p);
+      return act_first(scratch_.candidates) ? std::nullopt : std::optional(Ending::time_lock);
     }
-    now_ = first;
+    move_to(first);
     const std::size_t winner = winner_at(first);
+    if (race_.waits[winner] == Wait::to_look) {
+      refresh(winner);
+      continue;
+    }
     if (act(winner)) return std::nullopt;
     park(winner);
+    ++draws;
   }
   return Ending::zeno;
 }
@@ -119,7 +127,8 @@ bool Simulator::integers_hold(const Condition& condition) {
   return condition.code == no_code || machine_.value(condition.code, state_.slots.data()) != 0;
 }
 
-Window Simulator::window(const Condition& condition) {
+// The moments at which the conditions on clocks that are not hybrid hold.
+Window Simulator::clock_window(const Condition& condition) {
   Window result;
   for (const Atom& atom : condition.atoms) state_.clocks.narrow(atom.left, atom.right, atom.raw, result);
   std::int32_t* slots = state_.slots.data();
@@ -132,6 +141,31 @@ Window Simulator::window(const Condition& condition) {
                          raw_bound(bound, c.strict), result);
   }
   return result;
+}
+
+// The first interval, from a moment on, in which all conditions on clocks hold. Its end is looked for where it counts.
+Window Simulator::window(const Condition& condition, Ticks from) {
+  Window result = clock_window(condition);
+  result.first = std::max(result.first, from);
+  if (condition.flow.empty() || result.empty()) return result;
+  Crossings hybrid = crossings();
+  const Crossings::Found found = hybrid.opening(condition.flow, result.first, result.last, now_ + near);
+  sight_ = std::min(sight_, found.seen);
+  result.first = found.moment;
+  if (found.moment < never && policy_ != Policy::stochastic)
+    result.last = std::min(result.last, hybrid.ending(condition.flow, found.moment, found.moment + near).moment);
+  flow_.show(now_, machine_, state_.slots.data());
+  return result;
+}
+
+// The last moment at which an invariant holds that holds now.
+Ticks Simulator::end_of(const Condition& invariant, Ticks sight) {
+  const Ticks last = clock_window(invariant).last;
+  if (invariant.flow.empty()) return last;
+  const Crossings::Found found = crossings().ending(invariant.flow, now_, std::min(last, sight));
+  flow_.show(now_, machine_, state_.slots.data());
+  if (found.moment == never && found.seen < last) sight_ = std::min(sight_, found.seen);
+  return std::min(last, found.moment);
 }
 
 std::int32_t Simulator::channel_of(const Edge& edge) {
@@ -151,44 +185,62 @@ bool Simulator::hears(std::uint32_t number, std::int32_t channel) {
 // come. Where nobody does, the process waits for the next moment when somebody may, and draws again from there.
 void Simulator::refresh(std::size_t process) {
   const Station& here = place(process);
-  race_.parked[process] = 0;
+  race_.waits[process] = Wait::to_act;
   race_.due[process] = never;
   race_.limit[process] = never;
   if (here.freezes()) return;
-  if (here.location->has_invariant) race_.limit[process] = window(here.location->invariant).last;
-  Ticks first = never;
-  Ticks last = -never;
+  sight_ = never;
+  if (here.location->has_invariant) race_.limit[process] = end_of(here.location->invariant, now_ + near);
+  Openings openings;
   for (const std::uint32_t number : here.outputs) {
     const Condition& guard = program_.edges[number].guard;
     if (!integers_hold(guard)) continue;
-    Window own = window(guard);
-    own.first = std::max(own.first, now_);
-    if (own.empty()) continue;
-    first = std::min(first, own.first);
-    last = std::max(last, own.last);
+    const Window own = window(guard, now_);
+    if (!own.empty()) openings.add(own, acts_at_once(number));
   }
-  if (first < never && first <= race_.limit[process]) race_.due[process] = drawn(process, first, last);
+  wait_for(process, openings, Wait::to_act);
+}
+
+// Draws when the process acts that may do so from one moment to another. A process whose hybrid clocks have to be
+// followed farther looks again: what it draws then is distributed alike, for it is exponential.
+void Simulator::wait_for(std::size_t process, const Openings& openings, Wait wait) {
+  const auto& [first, last, at_once] = openings;
+  const Condition& invariant = place(process).location->invariant;
+  race_.waits[process] = wait;
+  if (first < never) {
+    sight_ = never;
+    if (race_.limit[process] == never) race_.limit[process] = end_of(invariant, now_ + far);
+  }
+  race_.due[process] = first < never && first <= race_.limit[process] ? drawn(process, first, last) : never;
+  if (at_once <= race_.limit[process]) race_.due[process] = std::min(race_.due[process], at_once);
+  if (sight_ >= std::min(race_.due[process], race_.limit[process])) return;
+  race_.due[process] = std::max(sight_, now_ + 1);
+  race_.waits[process] = Wait::to_look;
 }
 
 void Simulator::park(std::size_t process) {
   const Station& here = place(process);
-  Ticks first = never;
-  Ticks last = -never;
+  sight_ = never;
+  if (!here.location->invariant.flow.empty()) race_.limit[process] = end_of(here.location->invariant, now_ + near);
+  Openings openings;
   for (const std::uint32_t number : here.outputs) {
     const Condition& guard = program_.edges[number].guard;
     if (!integers_hold(guard)) continue;
-    Window own = window(guard);
     const bool random = policy_ == Policy::stochastic || policy_ == Policy::uniform;
-    const bool forbidden = own.first <= now_ && program_.edges[number].internal();
-    own.first = std::max(own.first, now_ + (forbidden && !random ? retry : 1));
+    const bool forbidden = program_.edges[number].internal() && holds(guard);
+    const Window own = window(guard, now_ + (forbidden && !random ? retry : 1));
     if (own.empty()) continue;
     const Ticks opening = next_opening(number, own);
-    if (opening == never) continue;
-    first = std::min(first, opening);
-    last = std::max(last, own.last);
+    if (opening != never) openings.add({opening, own.last}, acts_at_once(number));
   }
-  race_.parked[process] = 1;
-  race_.due[process] = first <= race_.limit[process] && first < never ? drawn(process, first, last) : never;
+  wait_for(process, openings, Wait::parked);
+}
+
+// Whether the edge is taken as soon as hybrid clocks allow it. (Other clocks are not in guards of urgent edges.)
+bool Simulator::acts_at_once(std::uint32_t number) {
+  const Edge& edge = program_.edges[number];
+  return !edge.guard.flow.empty() && !edge.internal() &&
+         program_.channels[static_cast<std::size_t>(channel_of(edge))].urgent;
 }
 
 // The first moment in the window at which the edge can be taken, as far as guards tell.
@@ -203,8 +255,7 @@ Ticks Simulator::next_opening(std::uint32_t number, Window own) {
     for (const std::uint32_t other : place(q).receives) {
       const Edge& partner = program_.edges[other];
       if (!partner.may_name(channel) || !integers_hold(partner.guard)) continue;
-      Window both = window(partner.guard);
-      both.first = std::max(both.first, own.first);
+      Window both = window(partner.guard, own.first);
       both.last = std::min(both.last, own.last);
       if (!both.empty() && channel_of(partner) == channel) first = std::min(first, both.first);
     }
@@ -225,251 +276,20 @@ Ticks Simulator::drawn(std::size_t process, Ticks first, Ticks last) {
   return wait < static_cast<double>(latest_end) ? first + static_cast<Ticks>(wait) : never;
 }
 
-// ---- actions --------------------------------------------------------------------------------------------------------
-
-// Whether time cannot pass; finds those who stop it, and those who would act at this moment anyway.
-bool Simulator::frozen() {
-  candidates_.clear();
-  if (state_.committed == 0)
-    for (const std::uint32_t p : tables_.urgent_senders)
-      if (sends_urgently(p)) candidates_.push_back(p);
-  const std::size_t senders = candidates_.size();
-  if (state_.committed == 0 && state_.urgent == 0 && senders == 0) return false;
-  const auto end = [&] { return candidates_.begin() + static_cast<std::ptrdiff_t>(senders); };
-  for (std::size_t p = 0; p < processes(); ++p) {
-    const Location& here = *place(p).location;
-    const bool first = state_.committed > 0 ? here.committed : here.urgent || race_.due[p] == now_;
-    if (first && std::find(candidates_.begin(), end(), p) == end()) candidates_.push_back(p);
-  }
-  return true;
-}
-
-// Whether an urgent synchronisation of the process stops time.
-bool Simulator::sends_urgently(std::size_t process) {
-  for (const std::uint32_t number : place(process).urgent) {
-    if (!open(number)) continue;
-    const std::int32_t channel = channel_of(program_.edges[number]);
-    const Channel& kind = program_.channels[static_cast<std::size_t>(channel)];
-    if (kind.urgent && (kind.broadcast || has_receiver(process, channel, false))) return true;
-  }
-  return false;
-}
-
-// Time cannot pass. Those who stop it, whom `frozen` has found, go first.
-bool Simulator::act_now() {
-  if (act_first(candidates_)) return true;
-  const std::vector<std::size_t> tried = candidates_;
-  candidates_.clear();
-  for (std::size_t p = 0; p < processes(); ++p)
-    if (std::find(tried.begin(), tried.end(), p) == tried.end()) candidates_.push_back(p);
-  return act_first(candidates_);
-}
-
-// One of those that can act does, each with the same probability.
-bool Simulator::act_first(std::vector<std::size_t>& candidates) {
-  for (std::size_t left = candidates.size(); left > 0; --left) {
-    const std::size_t n = left == 1 ? 0 : random_.below(left);
-    if (act(candidates[n])) return true;
-    std::swap(candidates[n], candidates[left - 1]);
-  }
-  return false;
-}
-
-// The process takes one of its edges, alone or with others; false if it cannot.
-bool Simulator::act(std::size_t process) {
-  offered_.clear();
-  for (const std::uint32_t number : place(process).outputs)
-    if (open(number)) offered_.push_back(number);
-  // Of a single edge it is asked below whether somebody receives.
-  if (offered_.size() > 1) std::erase_if(offered_, [&](std::uint32_t number) { return !offers(process, number); });
-  if (offered_.empty() || (offered_.size() == 1 && !offers_alone(process, offered_.front()))) return false;
-  return carry_out();
-}
-
-bool Simulator::take(std::uint32_t edge, Ticks moment) {
-  machine_.draw_from(&random_);  // this may be a copy of another simulator
-  now_ = moment;
-  offered_.assign(1, edge);
-  return carry_out();
-}
-
-// Draws an action that begins with one of `offered_`, and takes it.
-bool Simulator::carry_out() {
-  for (int attempt = 0; attempt < attempts; ++attempt) {
-    if (!choose(offered_)) return false;
-    if (apply()) return true;
-  }
-  return act_exhaustively(offered_);
-}
-
-// Whether a single edge may be tried without asking who receives.
-bool Simulator::offers_alone(std::size_t process, std::uint32_t number) {
-  const Edge& edge = program_.edges[number];
-  if (edge.internal()) return admits(process);
-  const std::int32_t channel = channel_of(edge);
-  return !program_.channels[static_cast<std::size_t>(channel)].broadcast || offers(process, number);
-}
-
-// Whether an edge whose guard holds can be taken, but for target invariants.
-bool Simulator::offers(std::size_t process, std::uint32_t number) {
-  const Edge& edge = program_.edges[number];
-  if (edge.internal()) return admits(process);
-  const std::int32_t channel = channel_of(edge);
-  const bool broadcast = program_.channels[static_cast<std::size_t>(channel)].broadcast;
-  if (broadcast && admits(process)) return true;
-  return has_receiver(process, channel, !admits(process));
-}
-
-bool Simulator::has_receiver(std::size_t sender, std::int32_t channel, bool committed_only) {
-  for (const std::uint32_t q : tables_.listening[static_cast<std::size_t>(channel)]) {
-    if (q == sender) continue;
-    const Station& there = place(q);
-    if (committed_only && !there.location->committed) continue;
-    for (const std::uint32_t other : there.receives)
-      if (hears(other, channel)) return true;
-  }
-  return false;
-}
-
-void Simulator::open_receives(std::size_t process, std::int32_t channel, std::vector<std::uint32_t>& found) {
-  found.clear();
-  for (const std::uint32_t other : place(process).receives)
-    if (hears(other, channel)) found.push_back(other);
-}
-
-double Simulator::weight(std::uint32_t edge) {
-  if (policy_ == Policy::uniform) return 1.0;
-  const Number& number = chances_.weights[edge];
-  const double value = number.value(machine_, state_.slots.data());
-  if (!(value >= 0)) throw ModelFault(FaultKind::range, number.code);
-  return value;
-}
-
-// Each way with the same probability, and of a way into a branchpoint each branch by its weight.
-std::vector<std::pair<std::uint32_t, double>> Simulator::shares(std::span<const std::uint32_t> edges) {
-  std::vector<std::pair<std::uint32_t, double>> result;
-  std::vector<std::pair<std::uint32_t, double>> totals;  // of each way
-  for (const std::uint32_t edge : edges) {
-    const std::uint32_t way = chances_.choices[edge];
-    const auto same = std::find_if(totals.begin(), totals.end(), [&](const auto& each) { return each.first == way; });
-    const double share = weight(edge);
-    result.emplace_back(edge, share);
-    if (same == totals.end())
-      totals.emplace_back(way, share);
-    else
-      same->second += share;
-  }
-  for (auto& [edge, share] : result) {
-    const std::uint32_t way = chances_.choices[edge];
-    const auto total = std::find_if(totals.begin(), totals.end(), [&](const auto& each) { return each.first == way; });
-    share = total->second > 0 ? share / (total->second * static_cast<double>(totals.size())) : 0.0;
-  }
-  return result;
-}
-
-std::uint32_t Simulator::pick(std::span<const std::uint32_t> edges) {
-  if (edges.size() == 1) return edges.front();
-  if (!tables_.has_branches) return edges[random_.below(edges.size())];
-  const auto known = shares(edges);
-  double total = 0;
-  for (const auto& [edge, share] : known) total += share;
-  double left = random_.fraction() * total;
-  std::uint32_t last = edges.front();
-  for (const auto& [edge, share] : known) {
-    if (share <= 0) continue;
-    last = edge;
-    if (left < share) break;
-    left -= share;
-  }
-  return last;
-}
-
-// Draws an action that begins with one of the edges; false if nobody receives.
-bool Simulator::choose(std::span<const std::uint32_t> offered) {
-  const std::uint32_t first = pick(offered);
-  const Edge& edge = program_.edges[first];
-  action_.assign(1, first);
-  if (edge.internal()) return true;
-  const std::int32_t channel = channel_of(edge);
-  const std::vector<std::uint32_t>& listening = tables_.listening[static_cast<std::size_t>(channel)];
-  const bool broadcast = program_.channels[static_cast<std::size_t>(channel)].broadcast;
-  const bool committed_only = !broadcast && !admits(edge.process);
-  std::uint64_t partners = 0;
-  for (const std::uint32_t q : listening) {
-    if (q == edge.process || (committed_only && !place(q).location->committed)) continue;
-    open_receives(q, channel, heard_);
-    if (heard_.empty()) continue;
-    if (broadcast) {
-      action_.push_back(pick(heard_));
-      continue;
-    }
-    ++partners;
-    if (partners == 1 || random_.below(partners) == 0) std::swap(heard_, partner_);
-  }
-  if (broadcast) return true;
-  if (partners > 0) action_.push_back(pick(partner_));
-  return partners > 0;
-}
-
-// Draws among all actions that target invariants admit, by the probabilities that `choose` gives them.
-bool Simulator::act_exhaustively(std::span<const std::uint32_t> offered) {
-  std::vector<std::vector<std::uint32_t>> actions;
-  std::vector<double> probabilities;
-  for (const auto& [edge, share] : shares(offered)) enumerate(edge, actions, probabilities, share);
-  while (!actions.empty()) {
-    double total = 0;
-    for (const double probability : probabilities) total += probability;
-    if (total <= 0) return false;
-    double left = random_.fraction() * total;
-    std::size_t n = 0;
-    while (n + 1 < actions.size() && left >= probabilities[n]) left -= probabilities[n++];
-    action_ = actions[n];
-    if (apply()) return true;
-    actions.erase(actions.begin() + static_cast<std::ptrdiff_t>(n));
-    probabilities.erase(probabilities.begin() + static_cast<std::ptrdiff_t>(n));
-  }
-  return false;
-}
-
-// Appends the actions that begin with an edge, each with its probability.
-void Simulator::enumerate(std::uint32_t first, std::vector<std::vector<std::uint32_t>>& actions,
-                          std::vector<double>& probabilities, double probability) {
-  const Edge& edge = program_.edges[first];
-  std::vector<std::vector<std::uint32_t>> found{{first}};
-  std::vector<double> chances{probability};
-  if (!edge.internal()) {
-    const std::int32_t channel = channel_of(edge);
-    const bool broadcast = program_.channels[static_cast<std::size_t>(channel)].broadcast;
-    std::vector<std::vector<std::uint32_t>> partners;
-    for (const std::uint32_t q : tables_.listening[static_cast<std::size_t>(channel)]) {
-      if (q == edge.process || (!broadcast && !admits(edge.process) && !place(q).location->committed)) continue;
-      open_receives(q, channel, heard_);
-      if (!heard_.empty()) partners.push_back(heard_);
-    }
-    const std::size_t count = partners.size();
-    if (!broadcast && count > 0) {
-      found.clear();
-      chances.clear();
-    }
-    for (const std::vector<std::uint32_t>& heard : partners) {
-      std::vector<std::vector<std::uint32_t>> longer = broadcast ? std::exchange(found, {}) : decltype(found){{first}};
-      std::vector<double> of_longer = broadcast ? std::exchange(chances, {}) : std::vector<double>{probability};
-      for (std::size_t n = 0; n < longer.size(); ++n)
-        for (const auto& [other, share] : shares(heard)) {
-          found.push_back(longer[n]);
-          found.back().push_back(other);
-          chances.push_back(of_longer[n] * share / (broadcast ? 1.0 : static_cast<double>(count)));
-        }
-    }
-  }
-  actions.insert(actions.end(), found.begin(), found.end());
-  probabilities.insert(probabilities.end(), chances.begin(), chances.end());
-}
-
 // ---- changes --------------------------------------------------------------------------------------------------------
 
 // Takes the action; false, with nothing changed, if an invariant does not admit the state after it.
 bool Simulator::apply() {
+  if (!enter()) {
+    undo();
+    return false;
+  }
+  settle();
+  return true;
+}
+
+// Makes the changes of the action; says whether invariants admit the state after it.
+bool Simulator::enter() {
   std::copy_n(state_.slots.begin(), program_.state_slots,
               (change_.slots.resize(program_.state_slots), change_.slots.begin()));
   change_.written = {};
@@ -480,12 +300,7 @@ bool Simulator::apply() {
   update();
   if (program_.has_stopwatches) switch_clocks();
   find_concerned();
-  if (!invariants_hold()) {
-    undo();
-    return false;
-  }
-  settle();
-  return true;
+  return invariants_hold();
 }
 
 void Simulator::update() {
@@ -525,8 +340,20 @@ void Simulator::switch_clocks() {
   }
 }
 
+// Whether hybrid clocks get other values or rates.
+bool Simulator::changes_flow() const {
+  if (chances_.flow_reads.meets(change_.written)) return true;
+  return std::any_of(action_.begin(), action_.end(), [&](std::uint32_t number) {
+    const Edge& edge = program_.edges[number];
+    const auto& rates = chances_.flow_rates[edge.process];
+    return edge.source != edge.target && (!rates[static_cast<std::size_t>(edge.source)].empty() ||
+                                          !rates[static_cast<std::size_t>(edge.target)].empty());
+  });
+}
+
 // Finds the processes that the change concerns: no other invariant can have become false, no other draw is void.
 void Simulator::find_concerned() {
+  change_.flow = flow_.exists() && changes_flow();
   change_.concerned.clear();
   for (const std::uint32_t number : action_) change_.concerned.push_back(program_.edges[number].process);
   const std::size_t participants = change_.concerned.size();
@@ -541,7 +368,7 @@ bool Simulator::invariants_hold() {
   for (const std::size_t p : change_.concerned) {
     const Location& here = *place(p).location;
     if (!here.has_invariant) continue;
-    if (!integers_hold(here.invariant) || !window(here.invariant).holds(now_)) return false;
+    if (!holds(here.invariant)) return false;
   }
   return true;
 }
@@ -563,9 +390,10 @@ void Simulator::settle() {
     state_.committed += (after.committed ? 1U : 0U) - (before.committed ? 1U : 0U);
     state_.urgent += (after.urgent ? 1U : 0U) - (before.urgent ? 1U : 0U);
   }
+  if (change_.flow) flow_.start(now_, machine_, state_.slots.data());
   for (const std::size_t p : change_.concerned) refresh(p);
   for (std::size_t p = 0; p < processes(); ++p)
-    if (race_.parked[p] != 0) refresh(p);
+    if (race_.waits[p] == Wait::parked) refresh(p);
 }
 
 }  // namespace tachk

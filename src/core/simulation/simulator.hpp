@@ -5,6 +5,7 @@
 // distributed like a new one, and what is left of a uniform one is uniform. docs/simulation.md has the whole meaning.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -12,10 +13,12 @@
 #include <utility>
 #include <vector>
 
+#include "flow/chances.hpp"
+#include "flow/clock_values.hpp"
+#include "flow/crossings.hpp"
+#include "flow/flow.hpp"
 #include "machine/machine.hpp"
 #include "program/program.hpp"
-#include "simulation/chances.hpp"
-#include "simulation/clock_values.hpp"
 #include "simulation/random.hpp"
 #include "simulation/tables.hpp"
 
@@ -49,11 +52,16 @@ class Simulator {
     std::uint32_t committed = 0;  // processes in committed locations
     std::uint32_t urgent = 0;     // in urgent ones
   };
+  enum class Wait : std::uint8_t {
+    to_act,
+    parked,   // nothing was possible when it was to act
+    to_look,  // it was not looked farther ahead for what hybrid clocks allow
+  };
   // What each process has drawn.
   struct Race {
     std::vector<Ticks> due;    // when it acts
     std::vector<Ticks> limit;  // when its invariant ends
-    std::vector<std::uint8_t> parked;
+    std::vector<Wait> waits;
   };
   // What a run can be continued from.
   struct Snapshot {
@@ -89,10 +97,15 @@ class Simulator {
   std::int32_t* slots() { return state_.slots.data(); }
   Machine& machine() { return machine_; }
   const ClockValues& clocks() const { return state_.clocks; }
-  // The moments at which a condition holds if nothing happens.
+  // The moments at which a condition holds if nothing happens; with hybrid clocks the first of them, if it is not
+  // behind `sight`.
   Window moments(const Condition& condition) {
-    return integers_hold(condition) ? window(condition) : Window{never, -never};
+    sight_ = never;
+    return integers_hold(condition) ? window(condition, now_) : Window{never, -never};
   }
+  // How far the last condition was looked at.
+  Ticks sight() const { return sight_; }
+  bool has_hybrid_clocks() const { return flow_.exists(); }
 
  private:
   // What the action under way has changed, to be undone if the target invariants do not admit it.
@@ -104,6 +117,15 @@ class Simulator {
     std::vector<std::uint16_t> switched;
     std::uint64_t clocks = 0;            // groups of those that were touched
     std::vector<std::size_t> concerned;  // processes
+    bool flow = false;                   // hybrid clocks go on in another way
+  };
+
+  // Lists that are made anew each time, kept for their memory.
+  struct Scratch {
+    std::vector<std::uint32_t> offered;
+    std::vector<std::uint32_t> heard;
+    std::vector<std::uint32_t> partner;
+    std::vector<std::size_t> candidates;
   };
 
   const Station& place(std::size_t process) const { return tables_.place(process, state_.slots.data()); }
@@ -111,11 +133,15 @@ class Simulator {
 
   // ---- conditions
   bool integers_hold(const Condition& condition);
-  Window window(const Condition& condition);
-  bool open(std::uint32_t edge) {
-    const Condition& guard = program_.edges[edge].guard;
-    return integers_hold(guard) && window(guard).holds(now_);
+  bool holds(const Condition& condition) {
+    return integers_hold(condition) && clock_window(condition).holds(now_) &&
+           (condition.flow.empty() || crossings().hold(condition.flow));
   }
+  Window clock_window(const Condition& condition);
+  Window window(const Condition& condition, Ticks from);
+  Ticks end_of(const Condition& invariant, Ticks sight);
+  Crossings crossings() { return {flow_, machine_, state_.slots.data()}; }
+  bool open(std::uint32_t edge) { return holds(program_.edges[edge].guard); }
   std::int32_t channel_of(const Edge& edge);
   bool hears(std::uint32_t number, std::int32_t channel);
 
@@ -124,6 +150,27 @@ class Simulator {
   std::size_t winner_at(Ticks moment);
   void refresh(std::size_t process);
   void park(std::size_t process);
+  // When edges of a process can be taken: the first and the last moment, and the first one of urgent edges.
+  struct Openings {
+    Ticks first = never;
+    Ticks last = -never;
+    Ticks at_once = never;
+
+    void add(Window window, bool urgent) {
+      if (urgent) {
+        at_once = std::min(at_once, window.first);
+        return;
+      }
+      first = std::min(first, window.first);
+      last = std::max(last, window.last);
+    }
+  };
+  void wait_for(std::size_t process, const Openings& openings, Wait wait);
+  bool acts_at_once(std::uint32_t edge);
+  void move_to(Ticks moment) {
+    now_ = moment;
+    if (flow_.exists()) flow_.show(now_, machine_, state_.slots.data());
+  }
   Ticks next_opening(std::uint32_t edge, Window own);
   Ticks drawn(std::size_t process, Ticks first, Ticks last);
   Ticks uniform(Ticks first, Ticks last) {
@@ -148,16 +195,23 @@ class Simulator {
   bool act_exhaustively(std::span<const std::uint32_t> offered);
   void enumerate(std::uint32_t first, std::vector<std::vector<std::uint32_t>>& actions,
                  std::vector<double>& probabilities, double probability);
+  using Priority = std::pair<std::int32_t, std::int32_t>;
+  bool act_by_priority(std::size_t process);
+  Priority priority(std::span<const std::uint32_t> action);
+  bool admitted(std::span<const std::uint32_t> action);
   std::vector<std::pair<std::uint32_t, double>> shares(std::span<const std::uint32_t> edges);
 
   // ---- changes
   bool apply();
+  bool enter();
   void update();
   void switch_clocks();
   bool touched(std::size_t process) const {
     const Station& here = place(process);
-    return here.reads.meets(change_.written) || (here.clocks & change_.clocks) != 0;
+    return here.reads.meets(change_.written) || (here.clocks & change_.clocks) != 0 ||
+           (change_.flow && here.looks_at_flow);
   }
+  bool changes_flow() const;
   void find_concerned();
   bool invariants_hold();
   void undo();
@@ -172,12 +226,11 @@ class Simulator {
   State state_;
   Race race_;
   Change change_;
+  Flow flow_;
   Ticks now_ = 0;
+  Ticks sight_ = never;
   std::vector<std::uint32_t> action_;
-  std::vector<std::uint32_t> offered_;
-  std::vector<std::uint32_t> heard_;
-  std::vector<std::uint32_t> partner_;
-  std::vector<std::size_t> candidates_;
+  Scratch scratch_;
 };
 
 }  // namespace tachk

@@ -77,8 +77,9 @@ class Splitter {
     while (true) {
       const Ticks before = simulator_.now();
       const Ticks last = last_moment(simulator_, asked_.bound);
-      const Ticks reached = first_moment(simulator_, program_, asked_.goal);
-      const Ticks lost = first_moment(simulator_, program_, asked_.lost);
+      Ticks sight = never;  // there are no hybrid clocks
+      const Ticks reached = first_moment(simulator_, program_, asked_.goal, sight);
+      const Ticks lost = first_moment(simulator_, program_, asked_.lost, sight);
       if (last < before) return std::nullopt;
       if (reached <= before) return Entry{{}, steps, 0, true};
       if (lost <= before) return std::nullopt;

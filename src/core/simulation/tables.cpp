@@ -30,7 +30,7 @@ Tables::Tables(const Program& program, const Chances& chances) : listening(progr
     first_place.push_back(places.size());
     const std::vector<Location>& locations = program.processes[p].locations;
     for (std::size_t n = 0; n < locations.size(); ++n)
-      places.push_back({&locations[n], &chances.rates[p][n], {}, {}, {}, {}});
+      places.push_back({&locations[n], &chances.rates[p][n], {}, {}, {}, {}, 0, false});
   }
   for (std::uint32_t number = 0; number < program.edges.size(); ++number) {
     const Edge& edge = program.edges[number];
@@ -55,9 +55,11 @@ Tables::Tables(const Program& program, const Chances& chances) : listening(progr
     reads.add(place.location->invariant);
     reads.add(place.rate->code);
     place.clocks = clocks_of(place.location->invariant, program);
+    place.looks_at_flow = !place.location->invariant.flow.empty();
     for (const std::uint32_t number : place.outputs) {
       reads.add(program.edges[number].guard);
       place.clocks |= clocks_of(program.edges[number].guard, program);
+      place.looks_at_flow |= !program.edges[number].guard.flow.empty();
     }
     place.clocks &= ~clock_group(0) | (program.clocks >= 64 ? clock_group(0) : 0);
     place.reads = reads.slots();

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "flow/chances.hpp"
 #include "program/program.hpp"
-#include "simulation/chances.hpp"
 
 namespace tachk {
 
@@ -19,6 +19,7 @@ struct Station {
   std::vector<std::uint32_t> urgent;    // sending edges over channels that may be urgent
   SlotSet reads;                        // what guards of outputs, invariant and rate depend on
   std::uint64_t clocks = 0;             // the same of clocks: of 64 groups of clocks those with a member
+  bool looks_at_flow = false;           // the same of hybrid clocks
 
   bool freezes() const { return location->urgent || location->committed; }
 };

@@ -43,23 +43,28 @@ class Watch {
   // One state after another, with the time that passes in it.
   void go_on(Trial& trial) {
     std::uint64_t at_once = 0;
+    std::uint64_t looks = 0;
     while (true) {
+      if (++looks % between_stops == 0 && order_.stop && order_.stop()) throw Stopped();
       const Ticks before = simulator_.now();
       const Ticks last = last_moment(simulator_, asked_.bound);
-      const Ticks reached = first_moment(simulator_, simulation_.program(), asked_.goal);
-      const Ticks lost = first_moment(simulator_, simulation_.program(), asked_.lost);
+      const bool notes = asked_.measures() && simulator_.has_hybrid_clocks();
+      Ticks sight = notes ? next_note(simulator_, flow_sample) : never;
+      const Ticks reached = first_moment(simulator_, simulation_.program(), asked_.goal, sight);
+      const Ticks lost = first_moment(simulator_, simulation_.program(), asked_.lost, sight);
       RunLimits limits;
-      limits.until = last;
+      limits.until = std::min(last, sight);
       if (std::min(reached, lost) <= before || last < before) return decide(trial, reached, lost, last);
       const ClockAtStart clock = clock_at_start();
       const std::optional<Ending> ending = simulator_.step(limits);
       const Ticks now = std::min(simulator_.now(), last);
       if (asked_.clock > 0) extend(trial, clock, std::min({now, reached, lost}) - before);
       if (std::min(reached, lost) <= now) return decide(trial, reached, lost, last);
+      if (ending == Ending::horizon && notes) keep(trial, measured());
+      if (ending == Ending::horizon && now < last) continue;  // it was not looked farther ahead
       if (ending) return stop(trial, *ending, now);
       if (++trial.transitions > asked_.bound.steps) return stop(trial, Ending::horizon, now);
       if (asked_.measures()) keep(trial, measured());
-      if (trial.transitions % between_stops == 0 && order_.stop && order_.stop()) throw Stopped();
       at_once = now == before ? at_once + 1 : 0;
       if (at_once >= steps_at_once) return stop(trial, Ending::zeno, now);
       if (trial.transitions >= order_.most_steps) return stop(trial, Ending::steps, now);

@@ -11,8 +11,9 @@ from tachk.compiler.conditions import ClockAtom, Conjunction, conjuncts
 from tachk.compiler.divisors import divisor
 from tachk.compiler.failures import can_fail
 from tachk.compiler.fold import Known, cannot_fail, fold, fold_place, is_integer
+from tachk.compiler.hybrid import flow_test
 from tachk.compiler.intervals import interval, possible_cells
-from tachk.compiler.program import NO_CODE, ClockConstraint, Comparison, Condition, Test
+from tachk.compiler.program import NO_CODE, ClockConstraint, Comparison, Condition, FlowTest, Test
 from tachk.compiler.slot_layout import SlotLayout, cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
@@ -28,6 +29,7 @@ from tachk.model.expressions import (
     Reference,
     Unary,
 )
+from tachk.model.traversal import reads_hybrid
 from tachk.operators import COMPARISONS, UnaryOperator
 
 MAXIMAL_CONSTANT = 2**31 - 1
@@ -43,8 +45,9 @@ class ConditionCompiler:
         computed_unit: divides every value of the bounds that need code; 0 if they are all 0.
     """
 
-    def __init__(self, layout: SlotLayout, generator: CodeGenerator) -> None:
+    def __init__(self, layout: SlotLayout, generator: CodeGenerator, has_hybrid_clocks: bool = False) -> None:
         self.layout = layout
+        self.has_hybrid_clocks = has_hybrid_clocks
         self.generator = generator
         self.computed_unit = 0
 
@@ -56,8 +59,12 @@ class ConditionCompiler:
         """
         tests: list[Test] = []
         remaining: list[Expression] = []
+        flow: list[FlowTest] = []
         fails = False  # once something may fail, what stands behind it must not hide that
         for part in (part for integer in conjunction.integers for part in conjuncts(fold(integer, known))):
+            if self.has_hybrid_clocks and reads_hybrid(part):
+                flow.append(flow_test(part, known, self.generator))
+                continue
             if fails:
                 remaining.append(part)
                 continue
@@ -77,13 +84,15 @@ class ConditionCompiler:
         elif remaining:
             code = self.generator.conjunction_code(remaining, known)
         for condition, atom in conjunction.clocks:
+            if self.has_hybrid_clocks and condition is not None and reads_hybrid(condition):
+                raise _mixed_disjunction(atom.span)
             constraint, range_ = self._constraint(condition, atom, known)
             if _always_true(constraint):
                 continue
             constraints.append(constraint)
             ranges.append(range_)
         unique = tuple(dict.fromkeys(tests))
-        return Condition(unique, code, tuple(constraints)), tuple(ranges)
+        return Condition(unique, code, tuple(constraints), tuple(flow)), tuple(ranges)
 
     def never(self) -> Condition:
         """A condition that is false in every state."""
@@ -206,6 +215,17 @@ class ConditionCompiler:
         if cells is None:
             return tuple(range(1, len(self.layout.clock_names) + 1))
         return tuple(sorted({self.layout.slots[self.layout.first_slot(v) + c].initial for v, c in cells}))
+
+
+def _mixed_disjunction(span: Span) -> UnsupportedError:
+    return UnsupportedError(
+        Diagnostic(
+            "E0705",
+            "a disjunction with plain clocks and with hybrid ones cannot be a condition",
+            span,
+            "use one edge (or location) for each side",
+        )
+    )
 
 
 def cannot_fail_when_bound(quantifier: Quantifier, known: Known) -> bool:

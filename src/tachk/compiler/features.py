@@ -8,6 +8,7 @@ from math import prod
 
 from tachk.compiler.fold import Known, fold, known_values
 from tachk.compiler.goal import check_predicate, mentions_time
+from tachk.compiler.hybrid import refuse_hybrid
 from tachk.compiler.intervals import interval
 from tachk.compiler.slot_layout import cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
@@ -98,12 +99,20 @@ def check_simulated(network: Network) -> None:
     """Raises UnsupportedError, naming the place, if the network cannot be simulated."""
     _check_urgency(network)
     _check_rates(network)
+
+
+def check_units(network: Network) -> None:
+    """Raises UnsupportedError, naming the place, if the network cannot be a unit of co-simulation."""
+    check_simulated(network)
+    refuse_hybrid(network, "a unit of co-simulation")
     if network.has_priorities:
         processes = {process.priority for process in network.processes}
         named = [v for v in network.all_variables() if set(v.priorities) - {network.default_priority}]
         span = network.processes[0].span if len(processes) > 1 or not named else named[0].span
         raise UnsupportedError(
-            Diagnostic("E0723", "priorities are not simulated", span, "leave them out, or verify the model instead")
+            Diagnostic(
+                "E0723", "units of co-simulation have no priorities", span, "leave them out, or simulate the model"
+            )
         )
 
 

@@ -21,6 +21,7 @@ from tachk.compiler.divisors import divisor
 from tachk.compiler.features import rate_of
 from tachk.compiler.fold import Known, fold, fold_place, is_integer, known_values, network_expressions
 from tachk.compiler.goal import Observed, compile_goal
+from tachk.compiler.hybrid import hybrid_clocks, rate_of_computed_clock
 from tachk.compiler.intervals import interval
 from tachk.compiler.program import (
     NO_CODE,
@@ -142,8 +143,9 @@ def lower_simulation(
         Computed(slot=each) if isinstance(each, int) else lowering.computed(each, known) for each in observed
     )
     goals = tuple(compile_goal(predicate, known, lowering.compiler)[0] for predicate in predicates)
+    hybrid = hybrid_clocks(network, known, lowering.layout, lowering.computed)
     lowering.generator.finish()
-    return lowering.program([]), Chances(rates, choices, weights, values, goals)
+    return lowering.program([]), Chances(rates, choices, weights, values, goals, hybrid)
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,7 +189,7 @@ class _Lowering:
         self.network = network
         self.layout = layout
         self.generator = generator
-        self.compiler = ConditionCompiler(layout, generator)
+        self.compiler = ConditionCompiler(layout, generator, network.has_hybrid_clocks)
         self.locations: list[list[ProgramLocation]] = []
         self.invariants: list[list[tuple[ConstraintRange, ...]]] = []
         self.edges: list[ProgramEdge] = []
@@ -219,7 +221,7 @@ class _Lowering:
             if code is not None:
                 slot = self.layout.known_slot(fold_place(place, known))
                 if slot is None:
-                    raise _rate_of_computed_clock(place.span)
+                    raise rate_of_computed_clock(place.span)
                 stopped.append((self.layout.slots[slot].initial, code))
         return ProgramLocation(invariant, location.urgent, location.committed, tuple(stopped)), ranges
 
@@ -490,10 +492,4 @@ def _too_many_diagonals(span: Span) -> UnsupportedError:
             span,
             "declare a smaller range for the variables of the bound",
         )
-    )
-
-
-def _rate_of_computed_clock(span: Span) -> UnsupportedError:
-    return UnsupportedError(
-        Diagnostic("E0710", "the clock of a rate must not depend on variables", span, "write one rate for each clock")
     )

@@ -60,13 +60,39 @@ class ClockConstraint:
     right_code: int = NO_CODE
 
 
+class FlowTestKind(IntEnum):
+    TRUTH = 0
+    LESS = 1
+    LESS_EQUAL = 2
+    GREATER = 3
+    GREATER_EQUAL = 4
+    EQUAL = 5
+    NOT_EQUAL = 6
+
+
+@dataclass(frozen=True, slots=True)
+class FlowTest:
+    """A condition on hybrid clocks, which only simulations know: a comparison of floating point numbers, or any other.
+
+    Attributes:
+        affine: the difference of the sides is a sum of multiples of hybrid clocks.
+        left, right: code; the right one is ``NO_CODE`` for a truth value.
+    """
+
+    kind: FlowTestKind
+    affine: bool
+    left: int
+    right: int = NO_CODE
+
+
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """A conjunction: all tests, then the code, then the clock constraints."""
+    """A conjunction: all tests, then the code, then the clock constraints, then what depends on hybrid clocks."""
 
     tests: tuple[Test, ...] = ()
     code: int = NO_CODE
     constraints: tuple[ClockConstraint, ...] = ()
+    flow: tuple[FlowTest, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -257,6 +283,35 @@ class Computed:
 
 
 @dataclass(frozen=True, slots=True)
+class FlowRate:
+    """How fast a hybrid clock changes in a location.
+
+    Attributes:
+        clock: its number among the hybrid ones.
+        varies: the rate depends on hybrid clocks.
+    """
+
+    clock: int
+    varies: bool
+    rate: Computed
+
+
+@dataclass(frozen=True, slots=True)
+class HybridClocks:
+    """Floating point variables that change while time passes.
+
+    Attributes:
+        slots: the first one of each.
+        rates: of each location of each process; 1 where nothing is said.
+        reads: the slots that rates depend on, and those of the clocks.
+    """
+
+    slots: tuple[int, ...] = ()
+    rates: tuple[tuple[tuple[FlowRate, ...], ...], ...] = ()
+    reads: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Chances:
     """What a simulation needs beside a program.
 
@@ -273,3 +328,4 @@ class Chances:
     weights: tuple[Computed, ...]
     observed: tuple[Computed, ...]
     goals: tuple[Goal, ...] = ()
+    hybrid: HybridClocks = HybridClocks()

@@ -71,6 +71,9 @@ def _condition(condition: Condition) -> Iterator[int]:
     yield len(condition.constraints)
     for constraint in condition.constraints:
         yield from _constraint(constraint)
+    yield len(condition.flow)
+    for test_of_flow in condition.flow:
+        yield from (int(test_of_flow.kind), int(test_of_flow.affine), test_of_flow.left, test_of_flow.right)
 
 
 def _constraint(c: ClockConstraint) -> tuple[int, ...]:

@@ -8,7 +8,7 @@ from enum import IntEnum
 from fractions import Fraction
 from functools import partial, reduce
 
-from tachk.compiler.features import check_simulated
+from tachk.compiler.features import check_units
 from tachk.compiler.lower import lower_simulation
 from tachk.compiler.program import Chances, Program
 from tachk.diagnostics.diagnostic import UsageError
@@ -93,7 +93,7 @@ class Unit:
 
 def closed_unit(network: Network, name: str) -> Unit:
     """A network without surroundings. Raises UnsupportedError for what is not simulated."""
-    check_simulated(network)
+    check_units(network)
     columns = all_columns(network)
     program, chances = lower_simulation(network, observed(columns))
     return Unit(
@@ -113,7 +113,7 @@ def open_unit(network: Network, names: Sequence[str], name: str, clocks: bool) -
 
     Raises UsageError for a part that cannot run on its own, and UnsupportedError for what is not simulated.
     """
-    check_simulated(network)
+    check_units(network)
     for column in all_columns(network):
         if column.name == _COMMITTED or column.name.startswith((OUTSIDE, SENT)):
             raise UsageError(

@@ -24,7 +24,7 @@ from tachk.model.expressions import (
     VariableKind,
 )
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
-from tachk.model.traversal import roots, statement_expressions, walk
+from tachk.model.traversal import called_functions, roots, statement_expressions, walk
 from tachk.model.types import Type, cell_count, clock_count, leaves
 from tachk.records import dataclass
 
@@ -71,6 +71,7 @@ class Context:
     time_unit: as `Network.time_unit`.
     open_constants: scalar constants that are not `Constant` expressions but keep their names; usually none.
     keeps_doubles: floating point variables are part of the state, as simulations want it; else they are left out.
+    hybrid_clocks: the names of plain clocks that are taken for hybrid ones, where `keeps_doubles`.
     """
 
     findings: Findings
@@ -83,6 +84,7 @@ class Context:
     time_unit: str = ""
     open_constants: OpenConstants = field(default_factory=OpenConstants)
     keeps_doubles: bool = False
+    hybrid_clocks: frozenset[str] = frozenset()
 
     def error(self, code: str, span: Span, message: str, help: str | None = None) -> None:
         self.findings.add(code, span, message, help)
@@ -144,7 +146,7 @@ class Context:
                 mend = _assignment_help(node, self.in_query)
                 self.error("E0313", node.span, f"{where} must not change anything", mend)
                 return False
-            if isinstance(node, Call) and node.function.operation is not None and node.function.operation.draws:
+            if isinstance(node, Call) and any(f.operation and f.operation.draws for f in called_functions([node])):
                 mend = "draw it in an update, into a variable"
                 self.error("E0313", node.span, f"{where} must not draw random numbers", mend)
                 return False

@@ -23,6 +23,7 @@ from tachk.syntax.walk import nodes_of_kind
 
 FLOATING_CONSTANT = "floating point constant"
 FLOATING_VARIABLE = "floating point variable"
+HYBRID_CLOCK = "hybrid clock"
 
 
 def dropped_kind(node: ast.TypeExpression) -> str | None:
@@ -30,7 +31,7 @@ def dropped_kind(node: ast.TypeExpression) -> str | None:
     if not isinstance(node.base, ast.BuiltinType):
         return None
     if "hybrid" in node.prefixes and node.base.name == "clock":
-        return "hybrid clock"
+        return HYBRID_CLOCK
     constant = "const" in node.prefixes
     if node.base.name == "double":
         return FLOATING_CONSTANT if constant else FLOATING_VARIABLE
@@ -107,7 +108,7 @@ def refuse_use(node: ast.NameExpression | ast.MemberExpression, symbol: DroppedS
     if symbol.reason is not None:
         context.error("E0203", node.span, f"`{name}` is a function", "write parentheses to call it")
         return
-    advice = "declare a plain `clock`" if symbol.description == "hybrid clock" else "use integers, scaled if need be"
+    advice = "declare a plain `clock`" if symbol.description == HYBRID_CLOCK else "use integers, scaled if need be"
     context.error("E0750", node.span, f"the {symbol.description} `{name}` is not supported here", advice)
 
 

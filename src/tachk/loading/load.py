@@ -19,6 +19,7 @@ from tachk.diagnostics.span import Source
 from tachk.frontend.context import Budget, Context
 from tachk.frontend.elaborate import Elaborated, elaborate, elaborate_each_property
 from tachk.frontend.findings import Findings
+from tachk.frontend.hybrid_clocks import hybrid_clocks
 from tachk.frontend.loaded import INSTANCES, LoadedModel, explained
 from tachk.frontend.overrides import constant_overrides
 from tachk.frontend.queries.expectations import with_expectations
@@ -66,7 +67,7 @@ def load_model(
     items = with_expectations(merged, findings)
     _refuse_dynamic_templates(items, findings)
     overrides = constant_overrides(constants or {}, items, findings)
-    context = Context(findings, budget=Budget(INSTANCES), keeps_doubles=keeps_doubles)
+    context = _context(items, findings, keeps_doubles)
     running = _without_charts(tuple(items), _charts_beside(source, items), findings)
     result: Elaborated = elaborate(running, document.span, overrides, context)
     if unreadable:
@@ -88,6 +89,11 @@ def load_model(
         overrides=overrides,
         recording=result.recording,
     )
+
+
+def _context(items: Sequence[ast.Item], findings: Findings, keeps_doubles: bool) -> Context:
+    used = hybrid_clocks(items) if keeps_doubles else frozenset()
+    return Context(findings, budget=Budget(INSTANCES), keeps_doubles=keeps_doubles, hybrid_clocks=used)
 
 
 def _charts_beside(source: Source, items: Sequence[ast.Item]) -> frozenset[str]:
@@ -158,7 +164,7 @@ def _load_xml(
     items = _without_charts(stated, read.charts, findings)
     _refuse_dynamic_templates(items, findings)
     overrides = constant_overrides(constants, items, findings)
-    context = Context(findings, budget=Budget(INSTANCES), keeps_doubles=keeps_doubles)
+    context = _context(items, findings, keeps_doubles)
     result = elaborate_each_property(items, read.document.span, overrides, context)
     if findings.has_mistakes:
         raise InputError(findings.sorted())

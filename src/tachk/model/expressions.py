@@ -38,6 +38,7 @@ class Variable:
         reference: a function parameter passed by reference.
         priorities: for channels, one priority for each cell; empty means the network's default priority.
         carries: the channel whose values pass through this hidden variable, cell by cell.
+        is_hybrid: floating point numbers that change while time passes, with the rates of locations.
     """
 
     name: str
@@ -49,6 +50,7 @@ class Variable:
     priorities: tuple[int, ...] = ()
     span: Span = NOWHERE
     carries: Variable | None = None
+    is_hybrid: bool = False
 
 
 class QuantifierKind(StrEnum):

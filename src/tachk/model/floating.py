@@ -67,6 +67,17 @@ class FloatingOperation(IntEnum):
     HYPOTENUSE = 35
     RANDOM_NORMAL = 36
     """By mean and standard deviation."""
+    RANDOM_POISSON = 37
+    """By mean."""
+    RANDOM_ARCSINE = 38
+    """Between two numbers."""
+    RANDOM_GAMMA = 39
+    """By shape and scale."""
+    RANDOM_BETA = 40
+    RANDOM_WEIBULL = 41
+    """By shape and scale."""
+    RANDOM_TRIANGULAR = 42
+    """On 0 to 1, by the most probable value."""
 
     @property
     def parameters(self) -> tuple[Type, ...]:
@@ -74,6 +85,7 @@ class FloatingOperation(IntEnum):
             return (_HALF,)
         exact = FloatingOperation.NEGATE <= self <= FloatingOperation.TO_INTEGER
         unary = exact or FloatingOperation.EXPONENTIAL <= self <= FloatingOperation.RANDOM
+        unary = unary or self in (FloatingOperation.RANDOM_POISSON, FloatingOperation.RANDOM_TRIANGULAR)
         return (DOUBLE,) if unary else (DOUBLE, DOUBLE)
 
     @property
@@ -86,7 +98,7 @@ class FloatingOperation(IntEnum):
     @property
     def draws(self) -> bool:
         """Whether the result is a random number."""
-        return self in (FloatingOperation.RANDOM, FloatingOperation.RANDOM_NORMAL)
+        return self is FloatingOperation.RANDOM or self >= FloatingOperation.RANDOM_NORMAL
 
     @property
     def only_simulated(self) -> bool:

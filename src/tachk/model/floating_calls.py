@@ -3,7 +3,18 @@
 from __future__ import annotations
 
 from tachk.diagnostics.span import NOWHERE, Span
-from tachk.model.expressions import Aggregate, Block, Call, Constant, Expression, Function, Variable, VariableKind
+from tachk.model.expressions import (
+    Aggregate,
+    Block,
+    Call,
+    Constant,
+    Expression,
+    Function,
+    Reference,
+    Return,
+    Variable,
+    VariableKind,
+)
 from tachk.model.floating import DOUBLE, FloatingOperation, halves, number_of
 from tachk.operators import BinaryOperator
 
@@ -33,12 +44,18 @@ _NAMES = {
     FloatingOperation.HYPOTENUSE: "hypot",
     FloatingOperation.RANDOM: "random",
     FloatingOperation.RANDOM_NORMAL: "random_normal",
+    FloatingOperation.RANDOM_POISSON: "random_poisson",
+    FloatingOperation.RANDOM_ARCSINE: "random_arcsine",
+    FloatingOperation.RANDOM_GAMMA: "random_gamma",
+    FloatingOperation.RANDOM_BETA: "random_beta",
+    FloatingOperation.RANDOM_WEIBULL: "random_weibull",
+    FloatingOperation.RANDOM_TRIANGULAR: "random_triangular",
 }
 NAMED_OPERATIONS = {
     "fmin": FloatingOperation.MINIMUM,
     "fmax": FloatingOperation.MAXIMUM,
     "log": FloatingOperation.DECIMAL_LOGARITHM,
-    **{name: operation for operation, name in _NAMES.items() if name not in ("-", "double")},
+    **{name: operation for operation, name in _NAMES.items() if name not in ("-", "double", "random_triangular")},
 }
 """The operations that models call by name."""
 
@@ -52,6 +69,17 @@ def _function(operation: FloatingOperation) -> Function:
 
 
 OPERATION_FUNCTIONS = {operation: _function(operation) for operation in FloatingOperation}
+
+
+def _random_tri() -> Function:
+    """UPPAAL's ``random_tri(from, mode, till)``."""
+    ends = [Variable(name, DOUBLE, VariableKind.FRAME) for name in ("from", "mode", "till")]
+    first, mode, last = map(Reference, ends)
+    width = operated(FloatingOperation.SUBTRACT, (last, first))
+    share = operated(FloatingOperation.DIVIDE, (operated(FloatingOperation.SUBTRACT, (mode, first)), width))
+    drawn = operated(FloatingOperation.RANDOM_TRIANGULAR, (share,))
+    value = operated(FloatingOperation.ADD, (first, operated(FloatingOperation.MULTIPLY, (width, drawn))))
+    return Function("random_tri", tuple(ends), DOUBLE, Block((Return(value),)))
 
 
 def operated(operation: FloatingOperation, arguments: tuple[Expression, ...], span: Span = NOWHERE) -> Expression:
@@ -88,3 +116,6 @@ def constant_number(expression: Expression) -> float | None:
             return number_of((high, low))
         case _:
             return None
+
+
+RANDOM_TRI = _random_tri()

@@ -26,6 +26,7 @@ class Location:
     rates: pairs (clock, rate): while control is here the clock runs with that rate, an integer expression that is
         0 (stopped) or 1.
     exponential_rate: of the time that the process waits here where no invariant ends it; None: 1.
+    hybrid_rates: pairs (hybrid clock, floating point expression): how fast it changes while control is here.
     """
 
     name: str
@@ -36,6 +37,7 @@ class Location:
     doc: str = ""
     span: Span = NOWHERE
     exponential_rate: Chance | None = None
+    hybrid_rates: tuple[tuple[Expression, Expression], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,6 +153,10 @@ class Network:
     def hides(self, process: Process) -> bool:
         """Whether told runs leave the process out."""
         return process.name in self.hidden or process.template in self.hidden
+
+    @property
+    def has_hybrid_clocks(self) -> bool:
+        return any(variable.is_hybrid for variable in self.all_variables())
 
     def all_variables(self) -> tuple[Variable, ...]:
         """Global variables first, then those of each process in order: the order of cells everywhere in tachk."""

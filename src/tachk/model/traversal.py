@@ -165,6 +165,13 @@ def reads_clock(expression: Expression) -> bool:
             return any(reads_clock(child) for child in children(expression))
 
 
+def reads_hybrid(expression: Expression) -> bool:
+    """Whether the expression, or a function that it calls, names a hybrid clock."""
+    bodies = (s for f in called_functions([expression]) for s in statement_expressions(f.body))
+    nodes = (node for outer in (expression, *bodies) for node in walk(outer))
+    return any(isinstance(node, Reference) and node.variable.is_hybrid for node in nodes)
+
+
 def is_clock_comparison(node: Expression) -> bool:
     """Whether a node itself compares a clock, or a difference of clocks, on its left side with a number."""
     return isinstance(node, Binary) and node.operator in COMPARISONS and isinstance(node.left.type, ClockType)
@@ -217,7 +224,7 @@ def process_expressions(process: Process) -> Iterator[Expression]:
     for location in process.locations:
         if location.invariant is not None:
             yield location.invariant
-        for pair in location.rates:
+        for pair in (*location.rates, *location.hybrid_rates):
             yield from pair
     for edge in process.edges:
         if edge.guard is not None:

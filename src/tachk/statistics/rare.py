@@ -12,6 +12,7 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
+from tachk.compiler.hybrid import refuse_hybrid
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.engines.simulation.splitting import Splitter
 from tachk.model.network import Network
@@ -80,7 +81,9 @@ def split(network: Network, path: Path, source: Source, confidence: float, split
     """
     if path.always:
         raise UsageError("splitting needs <> or U", "ask for the violation: Pr[...](<> not p)")
+    refuse_hybrid(network, "splitting")
     program, chances = lowered_path(network, path)
+    asked = asked_of(network, path, program)
     splitter = Splitter(program, chances, splitting.zones)
     levels = splitter.levels
     if not levels.reached:
@@ -92,7 +95,7 @@ def split(network: Network, path: Path, source: Source, confidence: float, split
         check_time()
         numbers = range(len(probabilities), len(probabilities) + _BATCH)
         for probability, steps, lost in splitter.replications(
-            asked_of(network, path, program), source.seed, numbers, splitting.effort, source.threads, source.most_steps
+            asked, source.seed, numbers, splitting.effort, source.threads, source.most_steps
         ):
             probabilities.append(probability)
             transitions += steps

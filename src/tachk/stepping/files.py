@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
+from tachk.compiler.hybrid import refuse_hybrid
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.model.expressions import Call
 from tachk.model.network import Network
@@ -36,7 +37,9 @@ def read_claims(path: Path, prop: str | None = None) -> ClaimedRun:
 
 
 def check_determined(network: Network) -> None:
-    """Raises UsageError for a model whose steps do not determine its states: its updates draw random numbers."""
+    """Raises UsageError for a model whose steps do not determine its states: its updates draw random numbers; and
+    UnsupportedError for one with hybrid clocks, which the reference semantics does not know."""
+    refuse_hybrid(network, "a replay of runs step by step")
     expressions = [e for process in network.processes for e in process_expressions(process)]
     expressions += [e for f in called_functions(expressions) for e in statement_expressions(f.body)]
     for node in (node for expression in expressions for node in walk(expression)):

@@ -115,10 +115,11 @@ def test_files_and_paths(tmp_path: Path) -> None:
     assert "$var real 64" in text and "r20.5 " in text
 
 
-@pytest.mark.parametrize("value", ["1.5", "level"])
-def test_clocks_take_no_floating_point_numbers(value: str) -> None:
-    with pytest.raises(tachk.UnsupportedError):
-        _network(TANK.replace("assign x = 0, level", f"assign x = {value}, level"))
+def test_a_clock_that_takes_floating_point_numbers_is_a_hybrid_one() -> None:
+    network = _network(TANK.replace("assign x = 0, level", "assign x = 0.5, level"))
+    runs = Runs(network, all_columns(network))
+    (run,) = runs.draw(Drawing(2, 3 * TICKS_PER_UNIT), range(1), Recorded(actions=True))
+    assert [int(time) * 2 for time in run.times[1:]] == [n * TICKS_PER_UNIT for n in range(2, 7)]
 
 
 FUNCTIONS = {

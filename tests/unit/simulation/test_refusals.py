@@ -9,6 +9,7 @@ import pytest
 import tachk
 from tachk.cli.main import app
 from tachk.diagnostics.diagnostic import UnsupportedError, UsageError
+from tachk.fmi.unit import closed_unit
 from tachk.simulation.columns import all_columns, chosen_columns
 from tachk.simulation.runs import Runs
 
@@ -63,8 +64,12 @@ def test_check_warns_of_such_rates_and_weights(tmp_path: Path, capsys: pytest.Ca
     assert capsys.readouterr().err.count("warning[W0722]") == 2
 
 
-def test_priorities_are_refused() -> None:
-    assert _code("process P() { init location A { to A; } } process Q() { init location A; } system P < Q;") == "E0723"
+def test_priorities_are_refused_in_units_only() -> None:
+    text = "process P() { init location A { to A; } } process Q() { init location A; } system P < Q;"
+    Runs(tachk.loads(text).network, ())
+    with pytest.raises(UnsupportedError) as caught:
+        closed_unit(tachk.loads(text).network, "unit")
+    assert caught.value.diagnostic.code == "E0723"
 
 
 def test_clock_guards_on_urgent_channels_are_refused() -> None:

@@ -6,3 +6,4 @@
 void bind_simulation(nanobind::module_& m);
 void bind_trials(nanobind::module_& m);
 void bind_splitting(nanobind::module_& m);
+void bind_course(nanobind::module_& m);

@@ -105,9 +105,14 @@ LOWERING_CODES: dict[str, Explanation] = {
         "location A { exponential_rate speed; to B; }",
         "location A { exponential_rate 1 : 20; to B; }",
     ),
+    "E0729": Explanation(
+        "hybrid clocks where they are not known",
+        "Hybrid clocks, with rates other than 0 and 1, are simulated (`tachk simulate`, `tachk estimate`). Units of "
+        "co-simulation, splitting, and whatever executes a run step by step do not have them.",
+    ),
     "E0723": Explanation(
-        "priorities in a simulation",
-        "Who draws the least delay acts first: the race of processes has no place for priorities of channels and "
-        "processes yet. Searches obey them.",
+        "priorities in a unit of co-simulation",
+        "A unit does what its surroundings ask for at once, without looking for something of higher priority. Searches "
+        "and simulations obey priorities.",
     ),
 }

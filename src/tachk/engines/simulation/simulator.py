@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk import _core
-from tachk.compiler.program import Chances, Computed, Program
+from tachk.compiler.program import Chances, Computed, HybridClocks, Program
 from tachk.diagnostics.span import Span
 from tachk.engines.core_search import site_of, transition_of
 from tachk.engines.program_image import encode
@@ -160,13 +160,25 @@ class Simulator:
 
 
 def chances_image(chances: Chances) -> Iterator[int]:
-    """The numbers that `src/core/simulation/chances.cpp` reads."""
+    """The numbers that `src/core/flow/chances.cpp` reads."""
     for rates in chances.rates:
         yield from _numbers(rates)
     for choice, weight in zip(chances.choices, chances.weights, strict=True):
         yield choice
         yield from _number(weight)
+    yield from _hybrid(chances.hybrid)
     yield from _numbers(chances.observed)
+
+
+def _hybrid(clocks: HybridClocks) -> Iterator[int]:
+    yield from (len(clocks.slots), *clocks.slots)
+    if not clocks.slots:
+        return
+    for rates in (rates for process in clocks.rates for rates in process):
+        yield len(rates)
+        for rate in rates:
+            yield from (rate.clock, int(rate.varies), *_number(rate.rate))
+    yield from (len(clocks.reads), *clocks.reads)
 
 
 def _numbers(numbers: Sequence[Computed]) -> Iterator[int]:

@@ -10,6 +10,7 @@ from tachk.frontend.declarations.functions import declare_function, declare_type
 from tachk.frontend.dropped import (
     FLOATING_CONSTANT,
     FLOATING_VARIABLE,
+    HYBRID_CLOCK,
     declare_dropped,
     declare_foreign_functions,
     dropped_kind,
@@ -100,7 +101,7 @@ def declare(
 
 def _declare_variables(node: ast.VariableDeclaration, scope: Scope, declared: Declared, context: Context) -> None:
     left_out = None if node.type is None else dropped_kind(node.type)
-    if left_out is not None and not (left_out == FLOATING_VARIABLE and context.keeps_doubles):
+    if left_out is not None and not (left_out in (FLOATING_VARIABLE, HYBRID_CLOCK) and context.keeps_doubles):
         if left_out != FLOATING_CONSTANT or not _declare_kept(node, scope, declared, context):
             declare_dropped(node, left_out, scope, context)
         return
@@ -126,19 +127,22 @@ def _declare_each(node: ast.VariableDeclaration, scope: Scope, declared: Declare
     constant = node.type is None or "const" in node.type.prefixes
     base: Type | None = IntType() if node.type is None else reader.type(node.type)
     for declarator in node.declarators:
-        type_ = None if base is None else reader.dimensions(base, declarator.dimensions)
+        hybrid = base == DOUBLE and node.type is not None and "hybrid" in node.type.prefixes
+        if isinstance(base, ClockType) and context.keeps_doubles and declarator.name.name in context.hybrid_clocks:
+            hybrid = True
+        type_ = None if base is None else reader.dimensions(DOUBLE if hybrid else base, declarator.dimensions)
         symbol: Symbol | None = None
         if type_ is not None:
             if constant:
                 symbol = _constant(declarator, type_, scope, declared, context)
             else:
                 meta = node.type is not None and "meta" in node.type.prefixes
-                symbol = _variable(declarator, type_, meta, scope, declared, context)
+                symbol = _variable(declarator, type_, meta, hybrid, scope, declared, context)
         scope.declare(declarator.name, symbol or BrokenSymbol(declarator.name.span), context.findings)
 
 
 def _variable(
-    node: ast.Declarator, type_: Type, meta: bool, scope: Scope, declared: Declared, context: Context
+    node: ast.Declarator, type_: Type, meta: bool, hybrid: bool, scope: Scope, declared: Declared, context: Context
 ) -> Symbol | None:
     name = node.name.name
     if isinstance(type_, VoidType):
@@ -166,7 +170,15 @@ def _variable(
         if value is None:
             return None
         cells = value
-    variable = Variable(declared.full_name(name), type_, declared.kind, cells, declared_meta=meta, span=node.name.span)
+    variable = Variable(
+        declared.full_name(name),
+        type_,
+        declared.kind,
+        cells,
+        declared_meta=meta,
+        span=node.name.span,
+        is_hybrid=hybrid,
+    )
     declared.variables.append(variable)
     if isinstance(type_, ClockType):
         description = "clock"

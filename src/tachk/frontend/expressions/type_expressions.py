@@ -52,6 +52,8 @@ class TypeReader:
         if base is None:
             return None
         if "hybrid" in node.prefixes:
+            if isinstance(base, ClockType) and self.context.keeps_doubles:
+                return DOUBLE
             self._unsupported(node.span, "hybrid clocks", "declare a plain `clock`")
             return None
         channel = {p for p in node.prefixes if p in ("urgent", "broadcast")}

@@ -63,7 +63,7 @@ from tachk.model.expressions import (
     VariableKind,
 )
 from tachk.model.floating import DOUBLE, FloatingOperation
-from tachk.model.floating_calls import NAMED_OPERATIONS, floating_constant, operated
+from tachk.model.floating_calls import NAMED_OPERATIONS, RANDOM_TRI, floating_constant, operated
 from tachk.model.types import BoolType, ClockType, IntType, Type, bounds
 from tachk.operators import CONNECTIVES, CONSTANT_HIGH, PrefixOperator, UnaryOperator
 from tachk.syntax import ast
@@ -410,6 +410,8 @@ def _called(node: ast.Expression, scope: Scope, context: Context) -> Symbol | No
     symbol = scope.lookup(node.name)
     if symbol is None:
         builtin = BUILTIN_FUNCTIONS.get(node.name)
+        if node.name == RANDOM_TRI.name and context.keeps_doubles:
+            builtin = RANDOM_TRI
         if builtin is not None:
             context.record_function(builtin)
             return FunctionSymbol(builtin, node.span)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from tachk.diagnostics.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.dropped import drop_rate
 from tachk.frontend.expressions import folded_expressions as fold
@@ -11,6 +12,8 @@ from tachk.frontend.expressions.typing import describe, is_integral, value_range
 from tachk.frontend.scope import Scope, ValueSymbol
 from tachk.model.expressions import BOOL, Block, Call, Constant, Expression, Function, Return
 from tachk.model.floating import DOUBLE
+from tachk.model.floating_calls import as_double
+from tachk.model.traversal import roots
 from tachk.model.types import ClockType, IntType, bounds
 from tachk.operators import BinaryOperator
 from tachk.syntax import ast
@@ -19,18 +22,29 @@ from tachk.syntax.walk import nodes_of_kind
 Rates = tuple[tuple[Expression, Expression], ...]
 
 
-def invariant_parts(node: ast.Expression | None, scope: Scope, context: Context) -> tuple[Expression | None, Rates]:
-    """The condition of an invariant (None where there is none, or after a report) and its rates."""
+def invariant_parts(
+    node: ast.Expression | None, scope: Scope, context: Context
+) -> tuple[Expression | None, Rates, Rates]:
+    """The condition of an invariant (None where there is none, or after a report), its rates, and those of hybrid
+    clocks."""
     if node is None:
-        return None, ()
+        return None, (), ()
     conditions: list[Expression] = []
     rates: list[tuple[Expression, Expression]] = []
+    hybrid_rates: list[tuple[Expression, Expression]] = []
     for part, inner in _conjuncts(node, scope, context):
         rate = _rate_sides(part)
         if rate is not None:
             if drop_rate(rate[0].clock, rate[1], inner, context):
                 continue
-            pair = _rate(*rate, inner, context)
+            clock, value = expression(rate[0].clock, inner, context), expression(rate[1], inner, context)
+            if clock is None or value is None:
+                continue
+            if any(variable.is_hybrid for variable in roots(clock)):
+                if _is_hybrid_rate(value, context):
+                    hybrid_rates.append((clock, as_double(value)))
+                continue
+            pair = _rate(clock, value, rate[0].clock.span, context)
             if pair is not None and not (isinstance(pair[1], Constant) and pair[1].value == 1):
                 rates.append(pair)
             continue
@@ -43,7 +57,7 @@ def invariant_parts(node: ast.Expression | None, scope: Scope, context: Context)
         conditions.append(checked)
     if len(conditions) > 1:
         conditions = [fold.joined(BinaryOperator.AND, [*map(fold.truth, conditions)], BOOL, node.span)]
-    return (conditions[0] if conditions else None), tuple(rates)
+    return (conditions[0] if conditions else None), tuple(rates), tuple(hybrid_rates)
 
 
 def _conjuncts(node: ast.Expression, scope: Scope, context: Context) -> list[tuple[ast.Expression, Scope]]:
@@ -83,34 +97,35 @@ def _rate_sides(node: ast.Expression) -> tuple[ast.RateExpression, ast.Expressio
             return None
 
 
-def _rate(
-    node: ast.RateExpression, written: ast.Expression, scope: Scope, context: Context
-) -> tuple[Expression, Expression] | None:
-    clock = expression(node.clock, scope, context)
-    value = expression(written, scope, context)
-    if clock is not None and not isinstance(clock.type, ClockType):
-        context.error("E0334", node.clock.span, f"only clocks have a rate, not {describe(clock.type)}")
-        return None
-    if clock is None or value is None:
+def _is_hybrid_rate(value: Expression, context: Context) -> bool:
+    if value.type != DOUBLE and not is_integral(value.type):
+        context.error("E0301", value.span, f"a rate is a number, not {describe(value.type)}")
+        return False
+    return context.require_pure(value, "a rate")
+
+
+def _rate(clock: Expression, value: Expression, place: Span, context: Context) -> tuple[Expression, Expression] | None:
+    if not isinstance(clock.type, ClockType):
+        context.error("E0334", place, f"only clocks have a rate, not {describe(clock.type)}")
         return None
     if isinstance(value.type, ClockType) or value.type == DOUBLE:
-        _other_rate(written, context)
+        _other_rate(value, context)
         return None
     if not is_integral(value.type):
-        context.error("E0301", written.span, f"expected an integer, found {describe(value.type)}")
+        context.error("E0301", value.span, f"expected an integer, found {describe(value.type)}")
         return None
     if not context.require_pure(value, "a rate") or not forbid(value, "a rate", context):
         return None
     low, high = value_range(value)
     if high < 0 or low > 1 or (isinstance(value, Constant) and value.value not in (0, 1)):
-        _other_rate(written, context)
+        _other_rate(value, context)
         return None
     if low < 0 or high > 1:
         value = _checked(value, context)
     return clock, value
 
 
-def _other_rate(written: ast.Expression, context: Context) -> None:
+def _other_rate(written: Expression, context: Context) -> None:
     context.error(
         "E0750",
         written.span,

@@ -63,7 +63,7 @@ class Body:
     def locations(self) -> tuple[Location, ...]:
         result = []
         for node in self.template.locations:
-            invariant, rates = invariant_parts(node.invariant, self.scope, self.context)
+            invariant, rates, hybrid_rates = invariant_parts(node.invariant, self.scope, self.context)
             result.append(
                 Location(
                     node.name.name,
@@ -74,6 +74,7 @@ class Body:
                     node.doc,
                     node.name.span,
                     rate(node, self.scope, self.context),
+                    hybrid_rates,
                 )
             )
         return tuple(result)

@@ -23,12 +23,22 @@ struct Number {
   double value(Machine& machine, std::int32_t* slots) const;
 };
 
+// How fast a hybrid clock changes in a location.
+struct FlowRate {
+  std::uint32_t clock;  // its number among the hybrid ones
+  bool varies;          // with the values of hybrid clocks
+  Number rate;
+};
+
 struct Chances {
   std::vector<std::vector<Number>> rates;  // of each location of each process: of its exponential distribution
   std::vector<Number> weights;             // of each edge
   // Of each edge: edges with the same number are the branches of one way into a branchpoint.
   std::vector<std::uint32_t> choices;
-  std::vector<Number> observed;  // what is recorded
+  std::vector<Number> observed;                                // what is recorded
+  std::vector<std::uint32_t> hybrid;                           // the first slot of each hybrid clock
+  std::vector<std::vector<std::vector<FlowRate>>> flow_rates;  // of each location of each process
+  SlotSet flow_reads;                                          // what these rates depend on
 };
 
 // Reads the flat form that tachk.engines.simulation.simulator writes. Throws std::invalid_argument if the numbers do

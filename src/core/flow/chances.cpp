@@ -1,4 +1,4 @@
-#include "simulation/chances.hpp"
+#include "flow/chances.hpp"
 
 #include <bit>
 #include <cstddef>
@@ -25,11 +25,35 @@ class Decoder {
       chances.choices.push_back(static_cast<std::uint32_t>(choice));
       chances.weights.push_back(number());
     }
+    hybrid_clocks(chances);
     while (position_ < image_.size()) chances.observed.push_back(number());
     return chances;
   }
 
  private:
+  void hybrid_clocks(Chances& chances) {
+    for (std::size_t left = below(program_.slots.size() + 1); left > 0; --left)
+      chances.hybrid.push_back(static_cast<std::uint32_t>(below(program_.state_slots - 1)));
+    if (chances.hybrid.empty()) return;
+    for (const Process& process : program_.processes) {
+      std::vector<std::vector<FlowRate>>& rates = chances.flow_rates.emplace_back(process.locations.size());
+      for (std::vector<FlowRate>& of_location : rates)
+        for (std::size_t left = below(image_.size()); left > 0; --left) {
+          const auto clock = static_cast<std::uint32_t>(below(chances.hybrid.size()));
+          const bool varies = next() != 0;
+          of_location.push_back({clock, varies, number()});
+        }
+    }
+    for (std::size_t left = below(program_.slots.size() + 1); left > 0; --left)
+      chances.flow_reads.add(below(program_.slots.size()));
+  }
+
+  std::size_t below(std::size_t limit) {
+    const std::int64_t value = next();
+    if (value < 0 || static_cast<std::size_t>(value) >= limit)
+      throw std::invalid_argument("bad number in image of chances");
+    return static_cast<std::size_t>(value);
+  }
   std::int64_t next() {
     if (position_ >= image_.size()) throw std::invalid_argument("image of chances is too short");
     return image_[position_++];
@@ -56,10 +80,7 @@ double Number::value(Machine& machine, std::int32_t* slots) const {
   if (kind == Kind::constant) return constant;
   if (kind == Kind::slot) return static_cast<double>(slots[code]);
   const std::int64_t result = machine.value(code, slots);
-  if (kind == Kind::integer_code) return static_cast<double>(result);
-  const auto high = static_cast<std::uint32_t>(slots[result]);
-  const auto low = static_cast<std::uint32_t>(slots[result + 1]);
-  return std::bit_cast<double>(std::uint64_t{high} << 32 | low);
+  return kind == Kind::integer_code ? static_cast<double>(result) : double_at(slots + result);
 }
 
 Chances decode_chances(std::span<const std::int64_t> image, const Program& program) {

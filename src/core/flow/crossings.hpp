@@ -1,0 +1,72 @@
+// When conditions on hybrid clocks become true and false.
+//
+// Where rates are constant and conditions linear, crossings are computed; else the conditions are looked at every 1/100
+// unit of time, and a crossing that is seen is located to a tick. docs/simulation.md says what that means.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "flow/clock_values.hpp"
+#include "flow/flow.hpp"
+#include "machine/machine.hpp"
+#include "program/program.hpp"
+
+namespace tachk {
+
+// How far apart moments are at which conditions are looked at.
+inline constexpr Ticks flow_sample = ticks_per_unit / 100;
+
+class Crossings {
+ public:
+  // What it is given must outlive it. Questions about other moments leave the values of those in the slots.
+  Crossings(Flow& flow, Machine& machine, std::int32_t* slots) : flow_(flow), machine_(machine), slots_(slots) {}
+
+  // Whether all hold with the values in the slots, where what is not strict may be missed by a millionth.
+  bool hold(std::span<const FlowTest> tests);
+
+  struct Found {
+    Ticks moment = never;  // never: not up to `seen`
+    Ticks seen = never;    // how far was looked
+  };
+  // The first moment of [from, last] at which all hold. Looks at least up to `sight` if conditions have to be looked
+  // at.
+  Found opening(std::span<const FlowTest> tests, Ticks from, Ticks last, Ticks sight);
+  // The last moment up to which all hold, from `from` on, where they do.
+  Found ending(std::span<const FlowTest> tests, Ticks from, Ticks sight);
+
+ private:
+  // The sides of a comparison, turned so that it says that the difference is negative, or zero.
+  struct Sides {
+    double difference;
+    double scale;
+  };
+  // What is known of a condition at a moment.
+  struct Look {
+    bool exact;
+    bool close;
+    bool positive;
+  };
+
+  Sides sides(const FlowTest& test);
+  Look look(const FlowTest& test);
+  Look look_at(const FlowTest& test, Ticks moment) {
+    flow_.show(moment, machine_, slots_);
+    return look(test);
+  }
+  bool solvable(std::span<const FlowTest> tests) const;
+  Window solved(const FlowTest& test, Ticks from);
+  Window solved(std::span<const FlowTest> tests, Ticks from);
+  template <class Differs>
+  Ticks first_different(const FlowTest& test, Ticks before, Ticks after, Differs differs);
+  void crossings(std::span<const FlowTest> tests, Ticks before, Ticks after);
+
+  Flow& flow_;
+  Machine& machine_;
+  std::int32_t* slots_;
+  std::vector<Look> looks_;
+  std::vector<Ticks> candidates_;
+};
+
+}  // namespace tachk

@@ -1,0 +1,103 @@
+"""Which clocks a simulation takes for hybrid ones: floating point variables that change with the rates of locations.
+
+Clocks that are declared so are, and plain ones that are used like them: with rates other than 0 and 1, with floating
+point numbers, or in arithmetic. Only names are looked at; a plain clock that is taken for a hybrid one needlessly has
+the same runs, but for the rounding of floating point numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from tachk.operators import COMPARISONS, BinaryOperator
+from tachk.syntax import ast
+from tachk.syntax.walk import nodes_of_kind
+
+_ARITHMETIC = (BinaryOperator.MULTIPLY, BinaryOperator.DIVIDE)
+_TRUTHS = (*COMPARISONS, BinaryOperator.AND, BinaryOperator.OR, BinaryOperator.IMPLY, BinaryOperator.XOR)
+
+
+def hybrid_clocks(items: Iterable[ast.Item]) -> frozenset[str]:
+    """The names of plain clocks that are used like hybrid ones."""
+    tree = tuple(items)
+    declared = tuple(node for item in tree for node in nodes_of_kind(item, ast.VariableDeclaration))
+    clocks = {d.name.name for node in declared if _is(node, "clock") for d in node.declarators}
+    floating = {d.name.name for node in declared if _is_floating(node) for d in node.declarators}
+    numbers = floating | {d.name.name for node in declared if _is(node, "int") for d in node.declarators}
+    nodes = [
+        node
+        for item in tree
+        for node in nodes_of_kind(item, ast.BinaryExpression, ast.AssignmentExpression, ast.FunctionDeclaration)
+    ]
+    found: set[str] = set()
+    while True:
+        more = {name for node in nodes for name in _used(node, clocks, floating | found, numbers | found)}
+        if more <= found:
+            return frozenset(found)
+        found |= more
+
+
+def _used(node: ast.Node, clocks: set[str], floating: set[str], numbers: set[str]) -> Iterator[str]:
+    match node:
+        case ast.BinaryExpression(operator=BinaryOperator.EQUAL, left=ast.RateExpression() as rate, right=value) | (
+            ast.BinaryExpression(operator=BinaryOperator.EQUAL, left=value, right=ast.RateExpression() as rate)
+        ):
+            if not _stops_or_runs(value, clocks, numbers):
+                yield from _names(rate.clock, clocks)
+                yield from _names(value, clocks)
+        case ast.BinaryExpression(operator=operator, left=left, right=right):
+            direct = [side.name for side in (left, right) if isinstance(side, ast.NameExpression)]
+            if operator in _ARITHMETIC:
+                yield from clocks.intersection(direct)
+            if operator in COMPARISONS and not _is_exact(node, floating):
+                yield from _names(node, clocks)
+        case ast.AssignmentExpression(target=target, value=value):
+            if not _is_exact(value, floating):
+                yield from _names(target, clocks)
+            yield from _names(value, clocks)
+        case ast.FunctionDeclaration():
+            # A function may set a plain clock, but not read it.
+            for compared in nodes_of_kind(node, ast.BinaryExpression):
+                yield from _names(compared, clocks)
+        case _:
+            return
+
+
+def _is(node: ast.VariableDeclaration, name: str) -> bool:
+    if node.type is None or not isinstance(node.type.base, ast.BuiltinType) or "hybrid" in node.type.prefixes:
+        return False
+    return node.type.base.name == name
+
+
+def _is_floating(node: ast.VariableDeclaration) -> bool:
+    return _is(node, "double") or (node.type is not None and "hybrid" in node.type.prefixes)
+
+
+def _is_exact(node: ast.Node, floating: set[str]) -> bool:
+    """Whether nothing in an expression is a floating point number."""
+    return not any(nodes_of_kind(node, ast.FloatLiteral)) and not any(_names(node, floating))
+
+
+def _stops_or_runs(value: ast.Expression, clocks: set[str], numbers: set[str]) -> bool:
+    """Whether a rate looks like 0 or 1."""
+    match value:
+        case ast.IntegerLiteral(value=number):
+            return number in (0, 1)
+        case ast.BooleanLiteral():
+            return True
+        case ast.NameExpression(name=name):
+            return name not in numbers and name not in clocks
+        case ast.UnaryExpression(operand=operand):
+            return not isinstance(operand, ast.IntegerLiteral | ast.FloatLiteral)
+        case ast.BinaryExpression(operator=operator):
+            return operator in _TRUTHS
+        case ast.ConditionalExpression(then=then, otherwise=otherwise):
+            return _stops_or_runs(then, clocks, numbers) and _stops_or_runs(otherwise, clocks, numbers)
+        case ast.IndexExpression(base=base):
+            return _stops_or_runs(base, clocks, numbers)
+        case _:
+            return not isinstance(value, ast.FloatLiteral)
+
+
+def _names(node: ast.Node, among: set[str]) -> Iterator[str]:
+    yield from (name.name for name in nodes_of_kind(node, ast.NameExpression) if name.name in among)

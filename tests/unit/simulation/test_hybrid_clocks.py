@@ -1,0 +1,186 @@
+"""Hybrid clocks against closed forms: when conditions become true, where clocks are, and how delays are distributed."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+import tachk
+from tachk.compiler.hybrid import refuse_hybrid
+from tachk.diagnostics.diagnostic import UnsupportedError
+from tachk.diagnostics.span import Source as Text
+from tachk.frontend.loaded import elaborate_query_file
+from tachk.frontend.queries.statistical import read_statistical
+from tachk.loading.load import load_model
+from tachk.simulation.library import DrawnRun
+from tachk.statistics.estimate import Estimate, Estimated, Mean, Settings, estimate
+from tachk.statistics.sampling import Source
+
+BALL = """
+const double G = 9.81;
+hybrid clock height;
+hybrid clock speed;
+int bounces = 0;
+process Ball() {
+    committed init location Held { to Falling { assign height = 10, speed = 0; } }
+    location Falling {
+        invariant height' == speed && speed' == -G && height >= 0;
+        to Falling { guard height <= 0 && speed < 0; assign speed = -0.8 * speed, bounces = bounces + 1; }
+    }
+}
+system Ball;
+"""
+
+THERMOSTAT = """
+hybrid clock T;
+int switches = 0;
+process Heater() {
+    committed init location Start { to Off { assign T = 20; } }
+    location Off {
+        invariant T' == -0.5 * T && T >= 18;
+        to On { guard T <= 18; assign switches = switches + 1; }
+    }
+    location On {
+        invariant T' == 5 - 0.1 * T && T <= 22;
+        to Off { guard T >= 22; assign switches = switches + 1; }
+    }
+}
+system Heater;
+"""
+
+OSCILLATOR = """
+hybrid clock x;
+hybrid clock v;
+int turns = 0;
+process Mass() {
+    committed init location Held { to Right { assign x = 1, v = 0; } }
+    location Right { invariant x' == v && v' == -4 * x && x >= 0; to Left { guard x <= 0; assign turns = turns + 1; } }
+    location Left { invariant x' == v && v' == -4 * x && x <= 0; to Right { guard x >= 0; assign turns = turns + 1; } }
+}
+system Mass;
+"""
+
+TANK = """
+clock level;
+int valves = 0;
+process Tank() {
+    init location Filling {
+        invariant level' == 2 && level <= 9;
+        to Emptying { guard level >= 9; assign valves = valves + 1; }
+    }
+    location Emptying {
+        invariant level' == -0.75 && level >= 1.5;
+        to Filling { guard level <= 1.5; assign valves = valves + 1; }
+    }
+}
+system Tank;
+"""
+
+DELAYED = """
+hybrid clock x;
+process P() {
+    init location A { invariant x' == 0.5 * x + 1 && x <= 4; to B { guard x >= 1; } }
+    location B { invariant x' == 0; }
+}
+system P;
+"""
+
+
+def drawn(text: str, tmp_path: Path, until: float, runs: int = 1, threads: int = 1) -> list[DrawnRun]:
+    path = tmp_path / "model.ta"
+    path.write_text(text)
+    return list(tachk.simulate(str(path), runs=runs, until=until, threads=threads))
+
+
+def changes(run: DrawnRun, name: str) -> list[float]:
+    """When a column has another value than before."""
+    values = run[name]
+    return [float(time) for time, old, new in zip(run.times[1:], values, values[1:], strict=False) if old != new]
+
+
+def test_a_clock_with_constant_rates_is_exact(tmp_path: Path) -> None:
+    (run,) = drawn(TANK, tmp_path, 100)
+    times = changes(run, "valves")
+    expected, now = [4.5], 4.5
+    while now <= 100:
+        now += 10 if len(expected) % 2 else 3.75
+        expected.append(now)
+    assert times == [time for time in expected if time <= 100]
+    assert run["level"][-1] == pytest.approx(1.5 + 2 * (100 - times[-1]), abs=1e-9)
+
+
+def test_exponential_changes_cross_limits_on_time(tmp_path: Path) -> None:
+    (run,) = drawn(THERMOSTAT, tmp_path, 20)
+    heating, cooling = 10 * math.log(32 / 28), 2 * math.log(22 / 18)
+    expected = [2 * math.log(20 / 18)]
+    while expected[-1] < 20:
+        expected.append(expected[-1] + (heating if len(expected) % 2 else cooling))
+    assert changes(run, "switches") == pytest.approx([time for time in expected if time <= 20], abs=1e-7)
+
+
+def test_an_oscillator_keeps_its_period_and_amplitude(tmp_path: Path) -> None:
+    (run,) = drawn(OSCILLATOR, tmp_path, 30)
+    expected = [math.pi / 4 + n * math.pi / 2 for n in range(19)]
+    assert changes(run, "turns") == pytest.approx(expected, abs=1e-6)
+    assert run["x"].max() == pytest.approx(1, abs=1e-6)
+    for time, x, v in zip(run.times[3::50], run["x"][3::50], run["v"][3::50], strict=True):
+        assert x == pytest.approx(math.cos(2 * time), abs=1e-6)
+        assert v == pytest.approx(-2 * math.sin(2 * time), abs=1e-6)
+
+
+def test_a_ball_bounces_lower_each_time(tmp_path: Path) -> None:
+    (run,) = drawn(BALL, tmp_path, 9)
+    fall = math.sqrt(2 * 10 / 9.81)
+    expected, flight = [fall], 2 * fall
+    while expected[-1] < 9:
+        flight *= 0.8
+        expected.append(expected[-1] + flight)
+    assert changes(run, "bounces") == pytest.approx([time for time in expected if time <= 9], abs=1e-6)
+
+
+def test_a_delay_is_uniform_between_the_crossings_of_guard_and_invariant(tmp_path: Path) -> None:
+    first, last = 2 * math.log(1.5), 2 * math.log(3)
+    delays = sorted(changes(run, "P")[0] for run in drawn(DELAYED, tmp_path, 5, runs=1000))
+    assert first <= delays[0] and delays[-1] <= last + 1e-6
+    distance = max(abs((d - first) / (last - first) - n / 1000) for n, d in enumerate(delays))
+    assert distance < 1.95 / math.sqrt(1000)  # Kolmogorov, 0.999
+
+
+def test_runs_are_the_same_with_any_number_of_threads(tmp_path: Path) -> None:
+    one, two = (drawn(DELAYED, tmp_path, 5, runs=8, threads=threads) for threads in (1, 2))
+    for first, second in zip(one, two, strict=True):
+        assert first.times.tolist() == second.times.tolist()
+        assert first["x"].tolist() == second["x"].tolist()
+
+
+def answered(text: str, query: str) -> Estimate:
+    loaded = load_model(Text("model.ta", text), keeps_doubles=True)
+    _, unchecked = elaborate_query_file(loaded, Text("<query>", query))
+    return estimate(loaded.network, read_statistical(unchecked[0], loaded), Settings(Source(seed=3), runs=400))
+
+
+def test_goals_are_reached_within_delays(tmp_path: Path) -> None:
+    # x passes 2.5 after 2 ln 2.25; B is entered before that in so many cases.
+    expected = (math.log(2.25) - math.log(1.5)) / (math.log(3) - math.log(1.5))
+    found = answered(DELAYED, "Pr[<=10](<> x > 2.5)")
+    assert isinstance(found, Estimated)
+    assert found.low < 1 - expected < found.high
+    certain = answered(OSCILLATOR, "Pr[<=10](<> x < -0.999 && v > 0)")
+    assert isinstance(certain, Estimated) and certain.sample.hits == 400
+    assert certain.sample.all_times[0] == pytest.approx(math.pi / 2, abs=1e-6)
+
+
+def test_the_largest_value_is_that_at_the_crossing() -> None:
+    found = answered(THERMOSTAT, "E[<=10](max: T)")
+    assert isinstance(found, Mean) and found.mean == pytest.approx(22, abs=1e-6)
+    lowest = answered(OSCILLATOR, "E[<=10](min: x)")
+    assert isinstance(lowest, Mean) and lowest.mean == pytest.approx(-1, abs=1e-3)
+
+
+def test_what_does_not_know_hybrid_clocks_says_so() -> None:
+    network = load_model(Text("model.ta", TANK), keeps_doubles=True).network
+    with pytest.raises(UnsupportedError, match="E0729"):
+        refuse_hybrid(network, "something")
+    assert {refusal.code for refusal in tachk.loads(TANK).refusals} == {"E0750"}
