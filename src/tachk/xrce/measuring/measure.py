@@ -11,6 +11,7 @@ from tachk.records import dataclass
 from tachk.xrce.measuring import faults, heartbeats, keeping, sleeps, traffic
 from tachk.xrce.measuring.conversation import Conversation, Sent, conversations
 from tachk.xrce.measuring.heartbeats import USUAL_PERIOD, HeartbeatLaw, Starving
+from tachk.xrce.measuring.input_windows import input_history
 from tachk.xrce.measuring.quantity import Confidence, Quantity, Sample, Unit, seen
 from tachk.xrce.measuring.recorded_settings import Recorded, recorded_settings
 from tachk.xrce.measuring.settings import Findings, Setting, Way, settings
@@ -130,6 +131,7 @@ class _Measuring:
         )
         clients = max(len(recording.links) for _, recording in self.recordings)
         recorded = recorded_settings(Recorded(known, by_name, self._samples(), self._longest(), clients, unheard))
+        recorded += tuple(input_history(recording for _, recording in self.recordings))
         return Measurement(files, quantities, chosen, recorded, problems)
 
     def _samples(self) -> int:

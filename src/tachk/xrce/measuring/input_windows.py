@@ -1,0 +1,138 @@
+"""How many slots the input stream of a client has: the number with which its ACKNACKs are what they are.
+
+No message tells it. A message too far ahead is dropped and yet named as missing, and the bitmap of an ACKNACK looks at
+slots, so a client with few slots says other things than one with many, once enough is missing.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Iterator
+from typing import Final
+
+from tachk.records import dataclass
+from tachk.xrce.events import Event
+from tachk.xrce.measuring.quantity import Confidence
+from tachk.xrce.measuring.settings import Setting
+from tachk.xrce.streams import near
+from tachk.xrce.transmissions import Recording
+from tachk.xrce.wire import FIRST_RELIABLE_STREAM, Kind
+
+_SIZES: Final = (2, 4, 8, 16, 32)
+_USUAL: Final = 16
+"""What models assume: the Agent has no more under way."""
+_GONE: Final = 1_000_000_000
+"""Nanoseconds after which a packet without answer has not been read."""
+
+
+def input_history(recordings: Iterable[Recording]) -> Iterator[Setting]:
+    """The setting, if ACKNACKs tell the numbers of slots apart."""
+    streams = [_at_client(recording, link) for recording in recordings for link in range(len(recording.links))]
+    wrong = {size: sum(_differences(stream, size) for stream in streams) for size in _SIZES}
+    best = min(wrong.values())
+    fitting = [size for size in _SIZES if wrong[size] == best]
+    if _USUAL not in fitting:
+        told = wrong[_USUAL] - best
+        how = f"{told} ACKNACKs of clients are those of a window of {fitting[-1]}, and of no window of {_USUAL}"
+        confidence = Confidence.MEASURED if told > 1 else Confidence.ONE_SAMPLE
+        yield Setting("INPUT_HISTORY", fitting[-1], False, confidence, how)
+
+
+@dataclass(frozen=True, slots=True)
+class _Said:
+    """An ACKNACK that the client sends: ``first``, and the numbers that are missing."""
+
+    time: int
+    first: int
+    missing: frozenset[int]
+
+
+@dataclass(frozen=True, slots=True)
+class _Heard:
+    """What comes to the client: a message, a HEARTBEAT with the last ``number`` that there is, or nothing: a session
+    ``begins``."""
+
+    time: int
+    number: int
+    is_message: bool
+    is_piece: bool
+    begins: bool = False
+
+
+def _at_client(recording: Recording, link: int) -> list[_Said | _Heard]:
+    """In the order of times; empty where nobody has seen what arrived."""
+    found: list[tuple[int, int, _Said | _Heard]] = []
+    for one in recording.transmissions:
+        if one.link != link:
+            continue
+        times = [one.sent] if one.to_agent else [arrival.time for arrival in one.arrivals or ()]
+        found += [(time, one.packet, each) for time in times for event in one.events for each in _of(time, event)]
+    return [each for _, _, each in sorted(found, key=lambda row: row[:2])]
+
+
+def _of(time: int, event: Event) -> Iterator[_Said | _Heard]:
+    fields = event.fields
+    if event.kind is Kind.CREATE_CLIENT:
+        yield _Heard(time, 0, False, False, begins=True)
+    elif event.to_agent:
+        if (
+            event.kind is Kind.ACKNACK
+            and fields["subject"] == FIRST_RELIABLE_STREAM
+            and isinstance(fields["missing"], list)
+        ):
+            yield _Said(time, int(str(fields["first"])), frozenset(fields["missing"]))
+    elif event.kind is Kind.HEARTBEAT and fields["subject"] == FIRST_RELIABLE_STREAM:
+        yield _Heard(time, int(str(fields["last"])), False, False)
+    elif event.stream == FIRST_RELIABLE_STREAM and event.sequence is not None and event.place == 0:
+        yield _Heard(time, event.sequence, True, event.kind is Kind.FRAGMENT and not fields["last"])
+
+
+def _differences(stream: Iterable[_Said | _Heard], size: int) -> int:
+    """How many ACKNACKs are not what a client with so many slots would have said."""
+    client, waiting, wrong = _Client(size), deque[_Heard](), 0
+    for each in stream:
+        if isinstance(each, _Heard):
+            waiting.append(each)
+            continue
+        while waiting and (waiting[0].begins or each.time - waiting[0].time > _GONE):
+            if waiting.popleft().begins:
+                client = _Client(size)
+        if waiting:
+            client.hear(waiting.popleft())
+            wrong += (each.first, each.missing) != client.acknack()
+    return wrong
+
+
+class _Client:
+    """The input stream of a client (uxr_receive_reliable_message, uxr_compute_acknack)."""
+
+    def __init__(self, size: int) -> None:
+        self._size = size
+        self._handled = 0
+        self._announced = 0
+        self._slots: dict[int, bool] = {}
+
+    def hear(self, heard: _Heard) -> None:
+        number = near(heard.number, self._handled)
+        if heard.is_message and self._handled <= number < self._handled + self._size:
+            self._slots.setdefault(number % self._size, heard.is_piece)
+        self._announced = max(self._announced, number + 1)
+        while together := self._complete():
+            for _ in range(together):
+                del self._slots[self._handled % self._size]
+                self._handled += 1
+
+    def _complete(self) -> int:
+        """How many messages are handed over together: one, or all pieces of a larger one."""
+        for count in range(self._size):
+            is_piece = self._slots.get((self._handled + count) % self._size)
+            if is_piece is not True:
+                return 0 if is_piece is None else count + 1
+        return 0
+
+    def acknack(self) -> tuple[int, frozenset[int]]:
+        first = self._handled
+        while first % self._size in self._slots and first < self._handled + self._size:
+            first += 1
+        named = range(first, min(self._announced, first + 16))
+        return first % 65536, frozenset(n % 65536 for n in named if n % self._size not in self._slots)

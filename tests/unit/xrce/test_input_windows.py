@@ -1,0 +1,24 @@
+"""The number of slots of a client's input stream, from its ACKNACKs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import tachk
+
+CAPTURES = Path(__file__).parents[2] / "data/captures/later"
+
+
+@pytest.mark.parametrize(
+    ("name", "slots"),
+    [
+        ("input_window", 4),  # five ACKNACKs do not count what came too early
+        ("micro_ros_spin_losses", None),  # made with four slots, too, but nothing shows it
+        ("fragments_losses", None),
+        ("client_2_0", None),
+    ],
+)
+def test_acknacks_tell_the_window(name: str, slots: int | None) -> None:
+    assert tachk.measure(CAPTURES / f"{name}.pcap").recorded_definitions().get("INPUT_HISTORY") == slots
