@@ -106,6 +106,12 @@ def test_agent_overtakes_in_its_queue() -> None:
     assert accepted("micro_ros_spin_losses", states=49_000, BUSY=0) is not True
 
 
+def test_something_keeps_the_heartbeat_thread_from_running() -> None:
+    """A round comes 48 ms later than three periods after the last one that sent a HEARTBEAT."""
+    assert accepted("input_window", late=20, AGENT_DELAY=49) is True
+    assert accepted("input_window", late=20) is False
+
+
 def test_radio_is_off() -> None:
     """What came during the sleep is gone, though nothing was lost on the way."""
     assert accepted("dead_time_3s") is True

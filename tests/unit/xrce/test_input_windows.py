@@ -22,3 +22,9 @@ CAPTURES = Path(__file__).parents[2] / "data/captures/later"
 )
 def test_acknacks_tell_the_window(name: str, slots: int | None) -> None:
     assert tachk.measure(CAPTURES / f"{name}.pcap").recorded_definitions().get("INPUT_HISTORY") == slots
+
+
+def test_heartbeats_tell_of_a_delay_of_the_thread() -> None:
+    """Between two HEARTBEATs of the Agent are three rounds and 48 ms."""
+    assert tachk.measure(CAPTURES / "input_window.pcap").recorded_definitions()["AGENT_DELAY"] == 48
+    assert "AGENT_DELAY" not in tachk.measure(CAPTURES / "two_publishers_losses.pcap").recorded_definitions()

@@ -9,7 +9,7 @@ from pathlib import Path
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.records import dataclass
 from tachk.xrce.measuring import faults, heartbeats, keeping, sleeps, traffic
-from tachk.xrce.measuring.conversation import Conversation, Sent, conversations
+from tachk.xrce.measuring.conversation import Beat, Conversation, Sent, conversations
 from tachk.xrce.measuring.heartbeats import USUAL_PERIOD, HeartbeatLaw, Starving
 from tachk.xrce.measuring.input_windows import input_history
 from tachk.xrce.measuring.quantity import Confidence, Quantity, Sample, Unit, seen
@@ -130,7 +130,8 @@ class _Measuring:
             for one in recording.transmissions
         )
         clients = max(len(recording.links) for _, recording in self.recordings)
-        recorded = recorded_settings(Recorded(known, by_name, self._samples(), self._longest(), clients, unheard))
+        counted = Recorded(known, by_name, self._samples(), self._longest(), clients, unheard, self._rounds())
+        recorded = recorded_settings(counted)
         recorded += tuple(input_history(recording for _, recording in self.recordings))
         return Measurement(files, quantities, chosen, recorded, problems)
 
@@ -145,6 +146,11 @@ class _Measuring:
         everybody = [*self.of_clients, *(conversation for conversation, _ in self.of_agents)]
         numbers = (moment.number for c in everybody for moment in c.moments if isinstance(moment, Sent))
         return max(numbers, default=0) + 1
+
+    def _rounds(self) -> list[int]:
+        """When Agents sent HEARTBEATs."""
+        found = (m.time for c, _ in self.of_agents for m in c.moments if isinstance(m, Beat))
+        return sorted(found) if len(self.recordings) == 1 else []
 
     def _publisher(self) -> tuple[int, Quantity]:
         """How many samples the client writes that waits longest for an ACKNACK, and its pace."""

@@ -6,7 +6,8 @@ A recording brings its losses, delays and applications along, so these are perio
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 
 from tachk.records import dataclass
 from tachk.xrce.measuring.quantity import Confidence, Quantity
@@ -16,6 +17,10 @@ _OUTSIDE = 50.0
 """Milliseconds after which a client that does not answer is taken to be outside its run function."""
 
 _ROUND_TIMES = 1.1
+_MILLISECOND = 1e6
+_ROUNDS_KNOWN = 20
+_USUAL_JITTER = 5
+"""Milliseconds by which a round is late in any case."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +34,7 @@ class Recorded:
         longest: how many messages the longest stream has.
         clients: how many take part in one capture.
         unheard: packets that came to clients while they slept.
+        rounds: when the Agent sent HEARTBEATs, in nanoseconds.
     """
 
     quantities: Mapping[str, Quantity]
@@ -37,6 +43,7 @@ class Recorded:
     longest: int
     clients: int
     unheard: int
+    rounds: Sequence[int]
 
 
 def recorded_settings(found: Recorded) -> tuple[Setting, ...]:
@@ -55,6 +62,7 @@ def _settings(found: Recorded) -> Iterator[Setting]:
             yield found.settings[name]
     for name, of in (("CLIENT_JITTER", "client_heartbeat"), ("AGENT_JITTER", "agent_heartbeat")):
         yield _jitter(name, found.quantities[of])
+    yield from _delay(found)
     yield Setting("EXACT_BITMAPS", 1, False, Confidence.MEASURED, "packets have every bit of a bitmap")
     yield from _missed_rounds(found.quantities)
     if found.unheard:
@@ -72,6 +80,21 @@ def _jitter(name: str, period: Quantity) -> Setting:
     late = near[max(math.ceil(0.9 * len(near)) - 1, 0)] - period.value if near else 0.0
     how = f"nine of ten waits are at most {late:.1f} ms longer than the period"
     return Setting(name, max(math.ceil(late), 1), True, Confidence.MEASURED, how)
+
+
+def _delay(found: Recorded) -> Iterator[Setting]:
+    """How much later than due a round of the Agent's heartbeat thread comes at most, by HEARTBEATs that are some rounds
+    apart: the thread waits for a period after each round, so it is never early."""
+    period = found.quantities["agent_heartbeat"].value
+    if period is None:
+        return
+    between = [(behind - before) / _MILLISECOND for before, behind in pairwise(found.rounds)]
+    late = [wait % period for wait in between if wait < _ROUNDS_KNOWN * period]
+    late = [each for each in late if each < period / 2]
+    most = math.ceil(max(late, default=0.0))
+    if most > _USUAL_JITTER:
+        how = f"a HEARTBEAT of the Agent came {most} ms later than whole periods after the one before"
+        yield Setting("AGENT_DELAY", most, True, Confidence.ONE_SAMPLE, how)
 
 
 def _pauses(reaction: Quantity, overdue: Quantity) -> Iterator[Setting]:
