@@ -54,8 +54,8 @@ def read_capture(path: Path, ports: Iterable[int] = ()) -> Recording:
         raise UsageError(f"{path}: {error}") from None
     if not found.transmissions:
         raise UsageError(
-            f"{path} has no message of DDS-XRCE by UDP or TCP",
-            "give the port of the Agent with --port; serial lines cannot be held against a model",
+            f"{path} has no message of DDS-XRCE by UDP, TCP or on a serial line",
+            "give the port of the Agent with --port",
         )
     return _Reader(path, found.transmissions, len(found.links)).recording(found.begin, found.end)
 
@@ -147,6 +147,8 @@ class _Reader:
     def _reject_best_effort(self, one: Transmission) -> None:
         """Raises UsageError for what the automata have no word for and would take for silence."""
         for event in one.events:
+            if event.kind is None:
+                self._reject(one, f"message is damaged, so nobody knows what its sender has sent: {event.problem}")
             if event.kind in _SAMPLES and not event.is_reliable:
                 self._reject(one, f"is {_name(event)} of a best-effort stream: the automata know only reliable ones")
 

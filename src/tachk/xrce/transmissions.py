@@ -19,6 +19,7 @@ from tachk.xrce.events import DEFAULT_PORT, Event, events
 from tachk.xrce.messages import Endpoint
 from tachk.xrce.packets import CaptureError, read_packets
 from tachk.xrce.reading import CaptureReading
+from tachk.xrce.serial_line import SerialReading
 from tachk.xrce.wire import COOKIE, Kind
 
 _LONGEST_RELAY: Final = 5_000_000_000
@@ -109,7 +110,8 @@ def read_transmissions(path: Path, ports: Iterable[int] = ()) -> Recording:
     """The messages of a capture, put together where a relay was recorded on both sides.
 
     Args:
-        ports: of Agents and relays; without any 8888 and wherever a session is created.
+        ports: of Agents and relays; without any 8888 and wherever a session is created, and if there is nothing by
+            these, the frames of a serial line. A damaged frame is a message that was lost, of which nothing is known.
 
     Raises CaptureError for what is no capture, OSError for a file that cannot be read.
     """
@@ -118,11 +120,31 @@ def read_transmissions(path: Path, ports: Iterable[int] = ()) -> Recording:
         with path.open("rb") as stream:
             wanted = {DEFAULT_PORT, *session_ports(stream)}
     with path.open("rb") as stream:
-        reading = CaptureReading(stream, wanted)
-        legs: dict[tuple[Endpoint, Endpoint], _Leg] = {}
-        for message in _messages(reading):
-            legs.setdefault((message.client, message.agent), _Leg(message.client, message.agent)).add(message)
-        return _recording(list(legs.values()), reading.problem)
+        network = CaptureReading(stream, wanted)
+        found = _recording(_legs(network), network.problem)
+    if found.transmissions or set(ports):
+        return found
+    with path.open("rb") as stream:
+        reading = SerialReading(stream)
+        return _recording(_on_one_line(_legs(reading)), reading.problem)
+
+
+def _legs(reading: CaptureReading | SerialReading) -> list[_Leg]:
+    legs: dict[tuple[Endpoint, Endpoint], _Leg] = {}
+    for message in _messages(reading):
+        legs.setdefault((message.client, message.agent), _Leg(message.client, message.agent)).add(message)
+    return list(legs.values())
+
+
+def _on_one_line(legs: list[_Leg]) -> list[_Leg]:
+    """With the messages of addresses that have no session as those of the client that has one: the CRC of a frame does
+    not cover its addresses, so they may be damaged."""
+    clients = [leg for leg in legs if leg.creation is not None]
+    if len(clients) != 1:
+        return legs
+    (client,) = clients
+    client.messages = sorted((m for leg in legs for m in leg.messages), key=lambda message: message.packet)
+    return clients
 
 
 def session_ports(stream: BinaryIO) -> set[int]:
@@ -165,7 +187,7 @@ class _Message:
     events: tuple[Event, ...]
 
 
-def _messages(reading: CaptureReading) -> Iterator[_Message]:
+def _messages(reading: CaptureReading | SerialReading) -> Iterator[_Message]:
     for found in reading.pieces():
         messages = found.messages
         of_message: dict[int, list[Event]] = defaultdict(list)

@@ -174,6 +174,21 @@ def test_several_samples_in_one_message() -> None:
     assert [detail for detail in written if int(str(detail)) >= 0] == [2 * 65536 + 3 * n for n in range(8)]
 
 
+@pytest.mark.parametrize("name", ["serial_line", "serial_line_damaged"])
+def test_serial_lines(name: str) -> None:
+    """In the second one the address of a frame is damaged, which its CRC does not cover."""
+    assert in_noise(f"../{name}", 10, 20, HISTORY=8, INPUT_HISTORY=8, CLIENTS=1) is True
+
+
+def test_a_damaged_frame_is_named(tmp_path: Path) -> None:
+    octets = bytearray((CAPTURES.parents[1] / "serial_line.pcap").read_bytes())
+    octets[-20] ^= 1
+    damaged = tmp_path / "line.pcap"
+    damaged.write_bytes(octets)
+    with pytest.raises(UsageError, match="message is damaged, so nobody knows what its sender has sent"):
+        read_capture(damaged)
+
+
 def test_what_is_not_modelled_is_named() -> None:
     with pytest.raises(UsageError, match="best-effort stream"):
         read_capture(CAPTURES / "best_effort.pcap")

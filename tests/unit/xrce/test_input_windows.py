@@ -24,6 +24,12 @@ def test_acknacks_tell_the_window(name: str, slots: int | None) -> None:
     assert tachk.measure(CAPTURES / f"{name}.pcap").recorded_definitions().get("INPUT_HISTORY") == slots
 
 
+def test_packets_that_a_client_does_not_read() -> None:
+    """Its radio is off; clients that are awake answer all."""
+    assert tachk.measure(CAPTURES / "dead_time_3s.pcap").recorded_definitions().get("SLEEPS") == 1
+    assert "SLEEPS" not in tachk.measure(CAPTURES / "two_publishers_losses.pcap").recorded_definitions()
+
+
 def test_heartbeats_tell_of_a_delay_of_the_thread() -> None:
     """Between two HEARTBEATs of the Agent are three rounds and 48 ms."""
     assert tachk.measure(CAPTURES / "input_window.pcap").recorded_definitions()["AGENT_DELAY"] == 49

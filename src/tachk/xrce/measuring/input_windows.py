@@ -7,7 +7,7 @@ slots, so a client with few slots says other things than one with many, once eno
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
 from tachk.records import dataclass
@@ -21,8 +21,19 @@ from tachk.xrce.wire import FIRST_RELIABLE_STREAM, Kind
 _SIZES: Final = (2, 4, 8, 16, 32)
 _USUAL: Final = 16
 """What models assume: the Agent has no more under way."""
-_GONE: Final = 1_000_000_000
-"""Nanoseconds after which a packet without answer has not been read."""
+_ASLEEP: Final = 100_000_000
+"""Nanoseconds after which a packet without answer is gone, where a client does not answer all of them."""
+
+
+def unanswered(recording: Recording) -> int:
+    """How many packets came to clients that did not read them. A client answers each that it reads, in their order."""
+    return sum(_unanswered(_at_client(recording, link)) for link in range(len(recording.links)))
+
+
+def _unanswered(stream: Sequence[_Said | _Heard]) -> int:
+    answers = [number for number, each in enumerate(stream) if isinstance(each, _Said)]
+    heard = [each for each in stream[: answers[-1]] if isinstance(each, _Heard)] if answers else []
+    return max(sum(not each.begins for each in heard) - len(answers), 0)
 
 
 def input_history(recordings: Iterable[Recording]) -> Iterator[Setting]:
@@ -87,14 +98,15 @@ def _of(time: int, event: Event) -> Iterator[_Said | _Heard]:
         yield _Heard(time, event.sequence, True, event.kind is Kind.FRAGMENT and not fields["last"])
 
 
-def _differences(stream: Iterable[_Said | _Heard], size: int) -> int:
+def _differences(stream: Sequence[_Said | _Heard], size: int) -> int:
     """How many ACKNACKs are not what a client with so many slots would have said."""
     client, waiting, wrong = _Client(size), deque[_Heard](), 0
+    sleeps = _unanswered(stream) > 0
     for each in stream:
         if isinstance(each, _Heard):
             waiting.append(each)
             continue
-        while waiting and (waiting[0].begins or each.time - waiting[0].time > _GONE):
+        while waiting and (waiting[0].begins or (sleeps and each.time - waiting[0].time > _ASLEEP)):
             if waiting.popleft().begins:
                 client = _Client(size)
         if waiting:

@@ -11,7 +11,7 @@ from tachk.records import dataclass
 from tachk.xrce.measuring import faults, heartbeats, keeping, sleeps, traffic
 from tachk.xrce.measuring.conversation import Beat, Conversation, Sent, conversations
 from tachk.xrce.measuring.heartbeats import USUAL_PERIOD, HeartbeatLaw, Starving
-from tachk.xrce.measuring.input_windows import input_history
+from tachk.xrce.measuring.input_windows import input_history, unanswered
 from tachk.xrce.measuring.quantity import Confidence, Quantity, Sample, Unit, seen
 from tachk.xrce.measuring.recorded_settings import Recorded, recorded_settings
 from tachk.xrce.measuring.settings import Findings, Setting, Way, settings
@@ -130,6 +130,7 @@ class _Measuring:
             for one in recording.transmissions
         )
         clients = max(len(recording.links) for _, recording in self.recordings)
+        unheard += sum(unanswered(recording) for _, recording in self.recordings)
         counted = Recorded(known, by_name, self._samples(), self._longest(), clients, unheard, self._rounds())
         recorded = recorded_settings(counted)
         recorded += tuple(input_history(recording for _, recording in self.recordings))

@@ -20,7 +20,7 @@ _ROUND_TIMES = 1.1
 _MILLISECOND = 1e6
 _ROUNDS_KNOWN = 20
 _USUAL_JITTER = 5
-"""Milliseconds by which a round is late in any case."""
+"""Milliseconds by which HEARTBEATs and rounds are late in any case."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,9 +56,9 @@ def _settings(found: Recorded) -> Iterator[Setting]:
     messages = max(found.samples, (found.longest - 15) // 2, 1)
     how = f"different samples: {found.samples}; messages in the longest stream: {found.longest}"
     yield Setting("MESSAGES", messages, False, Confidence.MEASURED, how)
-    yield Setting("CLIENTS", found.clients, False, Confidence.MEASURED, "clients in one capture")
+    yield Setting("CLIENTS", max(found.clients, 1), False, Confidence.MEASURED, "clients in one capture")
     for name in ("HEARTBEAT_LAW", "CLIENT_HEARTBEAT", "HISTORY", "AGENT_HEARTBEAT", "DEAD", "AGENT_WINDOW", "KEEP"):
-        if name in found.settings:
+        if name in found.settings and not _is_doubtful(found.settings[name]):
             yield found.settings[name]
     for name, of in (("CLIENT_JITTER", "client_heartbeat"), ("AGENT_JITTER", "agent_heartbeat")):
         yield _jitter(name, found.quantities[of])
@@ -72,14 +72,22 @@ def _settings(found: Recorded) -> Iterator[Setting]:
         yield from _pauses(found.quantities["client_reaction"], found.quantities["overdue_heartbeat"])
 
 
+def _is_doubtful(setting: Setting) -> bool:
+    """A steady timer that one HEARTBEAT alone speaks for: it may have been late by chance. No client is known to have
+    one, and a model with it refuses what others do."""
+    return setting.name == "HEARTBEAT_LAW" and setting.value == 0 and setting.confidence is Confidence.ONE_SAMPLE
+
+
 def _jitter(name: str, period: Quantity) -> Setting:
     """How much later than due HEARTBEATs come, but for the latest tenth: what delays those is none of the timer."""
     if period.value is None or period.confidence is not Confidence.MEASURED:
-        return Setting(name, 5, True, Confidence.ASSUMED, "the period was not seen often enough; what is usual")
+        return Setting(
+            name, _USUAL_JITTER, True, Confidence.ASSUMED, "the period was not seen often enough; what is usual"
+        )
     near = sorted(s.value for s in period.samples if s.value < _ROUND_TIMES * period.value)
     late = near[max(math.ceil(0.9 * len(near)) - 1, 0)] - period.value if near else 0.0
     how = f"nine of ten waits are at most {late:.1f} ms longer than the period"
-    return Setting(name, max(math.ceil(late), 1), True, Confidence.MEASURED, how)
+    return Setting(name, max(math.ceil(late), _USUAL_JITTER), True, Confidence.MEASURED, how)
 
 
 def _delay(found: Recorded) -> Iterator[Setting]:
