@@ -20,11 +20,11 @@ def test_a_run_is_measured_remembered_and_compared_with_the_one_before(tmp_path:
     command = [sys.executable, "-m", "bench", "run", "--only", "train_gate=2", "--repeat", "1", "--history", history]
     first = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     (line,) = [line for line in first.stdout.splitlines() if line.startswith("| train_gate")]
-    assert line.startswith("| train_gate | 2 | tachk | not reached | 21 | 21 |")
+    assert line.startswith("| train_gate | 2 | tachk | not reached | 11 | 11 |")
     (entry,) = json.loads(history.read_text(encoding="utf-8"))
     entry["rows"][0] |= {"stored": 70, "cpu_seconds": 1000.0}
     history.write_text(json.dumps([entry]), encoding="utf-8")
     second = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     (compared,) = [line for line in second.stdout.splitlines() if "| 1000.00 |" in line]
-    assert compared.startswith("| train_gate | 2 | tachk | 1000.00 |") and compared.endswith("| 70 | 21 |")
+    assert compared.startswith("| train_gate | 2 | tachk | 1000.00 |") and compared.endswith("| 70 | 11 |")
     assert len(json.loads(history.read_text(encoding="utf-8"))) == 2

@@ -27,7 +27,7 @@ from tachk.properties.vacuity import Trigger, noted, triggers_of, with_notes
 from tachk.properties.verdict import Answer, Verdict
 from tachk.reduction.bystanders import without_bystanders
 from tachk.reduction.spectators import with_spectators, without_spectators
-from tachk.reduction.symmetry.tables import with_symmetry
+from tachk.reduction.symmetry.tables import in_equal_parts, with_symmetry
 from tachk.semantics.discrete import PreparedNetwork, prepare
 from tachk.semantics.step import StepError
 from tachk.semantics.timed_trace import TimedTrace
@@ -50,9 +50,19 @@ def answer(
         settled = _settle_without_bystanders(model.network, search, options, limits, progress)
     if any(verdict.reason == INTERRUPTED for verdict in settled.values()):
         return settled
-    limits = limits.after(time.monotonic() - started)
-    rest = replace(search, tasks=tuple(task for task in search.tasks if task.number not in settled))
-    return settled | (_explore(model, rest, options, limits, progress, trace) if rest.tasks else {})
+    rest = tuple(task for task in search.tasks if task.number not in settled)
+    for tasks in _parts(model.network, rest, options):
+        left = limits.after(time.monotonic() - started)
+        settled |= _explore(model, replace(search, tasks=tasks), options, left, progress, trace)
+    return settled
+
+
+def _parts(network: Network, tasks: tuple[Task, ...], options: Options) -> list[tuple[Task, ...]]:
+    """The tasks in sets that one exploration each decides."""
+    if not tasks:
+        return []
+    parts = in_equal_parts(network, [task.target for task in tasks]) if options.symmetry else [list(range(len(tasks)))]
+    return [tuple(tasks[number] for number in part) for part in parts]
 
 
 _FIRST_TRY = 1_000_000

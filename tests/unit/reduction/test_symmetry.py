@@ -133,6 +133,27 @@ def test_processes_without_numbers_are_interchangeable_with_their_own_globals() 
     assert found(text=text.replace("int[0, 3] n;", "int[0, 3] n = 1;"))[0] == []
 
 
+@pytest.mark.parametrize(
+    ("model", "constants", "stored"),
+    [
+        ("train_gate", {"N": 8}, 53),
+        ("csma_cd_any_order", {"N": 6}, 128),
+        ("critical_region", {"N": 4, "CAREFUL": True, "IN_TURN": False}, 700),
+    ],
+)
+def test_arrays_queues_and_pairs_of_processes_are_exchanged(model: str, constants: dict[str, int], stored: int) -> None:
+    loaded = tachk.load(data_root() / "models" / "classics" / f"{model}.ta", **constants)
+    verdict = next(iter(loaded.verify(trace=False)))
+    assert (verdict.answer.value, verdict.statistics.states_stored) == ("holds", stored)
+
+
+def test_a_query_that_names_a_process_is_searched_for_alone() -> None:
+    model = tachk.load(data_root() / "models" / "classics" / "fischer.ta", N=5)
+    alone = model.verify(property="mutual_exclusion", trace=False)["mutual_exclusion"]
+    together = model.verify(trace=False)["mutual_exclusion"]
+    assert together.statistics.states_stored == alone.statistics.states_stored
+
+
 @pytest.mark.parametrize("size", [4, 6, 10])
 def test_fischer_stores_a_quadratic_number_of_states(size: int) -> None:
     model = tachk.load(data_root() / "models" / "classics" / "fischer.ta", N=size)

@@ -11,10 +11,10 @@ from collections import Counter
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import field
 
-from tachk.compiler.fold import Known
+from tachk.compiler.fold import Known, fold
 from tachk.diagnostics.span import Span
 from tachk.model.cell_layout import default_cells
-from tachk.model.expressions import Expression, Variable
+from tachk.model.expressions import BOOL, Constant, Expression, Variable
 from tachk.model.network import Edge, Location, Network
 from tachk.model.types import ArrayType, Type, cell_count
 from tachk.records import dataclass
@@ -289,8 +289,13 @@ def read(network: Network, predicates: Iterable[Expression], known: Known) -> Re
     locations, edges = [], []
     for number, process in enumerate(network.processes):
         locations.append([_location(reader, number, each) for each in process.locations])
-        edges.append([_edge(reader, number, each) for each in process.edges])
+        edges.append([_edge(reader, number, each) for each in process.edges if not _is_off(each, known)])
     return Reading(network, reader, locations, edges, [predicate_term(reader, each) for each in predicates])
+
+
+def _is_off(edge: Edge, known: Known) -> bool:
+    """Whether constants of the model switch an edge off."""
+    return edge.guard is not None and fold(edge.guard, known) == Constant(0, BOOL)
 
 
 def _location(reader: Reader, process: int, location: Location) -> Unit:

@@ -44,12 +44,12 @@ class _Listener:
     sets: frozenset[tuple[Cell, int]]
 
 
-def order_matters(network: Network, known: Known, members: Sequence[int]) -> Refusal | None:
+def order_matters(network: Network, known: Known, members: Sequence[tuple[int, ...]]) -> Refusal | None:
     """Why the order of some members of a group among themselves and with others can be noticed; None if it cannot."""
-    first, last = members[0], members[-1]
-    two = members[:2]
+    two = [*members[0], *members[1]]
+    everybody = {number for team in members for number in team}
     # Any two members behave to each other as the first two do.
-    others = [n for n in range(len(network.processes)) if first < n < last and n not in members]
+    others = [n for n in range(len(network.processes)) if min(everybody) < n < max(everybody) and n not in everybody]
     own = [each for number in two for each in _listeners(network, known, number)]
     foreign = [each for number in others for each in _listeners(network, known, number)]
     for number, one in enumerate(own):

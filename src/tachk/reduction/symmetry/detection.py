@@ -9,6 +9,7 @@ permutations.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Sequence
+from itertools import combinations
 
 from tachk.compiler.failures import location_can_fail
 from tachk.compiler.fold import known_values
@@ -21,17 +22,20 @@ from tachk.reduction.symmetry.broadcasts import order_matters
 from tachk.reduction.symmetry.kinds import Refusal
 from tachk.reduction.symmetry.terms import Number, Place, Shift, Token
 
+Team = tuple[int, ...]
+"""Processes that are only exchanged together, such as a cell and its arbiter: as a rule there is one."""
+
 
 @dataclass(frozen=True, slots=True)
 class Interchangeable:
-    """Processes any two of which can be exchanged.
+    """Teams any two of which can be exchanged.
 
     Attributes:
-        members: their numbers.
+        members: the numbers of their processes.
         exchanges: of the first one with each of the others, in order.
     """
 
-    members: tuple[int, ...]
+    members: tuple[Team, ...]
     exchanges: tuple[Renaming, ...]
 
 
@@ -72,22 +76,66 @@ def find_symmetry(network: Network, predicates: Sequence[Expression]) -> Symmetr
         for other in members[1:]:
             _align(reading, members[0], other)
     reading.settle()
-    groups: list[Interchangeable] = []
-    differences: list[Difference] = []
-    for members in candidates:
-        refusal = _order_of_errors(reading, members)
-        if refusal is None:
-            classes, refusal = _classes(reading, members)
-            for each in classes:
-                if len(each.members) > 1:
-                    refused = order_matters(network, known, each.members)
-                    refusal = refused or refusal
-                    if refused is None:
-                        groups.append(each)
-        if refusal is not None:
-            first, second = (network.processes[member] for member in members[:2])
-            differences.append(Difference(first.template, first.name, second.name, refusal))
-    return Symmetry(tuple(groups), tuple(differences), reading)
+    found = [_attempt(reading, [(member,) for member in members]) for members in candidates]
+    open_ = [attempt for attempt in found if attempt.refusal is not None]
+    for partners in _partnerships(open_):
+        joined = _attempt(reading, list(zip(*(sum(each.teams, ()) for each in partners), strict=True)))
+        if joined.reach > max(each.reach for each in partners):
+            found = [joined, *(attempt for attempt in found if attempt not in partners)]
+            break
+    groups = tuple(group for attempt in found for group in attempt.groups)
+    return Symmetry(groups, tuple(_difference(network, attempt) for attempt in found if attempt.refusal), reading)
+
+
+@dataclass(frozen=True, slots=True)
+class _Attempt:
+    """What has become of teams that might be interchangeable.
+
+    Attributes:
+        refusal: why they are not all; None if they are.
+    """
+
+    teams: list[Team]
+    groups: list[Interchangeable]
+    refusal: Refusal | None
+
+    @property
+    def reach(self) -> int:
+        """How many of them are."""
+        return sum(len(group.members) for group in self.groups)
+
+
+def _attempt(reading: Reading, teams: list[Team]) -> _Attempt:
+    refusal = _order_of_errors(reading, teams[0])
+    if refusal is not None:
+        return _Attempt(teams, [], refusal)
+    classes, refusal = _classes(reading, teams)
+    groups = []
+    for each in classes:
+        if len(each.members) > 1:
+            refused = order_matters(reading.network, reading.reader.known, each.members)
+            refusal = refusal or refused
+            if refused is None:
+                groups.append(each)
+    return _Attempt(teams, groups, refusal)
+
+
+def _partnerships(attempts: Sequence[_Attempt]) -> Iterable[tuple[_Attempt, ...]]:
+    """Sets of equally many processes, which may be interchangeable together only."""
+    sizes: dict[int, list[_Attempt]] = {}
+    for attempt in attempts:
+        sizes.setdefault(len(attempt.teams), []).append(attempt)
+    for equal in sizes.values():
+        if len(equal) > 1:
+            yield tuple(equal)
+        if len(equal) > 2:
+            yield from combinations(equal, 2)
+
+
+def _difference(network: Network, attempt: _Attempt) -> Difference:
+    assert attempt.refusal is not None
+    first, second = (network.processes[team[0]] for team in attempt.teams[:2])
+    return Difference(first.template, first.name, second.name, attempt.refusal)
 
 
 def _candidates(reading: Reading) -> Iterable[list[int]]:
@@ -138,37 +186,39 @@ def _align(reading: Reading, one: int, other: int) -> None:
             reader.kinds.unite_trees(reader.tree_of(token), reader.tree_of(another), span)
 
 
-def _order_of_errors(reading: Reading, members: Sequence[int]) -> Refusal | None:
+def _order_of_errors(reading: Reading, team: Team) -> Refusal | None:
     """Invariants are looked at process by process: where one may be a run-time error their order can be noticed."""
-    for location in reading.network.processes[members[0]].locations:
-        if location_can_fail(location, reading.reader.known):
-            return Refusal("an invariant or a rate may be a run-time error", location.span)
+    for member in team:
+        for location in reading.network.processes[member].locations:
+            if location_can_fail(location, reading.reader.known):
+                return Refusal("an invariant or a rate may be a run-time error", location.span)
     return None
 
 
-def _classes(reading: Reading, members: Sequence[int]) -> tuple[list[Interchangeable], Refusal | None]:
-    """The members in classes of those that can be exchanged, and the first reason why there is more than one."""
-    found: list[tuple[list[int], list[Renaming]]] = []
+def _classes(reading: Reading, teams: Sequence[Team]) -> tuple[list[Interchangeable], Refusal | None]:
+    """The teams in classes of those that can be exchanged, and the first reason why there is more than one."""
+    found: list[tuple[list[Team], list[Renaming]]] = []
     reason: Refusal | None = None
-    for member in members:
+    for team in teams:
         for numbers, exchanges in found:
-            exchange = exchange_of(reading, numbers[0], member)
+            exchange = exchange_of(reading, numbers[0], team)
             refusal = exchange if isinstance(exchange, Refusal) else reading.objection(exchange)
             if refusal is None and isinstance(exchange, Renaming):
-                numbers.append(member)
+                numbers.append(team)
                 exchanges.append(exchange)
                 break
             reason = reason or refusal
         else:
-            found.append(([member], []))
+            found.append(([team], []))
     return [Interchangeable(tuple(numbers), tuple(exchanges)) for numbers, exchanges in found], reason
 
 
-def exchange_of(reading: Reading, one: int, other: int) -> Renaming | Refusal:
-    """What has to be exchanged together with two processes, where their texts differ."""
+def exchange_of(reading: Reading, one: Team, other: Team) -> Renaming | Refusal:
+    """What has to be exchanged together with two teams, where the texts of their processes differ."""
     variables: dict[Variable, Variable] = {}
     values: dict[int, dict[int, int]] = {}
-    for token, another, span in _pairs(reading, one, other):
+    pairs = (pair for numbers in zip(one, other, strict=True) for pair in _pairs(reading, *numbers))
+    for token, another, span in pairs:
         if isinstance(token, Number) and isinstance(another, Number):
             if token.value == another.value:
                 continue
@@ -182,4 +232,4 @@ def exchange_of(reading: Reading, one: int, other: int) -> Renaming | Refusal:
                 return Refusal(f"`{token.name}` and `{another.name}` do not correspond one to one", span)
         elif isinstance(token, Shift) and token != another:
             return Refusal("they compute with their numbers", span)
-    return Renaming({one: other, other: one}, variables, values)
+    return Renaming(dict(zip((*one, *other), (*other, *one), strict=True)), variables, values)

@@ -33,6 +33,19 @@ def with_symmetry(program: Program, network: Network, predicates: Sequence[Expre
     return replace(program, interchangeable=tuple(tables))
 
 
+def in_equal_parts(network: Network, targets: Sequence[Expression]) -> list[list[int]]:
+    """The numbers of targets in sets that leave the same processes interchangeable: those that name processes would
+    make a search for the others larger. One set where nothing is interchangeable at all."""
+    numbers = list(range(len(targets)))
+    if len(targets) < 2 or not _repeats(network) or not find_symmetry(network, []).groups:
+        return [numbers]
+    parts: dict[frozenset[tuple[tuple[int, ...], ...]], list[int]] = {}
+    for number in numbers:
+        groups = find_symmetry(network, [targets[number]]).groups
+        parts.setdefault(frozenset(group.members for group in groups), []).append(number)
+    return list(parts.values())
+
+
 def _repeats(network: Network) -> bool:
     """Whether two processes may have the same text: a quick look."""
     shapes = [(len(p.locations), len(p.edges), len(p.variables), p.initial) for p in network.processes]
@@ -41,7 +54,6 @@ def _repeats(network: Network) -> bool:
 
 def _table(reading: Reading, layout: CellLayout, group: Interchangeable) -> Table | None:
     """None where something belongs to two members at a time."""
-    first = group.members[0]
     moves = [_cell_moves(reading, layout, exchange) for exchange in group.exchanges]
     own = _own_cells(layout, moves)
     belongs = [own, *([move[cell] for cell in own] for move in moves)]
@@ -59,8 +71,8 @@ def _table(reading: Reading, layout: CellLayout, group: Interchangeable) -> Tabl
 
     return Table(
         slots=tuple(
-            (member, *(before + cell for cell in cells if is_number(cell)))
-            for member, cells in zip((first, *group.members[1:]), belongs, strict=True)
+            (*team, *(before + cell for cell in cells if is_number(cell)))
+            for team, cells in zip(group.members, belongs, strict=True)
         ),
         clocks=tuple(
             tuple(layout.initial[cell] for cell in cells if isinstance(layout.types[cell], ClockType))

@@ -259,7 +259,9 @@ class Reader:
         word = f"`{operator.value}` computes with it"
         self._plain(left, tokens, word)
         self._plain(right, tokens, word)
-        return self._result()
+        node = kinds.fresh()
+        kinds.make_plain(node, f"`{operator.value}` computes it", expression.span)
+        return node
 
     def _quantifier(self, expression: Quantifier, tokens: list[Token]) -> Tree:
         tokens.append(("quantifier", expression.kind))
@@ -349,7 +351,8 @@ class Reader:
             case Iterate(variable, body):
                 tokens.append("iterate")
                 node = self.bind(variable, tokens)
-                self.kinds.make_plain(node, "a loop goes through it in order", variable.span)
+                if not _each_on_its_own(body, variable):
+                    self.kinds.make_plain(node, "a loop goes through it in order", variable.span)
                 inside(body)
             case Return(value):
                 tokens.append(("return", value is None))
@@ -371,6 +374,17 @@ class Reader:
         for (_, leaf), node in zip(leaves(variable.type), cell_nodes(tree, variable.type), strict=True):
             value = default_value(leaf)
             self.kinds.defaults.append(Range(node, value, value, variable.span))
+
+
+def _each_on_its_own(body: Statement, variable: Variable) -> bool:
+    """Whether a loop only sets the element of arrays that its variable names to constants."""
+    match body:
+        case Block(statements):
+            return all(_each_on_its_own(statement, variable) for statement in statements)
+        case Evaluate(Assign(Index(Reference(array), Reference(index)), Constant(), _, None)):
+            return index is variable and array.kind is not VariableKind.FRAME
+        case _:
+            return False
 
 
 def cell_nodes(tree: Tree, type_: Type) -> list[int]:
