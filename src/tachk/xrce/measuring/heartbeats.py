@@ -158,6 +158,8 @@ def _vote(wait: Wait, found: Sequence[Wait]) -> HeartbeatLaw | None:
     if wait.previous and 1.8 < wait.beat / wait.previous < 2.2 and wait.activity == wait.beat:
         return HeartbeatLaw.DOUBLING
     rearmed, steady = min(each.activity for each in found), min(each.beat for each in found)
+    if any(_fits_usual(each.activity) for each in found):
+        rearmed = USUAL_PERIOD  # a packet that came just before a HEARTBEAT had not been read yet
     if steady > rearmed * _CLEARLY and _is_near(rearmed, USUAL_PERIOD):
         steady = rearmed
     by_activity, by_beat = _is_near(wait.activity, rearmed), _is_near(wait.beat, steady)

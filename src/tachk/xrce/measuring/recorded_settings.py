@@ -17,6 +17,9 @@ _OUTSIDE = 50.0
 """Milliseconds after which a client that does not answer is taken to be outside its run function."""
 
 _ROUND_TIMES = 1.1
+_SHORT = 20.0
+"""Milliseconds; no client since 2.1 sends a HEARTBEAT so soon, but where it was overdue."""
+_DOUBLING, _DOUBLED = 2, 14
 _MILLISECOND = 1e6
 _ROUNDS_KNOWN = 20
 _USUAL_JITTER = 5
@@ -57,8 +60,9 @@ def _settings(found: Recorded) -> Iterator[Setting]:
     how = f"different samples: {found.samples}; messages in the longest stream: {found.longest}"
     yield Setting("MESSAGES", messages, False, Confidence.MEASURED, how)
     yield Setting("CLIENTS", max(found.clients, 1), False, Confidence.MEASURED, "clients in one capture")
-    for name in ("HEARTBEAT_LAW", "CLIENT_HEARTBEAT", "HISTORY", "AGENT_HEARTBEAT", "DEAD", "AGENT_WINDOW", "KEEP"):
-        if name in found.settings and not _is_doubtful(found.settings[name]):
+    yield from _client(found)
+    for name in ("HISTORY", "AGENT_HEARTBEAT", "DEAD", "AGENT_WINDOW", "KEEP"):
+        if name in found.settings:
             yield found.settings[name]
     for name, of in (("CLIENT_JITTER", "client_heartbeat"), ("AGENT_JITTER", "agent_heartbeat")):
         yield _jitter(name, found.quantities[of])
@@ -76,6 +80,22 @@ def _is_doubtful(setting: Setting) -> bool:
     """A steady timer that one HEARTBEAT alone speaks for: it may have been late by chance. No client is known to have
     one, and a model with it refuses what others do."""
     return setting.name == "HEARTBEAT_LAW" and setting.value == 0 and setting.confidence is Confidence.ONE_SAMPLE
+
+
+def _client(found: Recorded) -> Iterator[Setting]:
+    """The HEARTBEATs of clients: since 2.1 they wait for a tenth of a second, and before that for a millisecond, twice
+    as long each time."""
+    waits = [sample.value for sample in found.quantities["client_heartbeat"].samples]
+    short = sum(wait < _SHORT for wait in waits)
+    if 2 * short > len(waits):
+        how = f"{short} of {len(waits)} HEARTBEATs came after less than {_SHORT:.0f} ms: a client up to 2.0"
+        yield Setting("HEARTBEAT_LAW", _DOUBLING, False, Confidence.MEASURED, how)
+        yield Setting("CLIENT_HEARTBEAT", 1, True, Confidence.ASSUMED, "the first wait of clients up to 2.0")
+        yield Setting("LOSSES", _DOUBLED, False, Confidence.ASSUMED, "the wait is doubled so often at most")
+        return
+    for name in ("HEARTBEAT_LAW", "CLIENT_HEARTBEAT"):
+        if name in found.settings and not _is_doubtful(found.settings[name]):
+            yield found.settings[name]
 
 
 def _jitter(name: str, period: Quantity) -> Setting:

@@ -1,4 +1,4 @@
-"""The number of slots of a client's input stream, from its ACKNACKs."""
+"""Settings for models that recordings are held against: what clients and the Agent were like."""
 
 from __future__ import annotations
 
@@ -34,3 +34,16 @@ def test_heartbeats_tell_of_a_delay_of_the_thread() -> None:
     """Between two HEARTBEATs of the Agent are three rounds and 48 ms."""
     assert tachk.measure(CAPTURES / "input_window.pcap").recorded_definitions()["AGENT_DELAY"] == 49
     assert "AGENT_DELAY" not in tachk.measure(CAPTURES / "two_publishers_losses.pcap").recorded_definitions()
+
+
+@pytest.mark.parametrize(
+    ("name", "law"),
+    [
+        ("client_2_0", 2),
+        ("client_2_0_losses", 2),
+        ("../second_read", None),  # one of two HEARTBEATs was overdue, and came 13 ms after something else
+        ("two_publishers_losses", 1),
+    ],
+)
+def test_old_clients_are_known_by_their_short_waits(name: str, law: int | None) -> None:
+    assert tachk.measure(CAPTURES / f"{name}.pcap").recorded_definitions().get("HEARTBEAT_LAW") == law
