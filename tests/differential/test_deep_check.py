@@ -15,8 +15,8 @@ from tachk.compiler.fold import known_values
 from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import InputError
 from tachk.engines.avoiding_runs import Budget, LimitError, avoiding_run, build
-from tachk.engines.digitised import delayed, region_steps
 from tachk.engines.options import Extrapolation, Limits, Options, SearchOrder
+from tachk.engines.oracles.digitised import delayed, region_steps
 from tachk.engines.zone import explore_everything
 from tachk.engines.zone_graph import zone_graph
 from tachk.model.builder import NetworkBuilder

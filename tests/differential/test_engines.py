@@ -10,7 +10,8 @@ from hypothesis import HealthCheck, given, settings
 
 from tachk.compiler.lower import lower
 from tachk.engines import zone
-from tachk.engines.options import Extrapolation, Limits, Options, SearchOrder
+from tachk.engines.local_times import obstacle
+from tachk.engines.options import Extrapolation, Limits, LocalTimes, Options, SearchOrder
 from tachk.model.expressions import BOOL, Constant
 from tachk.testing import Case, Shape, cases, random_case
 from tachk.testing.agreement import VARIANTS, Effort, compare
@@ -27,6 +28,9 @@ SHAPES = {
     "stopwatches": Shape(stopwatches=True, clocks=2),
 }
 
+APART = Shape(apart=0.9, committed=False, urgent_channels=False, broadcast=False, deadlocks=False, clocks=1)
+"""Processes that seldom meet, for searches over local times."""
+
 LONG_TIMES = {
     "tens": Shape(unit=10),
     "hundreds": Shape(unit=200, uneven=True, diagonals=True, clocks=2, constant=3),
@@ -40,6 +44,16 @@ LONG_TIMES = {
 def test_engines_agree_on_seeded_networks(shape: str, block: int) -> None:
     for seed in range(10 * block, 10 * block + 10):
         assert compare(random_case(Random(seed), SHAPES[shape]), VARIANTS, EFFORT).problems == (), f"seed {seed}"
+
+
+def test_searches_over_local_times_agree_with_the_others() -> None:
+    local = [options for options in VARIANTS if options.local_times is LocalTimes.ALWAYS]
+    suited = 0
+    for seed in range(30):
+        case = random_case(Random(seed), APART)
+        suited += obstacle(*lower(case.network, case.predicates)) is None
+        assert compare(case, local, Effort(reference=100, sampled=150)).problems == (), f"seed {seed}"
+    assert suited > 20
 
 
 @pytest.mark.parametrize("shape", LONG_TIMES)

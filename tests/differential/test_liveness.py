@@ -8,8 +8,8 @@ import pytest
 
 from tachk.compiler.lower import lower
 from tachk.engines.liveness import find_avoiding_run
-from tachk.engines.liveness_regions import check_by_regions
 from tachk.engines.options import NEVER, BoundScope, Extrapolation, Limits, Options
+from tachk.engines.oracles.liveness_regions import check_by_regions
 from tachk.engines.outcome import LivenessOutcome, LivenessStatus, Obligation
 from tachk.model.expressions import BOOL, Unary
 from tachk.operators import UnaryOperator

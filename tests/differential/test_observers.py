@@ -10,7 +10,7 @@ from random import Random
 
 import pytest
 
-from tachk.engines.digitised import _capped, _next_region, _spread
+from tachk.engines.oracles.digitised import _capped, _next_region, _spread
 from tachk.frontend.loaded import LoadedModel
 from tachk.logic.observer.construction import NoObserver, build_observer
 from tachk.model.query import Query

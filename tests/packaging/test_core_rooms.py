@@ -23,6 +23,7 @@ FLOORS = (
     "symbolic",
     "order",
     "reachability",
+    "localtime",
     "liveness",
 )
 """From the lowest up."""

@@ -16,10 +16,10 @@ if not (ROOT / "CONTRIBUTING.md").is_file():
     pytest.skip("needs a checkout", allow_module_level=True)
 
 USED_OTHERWISE = {
-    "tachk.engines.digitised": "the oracles that the engine is tested against",
+    "tachk.engines.oracles.digitised": "the oracles that the engine is tested against",
     "tachk.engines.reference": "the oracle that the engine is tested against",
-    "tachk.engines.liveness_reference": "the oracle that the engine is tested against",
-    "tachk.engines.liveness_regions": "the oracle that the engine is tested against",
+    "tachk.engines.oracles.liveness_reference": "the oracle that the engine is tested against",
+    "tachk.engines.oracles.liveness_regions": "the oracle that the engine is tested against",
     "tachk.model.builder": "docs/python.md: networks from Python",
     "tachk.formats.network_json.network.network_from_json": "docs/uppaal.md: networks from JSON",
     "tachk.formats.network_json.network.same_network": "docs/uppaal.md",

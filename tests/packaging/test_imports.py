@@ -36,6 +36,7 @@ def test_few_modules_open_the_door_to_the_core() -> None:
         "engines/cover.py",
         "engines/exact/exact_run.py",
         "engines/liveness.py",
+        "engines/local_times.py",
         "engines/measuring.py",
         "engines/simulation/simulator.py",
         "engines/simulation/splitting.py",

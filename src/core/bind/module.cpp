@@ -16,10 +16,11 @@
 #include "group.hpp"
 #include "judging/runs.hpp"
 #include "linear.hpp"
-#include "liveness.hpp"
 #include "offline.hpp"
 #include "online.hpp"
 #include "reachability/explorer.hpp"
+#include "searching/liveness.hpp"
+#include "searching/localtime.hpp"
 #include "simulated/simulation.hpp"
 
 namespace nb = nanobind;
@@ -128,6 +129,7 @@ NB_MODULE(_core, m) {
             return std::make_tuple(s.explored, s.stored, s.transitions, s.bytes);
           },
           "(explored, stored, transitions, bytes)")
+      .def("discrete_states", &tachk::Explorer::discrete_states, "How many discrete states have been seen.")
       .def("reached", &tachk::Explorer::reached, nb::arg("goal"), "The node where a goal was reached first, or None.")
       .def("taken", &tachk::Explorer::taken, "The numbers of the edges that some action so far has taken, ascending.")
       .def(
@@ -151,6 +153,7 @@ NB_MODULE(_core, m) {
 
   bind_certificates(m);
   bind_liveness(m);
+  bind_localtime(m);
   bind_csv(m);
   bind_offline(m);
   bind_linear(m);

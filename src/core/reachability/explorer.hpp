@@ -59,6 +59,8 @@ class Explorer final {
   const Program& program() const { return graph_.program(); }
   const ZoneOperations& operations() const { return graph_.operations(); }
   Statistics statistics() const;
+  // How many discrete states have been seen.
+  std::uint32_t discrete_states() const { return passed_.discrete_states(); }
   // The node in which a goal was reached first.
   std::optional<std::uint32_t> reached(std::size_t goal) const;
   // The extreme value of a measure among the states stored so far.

@@ -54,6 +54,9 @@ class DiscreteStates {
   bool equals(std::uint32_t number, const std::int32_t* slots);
   void unpack(std::uint32_t number, std::int32_t* slots);
 
+  // How many there are.
+  std::uint32_t size() const { return records_.size(); }
+
   // A number kept for each discrete state.
   std::uint32_t& note(std::uint32_t number) {
     return *reinterpret_cast<std::uint32_t*>(records_[number] + key_bytes());

@@ -66,6 +66,8 @@ class PassedList {
 
   std::uint32_t size() const { return nodes_.size(); }
   std::uint32_t stored() const { return stored_; }
+  // How many discrete states there are.
+  std::uint32_t discrete_states() const { return discretes_.size(); }
   const Node& node(std::uint32_t number) const { return *reinterpret_cast<const Node*>(nodes_[number]); }
   bool covered(std::uint32_t number) const { return node(number).next == covered_mark; }
   // The zone of a node that is not covered.

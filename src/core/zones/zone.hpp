@@ -26,6 +26,9 @@ struct ZoneOperations {
 
   // All clocks are zero.
   void (*make_zero)(ZoneRef zone, int dimension);
+  // Makes it the zone with these entries, row by row without padding, which are canonical and not empty; an entry of
+  // `unbounded_int32` is infinite.
+  void (*assign)(ZoneRef zone, int dimension, const std::int32_t* entries);
   // The zone and the atoms; false, and an unusable zone, if that is empty.
   bool (*intersect)(ZoneRef zone, int dimension, const Atom* atoms, std::size_t count);
   // Whether each atom by itself leaves something of the zone; cheap, and necessary for `intersect`.
@@ -75,6 +78,7 @@ inline constexpr Raw not_compared = -1;  // the bound of a clock that nothing co
 inline constexpr Raw no_bound = 4095;    // larger than any lower bound that can be asked of clock 0 or the padding
 
 inline constexpr Raw unbounded_entry = INT64_MAX;
+inline constexpr std::int32_t unbounded_int32 = BoundLimits<std::int32_t>::infinity;
 
 // Of the entries, in bits.
 enum class Width { narrow = 16, wide = 32, widest = 64 };

@@ -87,6 +87,10 @@ struct CheckedKernel : Kernel<T, Stride> {
     return true;
   }
 
+  static void assign(ZoneRef zone, int dimension, const std::int32_t* entries) {
+    K::assign(zone, dimension, entries);
+    TACHK_EXPECT(canonical(zone, dimension));
+  }
   static void make_zero(ZoneRef zone, int dimension) {
     K::make_zero(zone, dimension);
     TACHK_EXPECT(canonical(zone, dimension));

@@ -85,6 +85,15 @@ struct Kernel {
       for (int j = 0; j < stride(dimension); ++j) row(zone, dimension, i)[j] = j < dimension ? zero : infinity;
   }
 
+  static void assign(ZoneRef zone, int dimension, const std::int32_t* entries) {
+    for (int i = 0; i < dimension; ++i) {
+      T* to = row(zone, dimension, i);
+      for (int j = 0; j < dimension; ++j, ++entries)
+        to[j] = *entries == unbounded_int32 ? infinity : static_cast<T>(*entries);
+      for (int j = dimension; j < stride(dimension); ++j) to[j] = infinity;
+    }
+  }
+
   // Adds x_i - x_j ~ bound to a canonical zone; false if that empties it. O(n^2).
   static bool tighten(ZoneRef zone, int dimension, int i, int j, T bound) {
     if (bound >= row(zone, dimension, i)[j]) return true;
@@ -489,6 +498,7 @@ struct Table {
     table.largest_constant = BoundLimits<T>::largest_constant;
     table.legal = BoundLimits<T>::legal;
     table.make_zero = K::make_zero;
+    table.assign = K::assign;
     table.intersect = K::intersect;
     table.meets_each = K::meets_each;
     table.reset = K::reset;

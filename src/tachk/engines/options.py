@@ -62,6 +62,15 @@ class BoundScope(StrEnum):
     """One bound for each clock in the whole model."""
 
 
+class LocalTimes(StrEnum):
+    """Whether each process has a time of its own in a search, where that is sound: `tachk.engines.local_times`."""
+
+    AUTO = "auto"
+    """Where the first states say that it saves many."""
+    ALWAYS = "always"
+    NEVER = "never"
+
+
 LARGEST_SEED = 2**32 - 1
 NEVER = 2**32 - 1
 """`Options.proof_after` for no proof at all."""
@@ -89,6 +98,8 @@ class Options:
             so many in a row; 0: all are stored. It takes less memory; those that are reached in several ways are
             explored again. Not with `shortest`, with a limit on depth, or while `deadlock` is asked for.
         chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
+        local_times: search over local times, which saves the orders in which independent transitions happen. Only where
+            that is sound, and not with `shortest` or a limit on depth.
         proof_after: for `A<>` and `E[]`: how many states are explored depth first before a search breadth first looks
             for a short proof that there is no run; for `-->` it does so at once. 2**32 - 1: never.
         attempts: for `-->`: on the way to all states, up to one state for every eight is explored depth first, so that
@@ -115,6 +126,7 @@ class Options:
     reclaim: bool = True
     pack_clocks: int = 16
     passing: int = 0
+    local_times: LocalTimes = LocalTimes.AUTO
     chunk_words: int = 8
     proof_after: int = 2000
     attempts: bool = True

@@ -17,6 +17,7 @@ from tachk.engines.core_search import (
     transitions_of,
     user_seconds,
 )
+from tachk.engines.local_times import explore_locally
 from tachk.engines.options import Extrapolation, Limits, Options
 from tachk.engines.outcome import INTERRUPTED, GoalOutcome, Outcome, Progress, Status
 from tachk.engines.program_image import encode
@@ -82,7 +83,11 @@ def _search(
     program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
 ) -> tuple[Outcome, list[int]]:
     """The outcome of one exploration, and the goals that may be REACHED only seemingly."""
-    return _outcome(program, goals, _explorer(program, goals, options, limits), options, limits, progress)
+    explorer = _explorer(program, goals, options, limits)
+    found = explore_locally(program, goals, explorer, options, limits, progress)
+    if found is not None:
+        return replace(found, goals=_noted(goals, found.goals)), []
+    return _outcome(program, goals, explorer, options, limits, progress)
 
 
 def _outcome(

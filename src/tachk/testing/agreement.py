@@ -9,9 +9,10 @@ from fractions import Fraction
 from tachk.certify.replay import ReplayError, replay
 from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import InternalError, UnsupportedError
-from tachk.engines import digitised, reference, zone
+from tachk.engines import reference, zone
 from tachk.engines.concretise import concretise
-from tachk.engines.options import BoundScope, Extrapolation, Limits, Options, SearchOrder
+from tachk.engines.options import BoundScope, Extrapolation, Limits, LocalTimes, Options, SearchOrder
+from tachk.engines.oracles import digitised
 from tachk.engines.outcome import Outcome, Status
 from tachk.model.query import Query
 from tachk.properties.verdict import Answer
@@ -48,6 +49,11 @@ VARIANTS = (
     Options(pack_clocks=0, order=SearchOrder.DFS, extrapolation=Extrapolation.MAX, width=32),
     Options(pack_clocks=0, subsumption=False),
     Options(order=SearchOrder.DFS, reclaim=False),
+    Options(local_times=LocalTimes.ALWAYS),
+    Options(local_times=LocalTimes.ALWAYS, order=SearchOrder.DFS, pack_clocks=0),
+    Options(local_times=LocalTimes.ALWAYS, extrapolation=Extrapolation.MAX, bounds=BoundScope.GLOBAL),
+    Options(local_times=LocalTimes.ALWAYS, subsumption=False, chunk_words=1),
+    Options(local_times=LocalTimes.NEVER),
 )
 """Each option switched away from its default: none may change a verdict."""
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from random import Random
 
-from tachk.engines import digitised
 from tachk.engines.options import Limits, Options
+from tachk.engines.oracles import digitised
 from tachk.engines.outcome import Status
 from tachk.model.expressions import BOOL, Binary, Constant, Expression, Reference
 from tachk.model.query import Query

@@ -11,9 +11,9 @@ from tachk.compiler.lower import lower_obligation
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.engines.lasso import lasso
 from tachk.engines.liveness import find_avoiding_run
-from tachk.engines.liveness_reference import check_by_zones
-from tachk.engines.liveness_regions import check_by_regions
 from tachk.engines.options import Extrapolation, Limits, Options
+from tachk.engines.oracles.liveness_reference import check_by_zones
+from tachk.engines.oracles.liveness_regions import check_by_regions
 from tachk.engines.outcome import LivenessOutcome, LivenessStatus, Obligation
 from tachk.model.traversal import asks_deadlock
 from tachk.semantics.discrete import prepare

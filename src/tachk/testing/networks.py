@@ -55,6 +55,7 @@ class Shape:
         bystanders: how many further processes do the same but may also hinder the others, and talk to each other.
         companions: the largest number of further processes with a clock of their own that mostly move before their
             invariants end, and at once where time stands still.
+        apart: how often a process has clocks and variables that no other process uses, and few others.
         exact: how often a guard asks for one exact value of a clock, so that events fall on the bounds of others; with
             ``diagonals`` invariants compare two clocks.
         language: arrays, records, functions with loops and early returns, computed channels, conditional updates.
@@ -82,6 +83,7 @@ class Shape:
     spectators: int = 0
     bystanders: int = 0
     companions: int = 0
+    apart: float = 0.0
     exact: float = 0.0
     language: bool = False
     faults: float = 0.0
@@ -117,20 +119,26 @@ def random_case(random: Random, shape: Shape = Shape()) -> Case:
         may_fail = random.random() < shape.faults
         parts.language = random_language(random, network, parts.integers, parts.clocks, may_fail)
     handles: list[list[LocationHandle]] = []
+    mentioned = parts
     for number in range(random.randint(2, max(2, shape.processes))):
         priority = random.randint(0, 1) if shape.priorities else 0
         process = network.process(f"P{number}", priority)
-        handles.append(_locations(random, shape, parts, process))
+        used = parts
+        if shape.apart and random.random() < shape.apart:
+            used = _own(random, parts, process)
+            clocks, integers = [*mentioned.clocks, *used.clocks], [*mentioned.integers, *used.integers]
+            mentioned = replace(mentioned, clocks=clocks, integers=integers)
+        handles.append(_locations(random, shape, used, process))
         for source in handles[-1]:
             for _ in range(random.choice((1, 2, 2, 3, 3))):
-                _edge(random, shape, parts, process, source, random.choice(handles[-1]))
+                _edge(random, shape, used, process, source, random.choice(handles[-1]))
     for number in range(random.randint(1, shape.spectators) if shape.spectators else 0):
         _spectator(random, shape, parts, network.process(f"S{number}"))
     if shape.bystanders:
         _bystanders(random, shape, parts, network)
     for number in range(random.randint(1, shape.companions) if shape.companions else 0):
         _companion(random, parts, network.process(f"C{number}"))
-    predicates = tuple(_predicate(random, shape, parts, handles).expression for _ in range(shape.predicates))
+    predicates = tuple(_predicate(random, shape, mentioned, handles).expression for _ in range(shape.predicates))
     return Case(network.build(), predicates)
 
 
@@ -160,6 +168,17 @@ def _declare(random: Random, shape: Shape, network: NetworkBuilder, prefix: str 
             )
         )
     return _Parts(clocks, integers, channels, scratch)
+
+
+def _own(random: Random, parts: _Parts, process: ProcessBuilder) -> _Parts:
+    """Clocks and variables of a process, and now and then one that others use, too."""
+    clocks = [process.clock(f"y{i}") for i in range(random.randint(1, 2))]
+    integers = [process.integer("m", 0, INTEGER_TOP)]
+    if random.random() < 0.15:
+        clocks.append(random.choice(parts.clocks))
+    if random.random() < 0.3:
+        integers.append(random.choice(parts.integers))
+    return replace(parts, clocks=clocks, integers=integers)
 
 
 def _time(random: Random, shape: Shape, units: int) -> int:

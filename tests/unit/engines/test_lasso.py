@@ -13,8 +13,8 @@ from tachk.certify.replay import ReplayError
 from tachk.certify.replay_lasso import replay_lasso
 from tachk.engines.concretise import concretise
 from tachk.engines.lasso import lasso
-from tachk.engines.liveness_reference import check_by_zones
 from tachk.engines.options import Limits
+from tachk.engines.oracles.liveness_reference import check_by_zones
 from tachk.engines.outcome import AvoidingRun, Obligation, RunEnd
 from tachk.model.builder import NetworkBuilder, Term, deadlock
 from tachk.semantics.discrete import prepare

@@ -6,9 +6,9 @@ from random import Random
 
 import pytest
 
-from tachk.engines.liveness_reference import check_by_zones
-from tachk.engines.liveness_regions import check_by_regions
 from tachk.engines.options import Limits
+from tachk.engines.oracles.liveness_reference import check_by_zones
+from tachk.engines.oracles.liveness_regions import check_by_regions
 from tachk.engines.outcome import LivenessStatus, Obligation, RunEnd
 from tachk.model.builder import NetworkBuilder, Term, deadlock
 from tachk.testing import Shape, random_case

@@ -7,8 +7,9 @@ from fractions import Fraction
 
 import pytest
 
-from tachk.engines import digitised, reference
+from tachk.engines import reference
 from tachk.engines.options import Limits
+from tachk.engines.oracles import digitised
 from tachk.engines.outcome import Status
 from tachk.model.builder import NetworkBuilder
 

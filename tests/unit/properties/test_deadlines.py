@@ -10,8 +10,8 @@ from random import Random
 import pytest
 
 from tachk.diagnostics.diagnostic import InputError
-from tachk.engines.liveness_regions import check_by_regions
 from tachk.engines.options import Limits, Options, SearchOrder
+from tachk.engines.oracles.liveness_regions import check_by_regions
 from tachk.engines.outcome import LivenessStatus, Obligation
 from tachk.model.expressions import Expression, LocationTest
 from tachk.model.query import Deadline, Query

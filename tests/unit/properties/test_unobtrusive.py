@@ -12,8 +12,8 @@ import tachk
 from tachk import Answer
 from tachk.compiler.lower import lower_obligation
 from tachk.engines.liveness import find_avoiding_run
-from tachk.engines.liveness_regions import check_by_regions
 from tachk.engines.options import Limits, Options
+from tachk.engines.oracles.liveness_regions import check_by_regions
 from tachk.engines.outcome import LivenessStatus, Obligation
 from tachk.model.network import Network
 from tachk.properties.deep.unobtrusive import without_unobtrusive

@@ -10,7 +10,7 @@ import pytest
 
 from tachk.diagnostics.span import Source
 from tachk.engines.lasso import lasso
-from tachk.engines.liveness_reference import check_by_zones
+from tachk.engines.oracles.liveness_reference import check_by_zones
 from tachk.engines.outcome import Obligation, Statistics
 from tachk.loading.load import load_model
 from tachk.properties.verdict import Answer, Verdict

@@ -8,7 +8,7 @@ import click
 
 from tachk.cli import options
 from tachk.cli.reporting import Evidence, ReportForm
-from tachk.engines.options import LARGEST_SEED, PASSED_IN_A_ROW, Engine, Extrapolation, Options, SearchOrder
+from tachk.engines.options import LARGEST_SEED, PASSED_IN_A_ROW, Engine, Extrapolation, LocalTimes, Options, SearchOrder
 
 _DEFAULT = Options()
 
@@ -126,6 +126,15 @@ _DEFAULT = Options()
     show_default=True,
     help="Explore one state for all that differ only in which of several interchangeable processes is which. `tachk "
     "check --deep` tells which are, and why others are not.",
+)
+@click.option(
+    "--local-times",
+    type=options.Choice(LocalTimes),
+    default=_DEFAULT.local_times.value,
+    show_default=True,
+    help="Let each process have a time of its own, so that independent transitions need not be told apart by their "
+    "order, where that is sound. auto: where it seems to save many states. No effect with --trace shortest, "
+    "--max-depth or deadlock.",
 )
 @click.option(
     "every_trace",

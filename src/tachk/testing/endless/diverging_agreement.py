@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from tachk.diagnostics.diagnostic import InternalError, UnsupportedError
-from tachk.engines.liveness_reference import check_by_zones
-from tachk.engines.liveness_regions import check_by_regions
 from tachk.engines.options import Extrapolation, Limits, Options
+from tachk.engines.oracles.liveness_reference import check_by_zones
+from tachk.engines.oracles.liveness_regions import check_by_regions
 from tachk.engines.outcome import LivenessStatus, Obligation
 from tachk.model.query import Query
 from tachk.model.traversal import asks_deadlock

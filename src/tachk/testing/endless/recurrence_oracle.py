@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 
 from tachk.engines.avoiding_runs import Budget, Graph, LimitError, avoiding_run, build
-from tachk.engines.digitised import delayed, region_steps
 from tachk.engines.options import Limits
+from tachk.engines.oracles.digitised import delayed, region_steps
 from tachk.engines.outcome import RunEnd
 from tachk.model.expressions import Expression
 from tachk.model.network import Network

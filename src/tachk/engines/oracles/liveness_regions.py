@@ -14,8 +14,8 @@ from fractions import Fraction
 from functools import partial
 
 from tachk.engines.avoiding_runs import Budget, Condition, Graph, LimitError, avoiding_run, build, outcome_of
-from tachk.engines.digitised import Clocks, delayed, region_steps
 from tachk.engines.options import Limits
+from tachk.engines.oracles.digitised import Clocks, delayed, region_steps
 from tachk.engines.outcome import LivenessOutcome, Obligation, RunEnd, RunTimeFault, Statistics
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault

@@ -1,0 +1,51 @@
+#include "localtime.hpp"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "localtime/local_explorer.hpp"
+
+namespace nb = nanobind;
+
+namespace {
+
+std::unique_ptr<tachk::LocalExplorer> make_explorer(const std::vector<std::int64_t>& image,
+                                                    const tachk::Options& options, const tachk::Limits& limits) {
+  return std::make_unique<tachk::LocalExplorer>(tachk::decode_program(image), options, limits);
+}
+
+std::tuple<std::optional<std::string>, std::size_t> local_agents(const std::vector<std::int64_t>& image) {
+  const tachk::Agents agents = tachk::find_agents(tachk::decode_program(image));
+  if (agents.obstacle != nullptr) return {std::string(agents.obstacle), 0};
+  return {std::nullopt, agents.count};
+}
+
+}  // namespace
+
+void bind_localtime(nb::module_& m) {
+  m.def("local_agents", &local_agents, nb::arg("image"),
+        "(why local times are not sound for a program, or None; how many agents have one).");
+  nb::class_<tachk::LocalExplorer>(m, "LocalExplorer")
+      .def(nb::new_(&make_explorer), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
+      .def("run", &tachk::LocalExplorer::run, nb::arg("expansions"), nb::call_guard<nb::gil_scoped_release>(),
+           "Explores up to this many states.")
+      .def(
+          "statistics",
+          [](const tachk::LocalExplorer& self) {
+            const tachk::Statistics s = self.statistics();
+            return std::make_tuple(s.explored, s.stored, s.transitions, s.bytes);
+          },
+          "(explored, stored, transitions, bytes)")
+      .def("discrete_states", &tachk::LocalExplorer::discrete_states, "How many discrete states have been seen.")
+      .def("path_to_goal", &tachk::LocalExplorer::path_to_goal, nb::arg("goal"),
+           "The edge numbers of each action of a run to a goal, in the order of time; None if it was not reached.");
+}

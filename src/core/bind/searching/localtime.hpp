@@ -1,0 +1,6 @@
+// Adds the search over local times to the extension module.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+void bind_localtime(nanobind::module_& m);

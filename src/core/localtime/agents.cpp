@@ -1,0 +1,158 @@
+#include "localtime/agents.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "machine/accesses.hpp"
+
+namespace tachk {
+namespace {
+
+using Members = std::vector<std::uint32_t>;  // in ascending order
+
+bool holds(const Members& members, std::uint32_t member) {
+  return std::binary_search(members.begin(), members.end(), member);
+}
+
+// Something that parts of the program touch: a slot of the state or a clock.
+struct Resource {
+  Members edges;                             // that touch it
+  std::optional<Members> always;             // the processes that take part whenever an edge does
+  std::optional<std::uint32_t> constrained;  // the process with an invariant about it
+  bool contested = false;                    // by several such processes
+  bool changes = false;                      // else it is as good as a constant
+
+  void add_edge(std::uint32_t edge, const Members& participants) {
+    edges.push_back(edge);
+    if (!always) {
+      always = participants;
+      return;
+    }
+    std::erase_if(*always, [&](std::uint32_t process) { return !holds(participants, process); });
+  }
+  void add_invariant(std::uint32_t process) {
+    contested |= constrained && *constrained != process;
+    constrained = process;
+  }
+  // The process that takes part whenever it is touched; none if there is no such process.
+  std::optional<std::uint32_t> owner() const {
+    if (contested) return std::nullopt;
+    if (constrained) return !always || holds(*always, *constrained) ? constrained : std::nullopt;
+    if (always && !always->empty()) return always->front();
+    return std::nullopt;
+  }
+};
+
+const char* global_obstacle(const Program& program) {
+  if (program.has_priorities) return "there are priorities";
+  if (program.has_stopwatches) return "clocks are stopped";
+  if (!program.diagonals.empty()) return "clocks are compared with one another";
+  if (!program.measures.empty()) return "values are measured";
+  for (const Process& process : program.processes)
+    for (const Location& location : process.locations)
+      if (location.committed) return "there are committed locations";
+  for (const Channel& channel : program.channels) {
+    if (channel.urgent) return "there are urgent channels";
+    if (channel.broadcast) return "there are broadcast channels";
+  }
+  for (const Goal& goal : program.goals)
+    for (const Disjunct& disjunct : goal.disjuncts)
+      if (disjunct.deadlock != DeadlockLiteral::absent) return "deadlock is asked for";
+  return nullptr;
+}
+
+// The processes that take part in each action of an edge: its own, and its partner's if there is only one.
+Members participants_of(const Program& program, const Edge& edge) {
+  Members participants{edge.process};
+  if (edge.internal()) return participants;
+  Members partners;
+  for (const Edge& other : program.edges) {
+    if (other.internal() || other.sends == edge.sends || other.process == edge.process) continue;
+    const bool meet = edge.channel < other.channel + static_cast<std::int32_t>(other.channels) &&
+                      other.channel < edge.channel + static_cast<std::int32_t>(edge.channels);
+    if (meet && std::find(partners.begin(), partners.end(), other.process) == partners.end())
+      partners.push_back(other.process);
+  }
+  if (partners.size() == 1) participants.push_back(partners.front());
+  std::sort(participants.begin(), participants.end());
+  return participants;
+}
+
+struct Resources {
+  std::vector<Resource> slots;
+  std::vector<Resource> clocks;
+};
+
+Resources find_resources(const Program& program) {
+  Resources found{std::vector<Resource>(program.state_slots),
+                  std::vector<Resource>(static_cast<std::size_t>(program.dimension()))};
+  Accesses accesses(program);
+  for (std::uint32_t number = 0; number < program.edges.size(); ++number) {
+    const Touched touched = accesses.edge(program.edges[number]);
+    const Members participants = participants_of(program, program.edges[number]);
+    for (std::size_t slot = 0; slot < found.slots.size(); ++slot) {
+      if (touched.read[slot] || touched.written[slot]) found.slots[slot].add_edge(number, participants);
+      if (touched.written[slot]) found.slots[slot].changes = true;
+    }
+    for (std::size_t clock = 1; clock < found.clocks.size(); ++clock)
+      if (touched.clocks[clock]) found.clocks[clock].add_edge(number, participants);
+  }
+  for (std::uint32_t process = 0; process < program.processes.size(); ++process)
+    for (const Location& location : program.processes[process].locations) {
+      Touched touched(program);
+      accesses.add(location.invariant, touched);
+      for (std::size_t slot = 0; slot < found.slots.size(); ++slot)
+        if (touched.read[slot]) found.slots[slot].add_invariant(process);
+      for (std::size_t clock = 1; clock < found.clocks.size(); ++clock)
+        if (touched.clocks[clock]) found.clocks[clock].add_invariant(process);
+    }
+  return found;
+}
+
+}  // namespace
+
+Agents find_agents(const Program& program) {
+  Agents agents;
+  agents.obstacle = global_obstacle(program);
+  if (agents.obstacle != nullptr) return agents;
+  const Resources resources = find_resources(program);
+  agents.count = program.processes.size();
+  for (const Edge& edge : program.edges) agents.of_edge.push_back({edge.process});
+  agents.of_clock.assign(1, 0);
+
+  std::map<Members, std::uint32_t> groups;  // what the same edges share has one time
+  const auto shared = [&](const Members& edges) {
+    const auto [group, fresh] = groups.try_emplace(edges, static_cast<std::uint32_t>(agents.count));
+    if (!fresh) return group->second;
+    ++agents.count;
+    for (const std::uint32_t edge : edges) agents.of_edge[edge].push_back(group->second);
+    return group->second;
+  };
+  for (std::size_t number = 0; number < resources.slots.size(); ++number) {
+    const Resource& slot = resources.slots[number];
+    // A meta variable has its value during an action only.
+    if (!slot.changes || program.slots[number].meta || slot.owner()) continue;
+    if (slot.constrained) {
+      agents.obstacle = "an invariant reads what other processes change";
+      return agents;
+    }
+    shared(slot.edges);
+  }
+  for (std::size_t clock = 1; clock < resources.clocks.size(); ++clock) {
+    const Resource& resource = resources.clocks[clock];
+    if (const auto owner = resource.owner()) {
+      agents.of_clock.push_back(*owner);
+    } else if (resource.edges.empty()) {
+      agents.of_clock.push_back(0);  // only goals ask for it
+    } else if (resource.constrained) {
+      agents.obstacle = "an invariant constrains a clock that other processes use";
+      return agents;
+    } else {
+      agents.of_clock.push_back(shared(resource.edges));
+    }
+  }
+  return agents;
+}
+
+}  // namespace tachk

@@ -1,0 +1,28 @@
+// Who has a time of its own in a local-time search: each process, and each group of variables that several processes
+// use. What touches the same agent happens in the order of time; anything else may be done in either order.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "program/program.hpp"
+
+namespace tachk {
+
+struct Agents {
+  // Why the program cannot be searched with local times; nullptr if it can.
+  const char* obstacle = nullptr;
+  // The processes first, by their numbers, then groups of shared variables, whose time always passes.
+  std::size_t count = 0;
+  std::vector<std::vector<std::uint32_t>> of_edge;  // in ascending order, its process included
+  std::vector<std::uint32_t> of_clock;              // by number of the clock; that of clock 0 says nothing
+};
+
+// Local times are sound for reachability only, and only where nothing is said of the present of several processes at
+// once: no committed location, urgent channel, broadcast, priority or stopwatch, no clocks compared with one another,
+// no `deadlock` among the goals. An invariant may only speak of clocks and variables that no other process touches
+// without this one taking part (Govind, Herbreteau, Srivathsan, Walukiewicz 2019, section 2).
+Agents find_agents(const Program& program);
+
+}  // namespace tachk

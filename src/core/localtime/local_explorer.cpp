@@ -1,0 +1,130 @@
+#include "localtime/local_explorer.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "localtime/order_of_time.hpp"
+
+namespace tachk {
+
+void ActionsTaken::add(const Edges& action) {
+  const auto [place, fresh] = known_.try_emplace(action, static_cast<std::uint32_t>(actions_.size()));
+  if (fresh) actions_.push_back(&place->first);
+  numbers_.push_back(place->second);
+}
+
+void WaitingZones::add(std::uint32_t node, const std::vector<LocalEntry>& zone) {
+  zones_.resize(node + 1);
+  zones_[node] = zone;
+  ++count_;
+}
+
+std::vector<LocalEntry> WaitingZones::take(std::uint32_t node) {
+  --count_;
+  return std::exchange(zones_[node], {});
+}
+
+LocalExplorer::LocalExplorer(Program program, const Options& options, const Limits& limits)
+    : limits_(limits),
+      subsumption_(options.subsumption),
+      graph_(std::move(program), options),
+      passed_(graph_.program(), graph_.ordinary().operations(), options.chunk_words, options.reclaim,
+              graph_.ordinary().smaller_operations()),
+      waiting_(options.order, options.seed, limits.depth),
+      zones_(graph_.zones().size()),
+      goals_(graph_.program(), graph_.ordinary().semantics(), graph_.ordinary().operations(), false),
+      slots_(graph_.program().slots.size()),
+      exact_(graph_.ordinary().operations()) {
+  if (options.shortest || limits.depth != UINT32_MAX) throw std::invalid_argument("steps are counted");
+}
+
+// ---- the loop -------------------------------------------------------------------------------------------------------
+
+Status LocalExplorer::run(std::uint64_t expansions) {
+  try {
+    return search(expansions);
+  } catch (const ModelFault&) {
+    return Status::fault;
+  } catch (const ConstantOverflow&) {
+    return Status::constant_limit;
+  }
+}
+
+Status LocalExplorer::search(std::uint64_t expansions) {
+  if (!std::exchange(started_, true)) {
+    graph_.start([&](const LocalSuccessor& initial) {
+      passed_.announce(initial.effect.slots.data(), initial.effect.written);
+      store(initial, no_node);
+    });
+    waiting_.close();
+    waiting_.consider(graph_.program(), passed_);
+  }
+  while (!goals_.settled()) {
+    if (expansions-- == 0) return Status::running;
+    const std::uint32_t node = next();
+    if (node == no_node) return Status::finished;
+    expand(node);
+    waiting_.consider(graph_.program(), passed_);
+    if (passed_.stored() > limits_.states) return Status::state_limit;
+    if (limits_.memory_bytes != UINT64_MAX && statistics().bytes > limits_.memory_bytes) return Status::memory_limit;
+  }
+  return Status::finished;
+}
+
+std::uint32_t LocalExplorer::next() {
+  std::uint32_t node = waiting_.next();
+  for (; node != no_node && passed_.covered(node); node = waiting_.next()) zones_.take(node);
+  return node;
+}
+
+void LocalExplorer::expand(std::uint32_t node) {
+  passed_.unpack(passed_.node(node), slots_.data());
+  waiting_.begin(slots_.data());
+  ++explored_;
+  graph_.expand(
+      slots_.data(), zones_.take(node),
+      [&](const Effect& effect) { passed_.announce(effect.slots.data(), effect.written); },
+      [&](const LocalSuccessor& successor) {
+        ++transitions_;
+        store(successor, node);
+      });
+  waiting_.close();
+}
+
+void LocalExplorer::store(const LocalSuccessor& successor, std::uint32_t parent) {
+  ZoneGraph& ordinary = graph_.ordinary();
+  std::int32_t* slots = successor.effect.slots.data();
+  const std::uint32_t discrete = passed_.locate();
+  exact_.assign(successor.synchronised.get());
+  if (subsumption_ && passed_.covers(discrete, ordinary.packed(slots, exact_.get()))) return;
+  ordinary.abstract(slots, successor.synchronised, [&](ConstZoneRef zone) {
+    const std::uint32_t node = passed_.add(discrete, ordinary.packed(slots, zone), parent, subsumption_);
+    if (node == no_node) return;
+    waiting_.add(node, parent, slots, passed_.covered_last());
+    zones_.add(node, successor.zone);
+    actions_.add(successor.edges);
+    goals_.check(node, slots, exact_.get());
+  });
+}
+
+// ---- what is asked of it --------------------------------------------------------------------------------------------
+
+Statistics LocalExplorer::statistics() const {
+  const std::size_t bytes = passed_.bytes() + waiting_.bytes() + zones_.bytes() + actions_.bytes();
+  return {explored_, passed_.stored(), transitions_, bytes};
+}
+
+std::optional<Path> LocalExplorer::path_to_goal(std::size_t goal) {
+  if (goals_.node(goal) == no_node) return std::nullopt;
+  Path actions;
+  for (std::uint32_t node = goals_.node(goal); passed_.node(node).parent != no_node; node = passed_.node(node).parent)
+    actions.push_back(actions_.of(node));
+  std::reverse(actions.begin(), actions.end());
+  Semantics& semantics = graph_.ordinary().semantics();
+  for (const Disjunct& disjunct : graph_.program().goals[goal].disjuncts)
+    if (auto ordered = in_order_of_time(semantics, graph_.agents(), actions, disjunct.condition)) return ordered;
+  throw std::logic_error("no times are right for a run over local times");
+}
+
+}  // namespace tachk

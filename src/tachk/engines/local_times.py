@@ -1,0 +1,102 @@
+"""Searches in which each process has a time of its own: where they are sound, where they pay, and what they find.
+
+An ordinary zone knows in which order independent things have happened. A zone over local times does not, so that it
+stands for all orders (Govind, Herbreteau, Srivathsan, Walukiewicz 2019). That saves states where processes seldom meet;
+elsewhere larger matrices only cost time.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+from tachk import _core
+from tachk.compiler.program import Goal, Program
+from tachk.engines.core_search import (
+    core_limits,
+    core_options,
+    run_in_slices,
+    statistics_of,
+    transitions_of,
+    user_seconds,
+)
+from tachk.engines.options import Extrapolation, Limits, LocalTimes, Options
+from tachk.engines.outcome import GoalOutcome, Outcome, Progress, Status
+from tachk.engines.program_image import encode
+
+_FIRST_LOOK = 500
+"""How many states both searches explore before one is chosen."""
+_FEW_ZONES = 2.0
+"""With fewer zones for each discrete state there are few orders to be saved."""
+_WORTH_IT = 3.0
+"""How many times fewer zones for each discrete state pay for larger matrices. On the example families of TChecker the
+number is below 2.5 or above 5.8."""
+
+
+def obstacle(program: Program, goals: Sequence[Goal]) -> str | None:
+    """Why local times are not sound for a program and its goals, or None."""
+    return _core.local_agents(encode(program, goals))[0]
+
+
+def explore_locally(
+    program: Program,
+    goals: Sequence[Goal],
+    ordinary: _core.Explorer,
+    options: Options,
+    limits: Limits,
+    progress: Progress | None,
+) -> Outcome | None:
+    """Search over local times, where the options and the program allow it and it seems to pay.
+
+    Args:
+        ordinary: a search of the same that has not run; where this one is not made it may have explored some states.
+
+    Returns:
+        None where an ordinary search has to answer, also where this one met a run-time error or times out of range:
+        the order in which things happen counts for those.
+    """
+    start, user = time.perf_counter(), user_seconds()
+    search = _chosen(program, goals, ordinary, options, limits)
+    if search is None:
+        return None
+    status, reason = run_in_slices(search, start, limits, progress)
+    if status in (_core.Status.FAULT, _core.Status.CONSTANT_LIMIT):
+        return None
+    outcomes = tuple(_goal_outcome(program, search, number, goal, status) for number, goal in enumerate(goals))
+    statistics = replace(statistics_of(search, start), user_seconds=user_seconds() - user)
+    return Outcome(outcomes, statistics, reason)
+
+
+def _chosen(
+    program: Program, goals: Sequence[Goal], ordinary: _core.Explorer, options: Options, limits: Limits
+) -> _core.LocalExplorer | None:
+    counts_steps = options.shortest or limits.depth is not None
+    if options.local_times is LocalTimes.NEVER or counts_steps or options.extrapolation is Extrapolation.NONE:
+        return None
+    if options.local_times is LocalTimes.AUTO:
+        if ordinary.run(_FIRST_LOOK) is not _core.Status.RUNNING or _zones_each(ordinary) < _FEW_ZONES:
+            return None
+    if obstacle(program, goals) is not None:
+        return None
+    search = _core.LocalExplorer(encode(program, goals), core_options(options), core_limits(limits))
+    if options.local_times is LocalTimes.AUTO and search.run(_FIRST_LOOK) is _core.Status.RUNNING:
+        if _zones_each(ordinary) < _WORTH_IT * _zones_each(search):
+            return None
+    return search
+
+
+def _zones_each(search: _core.Explorer | _core.LocalExplorer) -> float:
+    """How many zones are stored for each discrete state."""
+    return search.statistics()[1] / max(search.discrete_states(), 1)
+
+
+def _goal_outcome(
+    program: Program, search: _core.LocalExplorer, number: int, goal: Goal, status: _core.Status
+) -> GoalOutcome:
+    actions = search.path_to_goal(number)
+    if actions is None:
+        return GoalOutcome(Status.UNREACHABLE if status is _core.Status.FINISHED else Status.UNDECIDED)
+    if not goal.decides:
+        return GoalOutcome(Status.REACHED)
+    return GoalOutcome(Status.REACHED, transitions_of(program, actions), actions)

@@ -1,0 +1,158 @@
+"""Searches over local times: where they are not sound another search answers, and where they are they answer alike."""
+
+from __future__ import annotations
+
+import pytest
+
+import tachk
+from tachk.compiler.lower import lower
+from tachk.engines.local_times import obstacle
+from tachk.engines.options import LocalTimes, Options
+from tachk.properties.verdict import Answer
+from tachk.records import dataclass
+
+ALWAYS, NEVER = Options(local_times=LocalTimes.ALWAYS), Options(local_times=LocalTimes.NEVER)
+
+LATE = "process Q() {{ clock y; init location A {{ invariant y <= 5; to B {{ guard y >= 4; {} }} }} location B {{}} }}"
+"""A process that does something at time 4 or 5."""
+
+
+@dataclass(frozen=True, slots=True)
+class Example:
+    """Two processes, P and Q, whether a query about them holds, and why local times are not sound for it."""
+
+    text: str
+    query: str
+    holds: bool
+    why: str | None = None
+
+
+EXAMPLES = {
+    "committed": Example(
+        """process P() { init committed location A { to B {} } location B {} }
+        process Q() { clock y; init location A { to B { guard y == 0; } } location B {} }""",
+        "E<> p.A and q.B",
+        False,
+        "there are committed locations",
+    ),
+    "urgent channel": Example(
+        """urgent chan c;
+        process P() { clock x; init location A { to B { sync c!; } } location B {} }
+        process Q() { init location A { to B { sync c?; } } location B {} }""",
+        "E<> p.A and p.x > 0",
+        False,
+        "there are urgent channels",
+    ),
+    "broadcast": Example(
+        """broadcast chan c;
+        process P() { init location A { to B { sync c!; } } location B {} }
+        process Q() { init location A { to B { sync c?; } } location B {} }""",
+        "E<> p.B and q.A",
+        False,
+        "there are broadcast channels",
+    ),
+    "deadlock": Example(
+        """process P() { clock x; init location A { to B { guard x <= 1; } } location B {} }
+        process Q() { init location A {} }""",
+        "E<> deadlock",
+        True,
+        "deadlock is asked for",
+    ),
+    "shared variable": Example(
+        """int[0,1] n = 0;
+        process P() { clock x; init location A { to B { guard n == 1 && x <= 3; } } location B {} }"""
+        + LATE.format("assign n = 1;"),
+        "E<> p.B",
+        False,
+    ),
+    "shared cell": Example(
+        """int[0,1] n[2]; int[0,1] i = 1;
+        process P() { clock x; init location A { to B { guard n[1] == 1 && x <= 3; } } location B {} }"""
+        + LATE.format("assign n[i] = 1;"),
+        "E<> p.B",
+        False,
+    ),
+    "invariant about another's variable": Example(
+        "int[0,9] n = 1; process P() { clock x; init location A { invariant x <= n; } }" + LATE.format("assign n = 9;"),
+        "E<> p.x > 1 and q.B",
+        False,
+        "an invariant reads what other processes change",
+    ),
+    "invariants of two processes": Example(
+        """int[0,9] n = 1;
+        process P() { clock x; init location A { invariant x <= n; } }
+        process Q() { clock y; init location A { invariant y <= n; to A { guard y >= 1; assign n = 9; } } }""",
+        "E<> p.x > 1",
+        True,
+        "an invariant reads what other processes change",
+    ),
+    "several partners": Example(
+        """chan c; int[0,1] n = 0;
+        process P() { clock x; init location A { to B { guard x >= 4; sync c!; assign n = 1; } } location B {} }
+        process Q() {
+            clock y;
+            init location A { to A { sync c?; } to B { guard n == 1 && y <= 3; } }
+            location B {}
+        }
+        process R() { init location A { to A { sync c?; } } }""",
+        "E<> q.B",
+        False,
+    ),
+    "urgent location": Example(
+        """process P() {
+            clock x;
+            init location A { to B { guard x <= 1; } }
+            urgent location B { to C {} }
+            location C {}
+        }"""
+        + LATE.format(""),
+        "E<> p.B and p.x > 1 or p.B and q.B",
+        False,
+    ),
+    "error that no run meets": Example(
+        """int[0,1] n = 0;
+        process P() { clock x; init location A { invariant x <= 1; } }
+        process Q() { clock y; init location A { to B { guard y >= 5; assign n = 2; } } location B {} }""",
+        "E<> q.B",
+        False,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_the_answer_is_that_of_the_ordinary_search(name: str) -> None:
+    example = EXAMPLES[name]
+    third = "r = R();" if "process R" in example.text else ""
+    model = tachk.loads(f"{example.text} p = P(); q = Q(); {third} system p, q{', r' if third else ''};")
+    for options in (NEVER, ALWAYS):
+        (verdict,) = model.verify(example.query, options=options)
+        assert verdict.answer is (Answer.HOLDS if example.holds else Answer.FAILS), options.local_times
+    assert verdict.query.target is not None
+    assert obstacle(*lower(model.network, [verdict.query.target])) == example.why
+
+
+def test_a_run_is_told_in_the_order_of_time() -> None:
+    model = tachk.loads(
+        """process P() { clock x; init location A { to B { guard x >= 7; assign x = 0; } } location B {} }
+        process Q() { clock y; init location A { to B { guard y <= 2; assign y = 0; } } location B {} }
+        p = P(); q = Q(); system p, q;"""
+    )
+    (verdict,) = model.verify("E<> p.B and q.B and q.y > 5", options=ALWAYS)
+    assert verdict.trace is not None
+    moved = [step.transition.participants[0].process for step in verdict.trace.steps if step.transition is not None]
+    assert moved == [1, 0]
+
+
+def test_the_choice_is_made_where_it_pays() -> None:
+    model = tachk.loads(
+        """process Lamp(int[1,6] number) {
+            clock x;
+            init location Off { invariant x <= 4 + number; to On { guard x >= 1; assign x = 0; } }
+            location On { invariant x <= 3; to Off { guard x >= 1; assign x = 0; } }
+        }
+        system Lamp;"""
+    )
+    (chosen,) = model.verify("A[] true")
+    (ordinary,) = model.verify("A[] true", options=NEVER)
+    assert chosen.answer is ordinary.answer is Answer.HOLDS
+    assert chosen.statistics.states_stored == 2**6 < ordinary.statistics.states_stored
