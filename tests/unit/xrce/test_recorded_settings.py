@@ -47,3 +47,9 @@ def test_heartbeats_tell_of_a_delay_of_the_thread() -> None:
 )
 def test_old_clients_are_known_by_their_short_waits(name: str, law: int | None) -> None:
     assert tachk.measure(CAPTURES / f"{name}.pcap").recorded_definitions().get("HEARTBEAT_LAW") == law
+
+
+def test_a_busy_machine_does_not_change_the_period_of_the_agent() -> None:
+    """Its rounds come late, never early: some waits of 202 ms do not speak for more than 200."""
+    assert tachk.measure(CAPTURES / "two_publishers_losses.pcap").quantity("agent_heartbeat").value in (None, 200)
+    assert tachk.measure(CAPTURES / "input_window.pcap").quantity("agent_heartbeat").value == 200

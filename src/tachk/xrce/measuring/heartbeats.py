@@ -266,8 +266,8 @@ def agent_period(between: Sequence[Sample], first: Sequence[Sample]) -> tuple[Qu
         how = f"only {len(regular)} of {len(between)} are near their median: something delays them"
         return Quantity(name, title, Unit.MILLISECONDS, tuple(between), None, Confidence.BOUND, how), phase
     middle = sorted(s.value for s in regular)[(len(regular) - 1) // 2]
-    value = roundest(middle, middle, len(regular))
-    how = f"the roundest number near the median of the regular ones, {len(regular)} of {len(between)}"
+    value = roundest(min(s.value for s in regular), middle, len(regular))
+    how = f"the roundest number up to the median of the regular ones, {len(regular)} of {len(between)}"
     confidence = Confidence.MEASURED if len(regular) > 1 else Confidence.ONE_SAMPLE
     return Quantity(name, title, Unit.MILLISECONDS, tuple(between), value, confidence, how), phase
 
