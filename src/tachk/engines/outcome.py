@@ -21,6 +21,7 @@ class Statistics:
     seconds: wall-clock time of the search.
     peak_bytes: largest size of the engine's data structures.
     user_seconds: CPU time that the process spent in user mode during the search.
+    interchangeable: processes of which the search did not tell which is which.
     """
 
     states_explored: int = 0
@@ -29,6 +30,7 @@ class Statistics:
     seconds: float = 0.0
     peak_bytes: int = 0
     user_seconds: float = 0.0
+    interchangeable: int = 0
 
     def then(self, other: Statistics) -> Statistics:
         """The work of two searches, one after the other."""
@@ -39,6 +41,7 @@ class Statistics:
             self.seconds + other.seconds,
             max(self.peak_bytes, other.peak_bytes),
             self.user_seconds + other.user_seconds,
+            max(self.interchangeable, other.interchangeable),
         )
 
 

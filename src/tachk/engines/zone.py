@@ -104,7 +104,9 @@ def _outcome(
     fault = fault_of(program, explorer) if status is _core.Status.FAULT else None
     outcomes = tuple(goal_outcome(program, explorer, number, goal, status) for number, goal in enumerate(goals))
     outcomes = _noted(goals, outcomes)
-    statistics = replace(statistics_of(explorer, start), user_seconds=user_seconds() - user)
+    statistics = replace(
+        statistics_of(explorer, start), user_seconds=user_seconds() - user, interchangeable=_interchangeable(program)
+    )
     outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
     if options.extrapolation is not Extrapolation.LU:
         return outcome, []
@@ -117,6 +119,10 @@ def _outcome(
             if not _explorer(everybody, goals, exact, Limits()).leads_to(explorer.path(node), number):
                 doubtful.append(number)
     return outcome, doubtful
+
+
+def _interchangeable(program: Program) -> int:
+    return sum(len(group.slots) for group in program.interchangeable)
 
 
 def _explorer(program: Program, goals: Sequence[Goal], options: Options, limits: Limits) -> _core.Explorer:

@@ -63,6 +63,7 @@ def statistics_to_json(statistics: Statistics) -> dict[str, Json]:
         "transitions": statistics.transitions,
         "seconds": statistics.seconds,
         "peak_bytes": statistics.peak_bytes,
+        "interchangeable": statistics.interchangeable,
     }
 
 

@@ -1,5 +1,7 @@
 """Which processes are interchangeable, and what tells others apart."""
 
+from pathlib import Path
+
 import pytest
 
 import tachk
@@ -19,6 +21,8 @@ chan to[N + 1];
 broadcast chan all;
 
 void push(int[0, N] who) { queue[count] = who; count = count + 1; }
+
+void leave() { for (i : id_t) if (mark[i] == 0) owner = i; }
 
 process P(const id_t me) {
     clock x;
@@ -81,6 +85,7 @@ def test_numbers_that_are_only_names_do_not_tell_processes_apart(edge: str) -> N
             "sync all?; assign count = 9 - count;",
             ORDER,
         ),
+        ("assign leave();", "a loop goes through it in order"),
         ("assign owner = queue[me - 1];", "`<` compares it"),
     ],
 )
@@ -97,8 +102,68 @@ def test_another_process_may_not_prefer_one() -> None:
 
 
 def test_initial_values_may_not_prefer_one() -> None:
-    groups, reasons = found("guard owner == 0; assign owner = me;", text=TEXT.replace("owner = 0;", "owner = 1;", 1))
-    assert groups == [] or reasons
+    text = TEXT.replace("owner = 0;", "owner = 1;", 1) % ("guard owner == 0; assign owner = me;", "")
+    assert found(text=text) == ([2], ["`owner` begins with 1, the number of one of them"])
+    text = TEXT.replace("mark[N + 1];", "mark[4] = {0, 0, 0, 1};") % ("guard mark[me] == 0; assign mark[me] = 2;", "")
+    assert found(text=text) == ([2], ["the initial values of `mark` tell them apart"])
+
+
+def test_ranges_may_not_hold_some_names_only() -> None:
+    text = TEXT.replace("int[0, N] owner", "int[0, 2] owner") % ("guard owner == 0; assign owner = me;", "")
+    assert found(text=text) == ([2], ["the range [0, 2] holds the number of one and not that of another"])
+
+
+def test_run_time_errors_may_not_depend_on_the_order_of_processes() -> None:
+    assert found("guard forall (i : id_t) 9 / mark[i] > 0; assign mark[me] = 1;") == (
+        [],
+        ["the body of a quantifier may meet a run-time error"],
+    )
+    text = TEXT.replace("location M {", "location M { invariant x <= 9 / mark[me];") % ("assign mark[me] = 1;", "")
+    assert found(text=text) == ([], ["an invariant or a rate may be a run-time error"])
+
+
+def test_priorities_of_channels_tell_processes_apart() -> None:
+    text = TEXT.replace("broadcast chan all;", "broadcast chan all; chan priority to[2] < default;")
+    text %= ("sync to[me]?;", "select k : id_t; sync to[k]!;")
+    assert found(text=text) == ([2], ["the priorities of the channels `to` tell them apart"])
+
+
+def test_a_deep_check_tells_who_is_interchangeable_and_why_others_are_not() -> None:
+    model = tachk.loads(TEXT % ("guard owner == 0; assign owner = me;", "assign queue[count] = 0;"))
+    (part,) = (part for part in model.check().parts if part.question == "interchangeable processes")
+    assert part.answer == "P(1), P(2), P(3)"
+    model = tachk.loads(TEXT % ("guard owner < me; assign owner = me;", ""))
+    (part,) = (part for part in model.check().parts if part.question == "interchangeable processes")
+    assert part.answer.startswith("not all P: `<` compares it (")
+
+
+def test_a_result_says_how_many_processes_were_exchanged() -> None:
+    model = tachk.loads(TEXT % ("guard owner == 0; assign owner = me;", ""))
+    many, some = model.verify("E<> owner == 5 - 5 && count == 1", "E<> P(1).M && P(2).M")
+    assert (many.statistics.interchangeable, some.statistics.interchangeable) == (3, 2)
+    assert many.answer.value == some.answer.value == "fails"
+
+
+def test_processes_of_a_foreign_file_are_exchanged_with_their_clocks(tmp_path: Path) -> None:
+    lines = ["system:fischer", "event:tau", "int:1:0:5:0:id"]
+    for i in range(1, 6):
+        lines += [
+            f"process:P{i}",
+            f"clock:1:x{i}",
+            f"location:P{i}:idle{{initial:}}",
+            f"location:P{i}:request{{invariant:x{i}<=10}}",
+            f"location:P{i}:waiting{{}}",
+            f"location:P{i}:critical{{labels:critical}}",
+            f"edge:P{i}:idle:request:tau{{provided:id==0 : do:x{i}=0}}",
+            f"edge:P{i}:request:waiting:tau{{provided:x{i}<=10 : do:x{i}=0;id={i}}}",
+            f"edge:P{i}:waiting:request:tau{{provided:id==0 : do:x{i}=0}}",
+            f"edge:P{i}:waiting:critical:tau{{provided:x{i}>10&&id=={i}}}",
+            f"edge:P{i}:critical:idle:tau{{do:id=0}}",
+        ]
+    path = tmp_path / "fischer.tck"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (verdict,) = tachk.load(path).verify("E<> false")
+    assert verdict.statistics.states_stored == 5 * 8
 
 
 @pytest.mark.parametrize(

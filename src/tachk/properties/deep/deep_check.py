@@ -20,6 +20,7 @@ from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.deep.findings import DeepCheck, Evidence, Part, counted
 from tachk.properties.deep.guards import GuardGoal, always_true_findings, guard_goals, never_true
+from tachk.properties.deep.interchange import interchange_parts
 from tachk.properties.deep.reached import (
     in_some_process,
     switched_off,
@@ -117,6 +118,7 @@ def deep_check(
         _zeno_part(explored, options, limits, progress),
     ]
     found += _fault_parts(explored.outcome)
+    found += interchange_parts(network)
     if unused is not None:
         found.append(Part("names never used or read", counted(tuple(unused)), tuple(unused)))
     return DeepCheck(tuple(found), explored.outcome.statistics, explored.outcome.reason)

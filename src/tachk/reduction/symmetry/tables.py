@@ -18,7 +18,7 @@ from tachk.reduction.symmetry.terms import cell_nodes
 
 def with_symmetry(program: Program, network: Network, predicates: Sequence[Expression]) -> Program:
     """The program of a network with what is interchangeable in it, where its goals are those of the predicates."""
-    if not _repeats(network):
+    if not repeats(network):
         return program
     symmetry = find_symmetry(network, predicates)
     layout = cell_layout(network)
@@ -37,7 +37,7 @@ def in_equal_parts(network: Network, targets: Sequence[Expression]) -> list[list
     """The numbers of targets in sets that leave the same processes interchangeable: those that name processes would
     make a search for the others larger. One set where nothing is interchangeable at all."""
     numbers = list(range(len(targets)))
-    if len(targets) < 2 or not _repeats(network) or not find_symmetry(network, []).groups:
+    if len(targets) < 2 or not repeats(network) or not find_symmetry(network, []).groups:
         return [numbers]
     parts: dict[frozenset[tuple[tuple[int, ...], ...]], list[int]] = {}
     for number in numbers:
@@ -46,7 +46,7 @@ def in_equal_parts(network: Network, targets: Sequence[Expression]) -> list[list
     return list(parts.values())
 
 
-def _repeats(network: Network) -> bool:
+def repeats(network: Network) -> bool:
     """Whether two processes may have the same text: a quick look."""
     shapes = [(len(p.locations), len(p.edges), len(p.variables), p.initial) for p in network.processes]
     return len(set(shapes)) < len(shapes)

@@ -1,0 +1,42 @@
+"""Which processes of a model are interchangeable for searches, and what tells others apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from tachk.model.network import Network
+from tachk.properties.deep.findings import Part
+from tachk.reduction.symmetry.detection import Difference, Interchangeable, find_symmetry
+from tachk.reduction.symmetry.tables import repeats
+
+_QUESTION = "interchangeable processes"
+
+
+def interchange_parts(network: Network) -> tuple[Part, ...]:
+    """Nothing about a network in which no two processes have the same text up to numbers and variables.
+
+    A query that names processes leaves only the others interchangeable.
+    """
+    if not repeats(network):
+        return ()
+    symmetry = find_symmetry(network, [])
+    told = [_group(network, group) for group in symmetry.groups]
+    told += _differences(symmetry.differences)
+    return (Part(_QUESTION, "; ".join(told)),) if told else ()
+
+
+def _group(network: Network, group: Interchangeable) -> str:
+    teams = [" with ".join(network.processes[member].name for member in team) for team in group.members]
+    if len(teams) > _MOST:
+        return f"{teams[0]} to {teams[-1]} ({len(teams)})"
+    return ", ".join(teams)
+
+
+_MOST = 4
+"""Of more than so many the first and the last are told."""
+
+
+def _differences(differences: Sequence[Difference]) -> Iterable[str]:
+    for each in differences:
+        place = f" ({each.refusal.span})" if each.refusal.span.text else ""
+        yield f"not all {each.template}: {each.refusal.reason}{place}"
