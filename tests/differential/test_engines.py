@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from tachk.compiler.lower import lower
 from tachk.engines import zone
 from tachk.engines.local_times import obstacle
-from tachk.engines.options import Extrapolation, Limits, LocalTimes, Options, SearchOrder
+from tachk.engines.options import BoundScope, Extrapolation, Limits, LocalTimes, Options, SearchOrder
 from tachk.model.expressions import BOOL, Constant
 from tachk.testing import Case, Shape, cases, random_case
 from tachk.testing.agreement import VARIANTS, Effort, compare
@@ -47,7 +47,13 @@ def test_engines_agree_on_seeded_networks(shape: str, block: int) -> None:
 
 
 def test_searches_over_local_times_agree_with_the_others() -> None:
-    local = [options for options in VARIANTS if options.local_times is LocalTimes.ALWAYS]
+    always = Options(local_times=LocalTimes.ALWAYS)
+    local = (
+        always,
+        replace(always, order=SearchOrder.DFS, pack_clocks=0),
+        replace(always, extrapolation=Extrapolation.MAX, bounds=BoundScope.GLOBAL),
+        replace(always, subsumption=False, chunk_words=1),
+    )
     suited = 0
     for seed in range(30):
         case = random_case(Random(seed), APART)

@@ -50,10 +50,6 @@ VARIANTS = (
     Options(pack_clocks=0, subsumption=False),
     Options(order=SearchOrder.DFS, reclaim=False),
     Options(local_times=LocalTimes.ALWAYS),
-    Options(local_times=LocalTimes.ALWAYS, order=SearchOrder.DFS, pack_clocks=0),
-    Options(local_times=LocalTimes.ALWAYS, extrapolation=Extrapolation.MAX, bounds=BoundScope.GLOBAL),
-    Options(local_times=LocalTimes.ALWAYS, subsumption=False, chunk_words=1),
-    Options(local_times=LocalTimes.NEVER),
 )
 """Each option switched away from its default: none may change a verdict."""
 
