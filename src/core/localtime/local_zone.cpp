@@ -16,36 +16,62 @@ LocalEntry sum(LocalEntry a, LocalEntry b) {
 }  // namespace
 
 LocalZones::LocalZones(std::size_t agents, std::vector<std::uint32_t> of_clock)
-    : agents_(agents), of_clock_(std::move(of_clock)), size_(agents + of_clock_.size() - 1) {}
+    : agents_(agents),
+      of_clock_(std::move(of_clock)),
+      size_(agents + of_clock_.size() - 1),
+      to_(size_),
+      from_(size_),
+      weak_(size_),
+      strict_(size_) {}
 
 void LocalZones::make_zero(LocalEntry* zone) const { std::fill_n(zone, size(), zero); }
 
-bool LocalZones::tighten(LocalEntry* zone, std::size_t i, std::size_t j, LocalEntry bound) const {
+bool LocalZones::tighten(LocalEntry* zone, std::size_t i, std::size_t j, LocalEntry bound) {
   if (bound >= zone[i * size_ + j]) return true;
-  const LocalEntry* from_j = zone + j * size_;
-  if (sum(bound, from_j[i]) < zero) return false;
+  if (sum(bound, zone[j * size_ + i]) < zero) return false;
   for (std::size_t r = 0; r < size_; ++r) {
-    LocalEntry* row = zone + r * size_;
-    if (row[i] == infinity) continue;
-    const LocalEntry to_j = sum(row[i], bound);
-    if (to_j >= row[j]) continue;  // no way through (i, j) is shorter
-    for (std::size_t k = 0; k < size_; ++k) {
-      // What is infinite stays far above infinity's place among the finite ones, and is cut back to it.
-      const LocalEntry through = to_j + from_j[k] - ((to_j | from_j[k]) & 1);
-      const LocalEntry shorter = from_j[k] == infinity ? infinity : through;
-      row[k] = std::min(row[k], shorter);
-    }
+    const LocalEntry to_j = sum(zone[r * size_ + i], bound);
+    to_[r] = to_j < zone[r * size_ + j] ? to_j : infinity;  // else no way through (i, j) is shorter
   }
+  shorten(zone, zone + j * size_);
   return true;
 }
 
-bool LocalZones::meet(LocalEntry* zone, std::span<const std::uint32_t> agents) const {
-  for (std::size_t n = 1; n < agents.size(); ++n)
-    if (!tighten(zone, agents[0], agents[n], zero) || !tighten(zone, agents[n], agents[0], zero)) return false;
+bool LocalZones::meet(LocalEntry* zone, std::span<const std::uint32_t> agents) {
+  if (agents.size() < 2) return true;
+  for (const std::uint32_t p : agents)
+    for (const std::uint32_t q : agents)
+      if (zone[p * size_ + q] < zero) return false;
+  // They have one time now: the shortest way to it and from it is the shortest one to and from any of them.
+  std::fill(to_.begin(), to_.end(), infinity);
+  std::fill(from_.begin(), from_.end(), infinity);
+  for (const std::uint32_t agent : agents) {
+    for (std::size_t r = 0; r < size_; ++r) to_[r] = std::min(to_[r], zone[r * size_ + agent]);
+    for (std::size_t k = 0; k < size_; ++k) from_[k] = std::min(from_[k], zone[agent * size_ + k]);
+  }
+  shorten(zone, from_.data());
   return true;
 }
 
-bool LocalZones::constrain(LocalEntry* zone, Atom atom) const {
+// Takes the ways through one point where they are shorter: to it as in `to_`, and on as in `from`.
+void LocalZones::shorten(LocalEntry* zone, const LocalEntry* from) {
+  // A sum with a weak bound is one less, with a strict one it loses what the other has. What is beyond infinity never
+  // is the minimum.
+  constexpr LocalEntry beyond = infinity + infinity / 2;
+  for (std::size_t k = 0; k < size_; ++k) {
+    weak_[k] = from[k] == infinity ? beyond : from[k] - 1;
+    strict_[k] = from[k] == infinity ? beyond : from[k] - (from[k] & 1);
+  }
+  for (std::size_t r = 0; r < size_; ++r) {
+    const LocalEntry to = to_[r];
+    if (to == infinity) continue;
+    LocalEntry* row = zone + r * size_;
+    const LocalEntry* on = (to & 1) != 0 ? weak_.data() : strict_.data();
+    for (std::size_t k = 0; k < size_; ++k) row[k] = std::min(row[k], to + on[k]);
+  }
+}
+
+bool LocalZones::constrain(LocalEntry* zone, Atom atom) {
   const auto bound = static_cast<LocalEntry>(atom.raw);
   if (atom.left == atom.right) return bound >= zero;
   // x <= c is t - x <= c, x >= c is x - t <= -c: `raw` bounds left - right, where the reference clock is 0.

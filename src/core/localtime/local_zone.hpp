@@ -32,9 +32,9 @@ class LocalZones {
   // All clocks are zero now, for all agents.
   void make_zero(LocalEntry* zone) const;
   // All these agents have the same time; false, and an unusable zone, if that leaves nothing.
-  bool meet(LocalEntry* zone, std::span<const std::uint32_t> agents) const;
+  bool meet(LocalEntry* zone, std::span<const std::uint32_t> agents);
   // A constraint on the value of one clock, seen by its agent; false if that leaves nothing.
-  bool constrain(LocalEntry* zone, Atom atom) const;
+  bool constrain(LocalEntry* zone, Atom atom);
   // Sets a clock, at the time of its agent.
   void reset(LocalEntry* zone, ClockReset reset) const;
   // Lets the time of an agent pass.
@@ -46,12 +46,17 @@ class LocalZones {
   bool is_legal(const LocalEntry* zone) const;
 
  private:
-  bool tighten(LocalEntry* zone, std::size_t i, std::size_t j, LocalEntry bound) const;
+  bool tighten(LocalEntry* zone, std::size_t i, std::size_t j, LocalEntry bound);
+  void shorten(LocalEntry* zone, const LocalEntry* from);
   std::size_t row_of(std::size_t clock) const { return agents_ + clock - 1; }
 
   std::size_t agents_;
   std::vector<std::uint32_t> of_clock_;
   std::size_t size_;
+  std::vector<LocalEntry> to_;  // of the operation under way
+  std::vector<LocalEntry> from_;
+  std::vector<LocalEntry> weak_;
+  std::vector<LocalEntry> strict_;
 };
 
 }  // namespace tachk

@@ -46,7 +46,7 @@ Condition all_there(std::uint32_t processes) {
 }
 
 void test_zones_do_not_know_the_order_of_independent_actions() {
-  const LocalZones zones(2, {0, 0, 1});
+  LocalZones zones(2, {0, 0, 1});
   const auto step = [&](std::vector<LocalEntry>& zone, std::uint16_t clock) {
     CHECK(zones.constrain(zone.data(), {0, clock, raw_bound(-clock, false)}));
     zones.reset(zone.data(), {clock, 0});
@@ -70,7 +70,7 @@ void test_zones_do_not_know_the_order_of_independent_actions() {
 }
 
 void test_what_is_synchronised_keeps_constraints() {
-  const LocalZones zones(2, {0, 0, 1});
+  LocalZones zones(2, {0, 0, 1});
   std::vector<LocalEntry> zone(zones.size());
   zones.make_zero(zone.data());
   zones.elapse(zone.data(), 0);
