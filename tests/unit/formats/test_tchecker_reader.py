@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import product
+from random import Random
+
 import pytest
 
 from tachk import api
@@ -119,7 +122,7 @@ WRONG = {
     "hello": ("E0820", "this is not a declaration"),
     "sync:P@a": ("E0820", "at least two different processes"),
     "sync:P@a:Q@c": ("E0820", "does not name an event"),
-    "sync:P@a:Q@a:R@a": ("E0821", "no counterpart"),
+    "sync:P@a:Q@a:R@a?": ("E0821", "no counterpart"),
     "sync:P@a?:Q@a?": ("E0821", "no counterpart"),
     "sync:P@a:R@a?:Q@a?": ("E0821", "order of the processes"),
 }
@@ -147,3 +150,100 @@ def test_vectors_of_two_events_become_channels() -> None:
     network = load_model(Source("m.tck", text)).network
     synchronisations = [edge.synchronisation for process in network.processes for edge in process.edges]
     assert [None if s is None else s.direction.value for s in synchronisations] == ["!", "?", None]
+
+
+def test_a_process_begins_in_each_of_its_initial_locations() -> None:
+    text = system("location:P:m{initial: : invariant: x<=1 : labels: here}", "edge:P:m:l:a{provided: x>=1 : do: i=1}")
+    model = api.Model(load_model(Source("m.tck", text)), "m.tck")
+    report = model.verify("E<> here && x == 0", "E<> P.l && i == 0 && x == 0", "E<> i == 1 && x < 1", trace=False)
+    assert [verdict.answer.value for verdict in report] == ["holds", "holds", "fails"]
+
+
+def test_a_vector_of_three_events_needs_the_guards_of_all() -> None:
+    text = system(
+        "clock:1:y",
+        *(f"location:{p}:m{{}}" for p in "PQR"),
+        "location:Q:n{}",
+        "edge:P:l:m:a{provided: x>=2}",
+        "edge:Q:l:m:a{provided: y<=3 && i==0 : do: i=1}",
+        "edge:Q:l:n:a{provided: y>3 : do: i=2}",
+        "edge:R:l:m:a{do: y=0}",
+        "edge:Q:n:l:b",
+        "sync:P@a:Q@a:R@a",
+    )
+    model = api.Model(load_model(Source("m.tck", text)), "m.tck")
+    report = model.verify(
+        "E<> P.m && Q.m && R.m && i == 1 && x >= 2 && y == 0",
+        "E<> P.m && Q.n && i == 2",
+        "E<> P.m && !R.m",
+        "E<> Q.m && x < 2",
+        "E<> i == 2 && x <= 3",
+        trace=False,
+    )
+    assert [verdict.answer.value for verdict in report] == ["holds", "holds", "fails", "fails", "fails"]
+
+
+Edges = dict[str, list[tuple[int, int, str, int, int]]]
+"""Of each process: from where, to where, event, value that `i` must have, value that it gets; -1: any, none."""
+
+
+def reached_by_hand(edges: Edges, vectors: list[tuple[tuple[str, str], ...]]) -> set[tuple[int, ...]]:
+    """The locations of P, Q and R and the values of `i` that vectors and events of their own lead to."""
+    order = "PQR"
+    own = [((name, event),) for name in order for event in "abc"]
+    joint = {part for vector in vectors for part in vector}
+    moves = [*vectors, *(vector for vector in own if vector[0] not in joint)]
+    reached, waiting = {(0, 0, 0, 0)}, [(0, 0, 0, 0)]
+    while waiting:
+        state = waiting.pop()
+        for vector in moves:
+            here = [
+                [
+                    e
+                    for e in edges[name]
+                    if e[2] == event and e[0] == state[order.index(name)] and e[3] in (-1, state[3])
+                ]
+                for name, event in vector
+            ]
+            for chosen in product(*here):
+                after = list(state)
+                for (name, _), (_, target, _, _, value) in zip(vector, chosen, strict=True):
+                    after[order.index(name)] = target
+                    after[3] = after[3] if value < 0 else value
+                if tuple(after) not in reached:
+                    reached.add(tuple(after))
+                    waiting.append(tuple(after))
+    return reached
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_random_vectors_of_three_events_lead_where_they_do_by_hand(seed: int) -> None:
+    random = Random(seed)
+    edges: Edges = {
+        name: [
+            (
+                random.randrange(3),
+                random.randrange(3),
+                random.choice("aabc"),
+                random.choice((-1, 0, 1)),
+                random.choice((-1, 0, 1, 2)),
+            )
+            for _ in range(5)
+        ]
+        for name in "PQR"
+    }
+    vectors = [(("P", "a"), ("Q", "a"), ("R", "a")), (("Q", "b"), ("R", "c"), ("P", "a"))]
+    lines = ["system:s", "int:1:0:2:0:i", *(f"event:{event}" for event in "abc")]
+    for name in "PQR":
+        lines += [f"process:{name}", f"location:{name}:l0{{initial:}}", f"location:{name}:l1", f"location:{name}:l2"]
+    for name, its in edges.items():
+        for source, target, event, wanted, value in its:
+            guard = f"provided: i=={wanted}" if wanted >= 0 else "provided: 1==1"
+            update = f" : do: i={value}" if value >= 0 else ""
+            lines.append(f"edge:{name}:l{source}:l{target}:{event}{{{guard}{update}}}")
+    lines += ["sync:" + ":".join(f"{name}@{event}" for name, event in vector) for vector in vectors]
+    model = api.Model(load_model(Source("m.tck", "\n".join(lines) + "\n")), "m.tck")
+    states = list(product(range(3), repeat=4))
+    report = model.verify(*(f"E<> P.l{p} && Q.l{q} && R.l{r} && i == {i}" for p, q, r, i in states), trace=False)
+    found = {state for state, verdict in zip(states, report, strict=True) if verdict.answer.value == "holds"}
+    assert found == reached_by_hand(edges, vectors)

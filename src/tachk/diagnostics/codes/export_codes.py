@@ -15,9 +15,9 @@ EXPORT_CODES: dict[str, Explanation] = {
     "E0821": Explanation(
         "vector of events without a counterpart",
         "Two events become a channel from the first process to the second; one event followed by weak ones (`P@e?`) "
-        "becomes a broadcast channel. Vectors of three or more events that all must happen, and vectors of weak events "
-        "alone, are not a synchronisation over channels.",
-        "sync:P@a:Q@a:R@a",
+        "becomes a broadcast channel, and three or more events that all must happen are one as well. A vector of weak "
+        "events alone, or of several events of which only some are weak, is not a synchronisation over channels.",
+        "sync:P@a?:Q@a?:R@a?",
         "sync:P@a:Q@a?:R@a?",
     ),
     "W0130": Explanation(

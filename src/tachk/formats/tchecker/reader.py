@@ -1,8 +1,9 @@
 """TChecker's text format (.tck) to a document.
 
 Processes become templates without parameters. A vector of two events becomes a channel from the first to the second; a
-vector of one event and weakly synchronised ones becomes a broadcast channel. Other vectors are refused by name. Labels
-become signals. Updates with ``if`` or ``while`` become functions.
+vector of one event and weakly synchronised ones becomes a broadcast channel, and one of three or more events several of
+them (`tachk.formats.tchecker.meetings`). Other vectors are refused by name. A process with several initial locations
+begins in a committed one more. Labels become signals. Updates with ``if`` or ``while`` become functions.
 
 TChecker takes an edge to be disabled if an assignment leaves the range of a variable; here that is an error of the
 model, reported when it happens.
@@ -12,11 +13,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from tachk.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.diagnostics.span import Source, Span
 from tachk.formats.tchecker.expression_reader import Reader, failure
+from tachk.formats.tchecker.meetings import Meeting, Whereabouts, choices, guard_of
 from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 from tachk.syntax.parsing.tables import lexer
@@ -50,6 +52,11 @@ class Vector:
     parts: tuple[tuple[str, str, bool], ...]
     span: Span
 
+    @property
+    def joins_many(self) -> bool:
+        """Whether three or more processes take part, all of them."""
+        return len(self.parts) > 2 and not any(weak for _, _, weak in self.parts)
+
 
 @dataclass(slots=True)
 class Process:
@@ -80,6 +87,8 @@ class _Reader:
     functions: list[ast.Declaration] = field(default_factory=list)
     labels: dict[str, list[tuple[Span, str, str]]] = field(default_factory=dict)
     vectors: list[Vector] = field(default_factory=list)
+    meetings: list[Meeting] = field(default_factory=list)
+    places: dict[str, Whereabouts] = field(default_factory=dict)
 
     def read(self) -> ast.Document:
         self.taken |= set(lexer().keywords)
@@ -99,7 +108,10 @@ class _Reader:
                 if entry.kind == kind:
                     handlers[kind](entry)
         whole = Span(self.source, 0, len(self.source.text))
+        for process in self.processes.values():
+            self._begin_once(process)
         channels = self._channels()
+        self._meet()
         templates = [self._template(name, process, channels) for name, process in self.processes.items()]
         system = ast.SystemLine(whole, (tuple(process.name for process in self.processes.values()),))
         if not self.processes:
@@ -269,14 +281,14 @@ class _Reader:
             receivers = [order.index(name) for name in names[1:]]
             if len(set(names)) < len(names) or len(names) < 2:
                 raise failure("a vector names at least two different processes", vector.span)
-            if weak[0] or (any(weak[1:]) and not all(weak[1:])) or (len(names) > 2 and not any(weak)):
+            if weak[0] or (any(weak[1:]) and not all(weak[1:])):
                 raise InputError(
                     [
                         Diagnostic(
                             "E0821",
                             "a vector of this form has no counterpart among channels",
                             vector.span,
-                            "write two events, or one event followed by weak ones",
+                            "write events that all must happen, or one event followed by weak ones",
                         )
                     ]
                 )
@@ -291,30 +303,77 @@ class _Reader:
                         )
                     ]
                 )
-            prefixes = ("broadcast",) if any(weak) else ()
-            type_ = ast.TypeExpression(vector.span, prefixes, ast.BuiltinType(vector.span, "chan"))
-            name = self._fresh(vector.parts[0][1])
-            declarator = ast.Declarator(vector.span, ast.Identifier(vector.span, name))
-            result[vector] = name, ast.VariableDeclaration(vector.span, type_, (declarator,))
+            if not vector.joins_many:
+                result[vector] = self._channel(vector, any(weak))
         return result
+
+    def _channel(self, vector: Vector, broadcast: bool) -> tuple[str, ast.VariableDeclaration]:
+        prefixes = ("broadcast",) if broadcast else ()
+        type_ = ast.TypeExpression(vector.span, prefixes, ast.BuiltinType(vector.span, "chan"))
+        name = self._fresh(vector.parts[0][1])
+        declarator = ast.Declarator(vector.span, ast.Identifier(vector.span, name))
+        return name, ast.VariableDeclaration(vector.span, type_, (declarator,))
+
+    def _begin_once(self, process: Process) -> None:
+        """Adds a location that leads to each initial one, if there are several."""
+        initial = [location for location in process.locations if location.initial]
+        if len(initial) < 2:
+            return
+        taken = {*self.names.values(), *lexer().keywords, *process.places.values()}
+        span = process.name.span
+        start = ast.Identifier(span, fresh_name("begins", taken))
+        process.locations[:] = [replace(location, initial=False) for location in process.locations]
+        process.locations.insert(0, ast.LocationDeclaration(span, start, None, initial=True, committed=True))
+        for location in initial:
+            process.edges.append(("", ast.EdgeDeclaration(span, start, location.name, (), None, None, ())))
+
+    def _meet(self) -> None:
+        """The meetings of all vectors of three or more events, and where their processes are."""
+        joining = [vector for vector in self.vectors if vector.joins_many]
+        edges = {name: process.edges for name, process in self.processes.items()}
+        for name in dict.fromkeys(name for vector in joining for name, _, _ in vector.parts[1:]):
+            process = self.processes[name]
+            if len(process.locations) < 2:
+                continue
+            numbers = {location.name.name: number for number, location in enumerate(process.locations)}
+            self.places[name] = Whereabouts(self._fresh(f"place_of_{name}"), numbers)
+            initial = next((each.name.name for each in process.locations if each.initial), next(iter(numbers)))
+            self.declarations.append(self.places[name].declaration(process.name.span, initial))
+        for vector in joining:
+            for chosen in choices([part[:2] for part in vector.parts], edges):
+                check_time()
+                channel, declaration = self._channel(vector, broadcast=True)
+                self.declarations.append(declaration)
+                taken = [edges[name][number][1] for name, number in chosen.items()]
+                updates = tuple(update for edge in taken for update in edge.updates)
+                self.meetings.append(Meeting(channel, chosen, guard_of(chosen, edges, self.places), updates))
 
     def _template(
         self, name: str, process: Process, channels: dict[Vector, tuple[str, ast.VariableDeclaration]]
     ) -> ast.Template:
         edges: list[ast.EdgeDeclaration] = []
-        for event, edge in process.edges:
+        for number, (event, edge) in enumerate(process.edges):
             uses = [
                 (channel, Direction.SEND if vector.parts[0][:2] == (name, event) else Direction.RECEIVE)
                 for vector, (channel, _) in channels.items()
                 if (name, event) in [part[:2] for part in vector.parts]
             ]
-            if not uses:
+            meetings = [meeting for meeting in self.meetings if meeting.edges.get(name) == number]
+            if not any((name, event) in [part[:2] for part in vector.parts] for vector in self.vectors):
                 edges.append(edge)
+            for meeting in meetings:
+                sends = meeting.sender == name
+                direction = Direction.SEND if sends else Direction.RECEIVE
+                label = ast.SynchronisationLabel(edge.span, ast.NameExpression(edge.span, meeting.channel), direction)
+                guard, updates = (meeting.guard, meeting.updates) if sends else (None, ())
+                edges.append(ast.EdgeDeclaration(edge.span, edge.source, edge.target, (), guard, label, updates))
             for channel, direction in uses:
                 label = ast.SynchronisationLabel(edge.span, ast.NameExpression(edge.span, channel), direction)
                 edges.append(
                     ast.EdgeDeclaration(edge.span, edge.source, edge.target, (), edge.guard, label, edge.updates)
                 )
+        if name in self.places:
+            edges = [self.places[name].followed(edge) for edge in edges]
         return ast.Template(process.name.span, process.name, (), (), tuple(process.locations), (), tuple(edges))
 
     def _signals(self) -> Iterator[ast.SignalDeclaration]:
