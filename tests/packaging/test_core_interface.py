@@ -104,6 +104,7 @@ def test_the_core_takes_every_option_but_those_for_the_network_by_its_name() -> 
         extrapolation=Extrapolation.MAX,
         bounds=BoundScope.GLOBAL,
         subsumption=False,
+        alu=False,
         width=32,
         scale=False,
         vector=False,

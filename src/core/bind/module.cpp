@@ -84,6 +84,7 @@ void bind_options(nb::module_& m) {
       .def_rw("width", &Options::width)
       .def_rw("scale", &Options::scale)
       .def_rw("vector", &Options::vector)
+      .def_rw("alu", &Options::alu)
       .def_rw("reclaim", &Options::reclaim)
       .def_rw("pack_clocks", &Options::pack_clocks)
       .def_rw("passing", &Options::passing)

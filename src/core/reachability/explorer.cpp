@@ -21,6 +21,16 @@ Options consistent(Options options, const Limits& limits, const Program& program
   return options;
 }
 
+// Whether a state that simulates another one stands for it: nothing is asked that depends on an action being
+// impossible, or on how long clocks have run.
+bool looks_at_actions_only(const Program& program) {
+  if (!program.measures.empty()) return false;
+  for (const Goal& goal : program.goals)
+    for (const Disjunct& disjunct : goal.disjuncts)
+      if (disjunct.deadlock != DeadlockLiteral::absent) return false;
+  return true;
+}
+
 }  // namespace
 
 Explorer::Explorer(Program program, const Options& options, const Limits& limits)
@@ -35,7 +45,9 @@ Explorer::Explorer(Program program, const Options& options, const Limits& limits
       measures_(graph_.program(), graph_.semantics(), graph_.operations()),
       passing_(graph_, options_.passing),
       source_(graph_.blank()),
-      work_{.taken = std::vector<std::uint8_t>(graph_.program().edges.size(), 0)} {}
+      work_{.taken = std::vector<std::uint8_t>(graph_.program().edges.size(), 0),
+            .simulation = Trial(options_.alu && options_.subsumption && graph_.knows_simulation() &&
+                                looks_at_actions_only(graph_.program()))} {}
 
 // ---- the loop -------------------------------------------------------------------------------------------------------
 
@@ -57,8 +69,7 @@ struct Explorer::Storing {
     passes = search.passing_.passes(successor);
     if (passes) return true;
     discrete = search.passed_.locate();
-    return !search.options_.subsumption ||
-           !search.passed_.covers(discrete, search.graph_.packed(successor.slots, successor.zone));
+    return !search.options_.subsumption || !search.covers(discrete, successor);
   }
   void take(const Successor& successor) {
     if (passes) {
@@ -110,10 +121,24 @@ void Explorer::expand(std::uint32_t number) {
   waiting_.close();
 }
 
+bool Explorer::covers(std::uint32_t discrete, const Successor& successor) {
+  const ZoneView zone = graph_.packed(successor.slots, successor.zone);
+  if (passed_.covers(discrete, zone)) return true;
+  if (!work_.simulation.asks()) return false;
+  const std::size_t others = passed_.count(discrete);
+  if (others == 0) return false;
+  const ClockBounds bounds = graph_.bounds(successor.slots);
+  const bool simulated = passed_.covers(discrete, zone, &bounds);
+  work_.simulation.tell(simulated, others);
+  return simulated;
+}
+
 void Explorer::store(const Successor& successor, std::uint32_t discrete) {
   const auto [edges, slots, zone] = successor;
   const std::uint32_t parent = edges.empty() ? no_node : node_;
-  const std::uint32_t number = passed_.add(discrete, graph_.packed(slots, zone), parent, options_.subsumption);
+  const ClockBounds bounds = work_.simulation.asking() ? graph_.bounds(slots) : ClockBounds{};
+  const std::uint32_t number = passed_.add(discrete, graph_.packed(slots, zone), parent, options_.subsumption,
+                                           work_.simulation.asking() ? &bounds : nullptr);
   if (number == no_node) return;
   waiting_.add(number, parent, slots, passed_.covered_last());
   try {

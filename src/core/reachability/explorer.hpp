@@ -18,6 +18,7 @@
 #include "reachability/options.hpp"
 #include "reachability/passing.hpp"
 #include "states/store.hpp"
+#include "states/trial.hpp"
 #include "symbolic/zone_graph.hpp"
 
 namespace tachk {
@@ -84,11 +85,13 @@ class Explorer final {
     std::uint64_t explored = 0;
     std::uint64_t transitions = 0;
     std::vector<std::uint8_t> taken;  // of each edge, whether it has been
+    Trial simulation;                 // of states by others
   };
 
   Status search(std::uint64_t expansions);
   std::uint32_t next();
   void expand(std::uint32_t node);
+  bool covers(std::uint32_t discrete, const Successor& successor);
   void store(const Successor& successor, std::uint32_t discrete);
   bool keeps_layers(std::uint32_t node);
   bool meets_a_goal(const Successor& successor);

@@ -14,6 +14,7 @@ struct Options : ZoneGraphOptions {
   SearchOrder order = SearchOrder::automatic;
   std::uint32_t seed = 1;
   bool subsumption = true;
+  bool alu = true;  // a state is dropped also for one that simulates it, where only what can be reached matters
   bool reclaim = true;
   // States with one process in a committed location are passed through, not stored, up to so many in a row.
   std::uint32_t passing = 0;

@@ -20,6 +20,7 @@ int widest_component(const Extent& least, const Extent& most) {
 Antichain::Antichain() : root_{{}, {}, std::make_unique<Group>()}, bytes_(root_.group->bytes()) {}
 
 void Antichain::add(const Extent& extent, std::uint32_t number) {
+  ++size_;
   if (root_.group->empty()) root_.least = root_.most = extent;
   std::optional<Part> half = add_to(root_, {extent, number});
   if (!half) return;

@@ -39,6 +39,7 @@ class Antichain {
   }
 
   std::size_t bytes() const { return bytes_; }
+  std::size_t size() const { return size_; }
 
  private:
   struct Group;
@@ -83,9 +84,11 @@ class Antichain {
     std::size_t removed = std::erase_if(group.members, [&](const Member& member) {
       return extent.may_include(member.extent) && covered(member.number);
     });
+    const std::size_t members = removed;
     for (Part& inner : group.parts)
       if (extent.may_include(inner.least) && remove_below(inner, extent, covered)) ++removed;
     if (removed == 0) return false;
+    size_ -= members;
     std::erase_if(group.parts, [&](const Part& inner) {
       if (!inner.group->empty()) return false;
       bytes_ -= inner.group->bytes();
@@ -110,6 +113,7 @@ class Antichain {
 
   Part root_;
   std::size_t bytes_;
+  std::size_t size_ = 0;
 };
 
 }  // namespace tachk

@@ -25,20 +25,27 @@ PassedList::PassedList(const Program& program, const ZoneOperations& zones, std:
       discretes_(program, chunk_words),
       nodes_(sizeof(Node)) {}
 
-std::uint32_t PassedList::coverer(std::uint32_t discrete, ZoneView zone) const {
-  const ZoneOperations& operations = zones_.operations(zone.dimension);
+std::uint32_t PassedList::coverer(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds) const {
   const std::uint32_t first = head(discrete);
   std::uint32_t found = no_node;
-  const auto covers = [&](std::uint32_t number) {
-    if (!operations.includes(zones_[node(number).zone], zone.data, zone.dimension)) return false;
+  const auto is_above = [&](std::uint32_t number) {
+    if (!covers(zones_[node(number).zone], zone.data, zone.dimension, bounds)) return false;
     found = number;
     return true;
   };
   if (is_long(first))
-    chain(first).any_above(extent_of(zone), covers);
+    chain(first).any_above(bounds == nullptr ? extent_of(zone) : Extent::below_all(), is_above);
   else
-    for (std::uint32_t number = first; number != no_node && !covers(number);) number = node(number).next;
+    for (std::uint32_t number = first; number != no_node && !is_above(number);) number = node(number).next;
   return found;
+}
+
+std::size_t PassedList::count(std::uint32_t discrete) const {
+  const std::uint32_t first = head(discrete);
+  if (is_long(first)) return chain(first).size();
+  std::size_t length = 0;
+  for (std::uint32_t member = first; member != no_node; member = node(member).next) ++length;
+  return length;
 }
 
 std::uint32_t PassedList::find(std::uint32_t discrete, ZoneView zone) const {
@@ -71,13 +78,12 @@ void PassedList::cover(std::uint32_t number) {
   node.zone = upper_hash;
 }
 
-void PassedList::thin_out(std::uint32_t& head, ZoneView zone) {
-  const ZoneOperations& operations = zones_.operations(zone.dimension);
+void PassedList::thin_out(std::uint32_t& head, ZoneView zone, const ClockBounds* bounds) {
   if (!is_long(head)) {
     for (std::uint32_t* link = &head; *link != no_node;) {
       const std::uint32_t number = *link;
       Node& old = entry(number);
-      if (operations.includes(zone.data, zones_[old.zone], zone.dimension) && !is_protected(number)) {
+      if (covers(zone.data, zones_[old.zone], zone.dimension, bounds) && !is_protected(number)) {
         *link = old.next;
         cover(number);
       } else {
@@ -88,9 +94,8 @@ void PassedList::thin_out(std::uint32_t& head, ZoneView zone) {
   }
   Antichain& members = chain(head);
   chain_bytes_ -= members.bytes();
-  members.remove_below(extent_of(zone), [&](std::uint32_t number) {
-    if (!operations.includes(zone.data, zones_[node(number).zone], zone.dimension) || is_protected(number))
-      return false;
+  members.remove_below(bounds == nullptr ? extent_of(zone) : Extent::above_all(), [&](std::uint32_t number) {
+    if (!covers(zone.data, zones_[node(number).zone], zone.dimension, bounds) || is_protected(number)) return false;
     cover(number);
     return true;
   });
@@ -144,11 +149,12 @@ void PassedList::append(std::uint32_t& head, std::uint32_t number) {
   add_to(chain(head), number);
 }
 
-std::uint32_t PassedList::add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption) {
+std::uint32_t PassedList::add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption,
+                              const ClockBounds* bounds) {
   covered_last_.clear();
   if (subsumption) {
-    if (covers(discrete, zone)) return no_node;
-    thin_out(head(discrete), zone);
+    if (covers(discrete, zone, bounds)) return no_node;
+    thin_out(head(discrete), zone, bounds);
   }
   const std::uint32_t zone_number = zones_.intern(zone);
   if (!subsumption && holds(head(discrete), zone_number)) {

@@ -40,10 +40,14 @@ class PassedList {
   // The number of that state, which is new if nobody has asked for it before.
   std::uint32_t locate() { return discretes_.locate(no_node); }
 
-  // Whether a stored zone of this discrete state contains the zone.
-  bool covers(std::uint32_t discrete, ZoneView zone) const { return coverer(discrete, zone) != no_node; }
+  // Whether a stored zone of this discrete state contains the zone; with `bounds` (may be null), simulates it.
+  bool covers(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds = nullptr) const {
+    return coverer(discrete, zone, bounds) != no_node;
+  }
   // A stored state with this discrete part whose zone does; no_node if there is none.
-  std::uint32_t coverer(std::uint32_t discrete, ZoneView zone) const;
+  std::uint32_t coverer(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds = nullptr) const;
+  // How many states with this discrete part are stored.
+  std::size_t count(std::uint32_t discrete) const;
 
   // The stored state with this discrete part and this zone; no_node if there is none.
   std::uint32_t find(std::uint32_t discrete, ZoneView zone) const;
@@ -52,8 +56,10 @@ class PassedList {
   bool contains(std::uint32_t discrete, ZoneView zone, bool subsumption) const;
 
   // Adds a state unless it is covered; removes the states that it covers. The number of the new node, or no_node.
-  // With `subsumption` a state is covered by a state with a zone that contains its own, without by an equal one only.
-  std::uint32_t add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption);
+  // With `subsumption` a state is covered by a state with a zone that contains its own, or simulates it, as for
+  // `covers`; without by an equal one only.
+  std::uint32_t add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption,
+                    const ClockBounds* bounds = nullptr);
 
   // The nodes that the last `add` has removed.
   const std::vector<std::uint32_t>& covered_last() const { return covered_last_; }
@@ -92,7 +98,12 @@ class PassedList {
   Antichain& chain(std::uint32_t head) { return chains_[head & ~chain_mark]; }
   const Antichain& chain(std::uint32_t head) const { return chains_[head & ~chain_mark]; }
   // Removes the members of an antichain that the zone covers.
-  void thin_out(std::uint32_t& head, ZoneView zone);
+  void thin_out(std::uint32_t& head, ZoneView zone, const ClockBounds* bounds);
+  bool covers(ConstZoneRef outer, ConstZoneRef inner, int dimension, const ClockBounds* bounds) const {
+    const ZoneOperations& operations = zones_.operations(dimension);
+    return bounds == nullptr ? operations.includes(outer, inner, dimension)
+                             : operations.simulates(outer, inner, dimension, *bounds);
+  }
   void cover(std::uint32_t number);
   bool is_protected(std::uint32_t number) const { return number - protected_first_ < protected_count_; }
   bool holds(std::uint32_t head, std::uint32_t zone_number) const;

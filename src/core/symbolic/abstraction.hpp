@@ -33,6 +33,12 @@ class Abstraction final {
   Abstraction(const Program& program, const Semantics& semantics, const ZoneOperations& operations, Extrapolation kind,
               BoundScope scope);
 
+  // The constants that count in a discrete state, until the next call.
+  ClockBounds bounds(const std::int32_t* slots) {
+    collect_bounds(slots);
+    return {lower_.get(), upper_.get()};
+  }
+
   // Calls take(abstract) for each of the zones that together stand for the zone of a discrete state; there is one
   // unless the program has diagonals. The zone is used up. Throws ConstantOverflow.
   template <class Take>

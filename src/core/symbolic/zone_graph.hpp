@@ -100,6 +100,14 @@ class ZoneGraph final {
     abstraction_.apply(slots, zone, take);
   }
 
+  // Whether a zone may be dropped for one that simulates it where only what can be reached matters: the constants that
+  // count are known, and time passes for all clocks alike.
+  bool knows_simulation() const {
+    return simulation_ && smaller_.empty() && !program_.has_stopwatches && program_.diagonals.empty();
+  }
+  // The constants that count in a discrete state, until the next call.
+  ClockBounds bounds(const std::int32_t* slots) { return abstraction_.bounds(slots); }
+
   // Memory for a state.
   SymbolicState blank() const;
   SymbolicState copy(const Successor& successor) const;
@@ -132,6 +140,7 @@ class ZoneGraph final {
   ActiveClocks active_;
   Abstraction abstraction_;
   Representatives representatives_;
+  bool simulation_;
   Effect effect_;
   ZoneBuffer target_;
 };

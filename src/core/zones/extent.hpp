@@ -40,6 +40,10 @@ struct Extent {
     return sum[0] + sum[1] + sum[2] + sum[3];
   }
 
+  // Of no zone: may include any, or may be included in any.
+  static Extent above_all() { return all(INT16_MAX); }
+  static Extent below_all() { return all(INT16_MIN); }
+
   friend bool operator==(const Extent&, const Extent&) = default;
 
  private:
@@ -51,6 +55,11 @@ struct Extent {
   Part part(int p) const {
     Part result;
     std::memcpy(&result, sums + p * (count / 2), sizeof result);
+    return result;
+  }
+  static Extent all(std::int16_t value) {
+    Extent result;
+    for (std::int16_t& sum : result.sums) sum = value;
     return result;
   }
   void put(int p, Part part) { std::memcpy(sums + p * (count / 2), &part, sizeof part); }

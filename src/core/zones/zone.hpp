@@ -15,6 +15,12 @@
 
 namespace tachk {
 
+// The constants with which clocks are compared in a discrete state: L(x) and U(x) as `extrapolate_lu_plus` takes them.
+struct ClockBounds {
+  ConstBoundRow lower;
+  ConstBoundRow upper;
+};
+
 struct ZoneOperations {
   const char* name;
   int stride;         // entries in a row
@@ -44,6 +50,10 @@ struct ZoneOperations {
   void (*down)(ZoneRef zone, int dimension);
   // Whether `outer` contains `inner`.
   bool (*includes)(ConstZoneRef outer, ConstZoneRef inner, int dimension);
+  // Whether each valuation of `inner` is simulated by one of `outer`: exactly, whether `inner` lies in the abstraction
+  // aLU of `outer` (F. Herbreteau, B. Srivathsan, I. Walukiewicz, "Better abstractions for timed automata", LICS 2012).
+  // Bounds as for `extrapolate_lu_plus`.
+  bool (*simulates)(ConstZoneRef outer, ConstZoneRef inner, int dimension, const ClockBounds& bounds);
   // Makes a zone the smallest one that contains both.
   void (*hull)(ZoneRef zone, ConstZoneRef other, int dimension);
   // Extra+LU (Behrmann, Bouyer, Larsen, Pelanek 2006, definition 7), closed again. `lower[i]` and `upper[i]` hold

@@ -136,6 +136,13 @@ struct CheckedKernel : Kernel<T, Stride> {
     TACHK_EXPECT(like_a_zone(inner, dimension));
     return K::includes(outer, inner, dimension);
   }
+  static bool simulates(ConstZoneRef outer, ConstZoneRef inner, int dimension, const ClockBounds& bounds) {
+    TACHK_EXPECT(like_a_zone(outer, dimension));
+    TACHK_EXPECT(like_a_zone(inner, dimension));
+    TACHK_EXPECT(proper(bounds.lower, dimension));
+    TACHK_EXPECT(proper(bounds.upper, dimension));
+    return K::simulates(outer, inner, dimension, bounds);
+  }
   static void hull(ZoneRef zone, ConstZoneRef other, int dimension) {
     TACHK_EXPECT(canonical(zone, dimension));
     TACHK_EXPECT(canonical(other, dimension));

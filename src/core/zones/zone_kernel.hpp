@@ -241,6 +241,31 @@ struct Kernel {
     return true;
   }
 
+  // Not if for some clocks x and y, the reference clock being one of them, the least value of x in `inner` is at most
+  // U(x), and y - x is bounded more tightly in `outer` in a way that matters below L(y).
+  static bool simulates(ConstZoneRef outer, ConstZoneRef inner, int dimension, const ClockBounds& bounds) {
+    const int number = vectors(dimension);
+    const T* lower_bounds = values(bounds.lower);
+    const T* upper_bounds = values(bounds.upper);
+    const T* first = row(inner, dimension, 0);
+    for (int y = 0; y < dimension; ++y) {
+      const T bound = y == 0 ? 0 : lower_bounds[y];
+      if (bound < 0) continue;
+      const T* row_outer = row(outer, dimension, y);
+      const T* row_inner = row(inner, dimension, y);
+      const T shift = static_cast<T>(-2 * bound);
+      Vector violated{};
+      for (int v = 0; v < number; ++v) {
+        const Vector tighter = vector(row_outer, v);
+        const Vector least = vector(first, v);
+        violated |= (tighter < vector(row_inner, v)) & (least > vector(upper_bounds, v) * -2) &
+                    ((tighter & ~1) + shift < least);
+      }
+      if (any(violated)) return false;
+    }
+    return true;
+  }
+
   static void hull(ZoneRef zone, ConstZoneRef other, int dimension) {
     const int number = vectors(dimension);
     for (int i = 0; i < dimension; ++i) {
@@ -506,6 +531,7 @@ struct Table {
     table.up_within = K::up_within;
     table.down = K::down;
     table.includes = K::includes;
+    table.simulates = K::simulates;
     table.hull = K::hull;
     table.extrapolate_lu_plus = K::extrapolate_lu_plus;
     table.extrapolate_max = K::extrapolate_max;

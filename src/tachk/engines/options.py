@@ -89,6 +89,9 @@ class Options:
         extrapolation: the zone abstraction.
         bounds: where the clock bounds of the abstraction come from.
         subsumption: drop a state whose zone lies inside a stored zone, not only equal ones.
+        alu: drop a state also if a stored zone simulates its zone: the exact test for the abstraction aLU (Herbreteau,
+            Srivathsan, Walukiewicz 2012), tried now and then and kept where it often says yes. Not where a query speaks
+            of `deadlock` or of largest and smallest values, nor for runs that go on for ever.
         width: the least number of bits of a clock bound in a zone: 16, 32 or 64; constants that do not fit need more.
         scale: count time in the largest unit of which every time in the model is a multiple.
         vector: use the widest vector instructions of this machine; off: portable code.
@@ -120,6 +123,7 @@ class Options:
     extrapolation: Extrapolation = Extrapolation.LU
     bounds: BoundScope = BoundScope.LOCAL
     subsumption: bool = True
+    alu: bool = True
     width: int = 16
     scale: bool = True
     vector: bool = True

@@ -22,6 +22,7 @@ from tachk.testing.networks import Case
 from tachk.words import QueryKind
 
 VARIANTS = (
+    Options(alu=False),
     Options(order=SearchOrder.BFS),
     Options(order=SearchOrder.PROGRESS),
     Options(order=SearchOrder.PROGRESS, passing=8, reclaim=False),

@@ -6,14 +6,17 @@ import pytest
 
 import tachk
 from tachk.diagnostics.diagnostic import UsageError
-from tachk.engines.options import Limits, Options, SearchOrder
+from tachk.engines.options import Limits, LocalTimes, Options, SearchOrder
 from tachk.engines.outcome import Statistics
 from tachk.resources import data_root
 
 
 def searched(model: str, name: str, order: SearchOrder, limits: Limits | None = None, **constants: int) -> Statistics:
     report = tachk.load(data_root() / "models" / "classics" / model, **constants).verify(
-        property=name, options=Options(order=order), limits=limits, trace=False
+        property=name,
+        options=Options(order=order, symmetry=False, local_times=LocalTimes.NEVER),
+        limits=limits,
+        trace=False,
     )
     (verdict,) = report.record.verdicts
     assert verdict.answer.value == "holds" or limits is not None

@@ -1,0 +1,47 @@
+// Whether it pays to ask a dearer question after a cheap one has said no. It is asked for a good while, because it may
+// say yes only once much is known, and goes on being asked as long as it says yes often for what it costs. Otherwise it
+// is tried again later, for a short time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace tachk {
+
+class Trial final {
+ public:
+  // Not `allowed`: the question is never asked.
+  explicit Trial(bool allowed) : left_(allowed ? first : 0), allowed_(allowed) {}
+
+  // Whether the question is to be asked this time.
+  bool asks() {
+    if (left_ > 0) return true;
+    if (!allowed_ || ++skipped_ < skip) return false;
+    skipped_ = 0;
+    left_ = window;
+    return true;
+  }
+  // Whether it is being asked; does not count.
+  bool asking() const { return left_ > 0; }
+  // What the answer was, and what it cost: each yes saves as much as `worth` of that.
+  void tell(bool yes, std::size_t cost) {
+    gained_ += (yes ? worth : 0) - static_cast<std::int64_t>(cost);
+    left_ -= static_cast<std::int64_t>(cost);
+    if (left_ > 0) return;
+    left_ = gained_ >= 0 ? window : 0;
+    gained_ = 0;
+  }
+
+ private:
+  static constexpr std::int64_t first = std::int64_t{1} << 18;
+  static constexpr std::int64_t window = std::int64_t{1} << 14;
+  static constexpr std::int64_t worth = 128;
+  static constexpr std::uint32_t skip = std::uint32_t{1} << 17;
+
+  std::int64_t left_;  // what the question may cost before its answers are weighed; 0: it is not asked now
+  bool allowed_;
+  std::uint32_t skipped_ = 0;
+  std::int64_t gained_ = 0;
+};
+
+}  // namespace tachk
