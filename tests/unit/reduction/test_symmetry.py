@@ -182,7 +182,7 @@ def test_a_query_that_names_processes_leaves_the_others(query: str, group: list[
 
 
 def test_priorities_tell_processes_apart() -> None:
-    text = "process P() { init location L; }\nA = P();\nB = P();\nC = P();\nsystem A, B < C;"
+    text = "process P() { init location L { to M { } } location M; }\nA = P();\nB = P();\nC = P();\nsystem A, B < C;"
     assert found(text=text) == ([2], ["they have different priorities"])
 
 

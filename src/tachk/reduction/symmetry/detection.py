@@ -143,6 +143,8 @@ def _candidates(reading: Reading) -> Iterable[list[int]]:
     network = reading.network
     shapes: dict[Hashable, list[int]] = {}
     for number, process in enumerate(network.processes):
+        if not process.edges:
+            continue
         shape = (
             process.initial,
             len(process.variables),

@@ -48,12 +48,16 @@ def in_equal_parts(network: Network, targets: Sequence[Expression]) -> list[list
 
 def repeats(network: Network) -> bool:
     """Whether two processes may have the same text: a quick look."""
-    shapes = [(len(p.locations), len(p.edges), len(p.variables), p.initial) for p in network.processes]
+    shapes = [(len(p.locations), len(p.edges), len(p.variables), p.initial) for p in network.processes if p.edges]
     return len(set(shapes)) < len(shapes)
 
 
 def _table(reading: Reading, layout: CellLayout, group: Interchangeable) -> Table | None:
-    """None where something belongs to two members at a time."""
+    """None where something belongs to two members at a time, and where there is nothing to exchange."""
+    if all(len(reading.network.processes[member].locations) == 1 for member in group.members[0]) and not any(
+        exchange.variables or exchange.values for exchange in group.exchanges
+    ):
+        return None
     moves = [_cell_moves(reading, layout, exchange) for exchange in group.exchanges]
     own = _own_cells(layout, moves)
     belongs = [own, *([move[cell] for cell in own] for move in moves)]
