@@ -252,6 +252,21 @@ def test_channels_of_mdf_are_columns_and_groups_have_their_own_rates(tmp_path: P
         open_trace(path)
 
 
+def test_a_damaged_mdf_file_has_no_records_behind_its_end(tmp_path: Path) -> None:
+    """A compressed block claims to be larger than the file."""
+    asammdf = pytest.importorskip("asammdf")
+    path = tmp_path / "drive.mf4"
+    with asammdf.MDF(version="4.10") as file:
+        file.append([asammdf.Signal(np.zeros(2000), np.arange(2000) / 10, name="Speed")])
+        file.save(path, compression=2)
+    octets = bytearray(path.read_bytes())
+    begin = octets.index(b"##DZ")
+    octets[begin + 40 : begin + 48] = (1 << 62).to_bytes(8, "little")
+    path.write_bytes(octets)
+    with pytest.raises(UsageError, match="lies behind the end of the file"):
+        open_trace(path).read()
+
+
 @pytest.mark.parametrize(("version", "ending"), [("4.10", "mf4"), ("3.30", "mdf")])
 def test_a_damaged_mdf_file_does_not_make_its_reader_read_other_memory(
     tmp_path: Path, version: str, ending: str

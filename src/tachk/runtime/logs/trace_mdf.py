@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from traceback import clear_frames
-from typing import Any
+from typing import Any, Final
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.runtime.logs.foreign import not_installed, reading
@@ -18,6 +18,9 @@ from tachk.runtime.logs.trace_hdf5 import plain_texts
 from tachk.runtime.trace import Recording, Trace
 from tachk.runtime.trace_arrays import TableRecording
 from tachk.runtime.trace_header import Header, agreed_unit, no_such_column
+
+_LARGEST_RATIO: Final = 1100
+"""No byte of deflate stands for more bytes than this."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,9 +97,14 @@ def _reading(path: Path) -> Iterator[Any]:
 
 
 def _check_places(file: Any, path: Path) -> None:
-    """Raises UsageError for a channel that lies behind the end of its records: a file is damaged so, and asammdf would
-    read memory that is not its own."""
+    """Raises UsageError for a channel that lies behind the end of its records, or a block of records behind the end of
+    the file: a file is damaged so, and asammdf would read memory that is not its own."""
+    size = path.stat().st_size
     for group in file.groups:
+        for block in group.data_blocks:
+            end = block.address + block.compressed_size
+            if not 0 <= end <= size or not 0 <= block.original_size <= _LARGEST_RATIO * size:
+                raise UsageError(f"{path}: a block of records lies behind the end of the file", "the file is damaged")
         bits = 8 * group.channel_group.samples_byte_nr
         for channel in group.channels:
             if hasattr(channel, "start_offset"):  # MDF 3
