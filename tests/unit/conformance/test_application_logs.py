@@ -9,9 +9,13 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+import tachk
 from tachk.cli.main import app
 from tachk.conformance.application_logs import with_log
+from tachk.conformance.asking import constants_of
+from tachk.conformance.conform import conform
 from tachk.conformance.events import Closing, Event, Recording
+from tachk.conformance.packet_events import read_capture
 from tachk.diagnostics.diagnostic import UsageError
 
 ROOT = Path(__file__).parents[3]
@@ -79,6 +83,33 @@ def test_a_log_of_another_time() -> None:
 def test_a_log_without_a_unit() -> None:
     with pytest.raises(UsageError, match=r"the times of app\.csv have no unit"):
         with_log(RUN, log(event(0, "told"), unit=None))
+
+
+@pytest.mark.parametrize(("calls", "expected"), [(True, True), (False, False)])
+def test_calls_of_the_run_function_put_a_heartbeat_off(calls: bool, expected: bool) -> None:
+    """A sample is lost, and the application calls its run function every 50 ms for five seconds."""
+    capture = CAPTURE.with_name("starved_heartbeat.pcap")
+    printed = json.loads(capture.with_suffix(".json").read_text(encoding="utf-8"))["publisher"]
+    ready, begin = (next(line["time"] for line in printed if line["event"] == name) for name in ("ready", "written"))
+    told = [(ready, "TOLD_ALL"), (ready, "CALLED"), (begin + 5_050_000_000, "TOLD_SOME")]
+    told[2:2] = [(begin + n * 50_500_000, "CALLED") for n in range(100 if calls else 1)]
+    rows = tuple(Event(Fraction(time), "told", {"client": 0, "what": what}, "log") for time, what in told)
+    noted = Recording("app.csv", rows, Fraction(1), None, rows[-1].time)
+    settings = {"HISTORY": 8, "CLIENT_JITTER": 60, "AGENT_JITTER": 60, "EXACT_BITMAPS": True}
+    model = tachk.load(MODEL, **settings)
+    assert model.loaded.recording is not None
+    found = conform(
+        model.network,
+        model.loaded.recording,
+        with_log(read_capture(capture), noted),
+        constants_of(model.loaded),
+        Fraction(30),
+        Fraction(60),
+        limits=tachk.Limits(states=20_000),
+        run=False,
+        explain=False,
+    )
+    assert found.accepted is expected
 
 
 @pytest.mark.parametrize(("said", "status"), [("TOLD_SOME", 0), ("LEFT", 10)])

@@ -43,6 +43,17 @@ def test_nobody_saw_what_arrived(capture: Path) -> None:
     assert all(event.optional for event in arrived)
 
 
+def test_the_delete_of_a_client_ends_what_it_sends() -> None:
+    """What the Agent sends, and what comes to the client, ends there, too, but by the hand of somebody else."""
+    closings = read_capture(MODELS.parents[1] / "tests/data/captures/later/client_2_0.pcap").closings
+    own = {(closing.column, closing.value) for closing in closings if closing.by_sender}
+    assert own
+    assert own == {(closing.column, closing.value) for closing in closings if closing.column == "link"} - {
+        ("link", 1),
+        ("link", 3),
+    }
+
+
 @pytest.mark.parametrize("capture", ["f7_late_dup_create_client_sub"], indirect=True)
 def test_second_create_client(capture: Path) -> None:
     created = [e.cells for e in read_capture(capture).events if e.name == "created_again"]
