@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         loads,
         random_network,
     )
+    from tachk.bridge.clock import Clock, SteppedClock, WallClock
     from tachk.monitoring.mining import mine
     from tachk.monitoring.offline import MonitorReport, monitor
     from tachk.monitoring.online import Monitor
@@ -42,6 +43,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Answer",
+    "Clock",
     "Engine",
     "Extrapolation",
     "InputError",
@@ -52,11 +54,13 @@ __all__ = [
     "Options",
     "Report",
     "SearchOrder",
+    "SteppedClock",
     "TachkError",
     "Truth",
     "UnsupportedError",
     "UsageError",
     "Verdict",
+    "WallClock",
     "__version__",
     "conform",
     "diff",
@@ -74,6 +78,7 @@ __all__ = [
 
 
 _MONITORING = {
+    **dict.fromkeys(("Clock", "SteppedClock", "WallClock"), "tachk.bridge.clock"),
     "Monitor": "tachk.monitoring.online",
     "MonitorReport": "tachk.monitoring.offline",
     "Truth": "tachk.runtime.node_signal",

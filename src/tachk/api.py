@@ -3,8 +3,7 @@
     import tachk
 
     model = tachk.load("fischer.ta", N=5)
-    report = model.verify()
-    report["mutual_exclusion"].answer          # Answer.HOLDS
+    model.verify()["mutual_exclusion"].answer  # Answer.HOLDS
 
 `load` takes a file, `loads` a text, and `Model` a network that `tachk.model.builder` made.
 
@@ -31,6 +30,7 @@ from tachk.properties.questions import Questions, checked, why_not
 from tachk.properties.verdict import Answer, Verdict
 from tachk.report.answers import Report
 from tachk.report.record import NotChecked, RunRecord
+from tachk.stepping.estimating import Estimable
 from tachk.syntax.source_files import read_source
 from tachk.time_limit import time_limit
 
@@ -185,7 +185,7 @@ def random_network(seed: int = 0) -> Model:
 
 
 @dataclass(frozen=True, slots=True, init=False)
-class Model:
+class Model(Estimable):
     """An instantiated model with the properties it states.
 
     Attributes:

@@ -35,6 +35,7 @@ COMMANDS = (
     "replay",
     "step",
     "estimate",
+    "bridge",
     "conform",
     "proxy",
     "monitor",
@@ -52,7 +53,7 @@ COMMANDS = (
 _FOLDERS = {
     **dict.fromkeys(("chart", "decode", "measure", "proxy"), "packets"),
     **dict.fromkeys(("synthesize", "sweep"), "many_values"),
-    **dict.fromkeys(("simulate", "replay", "step", "estimate"), "simulation"),
+    **dict.fromkeys(("simulate", "replay", "step", "estimate", "bridge"), "simulation"),
 }
 """Of commands whose modules are in folders of their own."""
 

@@ -81,8 +81,7 @@ class Estimated:
 
     @property
     def frequency(self) -> float:
-        share = self.sample.hits / self.sample.runs
-        return 1 - share if self.always else share
+        return _frequency(self.sample, self.always)
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,6 +168,12 @@ def estimate(network: Network, query: StatisticalQuery, settings: Settings) -> E
             assert_never(never)
 
 
+def _frequency(sample: Sample, always: bool) -> float:
+    """How often a path was true; ``always``: the sample counts those on which it was not."""
+    share = sample.hits / sample.runs
+    return 1 - share if always else share
+
+
 # ---- probabilities --------------------------------------------------------------------------------------------------
 
 
@@ -225,12 +230,11 @@ def _threshold(network: Network, query: StatisticalQuery, asked: Threshold, sett
         for answer in trials.answers.tolist():
             _read(readings, answer, path.always)
         decision = _agreed(readings)
-    share = sampler.sample.hits / sampler.sample.runs
     return Decided(
         query,
         decision if asked.at_least else _opposite(decision),
         (sampler.sample,),
-        (1 - share if path.always else share,),
+        (_frequency(sampler.sample, path.always),),
     )
 
 
@@ -282,9 +286,9 @@ def _comparison(network: Network, query: StatisticalQuery, paths: tuple[Path, Pa
         for first, second in pairs:
             _compare(readings, (first, second), paths)
         decision = _agreed(readings)
-    shares = [sampler.sample.hits / sampler.sample.runs for sampler in samplers]
-    frequencies = [1 - share if path.always else share for share, path in zip(shares, paths, strict=True)]
-    return Decided(query, decision, (samplers[0].sample, samplers[1].sample), (frequencies[0], frequencies[1]))
+    samples = samplers[0].sample, samplers[1].sample
+    frequencies = tuple(_frequency(sample, path.always) for sample, path in zip(samples, paths, strict=True))
+    return Decided(query, decision, samples, frequencies)
 
 
 def _compare(readings: Mapping[bool, RatioTest], answers: tuple[int, int], paths: tuple[Path, Path]) -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import json
-import socket
 from contextlib import nullcontext
 from pathlib import Path
 
 from tachk.cli.exit_status import ExitStatus
+from tachk.cli.places import place
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.span import Source
 from tachk.proxy.counterexample import rules_of
@@ -20,7 +20,6 @@ from tachk.proxy.run_of_model import read_run
 from tachk.proxy.script import parse_script
 from tachk.proxy.sightings import said
 from tachk.records import dataclass
-from tachk.xrce.messages import Endpoint
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +40,8 @@ class Proxying:
 
 def run_proxy(proxying: Proxying) -> ExitStatus:
     """Raises InputError for what is no rule, UsageError for a wrong option, OSError for a port that is taken."""
-    listening = [_place(text, "--listen") for text in proxying.listen]
-    ports = [place.port for place in listening]
+    listening = [place(text, "--listen") for text in proxying.listen]
+    ports = [each.port for each in listening]
     if len({*ports}) < len(ports):
         raise UsageError("--listen: two clients at the same port", "each client needs a port of its own")
     rules = _rules(proxying, ports)
@@ -51,22 +50,12 @@ def run_proxy(proxying: Proxying) -> ExitStatus:
         return ExitStatus.AS_EXPECTED
     if proxying.to is None:
         raise UsageError("--to is missing", "--to HOST:PORT says where the Agent listens")
-    plan = Plan(listening, _place(proxying.to, "--to", needs_host=True), proxying.idle)
+    plan = Plan(listening, place(proxying.to, "--to", needs_host=True), proxying.idle)
     decisions = Decisions(rules, proxying.seed)
     with nullcontext() if proxying.record is None else proxying.record.open("wb") as file:
         relay = Relay(plan, decisions, None if file is None else Recording(file), _Teller(rules))
         asyncio.run(relay.run(lambda: _tell_ready(plan)))
     return _tell_end(decisions)
-
-
-def _place(text: str, option: str, needs_host: bool = False) -> Endpoint:
-    host, colon, port = text.rpartition(":")
-    if not port.isdecimal() or not 1 <= int(port) <= 65535 or (needs_host and not host) or (colon and not host):
-        raise UsageError(f"{option} {text}: no {'HOST:PORT' if needs_host else '[HOST:]PORT'}", "like 127.0.0.1:8888")
-    try:
-        return Endpoint(socket.gethostbyname(host or "127.0.0.1"), int(port))
-    except OSError:
-        raise UsageError(f"{option} {text}: {host} is not known as a host with an address of IPv4") from None
 
 
 def _rules(proxying: Proxying, ports: list[int]) -> list[Rule]:
@@ -109,8 +98,8 @@ class _Teller:
 
 
 def _tell_ready(plan: Plan) -> None:
-    for place in plan.listening:
-        print(f"{place} -> {plan.agent}", flush=True)
+    for each in plan.listening:
+        print(f"{each} -> {plan.agent}", flush=True)
 
 
 def _tell_end(decisions: Decisions) -> ExitStatus:

@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from tachk.cli import options
+from tachk.cli.commands.simulation import drawing
 from tachk.cli.reporting import ReportForm
 
 
@@ -67,27 +68,10 @@ from tachk.cli.reporting import ReportForm
     type=options.Seconds(min=0),
     help="Stop the check of a cell after this time; its answers are unknown then.",
 )
-@click.option(
-    "--confidence",
-    metavar="C",
-    type=click.FloatRange(0.8, 0.999999),
-    default=0.95,
-    show_default=True,
-    help="Of the intervals of statistical queries.",
-)
-@click.option(
-    "half_width",
-    "--epsilon",
-    metavar="E",
-    type=click.FloatRange(0.0001, 0.25),
-    default=0.05,
-    show_default=True,
-    help="Statistical queries draw runs until the interval of a probability is at most 2 E wide.",
-)
-@click.option("runs", "--runs", metavar="N", type=options.Count(1, 10**9), help="Statistical queries draw N runs.")
-@click.option(
-    "--seed", metavar="S", type=options.Count(0, 2**63 - 1), default=0, help="Of the runs of statistical queries; 0."
-)
+@drawing.confidence(0.8, "Of the intervals of statistical queries.")
+@drawing.half_width("Statistical queries draw runs until the interval of a probability is at most 2 E wide.")
+@drawing.runs("Statistical queries draw N runs.")
+@drawing.seed("Of the runs of statistical queries.")
 @options.max_states("; its answers are unknown then")
 @options.max_memory
 @click.option("non_zeno", "--non-zeno", is_flag=True, help="Count only runs in which time diverges.")

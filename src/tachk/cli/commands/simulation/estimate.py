@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from tachk.cli import options
+from tachk.cli.commands.simulation import drawing
 from tachk.cli.reporting import ReportForm
 
 _SHARE = click.FloatRange(0, 0.5, min_open=True)
@@ -18,24 +19,9 @@ _SHARE = click.FloatRange(0, 0.5, min_open=True)
 @options.definitions
 @click.option("properties", "--property", metavar="NAME", multiple=True, help="Answer this property of the model.")
 @options.faults
-@click.option(
-    "--confidence",
-    metavar="C",
-    type=click.FloatRange(0.8, 0.999999),
-    default=0.95,
-    show_default=True,
-    help="How probable it is, at least, that an interval contains what it is for.",
-)
-@click.option(
-    "half_width",
-    "--epsilon",
-    metavar="E",
-    type=click.FloatRange(0.0001, 0.25),
-    default=0.05,
-    show_default=True,
-    help="Draw runs until the interval of a probability is at most 2 E wide.",
-)
-@click.option("runs", "--runs", metavar="N", type=options.Count(1, 10**9), help="Draw N runs, whatever comes of them.")
+@drawing.confidence(0.8, "How probable it is, at least, that an interval contains what it is for.")
+@drawing.half_width("Draw runs until the interval of a probability is at most 2 E wide.")
+@drawing.runs("Draw N runs, whatever comes of them.")
 @click.option(
     "alpha",
     "--alpha",
@@ -63,24 +49,9 @@ _SHARE = click.FloatRange(0, 0.5, min_open=True)
     show_default=True,
     help="Half the region in which both answers are right.",
 )
-@click.option(
-    "--seed",
-    metavar="S",
-    type=options.Count(0, 2**63 - 1),
-    default=0,
-    show_default=True,
-    help="The same seed gives the same answers.",
-)
-@click.option(
-    "--threads", metavar="N", type=options.Count(1, 256), default=1, help="They make no difference to the answers."
-)
-@click.option(
-    "most_steps",
-    "--max-steps",
-    metavar="N",
-    type=options.Count(1, 2**62),
-    help="Give up a run after N transitions; it counts as unknown.",
-)
+@drawing.seed("The same seed gives the same answers.")
+@drawing.threads("answers")
+@drawing.most_steps("most_steps", "Give up a run after N transitions; it counts as unknown.")
 @click.option(
     "most_runs",
     "--max-runs",

@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from tachk.cli import options
+from tachk.cli.commands.simulation import drawing
 
 
 @click.command(name="replay", short_help="Execute a run on a model, and judge it.")
@@ -17,7 +18,7 @@ from tachk.cli import options
     type=options.type_of_file,
     help="A run that tachk step or tachk simulate wrote (.run), or a report of tachk verify --format json.",
 )
-@click.option("prop", "--property", metavar="NAME", help="Of a report with several runs: the one about this property.")
+@drawing.property_of_report
 @options.definitions
 @click.option("clocks", "--clocks", is_flag=True, help="Print the value of every clock after each step.")
 @click.option(
@@ -30,13 +31,7 @@ from tachk.cli import options
     metavar="FORMULA",
     help="Judge the run by a formula, a sentence, or a file of them or a model.",
 )
-@click.option(
-    "record",
-    "--record",
-    metavar="NAME",
-    multiple=True,
-    help="Write only this signal, process, variable, or P.location. Can be given several times.",
-)
+@drawing.record
 @click.option(
     "output",
     "-o",

@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from tachk.cli import options
+from tachk.cli.commands.simulation import drawing
 from tachk.cli.reporting import TableForm
 from tachk.engines.simulation.policy import SCRIPT, Policy
 
@@ -20,7 +21,7 @@ from tachk.engines.simulation.policy import SCRIPT, Policy
     required=False,
     help="With --policy script: the run, as tachk step writes it.",
 )
-@click.option("--runs", metavar="N", type=options.Count(1, 10**9), default=1, show_default=True, help="How many runs.")
+@drawing.runs("How many runs.", default=1)
 @click.option(
     "--until",
     metavar="TIME",
@@ -28,14 +29,7 @@ from tachk.engines.simulation.policy import SCRIPT, Policy
     show_default=True,
     help="How long they are: a number of time units of the model, or a duration such as 3 min.",
 )
-@click.option(
-    "--seed",
-    metavar="S",
-    type=options.Count(0, 2**63 - 1),
-    default=0,
-    show_default=True,
-    help="The same seed gives the same runs.",
-)
+@drawing.seed("The same seed gives the same runs.")
 @click.option(
     "--policy",
     type=click.Choice([*(policy.value for policy in Policy), SCRIPT]),
@@ -46,18 +40,10 @@ from tachk.engines.simulation.policy import SCRIPT, Policy
 @click.option(
     "first", "--first", metavar="N", type=options.Count(0, 2**62), default=0, help="The number of the first run; 0."
 )
-@click.option(
-    "--threads", metavar="N", type=options.Count(1, 256), default=1, help="They make no difference to the runs."
-)
-@click.option("steps", "--max-steps", metavar="N", type=options.Count(1, 2**62), help="End a run after N transitions.")
+@drawing.threads("runs")
+@drawing.most_steps("steps", "End a run after N transitions.")
 @options.faults
-@click.option(
-    "record",
-    "--record",
-    metavar="NAME",
-    multiple=True,
-    help="Write only this signal, process, variable, or P.location. Can be given several times.",
-)
+@drawing.record
 @click.option(
     "formulas",
     "--monitor",
@@ -67,14 +53,7 @@ from tachk.engines.simulation.policy import SCRIPT, Policy
 @click.option(
     "all_runs", "--all-runs", is_flag=True, help="With --monitor: write all runs, not only those that violate."
 )
-@click.option(
-    "--confidence",
-    metavar="C",
-    type=click.FloatRange(0.5, 0.999999),
-    default=0.95,
-    show_default=True,
-    help="Of the interval for the probability that a run violates a formula.",
-)
+@drawing.confidence(0.5, "Of the interval for the probability that a run violates a formula.")
 @options.definitions
 @click.option(
     "output",

@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from tachk.cli import options
+from tachk.cli.commands.simulation import drawing
 
 
 @click.command(name="step", short_help="Walk through a model, step by step.")
@@ -19,15 +20,8 @@ from tachk.cli import options
     type=options.type_of_file,
     help="Begin with a run that step or simulate has written, or with a report of tachk verify.",
 )
-@click.option("prop", "--property", metavar="NAME", help="Of a report with several runs: the one about this property.")
-@click.option(
-    "seed",
-    "--seed",
-    metavar="S",
-    type=options.Count(0, 2**63 - 1),
-    default=0,
-    help="The same seed gives the same random steps.",
-)
+@drawing.property_of_report
+@drawing.seed("The same seed gives the same random steps.")
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:
     """Walk through a model: it lists what can happen and when, and you choose; help says how.

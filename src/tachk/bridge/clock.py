@@ -1,0 +1,39 @@
+"""Where time comes from."""
+
+from __future__ import annotations
+
+import time
+from typing import Protocol
+
+
+class Clock(Protocol):
+    """Counts nanoseconds; it never goes back."""
+
+    def now(self) -> int: ...
+
+
+class WallClock:
+    """As time passes, ``speed`` times as fast."""
+
+    def __init__(self, speed: float = 1.0) -> None:
+        self.speed = speed
+        self._begin = time.monotonic_ns()
+
+    def now(self) -> int:
+        return int((time.monotonic_ns() - self._begin) * self.speed)
+
+
+class SteppedClock:
+    """As somebody says, for tests and for simulations: nothing waits."""
+
+    def __init__(self, now: int = 0) -> None:
+        self._now = now
+
+    def now(self) -> int:
+        return self._now
+
+    def step_to(self, moment: int) -> None:
+        """Raises ValueError for a moment in the past."""
+        if moment < self._now:
+            raise ValueError(f"the time is {self._now} already, it cannot become {moment}")
+        self._now = moment

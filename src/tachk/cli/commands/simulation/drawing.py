@@ -1,0 +1,81 @@
+"""What the options of commands that draw runs have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import click
+
+from tachk.cli import options
+from tachk.engines.simulation.policy import Policy
+
+_Adds = Callable[[options.Decorated], options.Decorated]
+
+
+def seed(help: str) -> _Adds:
+    return click.option(
+        "--seed", metavar="S", type=options.Count(0, 2**63 - 1), default=0, show_default=True, help=help
+    )
+
+
+def threads(of: str) -> _Adds:
+    """``of``: to what they make no difference."""
+    help = f"They make no difference to the {of}."
+    return click.option("--threads", metavar="N", type=options.Count(1, 256), default=1, help=help)
+
+
+def confidence(least: float, help: str) -> _Adds:
+    return click.option(
+        "--confidence",
+        metavar="C",
+        type=click.FloatRange(least, 0.999999),
+        default=0.95,
+        show_default=True,
+        help=help,
+    )
+
+
+def half_width(help: str) -> _Adds:
+    """``--epsilon``."""
+    return click.option(
+        "half_width",
+        "--epsilon",
+        metavar="E",
+        type=click.FloatRange(0.0001, 0.25),
+        default=0.05,
+        show_default=True,
+        help=help,
+    )
+
+
+def runs(help: str, default: int | None = None) -> _Adds:
+    count = options.Count(1, 10**9)
+    if default is None:
+        return click.option("runs", "--runs", metavar="N", type=count, help=help)
+    return click.option("runs", "--runs", metavar="N", type=count, default=default, show_default=True, help=help)
+
+
+def most_steps(name: str, help: str) -> _Adds:
+    """``--max-steps``."""
+    return click.option(name, "--max-steps", metavar="N", type=options.Count(1, 2**62), help=help)
+
+
+policy = click.option(
+    "--policy",
+    type=click.Choice([policy.value for policy in Policy]),
+    default=Policy.STOCHASTIC.value,
+    show_default=True,
+    help="How long a process waits before it acts.",
+)
+
+record = click.option(
+    "record",
+    "--record",
+    metavar="NAME",
+    multiple=True,
+    help="Write only this signal, process, variable, or P.location. Can be given several times.",
+)
+
+property_of_report = click.option(
+    "prop", "--property", metavar="NAME", help="Of a report with several runs: the one about this property."
+)

@@ -1,0 +1,19 @@
+"""Addresses that people give."""
+
+from __future__ import annotations
+
+import socket
+
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.xrce.messages import Endpoint
+
+
+def place(text: str, option: str, needs_host: bool = False) -> Endpoint:
+    """Of ``[HOST:]PORT``, 127.0.0.1 without a host. Raises UsageError."""
+    host, colon, port = text.rpartition(":")
+    if not port.isdecimal() or not 1 <= int(port) <= 65535 or (needs_host and not host) or (colon and not host):
+        raise UsageError(f"{option} {text}: no {'HOST:PORT' if needs_host else '[HOST:]PORT'}", "like 127.0.0.1:8888")
+    try:
+        return Endpoint(socket.gethostbyname(host or "127.0.0.1"), int(port))
+    except OSError:
+        raise UsageError(f"{option} {text}: {host} is not known as a host with an address of IPv4") from None

@@ -1,0 +1,132 @@
+"""What a model can do by random runs, for scripts: `tachk.Model` has these methods."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, overload
+
+from tachk.diagnostics.diagnostic import UsageError
+
+if TYPE_CHECKING:
+    from tachk.frontend.loaded import LoadedModel
+    from tachk.statistics.estimate import Estimate, Settings
+
+
+@dataclass(frozen=True, slots=True)
+class Estimates(Sequence["Estimate"]):
+    """Answers to statistical queries, in the order of the queries; also by the name of a query.
+
+    Attributes:
+        model: its name in reports.
+    """
+
+    model: str
+    answers: tuple[Estimate, ...]
+    settings: Settings = field(repr=False)
+
+    @overload
+    def __getitem__(self, index: int | str) -> Estimate: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Estimate]: ...
+    def __getitem__(self, index: int | str | slice) -> Estimate | Sequence[Estimate]:
+        """Raises KeyError for a name, and IndexError for a number, that there is not."""
+        if not isinstance(index, str):
+            return self.answers[index]
+        for answer in self.answers:
+            if answer.query.name == index:
+                return answer
+        raise KeyError(index)
+
+    def __len__(self) -> int:
+        return len(self.answers)
+
+    def __iter__(self) -> Iterator[Estimate]:
+        return iter(self.answers)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As `tachk estimate --format json` writes it."""
+        from tachk.report.statistics.json import estimates_document
+
+        return estimates_document(self.model, self.answers, self.settings)
+
+    def to_text(self) -> str:
+        from tachk.report.statistics.text import answer_lines
+
+        return "".join(f"{line}\n" for each in self.answers for line in answer_lines(each, self.settings))
+
+
+class Estimable:
+    """A model of which probabilities and means can be asked.
+
+    Attributes:
+        path: where it was read from, or what reports call it.
+    """
+
+    path: str
+    loaded: LoadedModel
+
+    def estimate(
+        self,
+        *queries: str,
+        confidence: float = 0.95,
+        epsilon: float = 0.05,
+        runs: int | None = None,
+        seed: int = 0,
+        threads: int = 1,
+        max_steps: int | None = None,
+        fault: str | Iterable[str] = (),
+    ) -> Estimates:
+        """Answers statistical queries by random runs: docs/statistics.md says what an answer is worth.
+
+        Args:
+            queries: such as ``"Pr[<=100](<> P.a)"``; none: those of the model.
+            epsilon: half the width of the intervals of probabilities.
+            runs: how many are drawn; None: as many as it takes.
+            seed: the same seed gives the same answers, with any number of threads.
+            max_steps: a run with more transitions is given up and counts as unknown.
+            fault: orders such as ``"lost=0.01"``, see docs/faults.md.
+
+        Raises:
+            InputError: a query is wrong.
+            UsageError: there is no statistical query, or an argument has no meaning.
+            UnsupportedError: something cannot be simulated.
+        """
+        from tachk.simulation.orders import ordered, orders_of
+        from tachk.statistics.estimate import Settings, estimate
+        from tachk.statistics.sampling import Source
+
+        if not 0 < confidence < 1 or not 0 < epsilon <= 0.5 or threads < 1 or (runs is not None and runs < 1):
+            raise UsageError("confidence is between 0 and 1, epsilon at most 0.5, runs and threads at least 1")
+        loaded = _with_doubles(self.loaded, self.path)
+        network = ordered(loaded.network, orders_of([fault] if isinstance(fault, str) else list(fault))).network
+        settings = Settings(Source(seed, 0, threads, max_steps), confidence, epsilon, runs)
+        asked = list(_asked(loaded, queries))
+        if not asked:
+            raise UsageError(f"{self.path}: there is no statistical query", "such as 'Pr[<=100](<> P.location)'")
+        return Estimates(self.path, tuple(estimate(network, query, settings) for query in asked), settings)
+
+
+def _asked(loaded: LoadedModel, queries: tuple[str, ...]) -> Iterator[Any]:
+    from tachk.diagnostics.span import Source
+    from tachk.frontend.queries.statistical import is_statistical, read_statistical
+    from tachk.properties.questions import Questions
+
+    typed = tuple(Source("<query>", text) for text in queries)
+    formulas = Questions("", (), (), typed).about(loaded) if queries else loaded.formulas
+    for query in formulas:
+        if is_statistical(query):
+            yield read_statistical(query, loaded)
+
+
+def _with_doubles(loaded: LoadedModel, path: str) -> LoadedModel:
+    """The model with the floating point variables and hybrid clocks that a search leaves out, if it was read."""
+    from tachk.diagnostics.span import Source
+    from tachk.loading.load import load_model
+
+    if not any(warning.code == "W0406" for warning in loaded.warnings) and not loaded.refusals:
+        return loaded
+    constants = {name: value.span.text for name, value in loaded.overrides.items()}
+    written: str | Source = path if Path(path).is_file() else loaded.document.span.source
+    return load_model(written, constants, keeps_doubles=True)

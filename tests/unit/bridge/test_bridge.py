@@ -1,0 +1,82 @@
+"""A model of a client and a model of an Agent speak by UDP: their packets are messages of DDS-XRCE, and everything that
+is written arrives."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from pathlib import Path
+
+import pytest
+
+from tachk.bridge.bridging import Bridge
+from tachk.bridge.clock import SteppedClock
+from tachk.bridge.part import Part
+from tachk.bridge.sockets import BridgeSocket
+from tachk.diagnostics.diagnostic import UsageError
+from tachk.loading.load import load_model
+from tachk.model.network import Network
+from tachk.proxy.recording import Recording
+from tachk.xrce.events import Event, decode
+from tachk.xrce.wire import Kind
+
+MODELS = Path(__file__).parents[3] / "models" / "micro_xrce_dds"
+SECOND = 10**9
+
+
+def network() -> Network:
+    return load_model(MODELS / "publication.ta", {"MESSAGES": 4}).network
+
+
+def conversation(lost: int | None = None) -> tuple[list[Event], SteppedClock]:
+    """What is recorded at the client; one of its packets is lost."""
+    clock, out = SteppedClock(), BytesIO()
+    agent = BridgeSocket(Bridge(Part(network(), ["writer"]), clock), None, None)
+    client = BridgeSocket(
+        Bridge(Part(network(), ["application", "publisher"]), clock), None, agent.address, Recording(out)
+    )
+    sockets = [client, agent]
+    try:
+        while True:
+            for socket in sockets:
+                if socket is client and client.packets[0] == lost:
+                    lost = None
+                    client.bridge.due()  # and nobody sends it
+                socket.due()
+            while sum(socket.poll() for socket in sockets):
+                pass
+            wakes = [wake for socket in sockets if (wake := socket.bridge.wake()) is not None]
+            if not wakes or clock.now() > 100 * SECOND:
+                return list(decode(BytesIO(out.getvalue()), [agent.address.port])), clock
+            clock.step_to(max(min(wakes), clock.now() + 1))
+    finally:
+        for socket in sockets:
+            socket.close()
+
+
+def test_models_of_both_ends_have_a_session_by_udp() -> None:
+    found, clock = conversation()
+    assert all(not event.problem for event in found)
+    kinds = [event.kind for event in found]
+    assert kinds[:2] == [Kind.CREATE_CLIENT, Kind.STATUS_AGENT]
+    written = [event.sequence for event in found if event.kind is Kind.WRITE_DATA]
+    assert written == [1, 2, 3, 4]
+    assert [e.fields["first"] for e in found if e.kind is Kind.ACKNACK and not e.to_agent][-1] == 5
+    assert 12 * SECOND <= clock.now() <= 20 * SECOND
+
+
+def test_what_is_lost_is_repeated() -> None:
+    found, _ = conversation(lost=7)
+    assert [e.kind for e in found if e.to_agent].count(Kind.HEARTBEAT) >= 1
+    assert [e.fields["first"] for e in found if e.kind is Kind.ACKNACK and not e.to_agent][-1] == 5
+
+
+def test_a_part_without_links_is_no_end_of_a_session() -> None:
+    with pytest.raises(UsageError):
+        Bridge(Part(network(), ["loss"]), SteppedClock())
+
+
+def test_a_stepped_clock_does_not_go_back() -> None:
+    clock = SteppedClock(5)
+    clock.step_to(7)
+    with pytest.raises(ValueError, match="7"):
+        clock.step_to(6)
