@@ -111,6 +111,7 @@ def test_the_core_takes_every_option_but_those_for_the_network_by_its_name() -> 
         reclaim=False,
         pack_clocks=2**32 - 1,
         passing=64,
+        partial_order=True,
         chunk_words=2**16,
         proof_after=2**32 - 1,
         attempts=False,

@@ -21,6 +21,7 @@ FLOORS = (
     "fmi",
     "states",
     "symbolic",
+    "stubborn",
     "order",
     "reachability",
     "localtime",

@@ -7,15 +7,7 @@
 #include <utility>
 
 namespace tachk {
-namespace {
 
-struct StackEffect {
-  int operands;  // words behind the opcode
-  int pops;
-  int pushes;
-};
-
-// Of all instructions but calls, which push what the function leaves.
 StackEffect effect_of(Opcode opcode) {
   switch (opcode) {
     case Opcode::constant:
@@ -64,6 +56,8 @@ StackEffect effect_of(Opcode opcode) {
       return {0, 2, 1};
   }
 }
+
+namespace {
 
 Operation binary_operation(Opcode opcode) {
   switch (opcode) {

@@ -77,6 +77,15 @@ struct Instruction {
   std::int32_t extra[4];  // for jumps, calls and returns extra[1]: how many instructions of the stack code end here
 };
 
+struct StackEffect {
+  int operands;  // words behind the opcode
+  int pops;
+  int pushes;
+};
+
+// Of all instructions but calls, which push what the function leaves.
+StackEffect effect_of(Opcode opcode);
+
 // Translates pieces of stack code when they are asked for.
 class MachineCode {
  public:
@@ -87,6 +96,8 @@ class MachineCode {
     const std::int32_t known = entries_[static_cast<std::size_t>(position)];
     return known >= 0 ? known : translate(position).entry;
   }
+  // How many numbers the function at this position of the stack code leaves.
+  std::int32_t results(std::int32_t position) { return translate(position).results; }
   const Instruction* instructions() const { return instructions_.data(); }
   const std::int32_t* constants() const { return constants_.data(); }
   // How many registers any piece of code and the functions it calls need at most.

@@ -18,6 +18,9 @@ Options consistent(Options options, const Limits& limits, const Program& program
   if (options.shortest || limits.depth != UINT32_MAX) options.passing = 0;
   // What is passed through is not measured, and paths through it are not told with the names of processes.
   if (!program.measures.empty() || !program.interchangeable.empty()) options.passing = 0;
+  // An action that is taken first makes paths longer, and what is passed through is explored before what is new.
+  if (options.shortest || limits.depth != UINT32_MAX || options.passing != 0 || !program.interchangeable.empty())
+    options.partial_order = false;
   return options;
 }
 
@@ -44,6 +47,7 @@ Explorer::Explorer(Program program, const Options& options, const Limits& limits
       deadlocks_(graph_, goals_),
       measures_(graph_.program(), graph_.semantics(), graph_.operations()),
       passing_(graph_, options_.passing),
+      partial_order_(graph_, options_.partial_order),
       source_(graph_.blank()),
       work_{.taken = std::vector<std::uint8_t>(graph_.program().edges.size(), 0),
             .simulation = Trial(options_.alu && options_.subsumption && graph_.knows_simulation() &&
@@ -57,7 +61,11 @@ struct Explorer::Storing {
   std::uint32_t discrete = 0;
   bool passes = false;
 
-  void possible(ConstZoneRef guarded, const Effect& effect) const { search.deadlocks_.pass(guarded, effect); }
+  bool admits(const Edges& edges) const { return search.partial_order_.admits(edges); }
+  void possible(ConstZoneRef guarded, const Effect& effect) const {
+    search.deadlocks_.pass(guarded, effect);
+    search.partial_order_.pass(guarded, effect);
+  }
   void expect(const Effect& effect) const {
     // The state unpacked last is the stored one, not one that is passed through.
     const SlotSet& written = search.passing_.actions().empty() ? effect.written : SlotSet::all();
@@ -69,7 +77,9 @@ struct Explorer::Storing {
     passes = search.passing_.passes(successor);
     if (passes) return true;
     discrete = search.passed_.locate();
-    return !search.options_.subsumption || !search.covers(discrete, successor);
+    if (!search.options_.subsumption || !search.covers(discrete, successor)) return true;
+    search.note_coverer(discrete, successor);
+    return false;
   }
   void take(const Successor& successor) {
     if (passes) {
@@ -81,7 +91,7 @@ struct Explorer::Storing {
 };
 
 Status Explorer::search(std::uint64_t expansions) {
-  if (!std::exchange(started_, true)) {
+  if (!std::exchange(work_.started, true)) {
     graph_.start(Storing{*this});
     waiting_.close();
     waiting_.consider(graph_.program(), passed_);
@@ -115,7 +125,7 @@ void Explorer::expand(std::uint32_t number) {
   ++work_.explored;
   deadlocks_.begin(source_);
   passing_.begin(!deadlocks_.open());
-  graph_.expand(source_, Storing{*this});
+  for (partial_order_.begin(number, source_); partial_order_.next();) graph_.expand(source_, Storing{*this});
   deadlocks_.end(number, source_);
   for (; passing_.next(source_); ++work_.explored) graph_.expand(source_, Storing{*this});
   waiting_.close();
@@ -133,13 +143,21 @@ bool Explorer::covers(std::uint32_t discrete, const Successor& successor) {
   return simulated;
 }
 
+// What covers a successor only in that it can do as much is not asked for.
+void Explorer::note_coverer(std::uint32_t discrete, const Successor& successor) {
+  if (!partial_order_.asks()) return;
+  const std::uint32_t coverer = passed_.coverer(discrete, graph_.packed(successor.slots, successor.zone));
+  if (coverer != no_node) partial_order_.leads_to(coverer);
+}
+
 void Explorer::store(const Successor& successor, std::uint32_t discrete) {
   const auto [edges, slots, zone] = successor;
   const std::uint32_t parent = edges.empty() ? no_node : node_;
   const ClockBounds bounds = work_.simulation.asking() ? graph_.bounds(slots) : ClockBounds{};
   const std::uint32_t number = passed_.add(discrete, graph_.packed(slots, zone), parent, options_.subsumption,
                                            work_.simulation.asking() ? &bounds : nullptr);
-  if (number == no_node) return;
+  if (number == no_node) return note_coverer(discrete, successor);
+  partial_order_.leads_to(number);
   waiting_.add(number, parent, slots, passed_.covered_last());
   try {
     goals_.check(number, slots, zone);

@@ -19,6 +19,7 @@
 #include "reachability/passing.hpp"
 #include "states/store.hpp"
 #include "states/trial.hpp"
+#include "stubborn/partial_order.hpp"
 #include "symbolic/zone_graph.hpp"
 
 namespace tachk {
@@ -82,6 +83,7 @@ class Explorer final {
   struct Storing;
   // What has been done so far.
   struct Work {
+    bool started = false;
     std::uint64_t explored = 0;
     std::uint64_t transitions = 0;
     std::vector<std::uint8_t> taken;  // of each edge, whether it has been
@@ -93,6 +95,7 @@ class Explorer final {
   void expand(std::uint32_t node);
   bool covers(std::uint32_t discrete, const Successor& successor);
   void store(const Successor& successor, std::uint32_t discrete);
+  void note_coverer(std::uint32_t discrete, const Successor& successor);
   bool keeps_layers(std::uint32_t node);
   bool meets_a_goal(const Successor& successor);
 
@@ -106,10 +109,10 @@ class Explorer final {
   DeadlockWatch deadlocks_;
   MeasureWatch measures_;
   PassingStates passing_;
+  PartialOrder partial_order_;
   SymbolicState source_;          // that is being expanded; a copy, because its node may be covered meanwhile
   std::uint32_t node_ = no_node;  // its number, or that of the stored state from which it is passed through
   Work work_;
-  bool started_ = false;
   std::optional<FaultReport> fault_;
 };
 

@@ -18,6 +18,8 @@ struct Options : ZoneGraphOptions {
   bool reclaim = true;
   // States with one process in a committed location are passed through, not stored, up to so many in a row.
   std::uint32_t passing = 0;
+  // Where time cannot pass, not all orders of independent actions are explored.
+  bool partial_order = false;
   bool shortest = false;  // breadth first only: no path to a goal is shorter than the one that is found
   // For liveness: after so many states depth first a short proof is looked for; of p --> q at once; UINT32_MAX: never.
   std::uint32_t proof_after = 2000;

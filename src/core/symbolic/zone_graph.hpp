@@ -55,6 +55,7 @@ struct ActionFault : ModelFault {
 };
 
 // What is done with the successors of a state. Of each action it is told, in this order:
+//   admits(edges)              optional: whether the action is followed at all; if not, nothing more is told of it
 //   possible(guarded, effect)  the action breaks no integer part of an invariant; `guarded`: where its guard holds
 //   expect(effect)             the zone of a successor is going to be computed
 //   enters(entry, invariant)   optional: whether the step goes on from here, where no time has passed yet; if not, the
@@ -160,6 +161,8 @@ void ZoneGraph::expand(SymbolicState& source, R&& receiver) {
   if (program_.has_priorities) return expand_by_priority(source, receiver);
   std::int32_t* slots = source.slots.data();
   semantics_.for_each_action(slots, source.zone.get(), [&](const Action& action, ConstZoneRef guarded) {
+    if constexpr (requires { receiver.admits(action.edges); })
+      if (!receiver.admits(action.edges)) return;
     if (!within(action.edges, [&] { return semantics_.apply(action.edges, slots, effect_); })) return;
     receiver.possible(guarded, effect_);
     follow(action.edges, guarded, effect_, receiver);

@@ -100,6 +100,9 @@ class Options:
         passing: states in which one process is in a committed location are passed through without being stored, up to
             so many in a row; 0: all are stored. It takes less memory; those that are reached in several ways are
             explored again. Not with `shortest`, with a limit on depth, or while `deadlock` is asked for.
+        partial_order: where time cannot pass, one order of independent actions is explored, not each of them. Not with
+            `shortest`, `passing`, a limit on depth, priorities, clocks that stop, interchangeable processes, or where
+            `deadlock` or extreme values are asked for.
         chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
         local_times: search over local times, which saves the orders in which independent transitions happen. Only where
             that is sound, and not with `shortest` or a limit on depth.
@@ -131,6 +134,7 @@ class Options:
     pack_clocks: int = 16
     passing: int = 0
     local_times: LocalTimes = LocalTimes.AUTO
+    partial_order: bool = False
     chunk_words: int = 8
     proof_after: int = 2000
     attempts: bool = True

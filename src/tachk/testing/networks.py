@@ -58,6 +58,9 @@ class Shape:
         apart: how often a process has clocks and variables that no other process uses, and few others.
         exact: how often a guard asks for one exact value of a clock, so that events fall on the bounds of others; with
             ``diagonals`` invariants compare two clocks.
+        hurried: the share of the locations that are urgent or committed.
+        groups: how many groups of processes there are with variables, clocks and channels of their own, which hardly
+            touch those of the others; not with ``language``.
         language: arrays, records, functions with loops and early returns, computed channels, conditional updates.
         faults: in which share of the networks something can be a run-time error; needs ``language``.
     """
@@ -85,6 +88,8 @@ class Shape:
     companions: int = 0
     apart: float = 0.0
     exact: float = 0.0
+    hurried: float = 0.2
+    groups: int = 1
     language: bool = False
     faults: float = 0.0
 
@@ -114,6 +119,8 @@ def random_case(random: Random, shape: Shape = Shape()) -> Case:
     Nothing else can fail either, but in the share of networks that the shape says.
     """
     network = NetworkBuilder()
+    if shape.groups > 1:
+        return _groups(random, shape, network)
     parts = _declare(random, shape, network)
     if shape.language:
         may_fail = random.random() < shape.faults
@@ -140,6 +147,56 @@ def random_case(random: Random, shape: Shape = Shape()) -> Case:
         _companion(random, parts, network.process(f"C{number}"))
     predicates = tuple(_predicate(random, shape, mentioned, handles).expression for _ in range(shape.predicates))
     return Case(network.build(), predicates)
+
+
+def _groups(random: Random, shape: Shape, network: NetworkBuilder) -> Case:
+    """Most edges can be taken, so that there is much to leave out."""
+    declared = [_declare(random, shape, network, prefix=f"g{number}_") for number in range(shape.groups)]
+    predicates = []
+    for group, parts in enumerate(declared):
+        other = random.choice(declared)
+        mixed = replace(parts, integers=parts.integers + other.integers, channels=parts.channels + other.channels)
+        handles: list[list[LocationHandle]] = []
+        for number in range(random.randint(1, shape.processes)):
+            process = network.process(f"P{group}_{number}")
+            handles.append(_locations(random, shape, parts, process, limited=0.15))
+            for place, source in enumerate(handles[-1]):
+                if random.random() < 0.15:
+                    _edge(random, shape, parts, process, source, random.choice(handles[-1]))
+                following = handles[-1][(place + 1) % len(handles[-1])]
+                for target in (following, *random.sample(handles[-1], random.randint(0, 1))):
+                    _easy_edge(random, shape, mixed if random.random() < 0.05 else parts, process, source, target)
+        predicate = random.choice(handles[-1]).reached & _integer_condition(random, parts.integers)
+        if random.random() < 0.3:
+            predicate = predicate & _clock_condition(random, shape, parts)
+        predicates.append(predicate.expression)
+    return Case(network.build(), tuple(predicates))
+
+
+def _easy_edge(
+    random: Random,
+    shape: Shape,
+    parts: _Parts,
+    process: ProcessBuilder,
+    source: LocationHandle,
+    target: LocationHandle,
+) -> None:
+    channel, array, broadcast, _ = random.choice(parts.channels)
+    named = channel[random.randint(0, 1)] if array else channel
+    syncs = random.random()
+    guard = None
+    if syncs > 0.3:
+        kind = random.random()
+        guard = random.choice(parts.clocks) >= random.randint(0, 2) if kind < 0.2 else guard
+        guard = _integer_condition(random, parts.integers) if kind > 0.8 else guard
+    process.edge(
+        source,
+        target,
+        guard=guard,
+        send=named if syncs < 0.15 or (broadcast and syncs < 0.25) else None,
+        receive=named if 0.25 <= syncs < 0.3 else None,
+        updates=[_update(random, shape, parts, []) for _ in range(random.choice((0, 1, 1)))],
+    )
 
 
 def cases(shape: Shape = Shape()) -> SearchStrategy[Case]:
@@ -254,7 +311,9 @@ def _companion(random: Random, parts: _Parts, process: ProcessBuilder) -> None:
             process.edge(source, random.choice(locations), receive=receive, updates=resets)
 
 
-def _locations(random: Random, shape: Shape, parts: _Parts, process: ProcessBuilder) -> list[LocationHandle]:
+def _locations(
+    random: Random, shape: Shape, parts: _Parts, process: ProcessBuilder, limited: float = 1.0
+) -> list[LocationHandle]:
     handles = []
     for number in range(random.randint(2, shape.locations)):
         kind = random.random()
@@ -262,9 +321,9 @@ def _locations(random: Random, shape: Shape, parts: _Parts, process: ProcessBuil
         handles.append(
             process.location(
                 f"L{number}",
-                _invariant(random, shape, parts, initial=number == 0),
-                urgent=kind < 0.1,
-                committed=shape.committed and 0.1 <= kind < 0.2,
+                _invariant(random, shape, parts, initial=number == 0) if limited == 1 or kind > 1 - limited else None,
+                urgent=kind < shape.hurried / 2,
+                committed=shape.committed and shape.hurried / 2 <= kind < shape.hurried,
                 rates=[(c, 0 if random.random() < 0.7 else conditional(parts.integers[0] == 0, 1, 0)) for c in stopped],
             )
         )

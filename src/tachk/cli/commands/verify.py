@@ -137,6 +137,13 @@ _DEFAULT = Options()
     "--max-depth or deadlock.",
 )
 @click.option(
+    "--partial-order",
+    is_flag=True,
+    help="Where time cannot pass, explore one order of independent actions, not each of them. No effect with "
+    "--trace shortest, --max-depth, --pass-committed, deadlock, priorities, stopwatches, interchangeable processes "
+    "(but for --no-symmetry), or where the search is over local times.",
+)
+@click.option(
     "every_trace",
     "--all-traces",
     is_flag=True,

@@ -1,0 +1,52 @@
+// What pieces of code, conditions and updates may read and write, slot by slot and clock by clock. Perhaps more than
+// they do: where code computes the number of a slot, all that this number may be.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "machine/machine_code.hpp"
+#include "program/program.hpp"
+
+namespace tachk {
+
+// A set of slots of the state, but for metas, and of clocks.
+class Cells {
+ public:
+  explicit Cells(const Program& program);
+
+  void add_slots(std::int64_t first, std::int64_t last);
+  void add_clock(std::size_t clock);
+  void add_everything();
+  void add(const Cells& other);
+  bool meets(const Cells& other) const;
+
+ private:
+  void add_bit(std::size_t bit) { words_[bit / 64] |= std::uint64_t{1} << bit % 64; }
+
+  const Program* program_;
+  std::vector<std::uint64_t> words_;  // slots, then clocks
+};
+
+class CodeAccesses {
+ public:
+  explicit CodeAccesses(const Program& program) : reads(program), writes(program), program_(program), code_(program) {}
+
+  void add(std::int32_t code);
+  void add(const Condition& condition);
+  void add(const Update& update);
+  // Forgets what has been read and written.
+  void clear();
+
+  Cells reads;
+  Cells writes;
+
+ private:
+  struct Interpretation;
+
+  const Program& program_;
+  MachineCode code_;
+};
+
+}  // namespace tachk

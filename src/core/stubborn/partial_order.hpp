@@ -1,0 +1,58 @@
+// The actions of a state in two parts: those of a stubborn set, and the others. The others are left out if some action
+// of the set that is possible in all of the zone leads to a state that is expanded later, or that has been expanded
+// with all its actions. Then no action is put off for ever: from one state to the next it is expanded later, or the
+// action is explored (after the proviso of Bosnacki and Holzmann 2005 for searches breadth first; it needs no order).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "stubborn/stubborn_sets.hpp"
+#include "symbolic/zone_graph.hpp"
+
+namespace tachk {
+
+class PartialOrder final {
+ public:
+  PartialOrder(ZoneGraph& graph, bool wanted);
+
+  // A state is going to be expanded, in as many parts as `next` says.
+  void begin(std::uint32_t node, const SymbolicState& source);
+  // Whether there is one more part to expand.
+  bool next();
+  // Whether an action belongs to the part.
+  bool admits(const Edges& edges) const {
+    return part_ == Part::all || (members_ >> process_of_[edges.front()] & 1) == (part_ == Part::members);
+  }
+  // An action of the part is possible, and then perhaps: what it leads to is in this node.
+  void pass(ConstZoneRef guarded, const Effect& effect) {
+    if (part_ == Part::members) sure_ = is_sure(guarded, effect);
+  }
+  void leads_to(std::uint32_t node) { goes_on_ = goes_on_ || (asks() && !puts_off(node)); }
+  // Whether it matters which node that is.
+  bool asks() const { return part_ == Part::members && sure_; }
+
+ private:
+  enum class Part : std::uint8_t { none, members, others, all };
+
+  // Whether every valuation of the source can take the action.
+  bool is_sure(ConstZoneRef guarded, const Effect& effect);
+
+  ZoneGraph& graph_;
+  // Whether a node has been expanded with some of its actions only.
+  bool puts_off(std::uint32_t node) const { return node < reduced_.size() && reduced_[node]; }
+
+  StubbornSets sets_;
+  std::vector<bool> reduced_;  // of each node
+  std::uint32_t node_ = 0;
+  std::vector<std::uint8_t> process_of_;  // of each edge
+  const SymbolicState* source_ = nullptr;
+  StubbornSets::Members members_ = 0;
+  Part part_ = Part::all;
+  bool sure_ = false;
+  bool goes_on_ = false;  // a sure action has led to a new state
+  std::vector<Atom> atoms_;
+};
+
+}  // namespace tachk

@@ -1,0 +1,56 @@
+// Which actions suffice where time cannot pass: stubborn sets for timed systems (Bønneland, Jensen, Larsen, Muñiz, Srba
+// 2018), by processes.
+//
+// A set of processes is enough in a state if one of them is in a committed location, or in an urgent one while none is
+// committed, and each process outside of the set is *independent* of it: what the members do from their present
+// locations and what the process may do from now on share no channel, and neither writes what the other one reads or
+// writes, clocks and invariants included. Until a member moves, time stands still, and whatever happens meanwhile can
+// as well happen after any action of members. No goal reads what they write. The set only says which actions to take
+// first: whoever uses it must see to it that the others are not put off for ever (Explorer does).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "program/program.hpp"
+#include "symbolic/successor.hpp"
+
+namespace tachk {
+
+class StubbornSets final {
+ public:
+  // A member for each process with its bit.
+  using Members = std::uint64_t;
+
+  // `wanted`: off, none is enough.
+  StubbornSets(const Program& program, const Semantics& semantics, bool wanted);
+
+  // A set that is enough in a discrete state and not all of what can move, the smallest one found; 0 if there is none.
+  Members enough(const std::int32_t* slots) const;
+
+ private:
+  struct Place;  // a location of a process
+  std::vector<Place> describe() const;
+  void find_dependencies(const std::vector<Place>& places);
+  bool applies() const;
+  // Whether a test asks where a process is.
+  bool is_location(const Test& test) const;
+  // The smallest set with this process that is enough; 0 if there is none.
+  Members closure(std::size_t process, bool committed, const std::int32_t* slots) const;
+  std::size_t number(std::size_t process, const std::int32_t* slots) const {
+    return semantics_.location_number(process, slots[process]);
+  }
+  // Whether what a process may do from a location on depends on what another one does from its location.
+  bool depends(std::size_t of, std::size_t on) const { return dependent_[of * locations_ + on]; }
+
+  const Program& program_;
+  const Semantics& semantics_;
+  std::size_t locations_ = 0;
+  std::vector<bool> dependent_;  // empty: the sets are of no use here
+  std::vector<bool> seen_;       // of each location: what is done from it may change whether a goal is met
+  std::vector<bool> commits_;    // it may lead into a committed location
+  std::vector<bool> moves_;      // there are edges
+};
+
+}  // namespace tachk
