@@ -63,6 +63,12 @@ def test_every_violation_and_every_trigger_counts(
     assert tachk.monitor(formula, TRACE, unit="s")[0].violations.triggers == counts
 
 
+def test_a_trigger_that_has_asked_in_vain_is_not_pending_as_well() -> None:
+    trace = {"t": [0, 10], "p": [1, 1], "q": [0, 0]}  # before 8 in vain, from 8 on still open
+    report = tachk.monitor("G (p -> F[0, 2 s] q)", trace, unit="s")
+    assert report[0].violations.triggers == TriggerCounts(1, 1, 0)
+
+
 def test_each_violation_tells_its_trigger_and_its_deadline() -> None:
     report = tachk.monitor("G (p -> F[0, 2 s] q)", TRACE, unit="s")
     rows = report.violation_rows()
