@@ -4,7 +4,7 @@
 #include <map>
 #include <optional>
 
-#include "machine/accesses.hpp"
+#include "machine/code_accesses.hpp"
 
 namespace tachk {
 namespace {
@@ -68,11 +68,8 @@ Members participants_of(const Program& program, const Edge& edge) {
   if (edge.internal()) return participants;
   Members partners;
   for (const Edge& other : program.edges) {
-    if (other.internal() || other.sends == edge.sends || other.process == edge.process) continue;
-    const bool meet = edge.channel < other.channel + static_cast<std::int32_t>(other.channels) &&
-                      other.channel < edge.channel + static_cast<std::int32_t>(edge.channels);
-    if (meet && std::find(partners.begin(), partners.end(), other.process) == partners.end())
-      partners.push_back(other.process);
+    if (other.process == edge.process || !edge.may_meet(other)) continue;
+    if (std::find(partners.begin(), partners.end(), other.process) == partners.end()) partners.push_back(other.process);
   }
   if (partners.size() == 1) participants.push_back(partners.front());
   std::sort(participants.begin(), participants.end());
@@ -87,25 +84,32 @@ struct Resources {
 Resources find_resources(const Program& program) {
   Resources found{std::vector<Resource>(program.state_slots),
                   std::vector<Resource>(static_cast<std::size_t>(program.dimension()))};
-  Accesses accesses(program);
+  CodeAccesses accesses(program);
   for (std::uint32_t number = 0; number < program.edges.size(); ++number) {
-    const Touched touched = accesses.edge(program.edges[number]);
-    const Members participants = participants_of(program, program.edges[number]);
+    const Edge& edge = program.edges[number];
+    const Members participants = participants_of(program, edge);
+    accesses.clear();
+    accesses.add(edge.guard);
+    accesses.add(edge.channel_code);
+    accesses.add(edge.update);
+    accesses.writes.add_slots(edge.process, edge.process);
     for (std::size_t slot = 0; slot < found.slots.size(); ++slot) {
-      if (touched.read[slot] || touched.written[slot]) found.slots[slot].add_edge(number, participants);
-      if (touched.written[slot]) found.slots[slot].changes = true;
+      const bool changes = accesses.writes.has_slot(slot);
+      if (changes || accesses.reads.has_slot(slot)) found.slots[slot].add_edge(number, participants);
+      found.slots[slot].changes |= changes;
     }
     for (std::size_t clock = 1; clock < found.clocks.size(); ++clock)
-      if (touched.clocks[clock]) found.clocks[clock].add_edge(number, participants);
+      if (accesses.reads.has_clock(clock) || accesses.writes.has_clock(clock))
+        found.clocks[clock].add_edge(number, participants);
   }
   for (std::uint32_t process = 0; process < program.processes.size(); ++process)
     for (const Location& location : program.processes[process].locations) {
-      Touched touched(program);
-      accesses.add(location.invariant, touched);
+      accesses.clear();
+      accesses.add(location.invariant);
       for (std::size_t slot = 0; slot < found.slots.size(); ++slot)
-        if (touched.read[slot]) found.slots[slot].add_invariant(process);
+        if (accesses.reads.has_slot(slot)) found.slots[slot].add_invariant(process);
       for (std::size_t clock = 1; clock < found.clocks.size(); ++clock)
-        if (touched.clocks[clock]) found.clocks[clock].add_invariant(process);
+        if (accesses.reads.has_clock(clock)) found.clocks[clock].add_invariant(process);
     }
   return found;
 }
@@ -129,10 +133,8 @@ Agents find_agents(const Program& program) {
     for (const std::uint32_t edge : edges) agents.of_edge[edge].push_back(group->second);
     return group->second;
   };
-  for (std::size_t number = 0; number < resources.slots.size(); ++number) {
-    const Resource& slot = resources.slots[number];
-    // A meta variable has its value during an action only.
-    if (!slot.changes || program.slots[number].meta || slot.owner()) continue;
+  for (const Resource& slot : resources.slots) {
+    if (!slot.changes || slot.owner()) continue;
     if (slot.constrained) {
       agents.obstacle = "an invariant reads what other processes change";
       return agents;

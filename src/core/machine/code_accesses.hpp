@@ -21,8 +21,11 @@ class Cells {
   void add_everything();
   void add(const Cells& other);
   bool meets(const Cells& other) const;
+  bool has_slot(std::size_t slot) const { return has_bit(slot); }
+  bool has_clock(std::size_t clock) const { return has_bit(program_->state_slots + clock); }
 
  private:
+  bool has_bit(std::size_t bit) const { return (words_[bit / 64] >> bit % 64 & 1) != 0; }
   void add_bit(std::size_t bit) { words_[bit / 64] |= std::uint64_t{1} << bit % 64; }
 
   const Program* program_;

@@ -130,6 +130,12 @@ struct Edge {
   std::uint32_t channels = 1;  // how many the edge may name, from that one on
 
   bool internal() const { return channel < 0; }
+  // Whether one may send what the other receives.
+  bool may_meet(const Edge& other) const {
+    return !internal() && !other.internal() && sends != other.sends &&
+           static_cast<std::uint32_t>(channel) < static_cast<std::uint32_t>(other.channel) + other.channels &&
+           static_cast<std::uint32_t>(other.channel) < static_cast<std::uint32_t>(channel) + channels;
+  }
   bool may_name(std::int32_t number) const {
     return channel >= 0 && static_cast<std::uint32_t>(number) - static_cast<std::uint32_t>(channel) < channels;
   }

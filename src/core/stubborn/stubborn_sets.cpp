@@ -11,12 +11,6 @@ namespace {
 constexpr std::size_t most_processes = 64;
 constexpr std::size_t most_locations = 2048;
 
-bool overlap(const Edge& one, const Edge& other) {
-  return !one.internal() && !other.internal() && one.sends != other.sends &&
-         static_cast<std::uint32_t>(one.channel) < static_cast<std::uint32_t>(other.channel) + other.channels &&
-         static_cast<std::uint32_t>(other.channel) < static_cast<std::uint32_t>(one.channel) + one.channels;
-}
-
 }  // namespace
 
 bool StubbornSets::is_location(const Test& test) const {
@@ -113,7 +107,7 @@ void StubbornSets::find_dependencies(const std::vector<Place>& places) {
     }
   const auto share = [](const std::vector<const Edge*>& some, const std::vector<const Edge*>& others) {
     return std::any_of(some.begin(), some.end(), [&](const Edge* one) {
-      return std::any_of(others.begin(), others.end(), [&](const Edge* other) { return overlap(*one, *other); });
+      return std::any_of(others.begin(), others.end(), [&](const Edge* other) { return one->may_meet(*other); });
     });
   };
   dependent_.assign(locations_ * locations_, false);
