@@ -148,10 +148,12 @@ void CodeAccesses::Interpretation::step(std::int32_t position, Stack stack) {
       read({first, first});
       stack.push_back(content(first));
       break;
-    case Opcode::load_indirect:
-      read(pop(stack));
-      stack.push_back(anything);
+    case Opcode::load_indirect: {
+      const Interval slots = pop(stack);
+      read(slots);
+      stack.push_back(slots.known() && slots.low == slots.high ? content(slots.low) : anything);
       break;
+    }
     case Opcode::store:
       write({first, first}, 1, pop(stack));
       break;
