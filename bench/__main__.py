@@ -60,9 +60,9 @@ def instances(
 
 
 def programs(given: argparse.Namespace) -> list[Program]:
-    found = [Program("tachk", ROOT, options=tuple(given.option))]
+    found = [Program("tachk", options=tuple(given.option))]
     if given.against is not None:
-        found.append(Program("tachk before", given.against))
+        found.append(Program("tachk before", source=given.against / "src"))
     for text in given.tck_reach:
         name, _, executable = text.rpartition("=")
         found.append(Program(f"TChecker {name}".strip(), executable=executable))

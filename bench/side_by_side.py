@@ -22,13 +22,13 @@ class Program:
 
     Attributes:
         name: in tables and histories.
-        checkout: of a tachk, whose `src` is used; None for a TChecker.
-        executable: of a TChecker its tck-reach.
+        source: of a tachk, the folder that holds the package, where it is not the one that Python finds by itself.
+        executable: of a TChecker its tck-reach; empty for a tachk.
         options: more arguments of `tachk verify`.
     """
 
     name: str
-    checkout: Path | None = None
+    source: Path | None = None
     executable: str = ""
     options: tuple[str, ...] = ()
 
@@ -68,7 +68,7 @@ OUT_OF_TIME = "out of time"
 
 def measure(family: str, size: int, instance: Instance, program: Program, repeat: int, seconds: float) -> Row | None:
     """None where the program has no words for the instance."""
-    if program.checkout is not None:
+    if not program.executable:
         ours = [_by_tachk(family, size, instance, program, seconds) for _ in range(repeat)]
         return _median([row for row in ours if row is not None])
     if instance.network is None:
@@ -95,10 +95,9 @@ def _median(rows: Sequence[Row]) -> Row | None:
 
 
 def _by_tachk(family: str, size: int, instance: Instance, program: Program, seconds: float) -> Row | None:
-    assert program.checkout is not None
     command = tachk("verify", *instance.ours, "--format", "json", "--trace", "none", *program.options)
     try:
-        process = finished(command, program.checkout / "src", range(256), seconds, told=False)
+        process = finished(command, program.source, range(256), seconds, told=False)
     except TimeOut as spent:
         return _unfinished(family, size, program.name, "", spent)
     results = json.loads(process.output)["runs"][0]["results"]

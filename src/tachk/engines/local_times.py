@@ -75,15 +75,23 @@ def _chosen(
     if options.local_times is LocalTimes.NEVER or counts_steps or options.extrapolation is Extrapolation.NONE:
         return None
     if options.local_times is LocalTimes.AUTO:
-        if ordinary.run(_FIRST_LOOK) is not _core.Status.RUNNING or _zones_each(ordinary) < _FEW_ZONES:
+        if not _goes_on(ordinary) or _zones_each(ordinary) < _FEW_ZONES:
             return None
     if obstacle(program, goals) is not None:
         return None
     search = _core.LocalExplorer(encode(program, goals), core_options(options), core_limits(limits))
-    if options.local_times is LocalTimes.AUTO and search.run(_FIRST_LOOK) is _core.Status.RUNNING:
+    if options.local_times is LocalTimes.AUTO and _goes_on(search):
         if _zones_each(ordinary) < _WORTH_IT * _zones_each(search):
             return None
     return search
+
+
+def _goes_on(search: _core.Explorer | _core.LocalExplorer) -> bool:
+    """Whether there is more to explore after a first look. What stops it now stops it again when it goes on."""
+    try:
+        return search.run(_FIRST_LOOK) is _core.Status.RUNNING
+    except MemoryError:
+        return False
 
 
 def _zones_each(search: _core.Explorer | _core.LocalExplorer) -> float:

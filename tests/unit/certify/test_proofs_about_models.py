@@ -15,9 +15,11 @@ SMALL: dict[str, dict[str, int | bool]] = {
     "classics/brp.ta": {},
     "classics/critical_region.ta": {"N": 2},
     "classics/csma_cd.ta": {"N": 2},
+    "classics/csma_cd_any_order.ta": {"N": 2},
     "classics/dining_philosophers.ta": {"N": 3},
     "classics/fddi.ta": {"N": 2},
     "classics/fischer.ta": {"N": 3},
+    "classics/single_sign_on.ta": {},
     "classics/train_gate.ta": {"N": 3},
 }
 

@@ -47,7 +47,7 @@ VCD = "$timescale 1 ms $end\n$var wire 1 ! p $end\n$enddefinitions $end\n" + "".
     f"#{i}\n{i % 2}!\n" for i in range(60)
 )
 
-WITHOUT = {"sentences", "models", "completion", "verifyta", "proxy"}
+WITHOUT = {"sentences", "models", "completion", "verifyta", "proxy", "bridge"}
 """They read nothing of the user's, take the options of another program, or run until they are stopped."""
 
 COMMAND_LINES = (
