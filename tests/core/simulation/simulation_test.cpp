@@ -53,6 +53,7 @@ std::int64_t bits(double number) { return std::bit_cast<std::int64_t>(number); }
 std::vector<std::int64_t> chances() {
   return {0, bits(1.0), 0,         bits(1.0), 0, bits(3.0), 0, bits(1.0),  // rates
           0, 0,         bits(1.0), 1,         0, bits(1.0),                // choices and weights
+          0,                                                               // no hybrid clocks
           3, 1};                                                           // the second slot is observed
 }
 
