@@ -12,6 +12,7 @@ from tachk.compiler.lower import lower
 from tachk.engines import zone
 from tachk.engines.local_times import obstacle
 from tachk.engines.options import BoundScope, Extrapolation, Limits, LocalTimes, Options, SearchOrder
+from tachk.engines.program_image import encode
 from tachk.model.expressions import BOOL, Constant
 from tachk.testing import Case, Shape, cases, random_case
 from tachk.testing.agreement import VARIANTS, Effort, compare
@@ -57,7 +58,7 @@ def test_searches_over_local_times_agree_with_the_others() -> None:
     suited = 0
     for seed in range(30):
         case = random_case(Random(seed), APART)
-        suited += obstacle(*lower(case.network, case.predicates)) is None
+        suited += obstacle(encode(*lower(case.network, case.predicates))) is None
         assert compare(case, local, Effort(reference=100, sampled=150)).problems == (), f"seed {seed}"
     assert suited > 20
 

@@ -96,8 +96,8 @@ void LocalExplorer::store(const LocalSuccessor& successor, std::uint32_t parent)
   ZoneGraph& ordinary = graph_.ordinary();
   std::int32_t* slots = successor.effect.slots.data();
   const std::uint32_t discrete = passed_.locate();
+  if (subsumption_ && passed_.covers(discrete, ordinary.packed(slots, successor.synchronised.get()))) return;
   exact_.assign(successor.synchronised.get());
-  if (subsumption_ && passed_.covers(discrete, ordinary.packed(slots, exact_.get()))) return;
   ordinary.abstract(slots, successor.synchronised, [&](ConstZoneRef zone) {
     const std::uint32_t node = passed_.add(discrete, ordinary.packed(slots, zone), parent, subsumption_);
     if (node == no_node) return;

@@ -34,9 +34,9 @@ _WORTH_IT = 3.0
 number is below 2.5 or above 5.8."""
 
 
-def obstacle(program: Program, goals: Sequence[Goal]) -> str | None:
-    """Why local times are not sound for a program and its goals, or None."""
-    return _core.local_agents(encode(program, goals))[0]
+def obstacle(image: Sequence[int]) -> str | None:
+    """Why local times are not sound for a program with its goals, as `encode` writes them, or None."""
+    return _core.local_agents(image)[0]
 
 
 def explore_locally(
@@ -77,9 +77,10 @@ def _chosen(
     if options.local_times is LocalTimes.AUTO:
         if not _goes_on(ordinary) or _zones_each(ordinary) < _FEW_ZONES:
             return None
-    if obstacle(program, goals) is not None:
+    image = encode(program, goals)
+    if obstacle(image) is not None:
         return None
-    search = _core.LocalExplorer(encode(program, goals), core_options(options), core_limits(limits))
+    search = _core.LocalExplorer(image, core_options(options), core_limits(limits))
     if options.local_times is LocalTimes.AUTO and _goes_on(search):
         if _zones_each(ordinary) < _WORTH_IT * _zones_each(search):
             return None

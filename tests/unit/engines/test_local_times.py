@@ -8,6 +8,7 @@ import tachk
 from tachk.compiler.lower import lower
 from tachk.engines.local_times import obstacle
 from tachk.engines.options import LocalTimes, Options
+from tachk.engines.program_image import encode
 from tachk.properties.verdict import Answer
 from tachk.records import dataclass
 
@@ -128,7 +129,7 @@ def test_the_answer_is_that_of_the_ordinary_search(name: str) -> None:
         (verdict,) = model.verify(example.query, options=options)
         assert verdict.answer is (Answer.HOLDS if example.holds else Answer.FAILS), options.local_times
     assert verdict.query.target is not None
-    assert obstacle(*lower(model.network, [verdict.query.target])) == example.why
+    assert obstacle(encode(*lower(model.network, [verdict.query.target]))) == example.why
 
 
 def test_a_run_is_told_in_the_order_of_time() -> None:
