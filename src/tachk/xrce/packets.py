@@ -56,12 +56,26 @@ _PCAP: Final = {
 }
 """From the first bytes to the byte order, and the nanoseconds of a unit of time."""
 
+PCAP_HEADER: Final = 24
+
+USER_LINKS: Final = range(147, 163)
+"""Link types that everybody may give a meaning of their own (LINKTYPE_USER0 to LINKTYPE_USER15)."""
+
 _SECTION: Final = b"\x0a\x0d\x0d\x0a"
 
 
 def is_capture(begin: bytes) -> bool:
     """Whether a file that begins with these bytes is a capture."""
     return begin[:4] in _PCAP or begin[:4] == _SECTION
+
+
+def link_of_pcap(begin: bytes) -> int | None:
+    """The link type of the pcap capture whose header these bytes are; None for another file."""
+    if begin[:4] not in _PCAP or len(begin) < PCAP_HEADER:
+        return None
+    order, _ = _PCAP[begin[:4]]
+    (link,) = struct.unpack_from(order + "I", begin, 20)
+    return int(link) & 0xFFFF  # above are flags about checksums
 
 
 def read_packets(stream: BinaryIO) -> Iterator[Packets]:
@@ -126,10 +140,10 @@ class _Gathered:
 
 
 def _pcap(pending: _Pending, order: str, unit: int) -> Iterator[Packets]:
-    if not pending.reaches(24):
+    if not pending.reaches(PCAP_HEADER):
         raise CaptureError("the file ends inside its header")
-    (link,) = struct.unpack_from(order + "I", pending.take(24), 20)
-    link &= 0xFFFF  # above are flags about checksums
+    link = link_of_pcap(bytes(pending.take(PCAP_HEADER)))
+    assert link is not None
     size_of = struct.Struct(order + "I").unpack_from
     given = 0
     ended = False

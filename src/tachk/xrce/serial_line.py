@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import BinaryIO, Final
 
 import numpy as np
@@ -20,8 +20,9 @@ NOBODY: Final = -1
 class SerialReading:
     """What went over a serial line: its bytes alone, or a capture whose packets hold them.
 
-    One direction, or both if frames do not lie inside each other. Bytes alone have no times: all are 0, and frames are
-    counted instead of packets.
+    One direction, or both if frames do not lie inside each other. Bytes alone have the times of a clock, 0 without one,
+    and frames are counted instead of packets. Where reading gives None, as a pipe does that need not be waited for, a
+    piece has no messages.
 
     Attributes:
         endpoints: whoever sent or received, by number.
@@ -30,9 +31,13 @@ class SerialReading:
         problem: why a capture ends too early; empty if it does not.
     """
 
-    def __init__(self, stream: BinaryIO, damaged: bool = True) -> None:
-        """``damaged``: whether frames that a receiver would drop are told."""
+    def __init__(self, stream: BinaryIO, damaged: bool = True, clock: Callable[[], int] = lambda: 0) -> None:
+        """Args:
+        damaged: whether frames that a receiver would drop are told.
+        clock: nanoseconds, when bytes come alone.
+        """
         self._stream = stream
+        self._clock = clock
         self._damaged = damaged
         self._frames = FrameReader()
         self._numbers: dict[int, int] = {}
@@ -43,12 +48,12 @@ class SerialReading:
 
     def pieces(self) -> Iterator[Submessages]:
         """The messages in frames. Raises CaptureError for a file without bytes."""
-        stream = _Peeked(self._stream)
+        stream = Peeked(self._stream)
         if not stream.begin:
             raise CaptureError("the file is empty")
         yield from self._captured(stream) if is_capture(stream.begin) else self._bare(stream)
 
-    def _captured(self, stream: _Peeked) -> Iterator[Submessages]:
+    def _captured(self, stream: Peeked) -> Iterator[Submessages]:
         try:
             for packets in read_packets(stream):  # type: ignore[arg-type]
                 rows: list[tuple[Frame, int, int]] = []
@@ -64,14 +69,16 @@ class SerialReading:
             self.problem = str(error)
         yield self._submessages([(frame, self.packets, self.time) for frame in self._frames.close()])
 
-    def _bare(self, stream: _Peeked) -> Iterator[Submessages]:
-        while octets := stream.read1(_PIECE):
-            yield self._counted(self._frames.push(octets))
+    def _bare(self, stream: Peeked) -> Iterator[Submessages]:
+        while (octets := stream.read1(_PIECE)) != b"":
+            yield self._counted(self._frames.push(octets or b""))
         yield self._counted(self._frames.close())
 
     def _counted(self, frames: list[Frame]) -> Submessages:
         first, self.packets = self.packets + 1, self.packets + len(frames)
-        return self._submessages([(frame, first + number, 0) for number, frame in enumerate(frames)])
+        if frames:
+            self.time = self._clock()
+        return self._submessages([(frame, first + number, self.time) for number, frame in enumerate(frames)])
 
     def _submessages(self, rows: list[tuple[Frame, int, int]]) -> Submessages:
         if not self._damaged:
@@ -106,21 +113,22 @@ class SerialReading:
         return self._numbers[address]
 
 
-class _Peeked:
+class Peeked:
     """A stream whose first bytes have been looked at."""
 
-    def __init__(self, stream: BinaryIO) -> None:
+    def __init__(self, stream: BinaryIO, size: int = 4) -> None:
         self._more = stream.read1 if hasattr(stream, "read1") else stream.read
         self.begin = b""
-        while len(self.begin) < 4 and (octets := self._more(_PIECE)):
-            self.begin += octets
+        while len(self.begin) < size and (octets := self._more(_PIECE)) != b"":
+            self.begin += octets or b""
         self._first = self.begin
 
-    def read1(self, size: int = -1) -> bytes:
+    def read1(self, size: int = -1) -> bytes | None:
+        """What has come; empty at the end, None if nothing has come for a while."""
         if self._first:
             first, self._first = self._first, b""
             return first
-        octets: bytes = self._more(size)
+        octets: bytes | None = self._more(size)
         return octets
 
     read = read1

@@ -20,12 +20,16 @@ from tachk.runtime.packets import arriving
 from tachk.runtime.packets.live import LivePackets
 from tachk.runtime.trace_csv import Rows
 from tachk.runtime.trace_files import open_trace
+from tachk.xrce.packets import read_packets
 from tachk.xrce.reading import CaptureReading
+from tachk.xrce.serial_framing import FrameReader
+from tachk.xrce.serial_line import SerialReading
 from tachk.xrce.signals.following import VANISHED, Follower
 from tests.unit.xrce.captures import RECORDED, needs_recorded
 from tests.unit.xrce.test_properties_on_packets import BOTH_SIDES, QUERIES, Talk, acknack, created, data, write
 
 SECOND = 10**9
+LINES = Path(__file__).parents[2] / "data"
 
 
 class Line:
@@ -258,3 +262,67 @@ def test_nobody_waits_for_a_reader_that_has_vanished(tmp_path: Path):
     follower.forget_gone()
     assert exchange.standing().complete
     assert follower.sides == []
+
+
+def serial_parts(name: str) -> list[tuple[float, bytes]]:
+    """The bytes of a recorded serial line, with the seconds since the first of them."""
+    with (LINES / f"{name}.pcap").open("rb") as stream:
+        pieces = [
+            (int(time), found.octets[start : start + size].tobytes())
+            for found in read_packets(stream)
+            for time, start, size in zip(found.times, found.starts, found.sizes, strict=True)
+        ]
+    return [((time - pieces[0][0]) / SECOND, octets) for time, octets in pieces]
+
+
+@pytest.mark.parametrize("name", ["serial_line", "serial_line_damaged"])
+def test_a_serial_line_while_it_is_read(name: str):
+    """Its bytes, as they come, give what the capture of the same line gives when it is over."""
+    whole = open_trace(LINES / f"{name}.pcap").read()
+    names = [column for column in whole.columns if not column.startswith(("client_", "unconfirmed"))]
+    parts = serial_parts(name)
+    packets = LivePackets("-", line := Line(list(parts), parts[-1][0] + 0.1), (), line.clock)
+    pieces = list(packets.blocks(names, 9))
+    times = np.concatenate([piece.times for piece in pieces]) / SECOND
+    for column in names:
+        found = np.concatenate([piece.columns[column] for piece in pieces])
+        changes, wanted = np.flatnonzero(np.diff(found)) + 1, whole.columns[column]
+        expected = np.flatnonzero(np.diff(wanted)) + 1
+        assert np.array_equal(found[changes], wanted[expected]), column
+        assert np.allclose(times[changes], np.asarray(whole.times)[expected] / SECOND, atol=0.25), column
+
+
+def test_a_capture_of_a_serial_line_while_it_is_made():
+    path = LINES / "serial_line.pcap"
+    whole, octets = open_trace(path).read(), path.read_bytes()
+    line = Line([(0.0, octets[at : at + 500]) for at in range(0, len(octets), 500)], 0.0)
+    pieces = list(LivePackets("-", line, (), line.clock).blocks(["allToAgent", "arrive"], 9))
+    for column in ("allToAgent", "arrive"):
+        assert np.array_equal(np.concatenate([piece.columns[column] for piece in pieces]), whole.columns[column])
+
+
+def test_a_serial_line_that_falls_silent_raises_an_alarm():
+    """The line is cut behind a WRITE_DATA, before the ACKNACK of the Agent."""
+    parts = serial_parts("serial_line")
+    reader = FrameReader()
+    cut = next(n for n, (_, octets) in enumerate(parts) if any(f.message[4:5] == b"\x07" for f in reader.push(octets)))
+    line = Line(parts[: cut + 1], 60.0)
+    packets = LivePackets("-", line, (), line.clock)
+    formula = "G (client_AAAABBBB.to_agent.outstanding > 0 -> F[0, 20 s] client_AAAABBBB.to_agent.outstanding == 0)"
+    monitor = Monitor([formula], unit="s", packets=packets.packets)
+    alarm = 0.0
+    for rows in packets.blocks(monitor.columns, monitor.decimals):
+        monitor.push(rows.times, rows.columns, rows.decimals)
+        alarm = alarm or (line.clock() / SECOND if monitor.truth is tachk.Truth.FALSE else 0.0)
+    assert 20.0 <= alarm - parts[cut][0] <= 22.0
+
+
+def test_memory_of_a_serial_line_does_not_grow():
+    """Noise, and frames that never end, are not kept."""
+    octets = b"".join(octets for _, octets in serial_parts("serial_line"))
+    noise = bytes(range(1, 125)) * 600 + b"\x7e\x01\x00\xff\xff" + b"\x11" * 300
+    line = Line([(n / 10, part) for n, part in enumerate([octets, *([noise] * 40)])], 5.0)
+    packets = LivePackets("-", line, (), line.clock)
+    for _ in packets.blocks(["allToAgent"], 9):
+        assert isinstance(packets._reading, SerialReading)
+        assert len(packets._reading._frames._plain or b"") < 1 << 17

@@ -19,8 +19,9 @@ from tachk.runtime.trace import Ticks, Values
 from tachk.runtime.trace_csv import Rows
 from tachk.runtime.trace_packets import PROPERTIES
 from tachk.xrce.messages import Endpoint
-from tachk.xrce.packets import CaptureError
+from tachk.xrce.packets import PCAP_HEADER, USER_LINKS, CaptureError, is_capture, link_of_pcap
 from tachk.xrce.reading import CaptureReading
+from tachk.xrce.serial_line import Peeked, SerialReading
 from tachk.xrce.signals.changes import Changes
 from tachk.xrce.signals.clients import Side, Way
 from tachk.xrce.signals.following import GONE, SITUATION, Block, Follower
@@ -97,11 +98,12 @@ class LivePackets:
 
     def __init__(self, name: str, stream: Arriving, ports: Sequence[int], clock: Callable[[], int]) -> None:
         """Args:
-        ports: of Agents; without any 8888, and each one to which a session is created.
+        ports: of Agents; without any 8888, and each one to which a session is created, or a serial line.
         clock: nanoseconds that never go back.
         """
         self.name = name
-        self._reading = CaptureReading(cast("BinaryIO", stream), ports)
+        self._reading: CaptureReading | SerialReading | None = None
+        self._ports = ports
         self._stream = stream
         self._clock = clock
         self._looked = 0
@@ -121,13 +123,14 @@ class LivePackets:
         self._follower = Follower(streams=any(column.way is not None for column in wanted.values()))
         packets, read_at = 0, self._clock()
         try:
-            for found in self._reading.pieces():
+            self._reading = reading = self._opened()
+            for found in reading.pieces():
                 now = self._clock()
                 self._follower.push(found)
-                if self._reading.packets > packets:
-                    packets, read_at = self._reading.packets, now
+                if reading.packets > packets:
+                    packets, read_at = reading.packets, now
                 elif self._start is not None:
-                    self._follower.wait(self._reading.time + now - read_at - LATENESS)
+                    self._follower.wait(reading.time + now - read_at - LATENESS)
                 block = self._follower.take()
                 waited = self._follower.latest
                 if self._start is None and len(block.times):
@@ -137,10 +140,20 @@ class LivePackets:
                 if waited >= self._looked + GONE:
                     self._looked = waited
                     self._follower.forget_gone()
+            if self._start is None and isinstance(reading, SerialReading):
+                raise CaptureError("this is neither a pcap nor a pcapng capture, nor has it a message of a serial line")
         except (CaptureError, TooManyUnread) as error:
             raise UsageError(f"{self.name}: {error}") from None
         finally:
             self._stream.close()
+
+    def _opened(self) -> CaptureReading | SerialReading:
+        """What begins as no capture holds the bytes of a serial line, and so does a capture with a link of the user."""
+        stream = Peeked(cast("BinaryIO", self._stream), PCAP_HEADER)
+        octets = cast("BinaryIO", stream)
+        if is_capture(stream.begin) and (self._ports or link_of_pcap(stream.begin) not in USER_LINKS):
+            return CaptureReading(octets, self._ports)
+        return SerialReading(octets, damaged=False, clock=self._clock)
 
     def packets(self, times: Ticks) -> Ticks:
         """The numbers of the packets at these times in nanoseconds since the first message; 0 where there is none, or
@@ -187,6 +200,7 @@ class LivePackets:
         return column.client == f"client_{side.owner.key or client.port}" and column.port in (None, agent.port)
 
     def _endpoint(self, number: int) -> Endpoint:
+        assert self._reading is not None
         return self._reading.endpoints[number]
 
 
