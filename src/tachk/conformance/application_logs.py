@@ -15,6 +15,7 @@ from tachk.conformance.events import Cell, Event, Recording
 from tachk.diagnostics.diagnostic import UsageError
 
 WRITTEN, CLIENT, DETAIL = "written", "client", "detail"
+_WRITES = (WRITTEN, "written_best_effort")
 
 
 def with_log(recording: Recording, log: Recording) -> Recording:
@@ -25,7 +26,7 @@ def with_log(recording: Recording, log: Recording) -> Recording:
     """
     samples: dict[Cell | None, deque[int]] = defaultdict(deque)
     for number, event in enumerate(recording.events):
-        if event.name == WRITTEN and _is_sample(event.cells.get(DETAIL)):
+        if event.name in _WRITES and _is_sample(event.cells.get(DETAIL)):
             samples[event.cells.get(CLIENT)].append(number)
     added: list[Event] = []
     before: dict[Cell | None, int] = {}

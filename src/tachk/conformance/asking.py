@@ -8,7 +8,7 @@ from pathlib import Path
 from time import monotonic
 
 from tachk.conformance.application_logs import with_log
-from tachk.conformance.carried import most_pieces
+from tachk.conformance.carried import BEST_EFFORT, most_pieces
 from tachk.conformance.conform import Conformance, conform
 from tachk.conformance.edits import smallest_edit
 from tachk.conformance.event_tables import read_events
@@ -101,6 +101,7 @@ def _check_room(recording: Recording, constants: Constants) -> None:
     own = [event.cells for event in recording.events if CLIENT in event.cells]
     largest = max((detail for cells in own if isinstance(detail := cells.get("detail"), int)), default=0)
     clients = len({cells[CLIENT] for cells in own})
+    best_effort = any(cells.get("kind") == BEST_EFFORT for cells in own)
     for name, found, what in (
         ("CLIENTS", clients, "clients (or sessions)"),
         ("PIECES", most_pieces(recording), "pieces of one sample before its last one"),
@@ -109,6 +110,11 @@ def _check_room(recording: Recording, constants: Constants) -> None:
         known = constants(name)
         if known is not None and found > known:
             raise UsageError(f"{recording.source} has {found} {what}, but the model {known}", f"set -D {name}={found}")
+    if best_effort and constants("BEST_EFFORT_STREAMS") == 0:
+        raise UsageError(
+            f"{recording.source} has messages of best-effort streams, but the model has no such streams",
+            "set -D BEST_EFFORT_STREAMS=true",
+        )
 
 
 def constants_of(loaded: LoadedModel) -> Constants:

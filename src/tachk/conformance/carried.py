@@ -1,4 +1,4 @@
-"""What messages of reliable streams carry, as the automata call it: see `models/micro_xrce_dds/protocol.ta`."""
+"""What messages of streams carry, as the automata call it: see `models/micro_xrce_dds/protocol.ta`."""
 
 from __future__ import annotations
 
@@ -10,14 +10,17 @@ from tachk.xrce.events import Event, events
 from tachk.xrce.messages import Endpoint, one_message
 from tachk.xrce.submessages import submessages
 from tachk.xrce.transmissions import Transmission
-from tachk.xrce.wire import Kind
+from tachk.xrce.wire import FIRST_RELIABLE_STREAM, Kind
 
-_STATUS, _PIECE, _READ, _BATCH = -16, -17, -32, 65536
+BEST_EFFORT = "BEST_EFFORT"
+"""The kind of a message of a best-effort stream."""
+_STATUS, _PIECE, _READ, _READ_BEST_EFFORT, _BATCH = -16, -17, -32, -16384, 65536
 _UNLIMITED = 65535
 _SAMPLES = (Kind.WRITE_DATA, Kind.DATA)
 _ANSWERED = (Kind.CREATE, Kind.DELETE)
 """What is answered by a STATUS."""
 _MOST_CREATED = 15
+_MOST_READ = _READ - _READ_BEST_EFFORT
 _NOBODY = Endpoint("", 0)
 
 
@@ -36,7 +39,7 @@ class Contents:
         self._pieces: dict[tuple[int, bool], dict[int, tuple[str, bool]]] = {}
 
     def detail(self, one: Transmission) -> int | None:
-        """What a message of a reliable stream carries; None where nobody can know. Raises UnknownContentError."""
+        """What a message of a stream carries; None where nobody can know. Raises UnknownContentError."""
         found = self._whole(one)
         if found is None:
             return None
@@ -50,11 +53,13 @@ class Contents:
             raise UnknownContentError(
                 f"message carries {len(found)} submessages ({kinds}) that the automata know apart"
             )
+        if one.events[0].is_best_effort and not samples:
+            kinds = ", ".join(dict.fromkeys(event.kind.name for event in found if event.kind is not None))
+            raise UnknownContentError(f"message of a best-effort stream carries {kinds}: the automata expect samples")
         if answered:
             return -answered
         if read:
-            count = read[0].fields["max_samples"]
-            return _READ if count == _UNLIMITED else _READ - (1 if count is None else int(str(count)))
+            return _asked(read[0])
         if samples:
             return self._batch([str(event.fields["sample"]) for event in samples])
         return _STATUS if any(event.kind is Kind.STATUS for event in found) else _PIECE if one.to_agent else None
@@ -79,6 +84,19 @@ class Contents:
                         return None
                     whole += together
         return whole
+
+
+def _asked(read: Event) -> int:
+    """READ_DATA, by how many samples it asks for, and on which kind of stream. Raises UnknownContentError."""
+    count, stream = read.fields["max_samples"], int(str(read.fields["preferred_stream"]))
+    reliable = stream >= FIRST_RELIABLE_STREAM
+    code = _READ if reliable else _READ_BEST_EFFORT
+    if count == _UNLIMITED:
+        return code
+    number = 1 if count is None else int(str(count))
+    if stream == 0 or number >= _MOST_READ:
+        raise UnknownContentError(f"READ_DATA asks for {number} samples on stream {stream:02x}, which has no word")
+    return code - number
 
 
 def begins_sample(event: Event) -> bool:

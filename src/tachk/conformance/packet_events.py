@@ -6,10 +6,11 @@ client c sends is on the link 2 c, what the Agent sends to it on 2 c + 1. The ev
     sent(client, link, kind, number, detail)      a message leaves its sender
     arrived(client, link, kind, number, detail)   it comes to its receiver
     written(client, detail)                       a client puts a new message into its output stream
+    written_best_effort(client, detail)           a client puts samples into its best-effort output stream
     created_again(client)                         one more CREATE_CLIENT of a session reaches the Agent
 
 A message with several submessages is one event, and so is a piece of a larger one (FRAGMENT). The recording of a client
-ends where it deletes its session. Best-effort streams have no words there: a capture that has them is refused.
+ends where it deletes its session.
 """
 
 from __future__ import annotations
@@ -19,19 +20,17 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
-from tachk.conformance.carried import Contents, UnknownContentError, begins_sample
+from tachk.conformance.carried import BEST_EFFORT, Contents, UnknownContentError, begins_sample
 from tachk.conformance.events import Cell, Closing, Event, Recording
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.records import dataclass
-from tachk.xrce.events import Event as Submessage
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.transmissions import Transmission, read_transmissions
 from tachk.xrce.wire import Kind
 
 SUFFIXES = (".pcap", ".pcapng")
 _CLIENT_OBJECT = "FFFE"
-_KINDS = "DATA", "HEARTBEAT", "ACKNACK", "PING"
-_SAMPLES = (Kind.WRITE_DATA, Kind.DATA, Kind.READ_DATA)
+_KINDS = "DATA", "HEARTBEAT", "ACKNACK", "PING", BEST_EFFORT
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,22 +115,28 @@ class _Reader:
             cells |= {"number": content.number}
             if content.detail is not None:
                 cells |= {"detail": content.detail}
-            if one.to_agent and content.kind == "DATA" and content.number == self.written[one.link]:
-                self.written[one.link] += 1
-                cells_of_write: dict[str, Cell] = {"client": client, "detail": content.detail or 0}
-                self._add(time, one.packet, "written", cells_of_write, inferred=True)
+            if one.to_agent and self._is_new(one.link, content):
+                name = "written_best_effort" if content.kind == BEST_EFFORT else "written"
+                self._add(time, one.packet, name, {"client": client, "detail": content.detail or 0}, inferred=True)
             sent = self._add(time, one.packet, "sent", cells)
             if one.arrivals is None:
                 self._add(time, one.packet, "arrived", cells, after=sent, optional=True)
             for arrival in one.arrivals or ():
                 self._add(arrival.time - begin, arrival.packet, "arrived", cells, after=sent)
 
+    def _is_new(self, link: int, content: _Content) -> bool:
+        """Whether the client has just put a message into its stream; of a best-effort stream nothing is sent again."""
+        if content.kind == "DATA" and content.number == self.written[link]:
+            self.written[link] += 1
+            return True
+        return content.kind == BEST_EFFORT
+
     def _contents(self, one: Transmission) -> Iterator[_Content]:
-        """What the automata know of a message: what is in a reliable stream, ACKNACK, HEARTBEAT, a question."""
+        """What the automata know of a message: what is in a stream, ACKNACK, HEARTBEAT, a question."""
         first = one.events[0]
-        self._reject_best_effort(one)
-        if first.is_reliable and first.sequence is not None:
-            yield _Content("DATA", first.sequence, self._carried(one))
+        self._reject_damaged(one)
+        if (first.is_reliable or first.is_best_effort) and first.sequence is not None:
+            yield _Content("DATA" if first.is_reliable else BEST_EFFORT, first.sequence, self._carried(one))
             return
         for event in one.events:
             fields = event.fields
@@ -144,13 +149,11 @@ class _Reader:
             elif event.kind is Kind.GET_INFO and one.to_agent:
                 yield _Content("PING", 0, 0)
 
-    def _reject_best_effort(self, one: Transmission) -> None:
+    def _reject_damaged(self, one: Transmission) -> None:
         """Raises UsageError for what the automata have no word for and would take for silence."""
         for event in one.events:
             if event.kind is None:
                 self._reject(one, f"message is damaged, so nobody knows what its sender has sent: {event.problem}")
-            if event.kind in _SAMPLES and not event.is_reliable:
-                self._reject(one, f"is {_name(event)} of a best-effort stream: the automata know only reliable ones")
 
     def _reject(self, one: Transmission, why: str) -> None:
         raise UsageError(f"{self.path}, packet {one.packet}: this {why}", "tachk monitor judges such captures, too")
@@ -168,10 +171,6 @@ def _of_client(number: int) -> Iterator[tuple[str, int]]:
     yield "client", number
     yield "link", 2 * number
     yield "link", 2 * number + 1
-
-
-def _name(event: Submessage) -> str:
-    return event.kind.name if event.kind is not None else "malformed"
 
 
 def _integer(value: object) -> int:

@@ -54,6 +54,11 @@ class Event:
         """Whether its message has a number that is acknowledged."""
         return self.stream is not None and self.stream >= wire.FIRST_RELIABLE_STREAM
 
+    @property
+    def is_best_effort(self) -> bool:
+        """Whether its message has a number, and nobody acknowledges it."""
+        return self.stream is not None and 0 < self.stream < wire.FIRST_RELIABLE_STREAM
+
 
 def decode(stream: BinaryIO, ports: Iterable[int] = (DEFAULT_PORT,)) -> Iterator[Event]:
     """The events in a capture of a network, in the order of its packets.

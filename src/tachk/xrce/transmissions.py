@@ -260,7 +260,10 @@ def _recording(legs: Sequence[_Leg], problem: str) -> Recording:
 
 
 def _matched(link: int, before: Sequence[_Message], behind: Sequence[_Message]) -> Iterator[Transmission]:
-    """Messages before a relay with those behind it that have the same bytes."""
+    """Messages before a relay with those behind it that have the same bytes.
+
+    What comes out and never went in counts as sent there.
+    """
     entered: dict[bytes, list[int]] = defaultdict(list)
     left: dict[bytes, list[_Message]] = defaultdict(list)
     for number, message in enumerate(before):
@@ -271,6 +274,10 @@ def _matched(link: int, before: Sequence[_Message], behind: Sequence[_Message]) 
     for octets, numbers in entered.items():
         for number, message in _equal_ones(before, numbers, left[octets]):
             arrivals[number].append(Arrival(message.time, message.packet))
+    for message in behind:
+        if message.octets not in entered:
+            arrival = Arrival(message.time, message.packet)
+            yield Transmission(link, message.to_agent, message.time, message.packet, (arrival,), message.events)
     for message, found in zip(before, arrivals, strict=True):
         seen = tuple(sorted(found, key=lambda arrival: arrival.packet))
         yield Transmission(link, message.to_agent, message.time, message.packet, seen, message.events)

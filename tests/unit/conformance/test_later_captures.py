@@ -189,11 +189,6 @@ def test_a_damaged_frame_is_named(tmp_path: Path) -> None:
         read_capture(damaged)
 
 
-def test_what_is_not_modelled_is_named() -> None:
-    with pytest.raises(UsageError, match="best-effort stream"):
-        read_capture(CAPTURES / "best_effort.pcap")
-
-
 @pytest.mark.parametrize(("name", "constant"), [("fragments_losses", "PIECES=2"), ("batches_losses", "LARGEST_WORD=")])
 def test_what_the_model_has_no_room_for_is_named(name: str, constant: str) -> None:
     with pytest.raises(UsageError, match=f"set -D {constant}"):

@@ -145,7 +145,9 @@ class _Measuring:
 
     def _longest(self) -> int:
         everybody = [*self.of_clients, *(conversation for conversation, _ in self.of_agents)]
-        numbers = (moment.number for c in everybody for moment in c.moments if isinstance(moment, Sent))
+        numbers = [moment.number for c in everybody for moment in c.moments if isinstance(moment, Sent)]
+        sent = (event for _, recording in self.recordings for one in recording.transmissions for event in one.events)
+        numbers += [event.sequence for event in sent if event.is_best_effort and event.sequence is not None]
         return max(numbers, default=0) + 1
 
     def _rounds(self) -> list[int]:
