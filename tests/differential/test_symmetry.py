@@ -11,15 +11,20 @@ from tachk import Limits, Options
 from tachk.engines import reference
 from tachk.engines.outcome import Status
 from tachk.testing.symmetric.cases import random_symmetric_case
+from tachk.testing.symmetric.rings import random_ring_case
 
 LIMITS = Limits(states=1500)
 
 
+CASES = {"groups": random_symmetric_case, "rings": random_ring_case}
+
+
+@pytest.mark.parametrize("kind", CASES)
 @pytest.mark.parametrize("block", range(4))
-def test_symmetry_changes_no_answer(block: int) -> None:
+def test_symmetry_changes_no_answer(kind: str, block: int) -> None:
     reduced = 0
     for seed in range(25 * block, 25 * block + 25):
-        case = random_symmetric_case(Random(seed))
+        case = CASES[kind](Random(seed))
         model = tachk.loads(case.text)
         sorted_, plain = (
             list(model.verify(*case.queries, options=Options(symmetry=symmetry), limits=LIMITS))
@@ -32,10 +37,11 @@ def test_symmetry_changes_no_answer(block: int) -> None:
     assert reduced > 0
 
 
-def test_symmetry_agrees_with_the_plain_oracle() -> None:
+@pytest.mark.parametrize("kind", CASES)
+def test_symmetry_agrees_with_the_plain_oracle(kind: str) -> None:
     decided = 0
     for seed in range(200, 215):
-        case = random_symmetric_case(Random(seed))
+        case = CASES[kind](Random(seed))
         model = tachk.loads(case.text)
         for verdict in model.verify(*case.queries, limits=LIMITS):
             assert verdict.query.target is not None

@@ -217,6 +217,7 @@ class Decoder {
       const std::uint32_t where = slot();
       return Interchangeable::Name{where, in_.below(group.tables.size(), "table")};
     });
+    group.cyclic = in_.flag();
     const auto differ = [](const auto& items, std::size_t size) {
       return std::any_of(items.begin(), items.end(), [size](const auto& item) { return item.size() != size; });
     };

@@ -179,7 +179,7 @@ struct Measure {
   std::int32_t code;    // of the integer
 };
 
-// Processes any two of which can be exchanged without changing what is possible.
+// Processes that can be exchanged without changing what is possible: any two, or all by moving them round a ring.
 struct Interchangeable {
   struct Name {
     std::uint32_t slot;
@@ -192,6 +192,8 @@ struct Interchangeable {
   // The slots that may name members, and which number of each table is the name of each member.
   std::vector<Name> names;
   std::vector<std::vector<std::int32_t>> tables;
+  // The members can only be moved on, all by the same number of places, the last ones to the front.
+  bool cyclic = false;
 };
 
 struct Program {

@@ -1,6 +1,7 @@
 #include "symbolic/representative.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <numeric>
 
 namespace tachk {
@@ -8,6 +9,11 @@ namespace {
 
 constexpr std::int64_t nowhere = std::int64_t{1} << 40;  // behind all places
 constexpr std::int64_t itself = -nowhere;
+
+void rotate(std::vector<std::uint32_t>& places, std::size_t by) {
+  for (std::size_t place = 0; place < places.size(); ++place)
+    places[place] = static_cast<std::uint32_t>((place + by) % places.size());
+}
 
 }  // namespace
 
@@ -37,6 +43,7 @@ Representatives::Representatives(const Program& program, const ZoneOperations& o
   for (const Interchangeable& parts : program.interchangeable) {
     Group& group = groups_.emplace_back();
     group.parts = parts;
+    if (parts.cyclic) group.turns.emplace(parts);
     group.names_own.resize(parts.slots.front().size());
     group.own_tables.resize(parts.slots.front().size());
     for (const Interchangeable::Name& name : parts.names) {
@@ -104,8 +111,8 @@ void Representatives::describe(const Group& group, const std::int32_t* slots) {
   }
 }
 
-// Finds the order of a group as described; false if it is in order.
-bool Representatives::order(std::size_t group) {
+// Finds the order of a group as described.
+void Representatives::order(std::size_t group) {
   const std::int64_t* facts = facts_.data();
   const std::size_t width = width_;
   const auto precedes = [facts, width](std::uint32_t one, std::uint32_t other) {
@@ -115,21 +122,43 @@ bool Representatives::order(std::size_t group) {
   };
   std::vector<std::uint32_t>& places = arrangement_[group];
   std::iota(places.begin(), places.end(), 0);
-  if (std::is_sorted(places.begin(), places.end(), precedes)) return false;
-  std::stable_sort(places.begin(), places.end(), precedes);
-  return true;
+  if (!std::is_sorted(places.begin(), places.end(), precedes)) std::stable_sort(places.begin(), places.end(), precedes);
 }
 
-void Representatives::sort(std::int32_t* slots, ZoneBuffer& zone) {
+bool Representatives::sort(std::int32_t* slots, ZoneBuffer& zone) {
   operations_.sum_up(zone.get(), dimension_, rows_.data(), columns_.data());
   bool moves = false;
   for (std::size_t group = 0; group < groups_.size(); ++group) {
-    describe(groups_[group], slots);
-    if (!order(group)) continue;
+    if (groups_[group].turns) {
+      turn(group, slots, zone);
+    } else {
+      describe(groups_[group], slots);
+      order(group);
+    }
+    if (arrangement_[group] == identity_[group]) continue;
     move_slots(groups_[group], arrangement_[group], slots);
     moves = true;
   }
   if (moves) move_clocks(arrangement_, zone);
+  return moves;
+}
+
+// Of the rotations that make the slots least, the one that also makes the zone least.
+void Representatives::turn(std::size_t group, const std::int32_t* slots, ZoneBuffer& zone) {
+  Arrangement alone = identity_;
+  std::vector<std::uint32_t>& places = alone[group];
+  const std::vector<std::size_t>& least = groups_[group].turns->least(slots);
+  rotate(places, least.front());
+  arrangement_[group] = places;
+  if (least.size() == 1) return;
+  ZoneBuffer best(operations_);
+  for (std::size_t candidate = 0; candidate < least.size(); ++candidate) {
+    rotate(places, least[candidate]);
+    rename_clocks(alone, zone.get());
+    if (candidate != 0 && std::memcmp(scratch_.get().bytes, best.get().bytes, operations_.bytes) >= 0) continue;
+    std::swap(best, scratch_);
+    arrangement_[group] = places;
+  }
 }
 
 void Representatives::arrange(const Arrangement& arrangement, std::int32_t* slots, ZoneBuffer& zone) {
@@ -153,6 +182,11 @@ void Representatives::move_slots(const Group& group, const std::vector<std::uint
 }
 
 void Representatives::move_clocks(const Arrangement& arrangement, ZoneBuffer& zone) {
+  rename_clocks(arrangement, zone.get());
+  std::swap(scratch_, zone);
+}
+
+void Representatives::rename_clocks(const Arrangement& arrangement, ConstZoneRef zone) {
   std::iota(sources_.begin(), sources_.end(), std::uint16_t{0});
   for (std::size_t group = 0; group < groups_.size(); ++group) {
     const std::vector<std::vector<std::uint16_t>>& clocks = groups_[group].parts.clocks;
@@ -160,8 +194,7 @@ void Representatives::move_clocks(const Arrangement& arrangement, ZoneBuffer& zo
       for (std::size_t clock = 0; clock < clocks[place].size(); ++clock)
         sources_[clocks[place][clock]] = clocks[arrangement[group][place]][clock];
   }
-  operations_.rename(scratch_.get(), zone.get(), dimension_, sources_.data());
-  std::swap(scratch_, zone);
+  operations_.rename(scratch_.get(), zone, dimension_, sources_.data());
 }
 
 }  // namespace tachk

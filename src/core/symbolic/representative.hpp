@@ -1,14 +1,17 @@
 // One state for all that differ by an exchange of interchangeable processes: the members of each group are sorted by
 // what is known of them, so that most of these states become the same one. Any order is sound, because every exchange
-// maps what is possible onto itself; a better one leaves fewer states (Ip & Dill 1996; Hendriks et al. 2003).
+// maps what is possible onto itself; a better one leaves fewer states (Ip & Dill 1996; Hendriks et al. 2003). A ring is
+// turned to where what is known of it is least.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "program/program.hpp"
+#include "symbolic/rotations.hpp"
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
 
@@ -30,8 +33,8 @@ class Representatives final {
   // Whether states are sorted, where there are interchangeable processes.
   void activate(bool wanted) { active_ = wanted && !groups_.empty(); }
 
-  // Sorts the members of each group in a state.
-  void sort(std::int32_t* slots, ZoneBuffer& zone);
+  // Sorts the members of each group in a state; false if all have kept their places.
+  bool sort(std::int32_t* slots, ZoneBuffer& zone);
   // How the state sorted last was arranged.
   const Arrangement& arrangement() const { return arrangement_; }
   void arrange(const Arrangement& arrangement, std::int32_t* slots, ZoneBuffer& zone);
@@ -44,14 +47,18 @@ class Representatives final {
     std::vector<Interchangeable::Name> shared;         // names outside the slots of members
     std::vector<std::int32_t> least;                   // of each table the smallest number
     std::vector<std::vector<std::int32_t>> member_of;  // of each table, by number less the smallest one; -1: nobody
+    std::optional<Rotations> turns;                    // of a ring
 
     std::int32_t member(std::size_t table, std::int32_t number) const;
   };
 
   void describe(const Group& group, const std::int32_t* slots);
-  bool order(std::size_t group);
+  void order(std::size_t group);
+  void turn(std::size_t group, const std::int32_t* slots, ZoneBuffer& zone);
   void move_slots(const Group& group, const std::vector<std::uint32_t>& from, std::int32_t* slots);
   void move_clocks(const Arrangement& arrangement, ZoneBuffer& zone);
+  // Sets `scratch_`.
+  void rename_clocks(const Arrangement& arrangement, ConstZoneRef zone);
 
   int dimension_;
   ZoneOperations operations_;

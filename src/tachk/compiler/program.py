@@ -170,19 +170,21 @@ class Slot:
 
 @dataclass(frozen=True, slots=True)
 class Interchangeable:
-    """Processes any two of which can be exchanged without changing what is possible.
+    """Processes that can be exchanged without changing what is possible: any two, or all by moving them round a ring.
 
     Attributes:
         slots: of each member those that belong to it, the corresponding ones in the same order; its location first.
         clocks: of each member likewise.
         names: the slots that may hold names of members, each with the number of the table that tells which.
         tables: each with the name of each member.
+        cyclic: the members can only be moved on, all by the same number of places, the last ones to the front.
     """
 
     slots: tuple[tuple[int, ...], ...]
     clocks: tuple[tuple[int, ...], ...]
     names: tuple[tuple[int, int], ...]
     tables: tuple[tuple[int, ...], ...]
+    cyclic: bool = False
 
 
 @dataclass(frozen=True, slots=True)

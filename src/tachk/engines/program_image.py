@@ -44,6 +44,7 @@ def encode(program: Program, goals: Sequence[Goal], measures: Sequence[Measure] 
             image.append(len(rows))
             for row in rows:
                 image += row if rows is group.names else (len(row), *row)
+        image.append(int(group.cyclic))
     return image
 
 

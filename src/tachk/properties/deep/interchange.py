@@ -6,8 +6,9 @@ from collections.abc import Iterable, Sequence
 
 from tachk.model.network import Network
 from tachk.properties.deep.findings import Part
-from tachk.reduction.symmetry.detection import Difference, Interchangeable, find_symmetry
-from tachk.reduction.symmetry.tables import repeats
+from tachk.reduction.symmetry.detection import Difference, find_symmetry
+from tachk.reduction.symmetry.kinds import Refusal
+from tachk.reduction.symmetry.tables import repeats, tables_of
 
 _QUESTION = "interchangeable processes"
 
@@ -20,13 +21,20 @@ def interchange_parts(network: Network) -> tuple[Part, ...]:
     if not repeats(network):
         return ()
     symmetry = find_symmetry(network, [])
-    told = [_group(network, group) for group in symmetry.groups]
-    told += _differences(symmetry.differences)
+    told: list[str] = []
+    refused = list(symmetry.differences)
+    for each, table in tables_of(network, symmetry):
+        if isinstance(table, Refusal):
+            first, second = (network.processes[team[0]] for team in each.members[:2])
+            refused.append(Difference(first.template, first.name, second.name, table))
+        else:
+            told.append(_members(network, each.members) + (" in a ring" if table.cyclic else ""))
+    told += _differences(refused)
     return (Part(_QUESTION, "; ".join(told)),) if told else ()
 
 
-def _group(network: Network, group: Interchangeable) -> str:
-    teams = [" with ".join(network.processes[member].name for member in team) for team in group.members]
+def _members(network: Network, members: Sequence[tuple[int, ...]]) -> str:
+    teams = [" with ".join(network.processes[member].name for member in team) for team in members]
     if len(teams) > _MOST:
         return f"{teams[0]} to {teams[-1]} ({len(teams)})"
     return ", ".join(teams)

@@ -1,8 +1,8 @@
 """Renamings of a network, and whether one maps the network onto itself.
 
-A renaming exchanges processes, variables and numbers of some kinds. It maps a network onto itself if the text of each
-process, renamed, is that of the process it is mapped to, up to the order of edges, and if initial values, ranges,
-priorities and what is asked for are mapped onto themselves. Then it maps runs to runs: an automorphism.
+A renaming is a permutation of processes, variables and numbers of some kinds. It maps a network onto itself if the text
+of each process, renamed, is that of the process it is mapped to, up to the order of edges, and if initial values,
+ranges, priorities and what is asked for are mapped onto themselves. Then it maps runs to runs: an automorphism.
 """
 
 from __future__ import annotations
@@ -19,17 +19,8 @@ from tachk.model.network import Edge, Location, Network
 from tachk.model.types import ArrayType, Type, cell_count
 from tachk.records import dataclass
 from tachk.reduction.symmetry.kinds import ArrayTree, Kinds, RecordTree, Refusal, Tree
-from tachk.reduction.symmetry.terms import (
-    Junction,
-    Number,
-    Place,
-    Reader,
-    Term,
-    Token,
-    cell_nodes,
-    flat,
-    predicate_term,
-)
+from tachk.reduction.symmetry.predicates import Junction, Term, flat, predicate_term
+from tachk.reduction.symmetry.terms import Number, Place, Reader, Token, cell_nodes
 
 Atom = Variable | Place | tuple[int, int]
 """What a renaming may move: a variable, a process, a number of a kind."""
@@ -133,7 +124,7 @@ class Reading:
     # ---- the proof --------------------------------------------------------------------------------------------------
 
     def objection(self, renaming: Renaming) -> Refusal | None:
-        """Why a renaming, which is its own inverse, does not map the network onto itself; None if it does."""
+        """Why a renaming, which is a permutation, does not map the network onto itself; None if it does."""
         moved = self._moved_atoms(renaming)
         return (
             self._kinds_objection(renaming)
@@ -154,6 +145,11 @@ class Reading:
                 if (limit.low <= value + shift <= limit.high) != (limit.low <= image + shift <= limit.high):
                     reason = f"the range [{limit.low}, {limit.high}] holds the number of one and not that of another"
                     return Refusal(reason, limit.span)
+        for cycle in self.kinds.cycles:
+            size = cycle.high + 1
+            images = [renaming.value(self.kinds, cycle.node, value) for value in range(size)]
+            if images != [(value + images[0]) % size for value in range(size)]:
+                return Refusal(f"the model counts round with them, modulo {size}", cycle.span)
         for default in self.kinds.defaults:
             if renaming.value(self.kinds, default.node, default.low) != default.low:
                 return Refusal(f"a variable begins with {default.low}, the number of one of them", default.span)

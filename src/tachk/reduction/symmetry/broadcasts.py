@@ -46,12 +46,12 @@ class _Listener:
 
 def order_matters(network: Network, known: Known, members: Sequence[tuple[int, ...]]) -> Refusal | None:
     """Why the order of some members of a group among themselves and with others can be noticed; None if it cannot."""
-    two = [*members[0], *members[1]]
+    # Any two members behave to each other, or to somebody else, as the first one and some member do.
     everybody = {number for team in members for number in team}
-    # Any two members behave to each other as the first two do.
-    others = [n for n in range(len(network.processes)) if min(everybody) < n < max(everybody) and n not in everybody]
-    own = [each for number in two for each in _listeners(network, known, number)]
-    foreign = [each for number in others for each in _listeners(network, known, number)]
+    between = [n for n in range(min(everybody), max(everybody)) if n not in everybody]
+    others = [*(number for team in members[1:] for number in team), *between]
+    own = [each for number in members[0] for each in _listeners(network, known, number)]
+    foreign = [each for number in others for each in _listeners(network, known, number)] if own else []
     for number, one in enumerate(own):
         for other in (*own[number + 1 :], *foreign):
             if one.process != other.process and _may_be(one.channel, other.channel) and not _commute(one, other):

@@ -3,13 +3,14 @@
 Processes with the same text up to numbers and variables are candidates. What must be exchanged together with two of
 them is read off where their texts differ; then `tachk.reduction.symmetry.automorphism` proves that the exchange maps
 the network, and what is asked of it, onto itself. Exchanges of one process with each of the others generate all
-permutations.
+permutations. Processes that cannot be exchanged may still form a ring (`tachk.reduction.symmetry.rings`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Sequence
 from itertools import combinations
+from math import factorial, prod
 
 from tachk.compiler.failures import location_can_fail
 from tachk.compiler.fold import known_values
@@ -20,15 +21,14 @@ from tachk.records import dataclass
 from tachk.reduction.symmetry.automorphism import Reading, Renaming, Unit, read
 from tachk.reduction.symmetry.broadcasts import order_matters
 from tachk.reduction.symmetry.kinds import Refusal
+from tachk.reduction.symmetry.rings import Ring, Team, find_ring, subsets
 from tachk.reduction.symmetry.terms import Number, Place, Shift, Token
-
-Team = tuple[int, ...]
-"""Processes that are only exchanged together, such as a cell and its arbiter: as a rule there is one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Interchangeable:
-    """Teams any two of which can be exchanged.
+    """Teams any two of which can be exchanged. A team is what is only exchanged together, such as a cell and its
+    arbiter: as a rule one process.
 
     Attributes:
         members: the numbers of their processes.
@@ -55,11 +55,13 @@ class Symmetry:
 
     Attributes:
         groups: of two processes at least.
-        differences: one for each template with several instances that are not all interchangeable.
-        reading: what the renamings of the groups speak of.
+        rings: of processes that are not in groups.
+        differences: one for each template with several instances that are not all interchangeable, nor in a ring.
+        reading: what the renamings of the groups and rings speak of.
     """
 
     groups: tuple[Interchangeable, ...]
+    rings: tuple[Ring, ...]
     differences: tuple[Difference, ...]
     reading: Reading
 
@@ -83,8 +85,10 @@ def find_symmetry(network: Network, predicates: Sequence[Expression]) -> Symmetr
         if joined.reach > max(each.reach for each in partners):
             found = [joined, *(attempt for attempt in found if attempt not in partners)]
             break
+    rings, found = _with_rings(reading, found)
     groups = tuple(group for attempt in found for group in attempt.groups)
-    return Symmetry(groups, tuple(_difference(network, attempt) for attempt in found if attempt.refusal), reading)
+    differences = tuple(_difference(network, attempt) for attempt in found if attempt.refusal)
+    return Symmetry(groups, tuple(rings), differences, reading)
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +107,11 @@ class _Attempt:
     def reach(self) -> int:
         """How many of them are."""
         return sum(len(group.members) for group in self.groups)
+
+    @property
+    def arrangements(self) -> int:
+        """In how many orders they can be put by exchanging them."""
+        return prod(factorial(len(group.members)) for group in self.groups)
 
 
 def _attempt(reading: Reading, teams: list[Team]) -> _Attempt:
@@ -130,6 +139,36 @@ def _partnerships(attempts: Sequence[_Attempt]) -> Iterable[tuple[_Attempt, ...]
             yield tuple(equal)
         if len(equal) > 2:
             yield from combinations(equal, 2)
+
+
+def _with_rings(reading: Reading, attempts: list[_Attempt]) -> tuple[list[Ring], list[_Attempt]]:
+    """The rings of teams that are not all interchangeable, where those leave fewer states, and the other attempts."""
+    rings: list[Ring] = []
+    gone: list[_Attempt] = []
+    sizes = {len(attempt.teams) for attempt in attempts if attempt.refusal is not None}
+    for size in sorted(sizes):
+        equal = [attempt for attempt in attempts if attempt.refusal is not None and len(attempt.teams) == size]
+        for some in subsets(equal):
+            if any(attempt in gone for attempt in some):
+                continue
+            ring = ring_of(
+                reading, [sum(teams, ()) for teams in zip(*(attempt.teams for attempt in some), strict=True)]
+            )
+            if ring is not None and len(ring.members) > prod(attempt.arrangements for attempt in some):
+                rings.append(ring)
+                gone += some
+    return rings, [attempt for attempt in attempts if attempt not in gone]
+
+
+def ring_of(reading: Reading, teams: Sequence[Team]) -> Ring | None:
+    """A ring in which teams stand in their order, if there is one."""
+    families = list(zip(*teams, strict=True))
+    if any(_order_of_errors(reading, (family[0],)) for family in families):
+        return None
+    ring = find_ring(reading, families, lambda one, other: _pairs(reading, one, other))
+    if isinstance(ring, Refusal) or order_matters(reading.network, reading.reader.known, ring.members):
+        return None
+    return ring
 
 
 def _difference(network: Network, attempt: _Attempt) -> Difference:

@@ -2,7 +2,8 @@
 
 Two numbers are of one kind where one is compared with the other for equality, assigned to it, or used as an index where
 the other is. Numbers that are ordered, added or multiplied are *plain*: they cannot be names. ``e + 1`` is of the kind
-of ``e``, shifted by one. Ip & Dill, "Better verification through symmetry", FMSD 9 (1996), call such names scalar sets;
+of ``e``, shifted by one; ``(e + 1) % N`` is of the kind of ``e`` if that lies in [0, N - 1], and its numbers can only
+be moved round together. Ip & Dill, "Better verification through symmetry", FMSD 9 (1996), call such names scalar sets;
 here nothing has to be declared.
 """
 
@@ -69,10 +70,12 @@ class Kinds:
     Attributes:
         ranges: the limits of numbers.
         defaults: numbers that appear without being written: node, value.
+        cycles: all numbers at a node, where one is added modulo their number.
     """
 
     ranges: list[Range] = field(default_factory=list)
     defaults: list[Range] = field(default_factory=list)
+    cycles: list[Range] = field(default_factory=list)
     _parent: list[int] = field(default_factory=list)
     _shift: list[int] = field(default_factory=list)
     _plain: dict[int, Refusal] = field(default_factory=dict)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from tachk.compiler.program import Interchangeable as Table
@@ -12,7 +13,9 @@ from tachk.model.expressions import Expression
 from tachk.model.network import Network
 from tachk.model.types import ChannelType, ClockType
 from tachk.reduction.symmetry.automorphism import Reading, Renaming, cell_images
-from tachk.reduction.symmetry.detection import Interchangeable, find_symmetry
+from tachk.reduction.symmetry.detection import Interchangeable, Symmetry, find_symmetry, ring_of
+from tachk.reduction.symmetry.kinds import Refusal
+from tachk.reduction.symmetry.rings import Ring, Team, orbits
 from tachk.reduction.symmetry.terms import cell_nodes
 
 
@@ -20,30 +23,45 @@ def with_symmetry(program: Program, network: Network, predicates: Sequence[Expre
     """The program of a network with what is interchangeable in it, where its goals are those of the predicates."""
     if not repeats(network):
         return program
-    symmetry = find_symmetry(network, predicates)
-    layout = cell_layout(network)
-    tables: list[Table] = []
+    tables = [table for _, table in tables_of(network, find_symmetry(network, predicates))]
+    return replace(program, interchangeable=tuple(table for table in tables if isinstance(table, Table)))
+
+
+def tables_of(network: Network, symmetry: Symmetry) -> list[tuple[Interchangeable | Ring, Table | Refusal]]:
+    """For each ring and each group what the engine has to know of it, or why it cannot exchange its members."""
+    layout, reading = cell_layout(network), symmetry.reading
+    found: list[tuple[Interchangeable | Ring, Table | Refusal]] = []
     clocks: set[int] = set()
-    for group in symmetry.groups:
-        table = _table(symmetry.reading, layout, group)
-        if table is None or not clocks.isdisjoint(clock for own in table.clocks for clock in own):
-            continue
-        clocks.update(clock for own in table.clocks for clock in own)
-        tables.append(table)
-    return replace(program, interchangeable=tuple(tables))
+    pending: list[Interchangeable | Ring] = [*symmetry.rings, *symmetry.groups]
+    for each in pending:
+        table = _ring_table(reading, layout, each) if isinstance(each, Ring) else _table(reading, layout, each)
+        if isinstance(table, Refusal) and isinstance(each, Interchangeable):
+            ring = ring_of(reading, each.members)
+            pending += [ring] if ring is not None and (ring.rotation.variables or ring.rotation.values) else []
+        if isinstance(table, Table):
+            moved = {clock for own in table.clocks for clock in own}
+            if not clocks.isdisjoint(moved):
+                table = Refusal("clocks of theirs belong to other interchangeable processes, too")
+            clocks |= moved
+        found.append((each, table))
+    return found
 
 
 def in_equal_parts(network: Network, targets: Sequence[Expression]) -> list[list[int]]:
     """The numbers of targets in sets that leave the same processes interchangeable: those that name processes would
     make a search for the others larger. One set where nothing is interchangeable at all."""
     numbers = list(range(len(targets)))
-    if len(targets) < 2 or not repeats(network) or not find_symmetry(network, []).groups:
+    if len(targets) < 2 or not repeats(network) or not _moved(network, []):
         return [numbers]
-    parts: dict[frozenset[tuple[tuple[int, ...], ...]], list[int]] = {}
+    parts: dict[frozenset[tuple[Team, ...]], list[int]] = {}
     for number in numbers:
-        groups = find_symmetry(network, [targets[number]]).groups
-        parts.setdefault(frozenset(group.members for group in groups), []).append(number)
+        parts.setdefault(_moved(network, [targets[number]]), []).append(number)
     return list(parts.values())
+
+
+def _moved(network: Network, predicates: Sequence[Expression]) -> frozenset[tuple[Team, ...]]:
+    symmetry = find_symmetry(network, predicates)
+    return frozenset([*(group.members for group in symmetry.groups), *(ring.members for ring in symmetry.rings)])
 
 
 def repeats(network: Network) -> bool:
@@ -52,21 +70,23 @@ def repeats(network: Network) -> bool:
     return len(set(shapes)) < len(shapes)
 
 
-def _table(reading: Reading, layout: CellLayout, group: Interchangeable) -> Table | None:
-    """None where something belongs to two members at a time, and where there is nothing to exchange."""
+def _table(reading: Reading, layout: CellLayout, group: Interchangeable) -> Table | Refusal:
+    """Refused where something belongs to two members at a time, and where there is nothing to exchange."""
     if all(len(reading.network.processes[member].locations) == 1 for member in group.members[0]) and not any(
         exchange.variables or exchange.values for exchange in group.exchanges
     ):
-        return None
+        return Refusal("they have nothing of their own to be exchanged")
     moves = [_cell_moves(reading, layout, exchange) for exchange in group.exchanges]
     own = _own_cells(layout, moves)
     belongs = [own, *([move[cell] for cell in own] for move in moves)]
-    flat = [cell for cells in belongs for cell in cells]
-    if len(set(flat)) != len(flat):
-        return None
+    flat = Counter(cell for cells in belongs for cell in cells)
+    shared = {cell for cell, count in flat.items() if count > 1}
     for move, cells in zip(moves, belongs[1:], strict=True):
-        if set(move) != {*own, *cells}:
-            return None
+        shared |= set(move) ^ {*own, *cells}
+    if shared:
+        variable = max((v for v in layout.first if layout.first[v] <= min(shared)), key=layout.first.__getitem__)
+        reason = f"`{variable.name}` holds what belongs to two of them at a time: tachk cannot exchange that"
+        return Refusal(reason, variable.span)
     names, tables = _names(reading, layout, group)
     before = len(reading.network.processes)
 
@@ -84,6 +104,27 @@ def _table(reading: Reading, layout: CellLayout, group: Interchangeable) -> Tabl
         ),
         names=tuple((before + cell, table) for cell, table in names),
         tables=tables,
+    )
+
+
+def _ring_table(reading: Reading, layout: CellLayout, ring: Ring) -> Table:
+    """Whatever a rotation moves goes round in a circle of its own, which may begin anywhere."""
+    before = len(reading.network.processes)
+    slots: list[list[int]] = list(orbits(ring.rotation.processes))
+    clocks: list[list[int]] = []
+    for orbit in orbits(_cell_moves(reading, layout, ring.rotation)):
+        if isinstance(layout.types[orbit[0]], ClockType):
+            clocks.append([layout.initial[cell] for cell in orbit])
+        elif not isinstance(layout.types[orbit[0]], ChannelType):
+            slots.append([before + cell for cell in orbit])
+    numbers = {root: list(orbits(moved)) for root, moved in ring.rotation.values.items()}
+    names, tables = _named_cells(reading, layout, numbers)
+    return Table(
+        slots=tuple(zip(*slots, strict=True)),
+        clocks=tuple(zip(*clocks, strict=True)) or ((),) * len(ring.members),
+        names=tuple((before + cell, table) for cell, table in names),
+        tables=tables,
+        cyclic=True,
     )
 
 
@@ -111,21 +152,28 @@ def _names(
     reading: Reading, layout: CellLayout, group: Interchangeable
 ) -> tuple[list[tuple[int, int]], tuple[tuple[int, ...], ...]]:
     """The cells that may name members, each with the number of its table; and the tables."""
-    numbers = {
-        root: [next(iter(moved)) for moved in [group.exchanges[0].values[root]]] for root in group.exchanges[0].values
-    }
-    for root in numbers:
+    numbers = {}
+    for root in group.exchanges[0].values:
         first = _first_number(group, root)
-        numbers[root] = [first, *(exchange.values[root][first] for exchange in group.exchanges)]
-    tables: dict[tuple[int, int], int] = {}
+        numbers[root] = [[first, *(exchange.values[root][first] for exchange in group.exchanges)]]
+    return _named_cells(reading, layout, numbers)
+
+
+def _named_cells(
+    reading: Reading, layout: CellLayout, numbers: Mapping[int, Sequence[Sequence[int]]]
+) -> tuple[list[tuple[int, int]], tuple[tuple[int, ...], ...]]:
+    """As `_names`, where `numbers` holds the names of the members for each kind: of each member as many as lists."""
+    tables: dict[tuple[int, int, int], int] = {}
     names = []
     for variable, start in layout.first.items():
         tree = reading.reader.tree_of(variable)
         for cell, node in enumerate(cell_nodes(tree, variable.type)):
-            kind = reading.kinds.find(node)
-            if kind[0] in numbers and not isinstance(layout.types[start + cell], ClockType | ChannelType):
-                names.append((start + cell, tables.setdefault(kind, len(tables))))
-    return names, tuple(tuple(number + shift for number in numbers[root]) for root, shift in tables)
+            root, shift = reading.kinds.find(node)
+            if isinstance(layout.types[start + cell], ClockType | ChannelType):
+                continue
+            kinds = [(root, shift, number) for number in range(len(numbers.get(root, ())))]
+            names += [(start + cell, tables.setdefault(kind, len(tables))) for kind in kinds]
+    return names, tuple(tuple(each + shift for each in numbers[root][number]) for root, shift, number in tables)
 
 
 def _first_number(group: Interchangeable, root: int) -> int:

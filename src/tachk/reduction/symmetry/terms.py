@@ -5,7 +5,6 @@ While an expression is read, it is noted which of its numbers are of one kind (`
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import field
 from typing import NamedTuple, assert_never
 
@@ -255,6 +254,15 @@ class Reader:
                 kinds.make_plain(inner, f"`{operator.value}` computes with it", expression.span)
                 kinds.make_plain(node, f"`{operator.value}` computes it", expression.span)
             return node
+        if operator is BinaryOperator.MODULO and isinstance(right, Constant):
+            round_ = _round(left, right.value)
+            if round_ is not None:
+                place, step = round_
+                tokens.append(("round", step, right.value))
+                tree = self._read(place, tokens)
+                assert isinstance(tree, int)
+                kinds.cycles.append(Range(tree, 0, right.value - 1, expression.span))
+                return tree
         tokens.append(("binary", operator))
         word = f"`{operator.value}` computes with it"
         self._plain(left, tokens, word)
@@ -376,6 +384,22 @@ class Reader:
             self.kinds.defaults.append(Range(node, value, value, variable.span))
 
 
+def _round(expression: Expression, size: int) -> tuple[Expression, int] | None:
+    """The place of a variable that lies in [0, size - 1], and the positive step that is added to it."""
+    step = 0
+    while isinstance(expression, Binary) and expression.operator in (BinaryOperator.ADD, BinaryOperator.SUBTRACT):
+        left, right = expression.left, expression.right
+        if expression.operator is BinaryOperator.ADD and isinstance(left, Constant):
+            left, right = right, left
+        if not isinstance(right, Constant):
+            return None
+        step += right.value if expression.operator is BinaryOperator.ADD else -right.value
+        expression = left
+    if not isinstance(expression, Reference | Index | Field) or not isinstance(expression.type, IntType):
+        return None
+    return (expression, step) if bounds(expression.type) == (0, size - 1) and step > 0 else None
+
+
 def _each_on_its_own(body: Statement, variable: Variable) -> bool:
     """Whether a loop only sets the element of arrays that its variable names to constants."""
     match body:
@@ -400,66 +424,3 @@ def cell_nodes(tree: Tree, type_: Type) -> list[int]:
             ]
         case _:
             raise TypeError("a tree that does not fit its type")
-
-
-# ---- predicates -----------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class Junction:
-    """A conjunction or disjunction, whose parts have no order."""
-
-    conjunctive: bool
-    parts: tuple[Term, ...]
-
-
-Term = tuple[Token, ...] | Junction
-
-
-def predicate_term(reader: Reader, predicate: Expression) -> Term:
-    """A predicate; where nothing in it can be a run-time error the order of its parts does not matter."""
-    folded = fold(predicate, reader.known)
-    reader.begin()
-    if can_fail(folded, reader.known):
-        tokens: list[Token] = []
-        reader.condition(folded, tokens)
-        return tuple(tokens)
-    return _term(reader, folded, True)
-
-
-def _term(reader: Reader, expression: Expression, positive: bool) -> Term:
-    conjunctive = _joins(expression, positive)
-    if conjunctive is None:
-        if isinstance(expression, Unary) and expression.operator is UnaryOperator.NOT:
-            return _term(reader, expression.operand, not positive)
-        tokens: list[Token] = [("positive", positive)]
-        reader.condition(expression, tokens)
-        return tuple(tokens)
-    parts: list[Term] = []
-    pending = [(expression, positive)]
-    while pending:
-        part, holds = pending.pop()
-        if isinstance(part, Unary) and part.operator is UnaryOperator.NOT:
-            pending.append((part.operand, not holds))
-        elif _joins(part, holds) is conjunctive and isinstance(part, Binary):
-            pending.append((part.right, holds))
-            pending.append((part.left, holds == (part.operator is not BinaryOperator.IMPLY)))
-        else:
-            parts.append(_term(reader, part, holds))
-    return Junction(conjunctive, tuple(parts))
-
-
-def _joins(expression: Expression, positive: bool) -> bool | None:
-    """Whether an expression, or its negation, is a conjunction (True) or a disjunction (False)."""
-    if not isinstance(expression, Binary) or expression.operator.group is not Group.CONNECTIVE:
-        return None
-    return (expression.operator is BinaryOperator.AND) == positive
-
-
-def flat(terms: Iterable[Term]) -> Iterable[Token]:
-    """All tokens of some terms."""
-    for term in terms:
-        if isinstance(term, Junction):
-            yield from flat(term.parts)
-        else:
-            yield from term
