@@ -121,7 +121,7 @@ Agents find_agents(const Program& program) {
   agents.obstacle = global_obstacle(program);
   if (agents.obstacle != nullptr) return agents;
   const Resources resources = find_resources(program);
-  agents.count = program.processes.size();
+  agents.count = agents.processes = program.processes.size();
   for (const Edge& edge : program.edges) agents.of_edge.push_back({edge.process});
   agents.of_clock.assign(1, 0);
 
@@ -133,13 +133,15 @@ Agents find_agents(const Program& program) {
     for (const std::uint32_t edge : edges) agents.of_edge[edge].push_back(group->second);
     return group->second;
   };
-  for (const Resource& slot : resources.slots) {
+  agents.of_slot.assign(resources.slots.size(), Agents::nobody);
+  for (std::size_t number = 0; number < resources.slots.size(); ++number) {
+    const Resource& slot = resources.slots[number];
     if (!slot.changes || slot.owner()) continue;
     if (slot.constrained) {
       agents.obstacle = "an invariant reads what other processes change";
       return agents;
     }
-    shared(slot.edges);
+    agents.of_slot[number] = shared(slot.edges);
   }
   for (std::size_t clock = 1; clock < resources.clocks.size(); ++clock) {
     const Resource& resource = resources.clocks[clock];

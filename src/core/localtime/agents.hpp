@@ -15,8 +15,12 @@ struct Agents {
   const char* obstacle = nullptr;
   // The processes first, by their numbers, then groups of shared variables, whose time always passes.
   std::size_t count = 0;
+  std::size_t processes = 0;
   std::vector<std::vector<std::uint32_t>> of_edge;  // in ascending order, its process included
   std::vector<std::uint32_t> of_clock;              // by number of the clock; that of clock 0 says nothing
+  std::vector<std::uint32_t> of_slot;               // that stands for a shared variable; else `nobody`
+
+  static constexpr std::uint32_t nobody = UINT32_MAX;
 };
 
 // Local times are sound for reachability only, and only where nothing is said of the present of several processes at

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "localtime/local_paths.hpp"
 #include "localtime/order_of_time.hpp"
 
 namespace tachk {
@@ -17,7 +18,7 @@ void ActionsTaken::add(const Edges& action) {
 void WaitingZones::add(std::uint32_t node, const std::vector<LocalEntry>& zone) {
   zones_.resize(node + 1);
   zones_[node] = zone;
-  ++count_;
+  most_ = std::max(most_, ++count_);
 }
 
 std::vector<LocalEntry> WaitingZones::take(std::uint32_t node) {
@@ -121,6 +122,7 @@ std::optional<Path> LocalExplorer::path_to_goal(std::size_t goal) {
   for (std::uint32_t node = goals_.node(goal); passed_.node(node).parent != no_node; node = passed_.node(node).parent)
     actions.push_back(actions_.of(node));
   std::reverse(actions.begin(), actions.end());
+  if (graph_.symmetry().active()) actions = unsorted_path(graph_, actions);
   Semantics& semantics = graph_.ordinary().semantics();
   for (const Disjunct& disjunct : graph_.program().goals[goal].disjuncts)
     if (auto ordered = in_order_of_time(semantics, graph_.agents(), actions, disjunct.condition)) return ordered;

@@ -42,11 +42,13 @@ class WaitingZones final {
 
   void add(std::uint32_t node, const std::vector<LocalEntry>& zone);
   std::vector<LocalEntry> take(std::uint32_t node);
-  std::size_t bytes() const { return zones_.capacity() * sizeof(zones_[0]) + count_ * entries_ * sizeof(LocalEntry); }
+  // What was needed when most were waiting.
+  std::size_t bytes() const { return zones_.capacity() * sizeof(zones_[0]) + most_ * entries_ * sizeof(LocalEntry); }
 
  private:
   std::size_t entries_;
   std::size_t count_ = 0;
+  std::size_t most_ = 0;
   std::vector<std::vector<LocalEntry>> zones_;
 };
 
@@ -64,6 +66,8 @@ class LocalExplorer final {
   Statistics statistics() const;
   // How many discrete states have been seen.
   std::uint32_t discrete_states() const { return passed_.discrete_states(); }
+  // Whether interchangeable processes are exchanged, if there are any.
+  bool exchanges() { return graph_.symmetry().active(); }
   // The actions of a run of the network to a goal that has been reached; none if it has not.
   std::optional<Path> path_to_goal(std::size_t goal);
 

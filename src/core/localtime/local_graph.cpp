@@ -25,6 +25,7 @@ LocalGraph::LocalGraph(Program program, const Options& options)
     : ordinary_(std::move(program), widened(options)),
       agents_(checked(find_agents(ordinary_.program()), options)),
       zones_(agents_.count, agents_.of_clock),
+      symmetry_(ordinary_.representatives(), ordinary_.program(), agents_, zones_),
       anything_(ordinary_.operations()),
       target_(zones_.size()),
       synchronised_(ordinary_.operations()) {

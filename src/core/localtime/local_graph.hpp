@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "localtime/agents.hpp"
+#include "localtime/local_symmetry.hpp"
 #include "localtime/local_zone.hpp"
 #include "program/program.hpp"
 #include "reachability/options.hpp"
@@ -37,15 +38,19 @@ class LocalGraph final {
   const LocalZones& zones() const { return zones_; }
   // That of the same network, to which the synchronised states belong.
   ZoneGraph& ordinary() { return ordinary_; }
+  // Where processes are interchangeable, successors are told with those sorted.
+  LocalSymmetry& symmetry() { return symmetry_; }
 
   // Calls take(successor) for the initial state. Throws ModelFault, ConstantOverflow.
   template <class Take>
   void start(Take&& take) {
-    if (begin() && synchronise()) take(LocalSuccessor{no_edges_, effect_, target_, synchronised_});
+    if (!begin() || !synchronise()) return;
+    if (symmetry_.active()) symmetry_.sort(effect_.slots.data(), synchronised_, target_);
+    take(LocalSuccessor{no_edges_, effect_, target_, synchronised_});
   }
 
   // For each successor of a state in which all agents may have the same time: calls expect(effect) before its zone is
-  // computed, and take(successor). Throws ModelFault, ConstantOverflow.
+  // computed, unless that is needed to sort it, and take(successor). Throws ModelFault, ConstantOverflow.
   template <class Expect, class Take>
   void expand(std::int32_t* slots, const std::vector<LocalEntry>& zone, Expect&& expect, Take&& take) {
     // The guards of an action are looked at when its processes have met: here anything may hold.
@@ -53,8 +58,15 @@ class LocalGraph final {
     semantics.for_each_action(slots, anything_.get(), [&](const Action& action, ConstZoneRef) {
       target_ = zone;
       if (!fire(action) || !semantics.apply(action.edges, slots, effect_)) return;
-      expect(std::as_const(effect_));
-      if (enter() && synchronise()) take(LocalSuccessor{action.edges, effect_, target_, synchronised_});
+      const bool sorts = symmetry_.active();
+      if (!sorts) expect(std::as_const(effect_));
+      if (!enter() || !synchronise()) return;
+      if (sorts) {
+        symmetry_.sort(effect_.slots.data(), synchronised_, target_);
+        effect_.written = SlotSet::all();
+        expect(std::as_const(effect_));
+      }
+      take(LocalSuccessor{action.edges, effect_, target_, synchronised_});
     });
   }
 
@@ -71,6 +83,7 @@ class LocalGraph final {
   ZoneGraph ordinary_;
   Agents agents_;
   LocalZones zones_;
+  LocalSymmetry symmetry_;
   ZoneBuffer anything_;  // all values of the clocks
   Edges no_edges_;
   std::vector<std::uint32_t> met_;  // the agents of the action

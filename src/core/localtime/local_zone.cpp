@@ -126,6 +126,14 @@ bool LocalZones::synchronised(const LocalEntry* zone, LocalEntry* clocks) const 
   return true;
 }
 
+void LocalZones::rename(LocalEntry* target, const LocalEntry* zone, std::span<const std::uint32_t> agents,
+                        std::span<const std::uint16_t> clocks) const {
+  std::vector<std::size_t> sources(agents.begin(), agents.end());
+  for (std::size_t clock = 1; clock < clocks.size(); ++clock) sources.push_back(row_of(clocks[clock]));
+  for (std::size_t i = 0; i < size_; ++i)
+    for (std::size_t j = 0; j < size_; ++j) target[i * size_ + j] = zone[sources[i] * size_ + sources[j]];
+}
+
 bool LocalZones::is_legal(const LocalEntry* zone) const {
   return std::all_of(zone, zone + size(),
                      [](LocalEntry entry) { return entry == infinity || (entry < legal && entry > -legal); });

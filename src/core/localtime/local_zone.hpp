@@ -42,6 +42,9 @@ class LocalZones {
   // The values of the clocks where all agents have the same time, as an ordinary canonical zone: a row for the
   // reference clock and for each clock, without padding. False if there are none.
   bool synchronised(const LocalEntry* zone, LocalEntry* clocks) const;
+  // The zone with its agents and clocks renamed, each by the number of the one that takes its place.
+  void rename(LocalEntry* target, const LocalEntry* zone, std::span<const std::uint32_t> agents,
+              std::span<const std::uint16_t> clocks) const;
   // Whether all finite entries are small enough to go on from.
   bool is_legal(const LocalEntry* zone) const;
 

@@ -38,7 +38,7 @@ Representatives::Representatives(const Program& program, const ZoneOperations& o
       active_(!program.interchangeable.empty()),
       rows_(static_cast<std::size_t>(dimension_)),
       columns_(static_cast<std::size_t>(dimension_)),
-      sources_(static_cast<std::size_t>(dimension_)),
+      slots_(program.state_slots),
       scratch_(operations) {
   for (const Interchangeable& parts : program.interchangeable) {
     Group& group = groups_.emplace_back();
@@ -162,8 +162,52 @@ void Representatives::turn(std::size_t group, const std::int32_t* slots, ZoneBuf
 }
 
 void Representatives::arrange(const Arrangement& arrangement, std::int32_t* slots, ZoneBuffer& zone) {
-  for (std::size_t group = 0; group < groups_.size(); ++group) move_slots(groups_[group], arrangement[group], slots);
+  arrange(arrangement, slots);
   move_clocks(arrangement, zone);
+}
+
+void Representatives::arrange(const Arrangement& arrangement, std::int32_t* slots) {
+  for (std::size_t group = 0; group < groups_.size(); ++group) move_slots(groups_[group], arrangement[group], slots);
+}
+
+std::vector<Arrangement> Representatives::generators() const {
+  std::vector<Arrangement> found;
+  for (std::size_t group = 0; group < groups_.size(); ++group) {
+    const std::size_t members = identity_[group].size();
+    for (std::size_t member = 0; member + 1 < members; ++member) {
+      Arrangement& each = found.emplace_back(identity_);
+      if (groups_[group].turns)
+        rotate(each[group], 1);
+      else
+        std::swap(each[group][member], each[group][member + 1]);
+      if (groups_[group].turns) break;
+    }
+  }
+  return found;
+}
+
+std::vector<std::uint32_t> Representatives::slot_sources(const Arrangement& arrangement) const {
+  std::vector<std::uint32_t> sources(slots_);
+  std::iota(sources.begin(), sources.end(), 0U);
+  for (std::size_t group = 0; group < groups_.size(); ++group) {
+    const std::vector<std::vector<std::uint32_t>>& slots = groups_[group].parts.slots;
+    for (std::size_t place = 0; place < slots.size(); ++place)
+      for (std::size_t role = 0; role < slots[place].size(); ++role)
+        sources[slots[place][role]] = slots[arrangement[group][place]][role];
+  }
+  return sources;
+}
+
+std::vector<std::uint16_t> Representatives::clock_sources(const Arrangement& arrangement) const {
+  std::vector<std::uint16_t> sources(static_cast<std::size_t>(dimension_));
+  std::iota(sources.begin(), sources.end(), std::uint16_t{0});
+  for (std::size_t group = 0; group < groups_.size(); ++group) {
+    const std::vector<std::vector<std::uint16_t>>& clocks = groups_[group].parts.clocks;
+    for (std::size_t place = 0; place < clocks.size(); ++place)
+      for (std::size_t clock = 0; clock < clocks[place].size(); ++clock)
+        sources[clocks[place][clock]] = clocks[arrangement[group][place]][clock];
+  }
+  return sources;
 }
 
 void Representatives::move_slots(const Group& group, const std::vector<std::uint32_t>& from, std::int32_t* slots) {
@@ -187,14 +231,7 @@ void Representatives::move_clocks(const Arrangement& arrangement, ZoneBuffer& zo
 }
 
 void Representatives::rename_clocks(const Arrangement& arrangement, ConstZoneRef zone) {
-  std::iota(sources_.begin(), sources_.end(), std::uint16_t{0});
-  for (std::size_t group = 0; group < groups_.size(); ++group) {
-    const std::vector<std::vector<std::uint16_t>>& clocks = groups_[group].parts.clocks;
-    for (std::size_t place = 0; place < clocks.size(); ++place)
-      for (std::size_t clock = 0; clock < clocks[place].size(); ++clock)
-        sources_[clocks[place][clock]] = clocks[arrangement[group][place]][clock];
-  }
-  operations_.rename(scratch_.get(), zone, dimension_, sources_.data());
+  operations_.rename(scratch_.get(), zone, dimension_, clock_sources(arrangement).data());
 }
 
 }  // namespace tachk

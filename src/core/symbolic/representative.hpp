@@ -38,6 +38,13 @@ class Representatives final {
   // How the state sorted last was arranged.
   const Arrangement& arrangement() const { return arrangement_; }
   void arrange(const Arrangement& arrangement, std::int32_t* slots, ZoneBuffer& zone);
+  void arrange(const Arrangement& arrangement, std::int32_t* slots);
+
+  // Arrangements of which all others are made.
+  std::vector<Arrangement> generators() const;
+  // Of each slot and of each clock of a state that is arranged, which one comes there.
+  std::vector<std::uint32_t> slot_sources(const Arrangement& arrangement) const;
+  std::vector<std::uint16_t> clock_sources(const Arrangement& arrangement) const;
 
  private:
   struct Group {
@@ -72,7 +79,7 @@ class Representatives final {
   std::vector<std::int64_t> columns_;
   std::vector<std::int32_t> moved_;
   std::vector<std::uint32_t> places_;
-  std::vector<std::uint16_t> sources_;
+  std::size_t slots_;  // of a state
   ZoneBuffer scratch_;
 };
 

@@ -21,6 +21,7 @@ from tachk.engines.core_search import (
     transitions_of,
     user_seconds,
 )
+from tachk.engines.exchanged import with_exchanges
 from tachk.engines.options import Extrapolation, Limits, LocalTimes, Options
 from tachk.engines.outcome import GoalOutcome, Outcome, Progress, Status
 from tachk.engines.program_image import encode
@@ -64,8 +65,8 @@ def explore_locally(
     if status in (_core.Status.FAULT, _core.Status.CONSTANT_LIMIT):
         return None
     outcomes = tuple(_goal_outcome(program, search, number, goal, status) for number, goal in enumerate(goals))
-    statistics = replace(statistics_of(search, start), user_seconds=user_seconds() - user)
-    return Outcome(outcomes, statistics, reason)
+    statistics = replace(statistics_of(search, start), user_seconds=user_seconds() - user, local_times=True)
+    return Outcome(outcomes, with_exchanges(statistics, program) if search.exchanges() else statistics, reason)
 
 
 def _chosen(

@@ -22,6 +22,8 @@ class Statistics:
     peak_bytes: largest size of the engine's data structures.
     user_seconds: CPU time that the process spent in user mode during the search.
     interchangeable: processes of which the search did not tell which is which.
+    exchanged: the same in words: ``P(1) to P(9) (9)``, for each group or ring.
+    local_times: whether each process had a time of its own.
     """
 
     states_explored: int = 0
@@ -31,6 +33,8 @@ class Statistics:
     peak_bytes: int = 0
     user_seconds: float = 0.0
     interchangeable: int = 0
+    exchanged: tuple[str, ...] = ()
+    local_times: bool = False
 
     def then(self, other: Statistics) -> Statistics:
         """The work of two searches, one after the other."""
@@ -42,6 +46,8 @@ class Statistics:
             max(self.peak_bytes, other.peak_bytes),
             self.user_seconds + other.user_seconds,
             max(self.interchangeable, other.interchangeable),
+            self.exchanged or other.exchanged,
+            self.local_times or other.local_times,
         )
 
 

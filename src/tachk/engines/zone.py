@@ -17,6 +17,7 @@ from tachk.engines.core_search import (
     transitions_of,
     user_seconds,
 )
+from tachk.engines.exchanged import with_exchanges
 from tachk.engines.local_times import explore_locally
 from tachk.engines.options import Extrapolation, Limits, Options
 from tachk.engines.outcome import INTERRUPTED, GoalOutcome, Outcome, Progress, Status
@@ -104,9 +105,7 @@ def _outcome(
     fault = fault_of(program, explorer) if status is _core.Status.FAULT else None
     outcomes = tuple(goal_outcome(program, explorer, number, goal, status) for number, goal in enumerate(goals))
     outcomes = _noted(goals, outcomes)
-    statistics = replace(
-        statistics_of(explorer, start), user_seconds=user_seconds() - user, interchangeable=_interchangeable(program)
-    )
+    statistics = with_exchanges(replace(statistics_of(explorer, start), user_seconds=user_seconds() - user), program)
     outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
     if options.extrapolation is not Extrapolation.LU:
         return outcome, []
@@ -119,10 +118,6 @@ def _outcome(
             if not _explorer(everybody, goals, exact, Limits()).leads_to(explorer.path(node), number):
                 doubtful.append(number)
     return outcome, doubtful
-
-
-def _interchangeable(program: Program) -> int:
-    return sum(len(group.slots) for group in program.interchangeable)
 
 
 def _explorer(program: Program, goals: Sequence[Goal], options: Options, limits: Limits) -> _core.Explorer:

@@ -64,6 +64,8 @@ def statistics_to_json(statistics: Statistics) -> dict[str, Json]:
         "seconds": statistics.seconds,
         "peak_bytes": statistics.peak_bytes,
         "interchangeable": statistics.interchangeable,
+        "exchanged": list(statistics.exchanged),
+        "local_times": statistics.local_times,
     }
 
 

@@ -22,6 +22,7 @@ from tachk.properties.verdict import Answer, Verdict
 from tachk.report.extreme_text import value_lines, value_shown
 from tachk.report.quantity import bytes_, duration, grouped, seconds
 from tachk.report.record import RunRecord
+from tachk.report.reductions_text import reduction_lines
 from tachk.report.run.telling import Ends, Telling
 from tachk.report.run.trace_summary import news_line
 from tachk.report.run.trace_text import event_lines, print_trace
@@ -61,6 +62,9 @@ def print_run(record: RunRecord, console: Console, every_trace: bool = False, te
         if not query.diagnostics:
             text = " ".join(query.text.split())
             console.print(Text(f"  {query.name} is not checked: {text} ({query.reason})", style="dim"))
+    for number, line in enumerate(reduction_lines(record.verdicts)):
+        blank = "" if number else "\n"
+        console.print(Text(f"{blank}  {line}", style="dim"), soft_wrap=True)
     _print_values(record, console)
     _print_unknown(record, console, telling.every_step)
     _print_unexamined(record.verdicts, console)

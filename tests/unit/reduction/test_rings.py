@@ -144,3 +144,41 @@ def test_what_belongs_to_two_of_them_goes_round_but_is_not_exchanged() -> None:
     assert part.answer.startswith("P(0), P(1), P(2) in a ring; not all P: `knows` holds what belongs to two of them")
     (verdict,) = model.verify("E<> forall (i : id_t) P(i).B", limits=Limits(states=100))
     assert verdict.statistics.states_stored < 27
+
+
+def test_a_ring_is_turned_over_local_times_too() -> None:
+    model = tachk.load(data_root() / "models" / "classics" / "dining_philosophers.ta", N=6)
+    queries = ("E<> false", "E<> exists (i : seat_t) Philosopher(i).eating && Philosopher((i + 2) % N).done")
+    stored = []
+    for symmetry in (True, False):
+        none, some = model.verify(*queries, options=Options(symmetry=symmetry, local_times=LocalTimes.ALWAYS))
+        assert (none.answer.value, some.answer.value) == ("fails", "holds")
+        assert some.trace is not None
+        stored.append(none.statistics.states_stored)
+    assert stored == [151, 853]
+
+
+def test_clocks_of_two_neighbours_keep_their_places_over_local_times() -> None:
+    text = """
+    const int N = 3;
+    typedef int[0, N - 1] id_t;
+    clock link[N];
+    chan to[N];
+    process P(const id_t me) {
+        const int LEFT = (me + N - 1) % N;
+        bool told = false;
+        init location A {
+            to A { guard link[me] > 1 && !told; sync to[me]!; assign told = true; }
+            to A { sync to[LEFT]?; assign link[LEFT] = 0; }
+        }
+    }
+    system P;
+    property all : E<> forall (i : id_t) P(i).told && link[i] <= 1;
+    """
+    model = tachk.loads(text)
+    assert ring_sizes(text=text) == [3]
+    (local,) = model.verify(options=Options(local_times=LocalTimes.ALWAYS))
+    (plain,) = model.verify(options=Options(symmetry=False, local_times=LocalTimes.NEVER))
+    assert local.answer == plain.answer
+    assert local.statistics.local_times
+    assert not plain.statistics.local_times

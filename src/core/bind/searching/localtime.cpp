@@ -46,6 +46,8 @@ void bind_localtime(nb::module_& m) {
           },
           "(explored, stored, transitions, bytes)")
       .def("discrete_states", &tachk::LocalExplorer::discrete_states, "How many discrete states have been seen.")
+      .def("exchanges", &tachk::LocalExplorer::exchanges,
+           "Whether interchangeable processes are exchanged, if there are any.")
       .def("path_to_goal", &tachk::LocalExplorer::path_to_goal, nb::arg("goal"),
            "The edge numbers of each action of a run to a goal, in the order of time; None if it was not reached.");
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from tachk.engines.exchanged import members_in_words
 from tachk.model.network import Network
 from tachk.properties.deep.findings import Part
 from tachk.reduction.symmetry.detection import Difference, find_symmetry
@@ -28,20 +29,9 @@ def interchange_parts(network: Network) -> tuple[Part, ...]:
             first, second = (network.processes[team[0]] for team in each.members[:2])
             refused.append(Difference(first.template, first.name, second.name, table))
         else:
-            told.append(_members(network, each.members) + (" in a ring" if table.cyclic else ""))
+            told.append(members_in_words(table, [process.name for process in network.processes]))
     told += _differences(refused)
     return (Part(_QUESTION, "; ".join(told)),) if told else ()
-
-
-def _members(network: Network, members: Sequence[tuple[int, ...]]) -> str:
-    teams = [" with ".join(network.processes[member].name for member in team) for team in members]
-    if len(teams) > _MOST:
-        return f"{teams[0]} to {teams[-1]} ({len(teams)})"
-    return ", ".join(teams)
-
-
-_MOST = 4
-"""Of more than so many the first and the last are told."""
 
 
 def _differences(differences: Sequence[Difference]) -> Iterable[str]:

@@ -66,6 +66,8 @@ _SYNCHRONISATIONS = (
     "hurry[me]?",
     "hurry[RIGHT]!",
 )
+_CALM = 4
+"""The first so many leave each process a time of its own."""
 _QUERIES = (
     "E<> exists (i : id_t) P(i).L1 && P((i + 1) % N).L2",
     "A[] forall (i : id_t) P(i).L1 imply !P((i + 1) % N).L1",
@@ -88,10 +90,12 @@ def random_ring_case(random: Random, breaking: float = 0.25) -> SymmetricCase:
     edges: dict[int, list[str]] = {0: [], 1: [], 2: []}
     count = random.randint(3, 5)
     odd = random.randrange(count)
+    calm = random.random() < 0.6
+    synchronisations = _SYNCHRONISATIONS[:_CALM] if calm else _SYNCHRONISATIONS
     for number in range(count):
         source = number if number < 3 else random.randrange(3)
-        edges[source].append(_edge(random, way if number == odd else ""))
-    kinds = [random.choice(("", "", "", "", "", "urgent ", "committed ")) for _ in range(3)]
+        edges[source].append(_edge(random, way if number == odd else "", synchronisations))
+    kinds = [random.choice(("", "", "", "", "", "urgent ", "" if calm else "committed ")) for _ in range(3)]
     limits = [random.choice(("", "", "x <= 2", "x <= 3")) for _ in range(3)]
     if way in ("constant", "every second"):
         limits[1] = "x <= 2 + (me > 0 ? 1 : 0)" if way == "constant" else "x <= 2 + me % 2"
@@ -107,17 +111,18 @@ def random_ring_case(random: Random, breaking: float = 0.25) -> SymmetricCase:
         next=random.choice(("me", "(me + 1) % N")),
         forks="{" + ", ".join("1" if way == "fork" and not number else "0" for number in range(size)) + "}",
         locations=locations,
+        channels="" if calm else "urgent chan hurry[N];\nbroadcast chan all;\n",
         helper=helper,
         system="P, Q" if helper else "P",
     )
     return SymmetricCase(text, tuple(random.sample(_QUERIES, 4)), broken)
 
 
-def _edge(random: Random, way: str) -> str:
+def _edge(random: Random, way: str, synchronisations: tuple[str, ...]) -> str:
     guards = [random.choice(_GUARDS)] if random.random() < 0.5 else []
     if way == "guard":
         guards = [random.choice(_BREAKING_GUARDS)]
-    synchronisation = random.choice(_SYNCHRONISATIONS) if random.random() < 0.4 else ""
+    synchronisation = random.choice(synchronisations) if random.random() < 0.4 else ""
     if random.random() < 0.4 and synchronisation not in ("hurry[me]?", "hurry[RIGHT]!", "all?"):
         guards.append(random.choice(("x >= 1", "x < 2", "x > 2", "x == 2")))
     updates = random.sample(_UPDATES, random.choice((0, 1, 1, 2)))
@@ -157,9 +162,7 @@ int[0, 1] fork[N] = {forks};
 bool knows[N][N];
 int[0, 2] count = 0;
 chan to[N];
-urgent chan hurry[N];
-broadcast chan all;
-
+{channels}
 process P(const id_t me) {{
     const int RIGHT = (me + 1) % N;
     clock x;

@@ -1,0 +1,27 @@
+"""What searches have done to have fewer states, in words, below the table of answers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from tachk.engines.outcome import Statistics
+from tachk.properties.verdict import Verdict
+
+
+def reduction_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
+    """One line for each group of processes and for local times, with the queries that were searched for so."""
+    queries: dict[str, list[str]] = {}
+    for verdict in verdicts:
+        for line in _told(verdict.statistics):
+            queries.setdefault(line, []).append(verdict.query.name)
+    for line, names in queries.items():
+        yield line if len(names) == len(verdicts) else f"{', '.join(names)}: {line}"
+
+
+def _told(statistics: Statistics) -> Iterator[str]:
+    for members in statistics.exchanged:
+        ring = members.removesuffix(" in a ring")
+        what = "exchanges of" if ring == members else "rotations of"
+        yield f"one state stands for all {what} {ring}"
+    if statistics.local_times:
+        yield "each process had a time of its own (local times)"
