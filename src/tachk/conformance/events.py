@@ -24,6 +24,8 @@ class Event:
         optional: it may have happened or not: nobody has seen whether what was sent arrived.
         inferred: it is known from what the model then did: though it comes from outside, it has happened before it was
             recorded, as that has.
+        passes: the number of a place past which goes what a participant sends and what comes to it, so that this is
+            recorded in one order: it had sent what passed the place before this came by. None: nothing such is known.
     """
 
     time: Fraction
@@ -33,6 +35,7 @@ class Event:
     after: int | None = None
     optional: bool = False
     inferred: bool = False
+    passes: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

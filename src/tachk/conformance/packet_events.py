@@ -92,7 +92,7 @@ class _Reader:
     def _add(self, time: int, packet: int, name: str, cells: dict[str, Cell], **more: int | bool | None) -> int:
         after = more.get("after")
         optional, inferred = bool(more.get("optional")), bool(more.get("inferred"))
-        event = Event(Fraction(time), name, cells, f"packet {packet}", None, optional, inferred)
+        event = Event(Fraction(time), name, cells, f"packet {packet}", None, optional, inferred, more.get("passes"))
         self.rows.append((time, packet, event, after))
         return len(self.rows) - 1
 
@@ -108,7 +108,9 @@ class _Reader:
             for arrival in one.arrivals or ():
                 self.created[one.link] += 1
                 if self.created[one.link] > 1:
-                    self._add(arrival.time - begin, arrival.packet, "created_again", {"client": client})
+                    cells_of_client: dict[str, Cell] = {"client": client}
+                    there = 2 * one.link + 1
+                    self._add(arrival.time - begin, arrival.packet, "created_again", cells_of_client, passes=there)
             return
         for content in self._contents(one):
             cells: dict[str, Cell] = {"client": client, "link": 2 * client + (not one.to_agent), "kind": content.kind}
@@ -118,11 +120,13 @@ class _Reader:
             if one.to_agent and self._is_new(one.link, content):
                 name = "written_best_effort" if content.kind == BEST_EFFORT else "written"
                 self._add(time, one.packet, name, {"client": client, "detail": content.detail or 0}, inferred=True)
-            sent = self._add(time, one.packet, "sent", cells)
+            # The leg of a client and that of the Agent: one and the same if there is no relay.
+            here, there = (2 * one.link, 2 * one.link + 1) if one.to_agent else (2 * one.link + 1, 2 * one.link)
+            sent = self._add(time, one.packet, "sent", cells, passes=here)
             if one.arrivals is None:
-                self._add(time, one.packet, "arrived", cells, after=sent, optional=True)
+                self._add(time, one.packet, "arrived", cells, after=sent, optional=True, passes=there)
             for arrival in one.arrivals or ():
-                self._add(arrival.time - begin, arrival.packet, "arrived", cells, after=sent)
+                self._add(arrival.time - begin, arrival.packet, "arrived", cells, after=sent, passes=there)
 
     def _is_new(self, link: int, content: _Content) -> bool:
         """Whether the client has just put a message into its stream; of a best-effort stream nothing is sent again."""

@@ -105,14 +105,16 @@ def make_queues(
     kept = [p for number, p in enumerate(network.processes) if number not in mapping.replaced]
     reader = _Reader(mapping, recording, constants)
     entries = reader.entries()
+    outgoing = [_is_output(visible, kept) for visible, _, _ in entries]
     place = {event: (number, position) for number, e in enumerate(entries) for position, (event, _) in enumerate(e[2])}
+    passed = _passed(recording, place, outgoing)
     queues = []
-    for visible, common, found in entries:
-        outputs = _is_output(visible, kept)
+    for (visible, common, found), outputs in zip(entries, outgoing, strict=True):
         seen = outputs or any(recording.events[number].inferred for number, _ in found)
         before, behind = (late, tolerance) if seen else (tolerance, late)
         times = [recording.events[number].time for number, _ in found]
-        needed = [recording.events[number].after for number, _ in found]
+        after = [recording.events[number].after for number, _ in found]
+        sent = [() if n is None or n not in place else ((place[n][0], place[n][1] + 1),) for n in after]
         closing = _closing(recording, visible, common)
         end = recording.end if closing is None else min(closing.time, recording.end)
         queues.append(
@@ -125,7 +127,7 @@ def make_queues(
                 tuple(_rising(max(time, 0) for time in _floors(times, scale, origin * scale + before))),
                 tuple(reversed([-t for t in _rising(reversed(_floors(times, -scale, behind - origin * scale)))])),
                 tuple(_floors(times, scale, origin * scale)),
-                tuple(() if n is None or n not in place else ((place[n][0], place[n][1] + 1),) for n in needed),
+                tuple(own + passed.get(number, ()) for own, (number, _) in zip(sent, found, strict=True)),
                 tuple(recording.events[number].optional for number, _ in found),
                 max(floor((end - origin) * scale - late), 0),
                 outputs and closing is not None and closing.by_sender,
@@ -134,6 +136,26 @@ def make_queues(
     quiet = max([queue.quiet_until for queue in queues], default=0)
     horizon = max([quiet, *(queue.latest[-1] for queue in queues if queue.latest)]) + 1
     return Queues(tuple(queues), quiet, horizon, reader.other, origin, scale, reader.names)
+
+
+def _passed(
+    recording: Recording, place: Mapping[int, tuple[int, int]], outgoing: Sequence[bool]
+) -> dict[int, tuple[tuple[int, int], ...]]:
+    """For each event from outside how many events of the model passed the same place before it, by queue.
+
+    One observer has seen both: what was sent before it passed has happened before what came later reached its receiver.
+    """
+    sent: dict[int, dict[int, int]] = {}
+    found: dict[int, tuple[tuple[int, int], ...]] = {}
+    for number, event in enumerate(recording.events):
+        if event.passes is None or number not in place:
+            continue
+        queue, position = place[number]
+        if outgoing[queue]:
+            sent.setdefault(event.passes, {})[queue] = position + 1
+        elif event.passes in sent:
+            found[number] = tuple(sent[event.passes].items())
+    return found
 
 
 def around(queues: Queues, happened: Sequence[int]) -> Queues:

@@ -41,6 +41,7 @@ class Event:
     label: str
     key: int
     number: int
+    needed: int = 0  # of an input: so many outputs of its machine happen before
 
 
 @dataclass(frozen=True)
@@ -178,11 +179,22 @@ def _with(places: tuple[Place, ...], n: int, place: Place) -> tuple[Place, ...]:
 
 
 def is_run(
-    machines: tuple[Machine, ...], events: list[Event], end: int, tolerance: int, late: int, hidden: bool
+    machines: tuple[Machine, ...],
+    events: list[Event],
+    end: int,
+    tolerance: int,
+    late: int,
+    hidden: bool,
+    ordered: bool = False,
 ) -> bool:
-    """Whether some run at whole times has these events."""
+    """Whether some run at whole times has these events.
+
+    With ``ordered`` outputs of a machine that were recorded before an input of it happen before that.
+    """
     queues: dict[tuple[str, int], list[Event]] = {}
     for event in events:
+        if ordered and event.label == "in":
+            event = replace(event, needed=len(queues.get(("out", event.machine), ())))
         queues.setdefault((event.label, event.machine), []).append(event)
     names = sorted(queues)
     quiet = max(end - late, 0)
@@ -240,7 +252,8 @@ def _steps(machines, places, counts, now, names, queues, window, quiet, hidden):
         if found is not None:
             number, event = found
             low, high = window(event)
-            if low <= now <= high:
+            sent = counts[names.index(("out", n))] if ("out", n) in names else 0
+            if low <= now <= high and sent >= event.needed:
                 for after in _hears(machine, places[n], event.key):
                     yield _with(places, n, after), _counted(counts, number)
 

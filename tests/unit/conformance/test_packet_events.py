@@ -54,6 +54,17 @@ def test_the_delete_of_a_client_ends_what_it_sends() -> None:
     }
 
 
+def test_what_comes_to_a_participant_passes_where_it_sends() -> None:
+    """In the order in which that was recorded; the two sides of a relay are two places."""
+    events = read_capture(MODELS.parents[1] / "tests/data/captures/later/client_2_0.pcap").events
+    places = {(e.name, e.cells["link"]): e.passes for e in events if e.name in ("sent", "arrived")}
+    assert len(places) == 8 and len(set(places.values())) == 4
+    for (name, link), place in places.items():
+        assert {e.passes for e in events if (e.name, e.cells.get("link")) == (name, link)} == {place}
+        if name == "arrived":
+            assert place == places["sent", int(link) ^ 1]
+
+
 @pytest.mark.parametrize("capture", ["f7_late_dup_create_client_sub"], indirect=True)
 def test_second_create_client(capture: Path) -> None:
     created = [e.cells for e in read_capture(capture).events if e.name == "created_again"]
