@@ -29,7 +29,7 @@ def settings(name: str) -> dict[str, Any]:
     return {key: value == "true" if value in ("true", "false") else int(value) for key, value in given.items()}
 
 
-def held(name: str, **others: object) -> tuple[tachk.Model, Conformance]:
+def held(name: str, late: int = 5, **others: object) -> tuple[tachk.Model, Conformance]:
     model = tachk.load(MODEL, **settings(name) | others)
     assert model.loaded.recording is not None
     found = conform(
@@ -38,16 +38,16 @@ def held(name: str, **others: object) -> tuple[tachk.Model, Conformance]:
         read_capture(CAPTURES / f"{name}.pcap"),
         constants_of(model.loaded),
         Fraction(5),
-        Fraction(5),
+        Fraction(late),
         limits=tachk.Limits(states=100_000),
         explain=False,
     )
     return model, found
 
 
-def taken(name: str) -> list[tuple[str, str, str, int]]:
+def taken(name: str, late: int = 5, **others: object) -> list[tuple[str, str, str, int]]:
     """The edges that the run takes: template, locations, and which one of those between them."""
-    model, found = held(name)
+    model, found = held(name, late, **others)
     assert found.accepted is True
     edges: list[tuple[str, str, str, int]] = []
     before: list[Covered] = []
@@ -93,3 +93,13 @@ def test_only_a_stopped_thread_explains_it(name: str) -> None:
 def test_only_a_dead_client_explains_the_silence() -> None:
     """A sample is lost to a client that was silent for more than 30 s, and no HEARTBEAT follows."""
     assert held("quiet_topic", DEAD=40_000)[1].accepted is False
+
+
+def test_the_reading_thread_goes_on_in_a_step_of_its_own() -> None:
+    edges = set(taken("window_opens", READER_DELAY=5))
+    assert {("ProxySubscriber", "Repairing", "Waking", 0), ("ReadingThread", "Woken", "Waiting", 0)} <= edges
+
+
+def test_a_client_is_found_dead_in_the_round_of_another_one() -> None:
+    """The machine was busy: the HEARTBEAT of one of the rounds comes 16 ms late."""
+    assert ("Agent", "Rounds", "Dead", 1) in taken("dead_in_a_round", late=20)

@@ -14,8 +14,11 @@ from typing import Any
 import pytest
 
 import tachk
+from tachk.conformance.application_logs import with_log
 from tachk.conformance.asking import constants_of
 from tachk.conformance.conform import conform
+from tachk.conformance.event_tables import read_events
+from tachk.conformance.events import Recording
 from tachk.conformance.packet_events import read_capture
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.monitoring.offline import monitor
@@ -122,6 +125,63 @@ def test_read_data_stops_the_agent() -> None:
     """The Agent has heard the client, and its heartbeat thread goes on, while a READ_DATA waits for the old reader."""
     assert accepted("dead_time_3s_read", late=20) is True
     assert accepted("dead_time_3s_read", late=20, READER_STOP=0) is False
+
+
+def log(clients: list[list[dict[str, Any]]], path: Path) -> Recording:
+    """What clients printed, as the log of an application: the first one writes samples, the second one sleeps."""
+    what = {"ready": ("TOLD_ALL", "CALLED"), "written": ("CALLED",), "asleep": ("LEFT",), "awake": ("BACK",)}
+    rows = [
+        (line["time"], client, line["event"] == "written", words)
+        for client, printed in enumerate(clients)
+        for line in printed
+        if (words := what.get(line["event"]))
+    ]
+    lines = ["time [ns],event,client,what"]
+    for time, client, writes, words in sorted(rows):
+        lines += [f"{time},written,{client},"] if writes else []
+        lines += [f"{time},told,{client},{word}" for word in words]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return read_events(path)
+
+
+def second_read(name: str, late: int, clients: list[list[dict[str, Any]]], path: Path, **settings: int) -> bool | None:
+    usual = {"HISTORY": 16, "INPUT_HISTORY": 16, "CLIENT_JITTER": 5, "AGENT_JITTER": 5, "MISSED_ROUNDS": 1}
+    model = tachk.load(MODEL, EXACT_BITMAPS=True, SLEEPS=True, **usual | settings)
+    assert model.loaded.recording is not None
+    recording = with_log(read_capture(CAPTURES.parent / f"{name}.pcap"), log(clients, path))
+    found = conform(
+        model.network,
+        model.loaded.recording,
+        recording,
+        constants_of(model.loaded),
+        Fraction(10),
+        Fraction(late),
+        limits=tachk.Limits(states=60_000),
+        run=False,
+        explain=False,
+    )
+    return found.accepted
+
+
+def test_a_second_read_data_loses_a_sample(tmp_path: Path) -> None:
+    """The sample that the reading thread has in its hand is gone, though nothing was lost on the way."""
+    clients = [client["printed"] for client in truth("second_read_undisturbed")["clients"]]
+    received = [line["index"] for line in clients[1] if line["event"] == "received"]
+    assert received == [n for n in range(1, 21) if n != 18]
+    name, path = "later/second_read_undisturbed", tmp_path / "log.csv"
+    assert second_read(name, 60, clients, path) is True
+    assert second_read(name, 60, clients, path, READER_DELAY=5) is True
+
+
+def test_the_reading_thread_is_another_one(tmp_path: Path) -> None:
+    """It sends its sample behind an answer of the processing thread, which has made room for that sample before.
+
+    In the storm that follows the relay is up to 1.5 s behind.
+    """
+    printed = json.loads((CAPTURES.parent / "second_read.json").read_text(encoding="utf-8"))
+    clients = [printed["publisher"], printed["subscriber"]]
+    assert second_read("second_read", 1500, clients, tmp_path / "log.csv", READER_DELAY=5) is True
+    assert second_read("second_read", 1500, clients, tmp_path / "log.csv") is False
 
 
 def test_read_data_of_one_client_stops_the_packets_of_another() -> None:

@@ -125,7 +125,7 @@ def test_clients_and_agent_are_apart() -> None:
     assert mapping is not None
     queues = make_queues(model.network, mapping, recording, constants_of(model.loaded), Fraction(5), Fraction(20))
     parts = parts_of(model.network, mapping, queues)
-    assert sorted(len(part.processes) for part in parts) == [5, 5, 10]
+    assert sorted(len(part.processes) for part in parts) == [5, 5, 12]
     cut = set_apart(queues, parts)
     assert cut is not None
     part_of = {number: part for part in parts for number in part.queues}
