@@ -23,12 +23,14 @@ class Frame:
     sender, receiver: addresses; None where the frame ends before.
     message: what it carries, as far as it came.
     problem: why it would be dropped; empty if it would not.
+    crc: what it states, if that is not the CRC of the message.
     """
 
     sender: int | None
     receiver: int | None
     message: bytes
     problem: str = ""
+    crc: int | None = None
 
 
 class FrameReader:
@@ -92,8 +94,10 @@ def _size(plain: bytearray) -> int:
 def _whole(plain: bytearray) -> Frame:
     message = bytes(plain[4:-2])
     stated, found = int.from_bytes(plain[-2:], "little"), crc16(message)
-    problem = "" if stated == found else f"the CRC of a frame is {stated:#06x}, but should be {found:#06x}"
-    return Frame(plain[0], plain[1], message, problem)
+    if stated == found:
+        return Frame(plain[0], plain[1], message)
+    problem = f"the CRC of a frame is {stated:#06x}, but should be {found:#06x}"
+    return Frame(plain[0], plain[1], message, problem, stated)
 
 
 def _cut(plain: bytearray) -> Frame:

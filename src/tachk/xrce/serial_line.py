@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import BinaryIO, Final
 
 import numpy as np
@@ -26,19 +27,29 @@ class SerialReading:
 
     Attributes:
         endpoints: whoever sent or received, by number.
+        dropped: which messages of the last piece a receiver has dropped, though it is known what they were.
         packets: how many have been read.
         time: of the last one, in nanoseconds since the epoch.
         problem: why a capture ends too early; empty if it does not.
     """
 
-    def __init__(self, stream: BinaryIO, damaged: bool = True, clock: Callable[[], int] = lambda: 0) -> None:
+    def __init__(
+        self,
+        stream: BinaryIO,
+        damaged: bool = True,
+        clock: Callable[[], int] = lambda: 0,
+        repair: Callable[[Frame], bytes | None] = lambda frame: None,
+    ) -> None:
         """Args:
         damaged: whether frames that a receiver would drop are told.
         clock: nanoseconds, when bytes come alone.
+        repair: what message the sender of a damaged frame has sent, if that is known.
         """
         self._stream = stream
         self._clock = clock
         self._damaged = damaged
+        self._repair = repair
+        self.dropped: frozenset[int] = frozenset()
         self._frames = FrameReader()
         self._numbers: dict[int, int] = {}
         self.endpoints: list[Endpoint] = []
@@ -84,6 +95,9 @@ class SerialReading:
         if not self._damaged:
             rows = [row for row in rows if not row[0].problem]
         frames = [frame for frame, _, _ in rows]
+        sent = [self._repair(frame) if frame.problem else None for frame in frames]
+        self.dropped = frozenset(entry for entry, message in enumerate(sent) if message is not None)
+        frames = [f if m is None else replace(f, message=m, problem="") for f, m in zip(frames, sent, strict=True)]
         octets = [b"" if frame.problem else frame.message for frame in frames]
         sizes = np.array([len(message) for message in octets], np.int64)
         to_agent = [frame.sender != AGENT_ADDRESS for frame in frames]

@@ -20,6 +20,7 @@ from tachk.xrce.messages import Endpoint
 from tachk.xrce.packets import CaptureError, read_packets
 from tachk.xrce.reading import CaptureReading
 from tachk.xrce.serial_line import SerialReading
+from tachk.xrce.serial_repair import repaired
 from tachk.xrce.wire import COOKIE, Kind
 
 _LONGEST_RELAY: Final = 5_000_000_000
@@ -111,7 +112,8 @@ def read_transmissions(path: Path, ports: Iterable[int] = ()) -> Recording:
 
     Args:
         ports: of Agents and relays; without any 8888 and wherever a session is created, and if there is nothing by
-            these, the frames of a serial line. A damaged frame is a message that was lost, of which nothing is known.
+            these, the frames of a serial line. A damaged frame is a message that was lost; what it was is known where
+            only one message differs from it in one byte (`serial_repair`).
 
     Raises CaptureError for what is no capture, OSError for a file that cannot be read.
     """
@@ -125,7 +127,7 @@ def read_transmissions(path: Path, ports: Iterable[int] = ()) -> Recording:
     if found.transmissions or set(ports):
         return found
     with path.open("rb") as stream:
-        reading = SerialReading(stream)
+        reading = SerialReading(stream, repair=repaired)
         return _recording(_on_one_line(_legs(reading)), reading.problem)
 
 
@@ -176,7 +178,7 @@ def _created(found: Datagrams) -> set[int]:
 
 @dataclass(frozen=True, slots=True)
 class _Message:
-    """A message as one packet has it."""
+    """A message as one packet has it; ``dropped``: its receiver did not take it."""
 
     client: Endpoint
     agent: Endpoint
@@ -185,11 +187,13 @@ class _Message:
     packet: int
     octets: bytes
     events: tuple[Event, ...]
+    dropped: bool = False
 
 
 def _messages(reading: CaptureReading | SerialReading) -> Iterator[_Message]:
     for found in reading.pieces():
         messages = found.messages
+        dropped = reading.dropped if isinstance(reading, SerialReading) else frozenset()
         of_message: dict[int, list[Event]] = defaultdict(list)
         for number, event in zip(found.message.tolist(), events(found, reading.endpoints), strict=True):
             of_message[number].append(event)
@@ -199,7 +203,14 @@ def _messages(reading: CaptureReading | SerialReading) -> Iterator[_Message]:
             if first.client is not None and first.agent is not None:
                 octets = messages.octets[start : start + size].tobytes()
                 yield _Message(
-                    first.client, first.agent, first.to_agent, first.time, first.packet, octets, tuple(inside)
+                    first.client,
+                    first.agent,
+                    first.to_agent,
+                    first.time,
+                    first.packet,
+                    octets,
+                    tuple(inside),
+                    number in dropped,
                 )
 
 
@@ -249,7 +260,7 @@ def _recording(legs: Sequence[_Leg], problem: str) -> Recording:
         number = len(links)
         if far is None:
             links.append(Link(near.client, near.agent, near.key, None))
-            sent += [Transmission(number, m.to_agent, m.time, m.packet, None, m.events) for m in near.messages]
+            sent += [_seen_once(number, message) for message in near.messages]
             continue
         left.remove(far)
         links.append(Link(near.client, far.agent, near.key, near.agent))
@@ -257,6 +268,11 @@ def _recording(legs: Sequence[_Leg], problem: str) -> Recording:
             before, behind = ([m for m in leg.messages if m.to_agent == to_agent] for leg in (begin, end))
             sent += _matched(number, before, behind)
     return Recording(tuple(links), tuple(sorted(sent, key=lambda one: one.packet)), problem)
+
+
+def _seen_once(link: int, message: _Message) -> Transmission:
+    arrivals = () if message.dropped else None
+    return Transmission(link, message.to_agent, message.time, message.packet, arrivals, message.events)
 
 
 def _matched(link: int, before: Sequence[_Message], behind: Sequence[_Message]) -> Iterator[Transmission]:
