@@ -157,11 +157,11 @@ std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vect
         break;
       case Operation::divide:
         if (right() == 0) fault(FaultKind::division);
-        give(wrapped(wide_left() / wide_right()));
+        give(right() == -1 ? wrapped(-wide_left()) : left() / right());
         break;
       case Operation::modulo:
         if (right() == 0) fault(FaultKind::division);
-        give(wrapped(wide_left() % wide_right()));
+        give(right() == -1 ? 0 : left() % right());
         break;
       case Operation::power:
         if (right() < 0) fault(FaultKind::negative_exponent);
