@@ -21,7 +21,7 @@ bool Simulator::frozen() {
   if (state_.committed == 0 && state_.urgent == 0 && senders == 0) return false;
   const auto end = [&] { return scratch_.candidates.begin() + static_cast<std::ptrdiff_t>(senders); };
   for (std::size_t p = 0; p < processes(); ++p) {
-    const Location& here = *place(p).location;
+    const Outlook& here = outlooks_[p];
     const bool due = race_.due[p] == now_ && race_.waits[p] != Wait::to_look;
     const bool first = state_.committed > 0 ? here.committed : here.urgent || due;
     if (first && std::find(scratch_.candidates.begin(), end(), p) == end()) scratch_.candidates.push_back(p);
@@ -64,8 +64,8 @@ bool Simulator::act_first(std::vector<std::size_t>& candidates) {
 bool Simulator::act(std::size_t process) {
   if (program_.has_priorities) return act_by_priority(process);
   scratch_.offered.clear();
-  for (const std::uint32_t number : place(process).outputs)
-    if (open(number)) scratch_.offered.push_back(number);
+  for (const auto& [number, gate] : place(process).outputs)
+    if (may_hold(gate) && open(number)) scratch_.offered.push_back(number);
   // Of a single edge it is asked below whether somebody receives.
   if (scratch_.offered.size() > 1)
     std::erase_if(scratch_.offered, [&](std::uint32_t number) { return !offers(process, number); });
@@ -113,7 +113,7 @@ bool Simulator::has_receiver(std::size_t sender, std::int32_t channel, bool comm
     if (q == sender) continue;
     const Station& there = place(q);
     if (committed_only && !there.location->committed) continue;
-    for (const std::uint32_t other : there.receives)
+    for (const Reception& other : there.receives)
       if (hears(other, channel)) return true;
   }
   return false;
@@ -121,8 +121,8 @@ bool Simulator::has_receiver(std::size_t sender, std::int32_t channel, bool comm
 
 void Simulator::open_receives(std::size_t process, std::int32_t channel, std::vector<std::uint32_t>& found) {
   found.clear();
-  for (const std::uint32_t other : place(process).receives)
-    if (hears(other, channel)) found.push_back(other);
+  for (const Reception& other : place(process).receives)
+    if (hears(other, channel)) found.push_back(other.edge);
 }
 
 double Simulator::weight(std::uint32_t edge) {
@@ -264,8 +264,8 @@ bool Simulator::act_by_priority(std::size_t process) {
   for (std::size_t n = 0; n < processes(); ++n) {
     const std::size_t p = n == 0 ? process : n <= process ? n - 1 : n;
     std::vector<std::uint32_t> offered;
-    for (const std::uint32_t number : place(p).outputs)
-      if (open(number) && offers(p, number)) offered.push_back(number);
+    for (const auto& [number, gate] : place(p).outputs)
+      if (may_hold(gate) && open(number) && offers(p, number)) offered.push_back(number);
     for (const auto& [edge, share] : shares(offered)) enumerate(edge, actions, probabilities, share);
     if (n == 0) own = actions.size();
   }

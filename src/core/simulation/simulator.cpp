@@ -26,6 +26,7 @@ Simulator::Simulator(const Program& program, const Chances& chances, const Table
       flow_(chances) {
   const std::size_t count = program.processes.size();
   race_ = {std::vector<Ticks>(count), std::vector<Ticks>(count), std::vector<Wait>(count)};
+  outlooks_.resize(count);
 }
 
 bool Simulator::begin(Random random) {
@@ -41,8 +42,9 @@ bool Simulator::begin(Random random) {
   state_.committed = 0;
   state_.urgent = 0;
   for (std::size_t p = 0; p < processes(); ++p) {
-    state_.committed += place(p).location->committed ? 1 : 0;
-    state_.urgent += place(p).location->urgent ? 1 : 0;
+    look_from(p);
+    state_.committed += outlooks_[p].committed ? 1 : 0;
+    state_.urgent += outlooks_[p].urgent ? 1 : 0;
   }
   for (std::size_t p = 0; p < processes(); ++p) change_.concerned.push_back(p);
   if (!invariants_hold()) return false;
@@ -57,6 +59,7 @@ void Simulator::resume(const Snapshot& snapshot, Random random) {
   race_ = snapshot.race;
   now_ = snapshot.now;
   action_.clear();
+  for (std::size_t p = 0; p < processes(); ++p) look_from(p);
   for (std::size_t p = 0; p < processes(); ++p) race_.waits[p] == Wait::parked ? park(p) : refresh(p);
 }
 
@@ -174,9 +177,9 @@ std::int32_t Simulator::channel_of(const Edge& edge) {
              : static_cast<std::int32_t>(machine_.value(edge.channel_code, state_.slots.data()));
 }
 
-bool Simulator::hears(std::uint32_t number, std::int32_t channel) {
-  const Edge& edge = program_.edges[number];
-  return edge.may_name(channel) && open(number) && channel_of(edge) == channel;
+bool Simulator::hears(const Reception& reception, std::int32_t channel) {
+  return reception.may_name(channel) && may_hold(reception.gate) && open(reception.edge) &&
+         channel_of(program_.edges[reception.edge]) == channel;
 }
 
 // ---- the race -------------------------------------------------------------------------------------------------------
@@ -190,9 +193,10 @@ void Simulator::refresh(std::size_t process) {
   race_.limit[process] = never;
   if (here.freezes()) return;
   sight_ = never;
-  if (here.location->has_invariant) race_.limit[process] = end_of(here.location->invariant, now_ + near);
+  if (here.outlook.has_invariant) race_.limit[process] = end_of(here.location->invariant, now_ + near);
   Openings openings;
-  for (const std::uint32_t number : here.outputs) {
+  for (const auto& [number, gate] : here.outputs) {
+    if (!may_hold(gate)) continue;
     const Condition& guard = program_.edges[number].guard;
     if (!integers_hold(guard)) continue;
     const Window own = window(guard, now_);
@@ -223,7 +227,8 @@ void Simulator::park(std::size_t process) {
   sight_ = never;
   if (!here.location->invariant.flow.empty()) race_.limit[process] = end_of(here.location->invariant, now_ + near);
   Openings openings;
-  for (const std::uint32_t number : here.outputs) {
+  for (const auto& [number, gate] : here.outputs) {
+    if (!may_hold(gate)) continue;
     const Condition& guard = program_.edges[number].guard;
     if (!integers_hold(guard)) continue;
     const bool random = policy_ == Policy::stochastic || policy_ == Policy::uniform;
@@ -252,9 +257,9 @@ Ticks Simulator::next_opening(std::uint32_t number, Window own) {
   Ticks first = never;
   for (const std::uint32_t q : tables_.listening[static_cast<std::size_t>(channel)]) {
     if (q == edge.process) continue;
-    for (const std::uint32_t other : place(q).receives) {
-      const Edge& partner = program_.edges[other];
-      if (!partner.may_name(channel) || !integers_hold(partner.guard)) continue;
+    for (const Reception& other : place(q).receives) {
+      const Edge& partner = program_.edges[other.edge];
+      if (!other.may_name(channel) || !integers_hold(partner.guard)) continue;
       Window both = window(partner.guard, own.first);
       both.last = std::min(both.last, own.last);
       if (!both.empty() && channel_of(partner) == channel) first = std::min(first, both.first);
@@ -366,9 +371,8 @@ void Simulator::find_concerned() {
 
 bool Simulator::invariants_hold() {
   for (const std::size_t p : change_.concerned) {
-    const Location& here = *place(p).location;
-    if (!here.has_invariant) continue;
-    if (!holds(here.invariant)) return false;
+    const Station& here = place(p);
+    if (here.outlook.has_invariant && !holds(here.location->invariant)) return false;
   }
   return true;
 }
@@ -383,10 +387,10 @@ void Simulator::undo() {
 // Who is concerned draws anew.
 void Simulator::settle() {
   for (const std::uint32_t number : action_) {
-    const Edge& edge = program_.edges[number];
-    const std::vector<Location>& locations = program_.processes[edge.process].locations;
-    const Location& before = locations[static_cast<std::size_t>(edge.source)];
-    const Location& after = locations[static_cast<std::size_t>(edge.target)];
+    const std::size_t process = program_.edges[number].process;
+    const Outlook before = outlooks_[process];
+    look_from(process);
+    const Outlook& after = outlooks_[process];
     state_.committed += (after.committed ? 1U : 0U) - (before.committed ? 1U : 0U);
     state_.urgent += (after.urgent ? 1U : 0U) - (before.urgent ? 1U : 0U);
   }

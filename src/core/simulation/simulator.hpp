@@ -132,6 +132,7 @@ class Simulator {
   std::size_t processes() const { return program_.processes.size(); }
 
   // ---- conditions
+  bool may_hold(const Gate& gate) const { return gate.may_hold(state_.slots.data()); }
   bool integers_hold(const Condition& condition);
   bool holds(const Condition& condition) {
     return integers_hold(condition) && clock_window(condition).holds(now_) &&
@@ -143,7 +144,7 @@ class Simulator {
   Crossings crossings() { return {flow_, machine_, state_.slots.data()}; }
   bool open(std::uint32_t edge) { return holds(program_.edges[edge].guard); }
   std::int32_t channel_of(const Edge& edge);
-  bool hears(std::uint32_t number, std::int32_t channel);
+  bool hears(const Reception& reception, std::int32_t channel);
 
   // ---- the race
   std::pair<Ticks, Ticks> next_moments() const;
@@ -207,10 +208,11 @@ class Simulator {
   void update();
   void switch_clocks();
   bool touched(std::size_t process) const {
-    const Station& here = place(process);
+    const Outlook& here = outlooks_[process];
     return here.reads.meets(change_.written) || (here.clocks & change_.clocks) != 0 ||
            (change_.flow && here.looks_at_flow);
   }
+  void look_from(std::size_t process) { outlooks_[process] = place(process).outlook; }
   bool changes_flow() const;
   void find_concerned();
   bool invariants_hold();
@@ -231,6 +233,7 @@ class Simulator {
   Ticks sight_ = never;
   std::vector<std::uint32_t> action_;
   Scratch scratch_;
+  std::vector<Outlook> outlooks_;  // of the locations in which the processes are
 };
 
 }  // namespace tachk

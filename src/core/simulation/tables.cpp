@@ -30,39 +30,44 @@ Tables::Tables(const Program& program, const Chances& chances) : listening(progr
     first_place.push_back(places.size());
     const std::vector<Location>& locations = program.processes[p].locations;
     for (std::size_t n = 0; n < locations.size(); ++n)
-      places.push_back({&locations[n], &chances.rates[p][n], {}, {}, {}, {}, 0, false});
+      places.push_back({&locations[n], &chances.rates[p][n], {}, {}, {}, {}});
   }
   for (std::uint32_t number = 0; number < program.edges.size(); ++number) {
     const Edge& edge = program.edges[number];
     Station& place = places[first_place[edge.process] + static_cast<std::size_t>(edge.source)];
     has_branches |= chances.choices[number] != number;
     if (!edge.internal() && !edge.sends) {
-      place.receives.push_back(number);
+      place.receives.push_back({number, Gate(edge.guard), edge.channel, edge.channels});
       for (std::uint32_t n = 0; n < edge.channels; ++n) {
         std::vector<std::uint32_t>& listeners = listening[static_cast<std::size_t>(edge.channel) + n];
         if (listeners.empty() || listeners.back() != edge.process) listeners.push_back(edge.process);
       }
       continue;
     }
-    place.outputs.push_back(number);
+    place.outputs.push_back({number, Gate(edge.guard)});
     if (!edge.internal() && may_be_urgent(edge, program)) {
       place.urgent.push_back(number);
       if (urgent_senders.empty() || urgent_senders.back() != edge.process) urgent_senders.push_back(edge.process);
     }
   }
   for (Station& place : places) {
+    Outlook& outlook = place.outlook;
     Reads reads(program);
     reads.add(place.location->invariant);
     reads.add(place.rate->code);
-    place.clocks = clocks_of(place.location->invariant, program);
-    place.looks_at_flow = !place.location->invariant.flow.empty();
-    for (const std::uint32_t number : place.outputs) {
-      reads.add(program.edges[number].guard);
-      place.clocks |= clocks_of(program.edges[number].guard, program);
-      place.looks_at_flow |= !program.edges[number].guard.flow.empty();
+    outlook.clocks = clocks_of(place.location->invariant, program);
+    outlook.looks_at_flow = !place.location->invariant.flow.empty();
+    for (const Output& output : place.outputs) {
+      const Condition& guard = program.edges[output.edge].guard;
+      reads.add(guard);
+      outlook.clocks |= clocks_of(guard, program);
+      outlook.looks_at_flow |= !guard.flow.empty();
     }
-    place.clocks &= ~clock_group(0) | (program.clocks >= 64 ? clock_group(0) : 0);
-    place.reads = reads.slots();
+    outlook.clocks &= ~clock_group(0) | (program.clocks >= 64 ? clock_group(0) : 0);
+    outlook.reads = reads.slots();
+    outlook.committed = place.location->committed;
+    outlook.urgent = place.location->urgent;
+    outlook.has_invariant = place.location->has_invariant;
     reads_locations |= reads.reads_locations();
   }
   for (std::uint32_t slot = 0; slot < program.state_slots; ++slot)

@@ -10,18 +10,53 @@
 
 namespace tachk {
 
+// What every transition asks of each process: little, so that it lies side by side.
+struct Outlook {
+  SlotSet reads;               // what guards of outputs, invariant and rate depend on
+  std::uint64_t clocks = 0;    // the same of clocks: of 64 groups of clocks those with a member
+  bool looks_at_flow = false;  // the same of hybrid clocks
+  bool committed = false;
+  bool urgent = false;
+  bool has_invariant = false;
+};
+
+// The first test of a guard, kept where the edge is looked up: most guards that are false fail there.
+struct Gate {
+  Test test;
+
+  explicit Gate(const Condition& guard)
+      : test(guard.tests.empty() ? Test{0, Comparison::greater_equal, INT32_MIN} : guard.tests.front()) {}
+  bool may_hold(const std::int32_t* slots) const { return test.holds(slots); }
+};
+
+// An internal or sending edge.
+struct Output {
+  std::uint32_t edge;
+  Gate gate;
+};
+
+// An edge that receives over some channels, from one on.
+struct Reception {
+  std::uint32_t edge;
+  Gate gate;
+  std::int32_t channel;
+  std::uint32_t channels;
+
+  bool may_name(std::int32_t number) const {
+    return static_cast<std::uint32_t>(number) - static_cast<std::uint32_t>(channel) < channels;
+  }
+};
+
 // A location of a process.
 struct Station {
   const Location* location;
   const Number* rate;
-  std::vector<std::uint32_t> outputs;   // internal and sending edges
-  std::vector<std::uint32_t> receives;  // receiving edges
-  std::vector<std::uint32_t> urgent;    // sending edges over channels that may be urgent
-  SlotSet reads;                        // what guards of outputs, invariant and rate depend on
-  std::uint64_t clocks = 0;             // the same of clocks: of 64 groups of clocks those with a member
-  bool looks_at_flow = false;           // the same of hybrid clocks
+  std::vector<Output> outputs;
+  std::vector<Reception> receives;
+  std::vector<std::uint32_t> urgent;  // sending edges over channels that may be urgent
+  Outlook outlook;
 
-  bool freezes() const { return location->urgent || location->committed; }
+  bool freezes() const { return outlook.urgent || outlook.committed; }
 };
 
 constexpr std::uint64_t clock_group(std::size_t clock) { return std::uint64_t{1} << (clock % 64); }
