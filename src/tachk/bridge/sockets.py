@@ -40,7 +40,11 @@ class BridgeSocket:
         self._recording = recording
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
-        self._socket.bind((listen.host, listen.port) if listen is not None else ("127.0.0.1", 0))
+        try:
+            self._socket.bind((listen.host, listen.port) if listen is not None else ("127.0.0.1", 0))
+        except OSError:
+            self._socket.close()
+            raise
         self.address = Endpoint(*self._socket.getsockname())
 
     def poll(self) -> bool:
