@@ -13,6 +13,7 @@ from tachk.bridge.clock import SteppedClock
 from tachk.bridge.part import Part
 from tachk.bridge.sockets import BridgeSocket
 from tachk.diagnostics.diagnostic import UsageError
+from tachk.diagnostics.span import Source
 from tachk.loading.load import load_model
 from tachk.model.network import Network
 from tachk.proxy.recording import Recording
@@ -68,6 +69,31 @@ def test_what_is_lost_is_repeated() -> None:
     found, _ = conversation(lost=7)
     assert [e.kind for e in found if e.to_agent].count(Kind.HEARTBEAT) >= 1
     assert [e.fields["first"] for e in found if e.kind is Kind.ACKNACK and not e.to_agent][-1] == 5
+
+
+EAGER = """
+time_unit = 1 s;
+broadcast chan send[2][4];
+meta int[0, 9] number = 0;
+meta int[0, 9] detail = 0;
+process Client() {
+    init committed location Ready { to Resting { sync send[0][0]!; assign number = 1, detail = 5; } }
+    location Resting;
+}
+process Slow() {
+    clock x;
+    init location Waiting { invariant x <= 7; to Waiting { guard x >= 7; assign x = 0; } }
+}
+process Agent() { int[0, 9] seen = 0; init location Free { to Free { sync send[0][0]?; assign seen = detail; } } }
+system Client, Slow, Agent;
+"""
+
+
+def test_what_is_committed_happens_at_once() -> None:
+    part = Part(load_model(Source("<text>", EAGER)).network, ["Client", "Slow"])
+    assert part.next_event() == 0
+    assert [(sent.time, sent.values["detail"]) for sent in part.advance(0)] == [(0, 5)]
+    assert part.next_event() == 7 * SECOND
 
 
 def test_a_part_without_links_is_no_end_of_a_session() -> None:

@@ -100,6 +100,33 @@ def test_estimates_agree_with_closed_forms(model: str, query: str, expected: flo
     assert found.whole
 
 
+ONE_OR_NONE = """
+int[0, 1] up;
+int[0, 1] done;
+process Door() {
+    clock x;
+    init location Shut { invariant x <= 1; to tried { guard x >= 1; } }
+    location Open;
+    location Broken;
+    branchpoint tried { to Open { probability 1; assign up = 1; } to Broken { probability 299; } }
+}
+process Guest() {
+    clock y;
+    init location Away { invariant y <= 4; to Here { guard y >= 2; assign done = 1; } }
+    location Here;
+}
+system Door, Guest;
+"""
+
+
+def test_runs_that_begin_again_at_one_state_do_not_wait_alike() -> None:
+    # Of 300 runs about one opens the door; whether the guest comes within time is drawn anew for each that begins there.
+    found = rare(ONE_OR_NONE, "Pr[<=3](<> up == 1 && done == 1)", splitting=Splitting(0.15, 300))
+    opened = [probability * 300 for probability in found.probabilities if probability > 0]
+    halves = [share for share in opened if 0.3 < share % 1 < 0.7]
+    assert len(halves) > len(opened) / 4
+
+
 def test_threads_make_no_difference() -> None:
     one, three = (rare(ARRIVALS, "Pr[<=1](<> n == 5)", Source(seed=3, threads=threads)) for threads in (1, 3))
     assert one.probabilities.tolist() == three.probabilities.tolist()
