@@ -120,7 +120,7 @@ system Door, Guest;
 
 
 def test_runs_that_begin_again_at_one_state_do_not_wait_alike() -> None:
-    # Of 300 runs about one opens the door; whether the guest comes within time is drawn anew for each that begins there.
+    # Of 300 runs about one opens the door; whether the guest comes in time is drawn anew for each that begins there.
     found = rare(ONE_OR_NONE, "Pr[<=3](<> up == 1 && done == 1)", splitting=Splitting(0.15, 300))
     opened = [probability * 300 for probability in found.probabilities if probability > 0]
     halves = [share for share in opened if 0.3 < share % 1 < 0.7]
