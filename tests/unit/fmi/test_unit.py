@@ -13,10 +13,12 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 
 import tachk
+from tachk.diagnostics.span import Source
 from tachk.engines.simulation.simulator import TICKS_PER_UNIT
 from tachk.fmi.blueprint import blueprint
 from tachk.fmi.description import Version
 from tachk.fmi.unit import Unit, closed_unit, identifier, ticks_of_a_second
+from tachk.loading.load import load_model
 from tachk.testing.simulated.cosimulated import extract
 
 PULSES = """
@@ -129,6 +131,44 @@ def test_a_state_is_taken_up_again(running: FMU3Slave) -> None:
     assert events(running, 2.0) == first
     assert len(first) > 50
     running.freeFMUState(state)
+
+
+THROWS = """
+double drawn = 0.0;
+int[0, 1000] count = 0;
+process P() {
+    clock x;
+    init location A { invariant x <= 1; to A {
+        guard x >= 1; assign x = 0, drawn = random(4), count = (count + 1) % 1000;
+    } }
+}
+system P;
+"""
+
+
+def test_a_state_that_is_taken_up_again_draws_the_same_numbers(tmp_path: Path) -> None:
+    # What code draws comes from the run that goes on, not from the one whose copy it is.
+    network = load_model(Source("<text>", THROWS), keeps_doubles=True).network
+    unit = closed_unit(network, "throws")
+    slave = instance(unit, tmp_path)
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
+
+    def throws() -> list[float]:
+        found = []
+        for until in range(6, 20):
+            events(slave, until + 0.5)
+            found += slave.getFloat64([reference(unit, "drawn")])
+        return found
+
+    events(slave, 5.5)
+    state = slave.getFMUState()
+    first = throws()
+    slave.setFMUState(state)
+    assert throws() == first
+    assert len(set(first)) == 14
+    slave.freeFMUState(state)
+    slave.freeInstance()
 
 
 def test_a_state_is_taken_up_in_another_process(unit: Unit, running: FMU3Slave, tmp_path: Path) -> None:
