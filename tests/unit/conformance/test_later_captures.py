@@ -200,6 +200,12 @@ def test_heartbeats_of_the_old_client() -> None:
     assert accepted("client_2_0", HEARTBEAT_LAW=1, CLIENT_HEARTBEAT=100) is False
 
 
+def test_an_old_client_on_a_busy_machine() -> None:
+    """A HEARTBEAT that is due after 1 ms comes after 14."""
+    assert accepted("client_2_0_busy", late=20) is True
+    assert accepted("client_2_0_busy", late=20, HEARTBEAT_LAW=1, CLIENT_HEARTBEAT=100) is False
+
+
 def test_a_write_is_seen_late() -> None:
     """The relay stood still for 100 ms: it saw a READ_DATA 3 ms before the HEARTBEAT that follows 100 ms later."""
     settings = {"HISTORY": 8, "INPUT_HISTORY": 8, "CLIENT_JITTER": 20, "AGENT_JITTER": 20, "SLEEPS": 1}
