@@ -20,6 +20,9 @@ class DeadlockWatch final {
   // Whether some goal may still ask for deadlock; if not, the rest does nothing.
   bool open() const { return open_; }
 
+  // Whether the actions of the state being expanded matter.
+  bool counts() const { return !candidates_.empty(); }
+
   // Throws ModelFault.
   void begin(SymbolicState& source);
   void pass(ConstZoneRef guarded, const Effect& effect);

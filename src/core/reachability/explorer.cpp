@@ -61,6 +61,7 @@ struct Explorer::Storing {
   std::uint32_t discrete = 0;
   bool passes = false;
 
+  bool counts() const { return search.deadlocks_.counts(); }
   bool admits(const Edges& edges) const { return search.partial_order_.admits(edges); }
   void possible(ConstZoneRef guarded, const Effect& effect) const {
     search.deadlocks_.pass(guarded, effect);

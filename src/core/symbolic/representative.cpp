@@ -41,8 +41,7 @@ Representatives::Representatives(const Program& program, const ZoneOperations& o
       slots_(program.state_slots),
       scratch_(operations) {
   for (const Interchangeable& parts : program.interchangeable) {
-    Group& group = groups_.emplace_back();
-    group.parts = parts;
+    Group& group = groups_.emplace_back(Group{parts, {}, {}, {}, MemberNames(parts), {}});
     if (parts.cyclic) group.turns.emplace(parts);
     group.names_own.resize(parts.slots.front().size());
     group.own_tables.resize(parts.slots.front().size());
@@ -56,24 +55,10 @@ Representatives::Representatives(const Program& program, const ZoneOperations& o
           }
       if (!own) group.shared.push_back(name);
     }
-    for (const std::vector<std::int32_t>& table : parts.tables) {
-      const auto [least, largest] = std::minmax_element(table.begin(), table.end());
-      std::vector<std::int32_t>& member_of = group.member_of.emplace_back();
-      member_of.assign(static_cast<std::size_t>(*largest - *least) + 1, -1);
-      for (std::size_t member = 0; member < table.size(); ++member)
-        member_of[static_cast<std::size_t>(table[member] - *least)] = static_cast<std::int32_t>(member);
-      group.least.push_back(*least);
-    }
     std::vector<std::uint32_t>& places = identity_.emplace_back(parts.slots.size());
     std::iota(places.begin(), places.end(), 0);
   }
   arrangement_ = identity_;
-}
-
-std::int32_t Representatives::Group::member(std::size_t table, std::int32_t number) const {
-  const std::int64_t place = std::int64_t{number} - least[table];
-  if (place < 0 || place >= static_cast<std::int64_t>(member_of[table].size())) return -1;
-  return member_of[table][static_cast<std::size_t>(place)];
 }
 
 // For each member its location and what it holds, who names it first, whom it names, and where its clocks stand.
@@ -93,7 +78,7 @@ void Representatives::describe(const Group& group, const std::int32_t* slots) {
         facts[fact++] = value;
         continue;
       }
-      const std::int32_t other = group.member(group.own_tables[role], value);
+      const std::int32_t other = group.known.member(group.own_tables[role], value);
       facts[named--] = other < 0 ? value : other == static_cast<std::int32_t>(member) ? itself : nowhere;
     }
     // `named` is now where the first place that names the member comes: behind all that is plain.
@@ -106,7 +91,7 @@ void Representatives::describe(const Group& group, const std::int32_t* slots) {
   }
   const std::size_t first = static_cast<std::size_t>(std::count(group.names_own.begin(), group.names_own.end(), false));
   for (std::size_t place = group.shared.size(); place-- > 0;) {
-    const std::int32_t member = group.member(group.shared[place].table, slots[group.shared[place].slot]);
+    const std::int32_t member = group.known.member(group.shared[place].table, slots[group.shared[place].slot]);
     if (member >= 0) facts_[static_cast<std::size_t>(member) * width_ + first] = static_cast<std::int64_t>(place);
   }
 }
@@ -220,7 +205,7 @@ void Representatives::move_slots(const Group& group, const std::vector<std::uint
   places_.resize(members);
   for (std::uint32_t place = 0; place < members; ++place) places_[from[place]] = place;
   for (const Interchangeable::Name& name : group.parts.names) {
-    const std::int32_t member = group.member(name.table, slots[name.slot]);
+    const std::int32_t member = group.known.member(name.table, slots[name.slot]);
     if (member >= 0) slots[name.slot] = group.parts.tables[name.table][places_[static_cast<std::size_t>(member)]];
   }
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "program/program.hpp"
+#include "symbolic/member_names.hpp"
 #include "symbolic/rotations.hpp"
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
@@ -49,14 +50,11 @@ class Representatives final {
  private:
   struct Group {
     Interchangeable parts;
-    std::vector<bool> names_own;                       // of the slots of a member, whether they may name members
-    std::vector<std::size_t> own_tables;               // their tables
-    std::vector<Interchangeable::Name> shared;         // names outside the slots of members
-    std::vector<std::int32_t> least;                   // of each table the smallest number
-    std::vector<std::vector<std::int32_t>> member_of;  // of each table, by number less the smallest one; -1: nobody
-    std::optional<Rotations> turns;                    // of a ring
-
-    std::int32_t member(std::size_t table, std::int32_t number) const;
+    std::vector<bool> names_own;                // of the slots of a member, whether they may name members
+    std::vector<std::size_t> own_tables;        // their tables
+    std::vector<Interchangeable::Name> shared;  // names outside the slots of members
+    MemberNames known;                          // whom a number names
+    std::optional<Rotations> turns;             // of a ring
   };
 
   void describe(const Group& group, const std::int32_t* slots);

@@ -48,7 +48,12 @@ class Semantics {
   // call. Receivers are asked only where the guard of a sender holds, channel codes only where that of their edge does
   // (docs/semantics.md, run-time errors). Throws ModelFault.
   template <class Visit>
-  void for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& visit);
+  void for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& visit) {
+    for_each_action(slots, zone, visit, [](std::size_t) { return false; });
+  }
+  // As above, without what a process does alone where skips(process) is true.
+  template <class Visit, class Skips>
+  void for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& visit, Skips&& skips);
 
   // Runs the updates of an action. False if an integer condition of a target invariant is violated: then the action is
   // not possible. Throws ModelFault.
@@ -165,8 +170,8 @@ class Semantics {
 
 // ---- the templates --------------------------------------------------------------------------------------------------
 
-template <class Visit>
-void Semantics::for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& visit) {
+template <class Visit, class Skips>
+void Semantics::for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& visit, Skips&& skips) {
   const std::size_t processes = program_.processes.size();
   listeners_.clear();
   bool committed = false;
@@ -176,7 +181,7 @@ void Semantics::for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& 
   for (std::size_t p = 0; p < processes; ++p) {
     const bool from_committed = location(p, slots).committed;
     const Outgoing& out = outgoing(p, slots);
-    if (!committed || from_committed) {
+    if ((!committed || from_committed) && !skips(p)) {
       for (const std::uint32_t number : out.internal) {
         const Edge& edge = program_.edges[number];
         if (!offers(number, slots)) continue;

@@ -51,6 +51,7 @@ ZoneGraph::ZoneGraph(Program program, const ZoneGraphOptions& options)
       active_(program_, semantics_, operations_, smaller_),
       abstraction_(program_, semantics_, operations_, options.extrapolation, options.bounds),
       representatives_(program_, operations_),
+      twins_(program_, operations_),
       simulation_(options.extrapolation != Extrapolation::none),
       target_(operations_) {}
 

@@ -16,6 +16,7 @@
 #include "symbolic/active_clocks.hpp"
 #include "symbolic/representative.hpp"
 #include "symbolic/successor.hpp"
+#include "symbolic/twins.hpp"
 #include "zones/federation.hpp"
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
@@ -55,6 +56,9 @@ struct ActionFault : ModelFault {
 };
 
 // What is done with the successors of a state. Of each action it is told, in this order:
+// Where processes are interchangeable, actions that differ by an exchange that leaves the state as it is have
+// successors that do, too: of one of them all is told, of the others at most that they are possible.
+//   counts()                   optional, asked first: whether it matters that each action is told to be possible
 //   admits(edges)              optional: whether the action is followed at all; if not, nothing more is told of it
 //   possible(guarded, effect)  the action breaks no integer part of an invariant; `guarded`: where its guard holds
 //   expect(effect)             the zone of a successor is going to be computed
@@ -141,6 +145,7 @@ class ZoneGraph final {
   ActiveClocks active_;
   Abstraction abstraction_;
   Representatives representatives_;
+  Twins twins_;
   bool simulation_;
   Effect effect_;
   ZoneBuffer target_;
@@ -160,13 +165,21 @@ template <Receiver R>
 void ZoneGraph::expand(SymbolicState& source, R&& receiver) {
   if (program_.has_priorities) return expand_by_priority(source, receiver);
   std::int32_t* slots = source.slots.data();
-  semantics_.for_each_action(slots, source.zone.get(), [&](const Action& action, ConstZoneRef guarded) {
+  const bool sorts = representatives_.active();
+  bool counts = true;
+  if constexpr (requires { receiver.counts(); }) counts = receiver.counts();
+  if (sorts) twins_.find(slots, source.zone.get());
+  const auto visit = [&](const Action& action, ConstZoneRef guarded) {
     if constexpr (requires { receiver.admits(action.edges); })
       if (!receiver.admits(action.edges)) return;
+    const bool repeats = sorts && twins_.repeats(action.edges);
+    if (repeats && !counts) return;
     if (!within(action.edges, [&] { return semantics_.apply(action.edges, slots, effect_); })) return;
     receiver.possible(guarded, effect_);
-    follow(action.edges, guarded, effect_, receiver);
-  });
+    if (!repeats) follow(action.edges, guarded, effect_, receiver);
+  };
+  const auto skips = [&](std::size_t process) { return sorts && !counts && twins_.second(process); };
+  semantics_.for_each_action(slots, source.zone.get(), visit, skips);
 }
 
 // An action may only fire in valuations in which no action of higher priority is possible.

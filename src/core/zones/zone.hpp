@@ -77,6 +77,9 @@ struct ZoneOperations {
   void (*scatter)(ZoneRef target, ConstZoneRef part, int dimension, const std::uint16_t* clocks, int count, int length);
   // The zone with its clocks renamed: clock i of the target is clock sources[i] of the zone.
   void (*rename)(ZoneRef target, ConstZoneRef zone, int dimension, const std::uint16_t* sources);
+  // Whether the zone with its clocks renamed is the same. `moved`: the clocks i for which sources[i] is another one.
+  bool (*stays)(ConstZoneRef zone, int dimension, const std::uint16_t* sources, const std::uint16_t* moved,
+                std::size_t count);
   // Of each clock the sum of its row and that of its column, as far as entries count: those are cut off far out. A
   // clock that is never larger than another one has a row sum that is not larger either.
   void (*sum_up)(ConstZoneRef zone, int dimension, std::int64_t* rows, std::int64_t* columns);

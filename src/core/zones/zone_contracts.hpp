@@ -197,6 +197,15 @@ struct CheckedKernel : Kernel<T, Stride> {
     K::rename(target, zone, dimension, sources);
     TACHK_EXPECT(canonical(target, dimension));
   }
+  static bool stays(ConstZoneRef zone, int dimension, const std::uint16_t* sources, const std::uint16_t* moved,
+                    std::size_t count) {
+    TACHK_EXPECT(canonical(zone, dimension));
+    std::size_t differing = 0;
+    for (int i = 0; i < dimension; ++i) differing += sources[i] != i ? 1U : 0U;
+    TACHK_EXPECT(differing == count);
+    for (std::size_t n = 0; n < count; ++n) TACHK_EXPECT(sources[moved[n]] != moved[n]);
+    return K::stays(zone, dimension, sources, moved, count);
+  }
   static void scatter(ZoneRef target, ConstZoneRef part, int dimension, const std::uint16_t* clocks, int count,
                       int length) {
     TACHK_EXPECT(proper(clocks, count, dimension));

@@ -463,6 +463,23 @@ struct Kernel {
     }
   }
 
+  static bool stays(ConstZoneRef zone, int dimension, const std::uint16_t* sources, const std::uint16_t* moved,
+                    std::size_t count) {
+    for (std::size_t n = 0; n < count; ++n) {
+      const T* from = row(zone, dimension, sources[moved[n]]);
+      const T* to = row(zone, dimension, moved[n]);
+      for (int j = 0; j < dimension; ++j)
+        if (to[j] != from[sources[j]]) return false;
+    }
+    for (int i = 0; i < dimension; ++i) {
+      const T* from = row(zone, dimension, sources[i]);
+      const T* to = row(zone, dimension, i);
+      for (std::size_t n = 0; n < count; ++n)
+        if (to[moved[n]] != from[sources[moved[n]]]) return false;
+    }
+    return true;
+  }
+
   static void sum_up(ConstZoneRef zone, int dimension, std::int64_t* rows, std::int64_t* columns) {
     constexpr std::int64_t limit = std::int64_t{1} << 40;
     for (int j = 0; j < dimension; ++j) columns[j] = 0;
@@ -540,6 +557,7 @@ struct Table {
     table.gather = K::gather;
     table.scatter = K::scatter;
     table.rename = K::rename;
+    table.stays = K::stays;
     table.sum_up = K::sum_up;
     table.largest_entry = K::largest_entry;
     table.extent = K::extent;

@@ -225,3 +225,46 @@ def test_fischer_stores_a_quadratic_number_of_states(size: int) -> None:
     (verdict,) = model.verify(property="mutual_exclusion")
     assert verdict.answer.value == "holds"
     assert verdict.statistics.states_stored == size * (size + 3)
+
+
+def test_what_equal_processes_can_do_is_followed_once() -> None:
+    model = tachk.load(data_root() / "models" / "classics" / "fischer.ta", N=8)
+    (verdict,) = model.verify(property="mutual_exclusion")
+    statistics = verdict.statistics
+    assert statistics.states_stored == 8 * 11
+    assert statistics.transitions < 3 * statistics.states_stored
+
+
+@pytest.mark.parametrize(
+    ("edges", "query"),
+    [
+        # Two equal processes meet, and only one of them is named afterwards.
+        ("to B { sync call!; assign owner = me; } to C { sync call?; }", "E<> exists (i : id_t) P(i).B and owner != i"),
+        ("to B { sync call!; assign owner = me; } to C { sync call?; }", "E<> exists (i : id_t) P(i).C"),
+        # One that is named is not equal to the others.
+        ("to B { guard owner == 0; assign owner = me; } to C { guard owner == me; }", "E<> forall (i : id_t) P(i).B"),
+        ("to A { guard owner == 0; assign owner = me; } to C { guard owner == me; }", "E<> exists (i : id_t) P(i).C"),
+        # Nor is one whose clock runs for another time.
+        ("to A { guard n < 1; assign x = 0, n = 1; } to B { guard n == 1 and x > 2; }", "E<> exists (i : id_t) P(i).B"),
+        (
+            "to A { guard n < 1; assign x = 0, n = 1; } to B { guard n == 1 and x > 1 and y > 2 and x < 2; }",
+            "E<> exists (i : id_t) P(i).B",
+        ),
+        ("to A { guard k == 0; assign k = 1; } to B { guard k == 1; }", "E<> exists (i : id_t) P(i).B"),
+    ],
+)
+def test_equal_processes_are_told_from_others(edges: str, query: str) -> None:
+    text = f"""
+    typedef int[1, 3] id_t; int[0, 3] owner = 0; int[0, 1] n = 0; chan call; clock y;
+    process P(const id_t me) {{
+        clock x; int[0, 1] k = 0;
+        init location A {{ {edges} }}
+        location B;
+        location C;
+    }}
+    system P;
+    """
+    model = tachk.loads(text)
+    (one,) = model.verify(query, trace=False)
+    (other,) = model.verify(query, options=tachk.Options(symmetry=False), trace=False)
+    assert (one.answer, one.statistics.interchangeable) == (other.answer, 3)

@@ -8,7 +8,7 @@ ranges, priorities and what is asked for are mapped onto themselves. Then it map
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import field
 
 from tachk.compiler.fold import Known, fold
@@ -68,6 +68,7 @@ class Reading:
     predicates: list[Term]
     _touched: dict[Atom, list[tuple[int, bool, int]]] = field(default_factory=dict)
     _of_kind: dict[int, list[Variable]] = field(default_factory=dict)
+    _asked: list[tuple[Sequence[Term], dict[Atom, list[int]]]] = field(default_factory=list)
 
     @property
     def kinds(self) -> Kinds:
@@ -80,6 +81,13 @@ class Reading:
                 for number, unit in enumerate(units):
                     for atom in set(self._atoms(unit.tokens)):
                         self._touched.setdefault(atom, []).append((process, is_edge, number))
+        for term in self.predicates:
+            parts = term.parts if isinstance(term, Junction) else (term,)
+            mentioning: dict[Atom, list[int]] = {}
+            for number, part in enumerate(parts):
+                for atom in set(self._atoms(flat([part]))):
+                    mentioning.setdefault(atom, []).append(number)
+            self._asked.append((parts, mentioning))
         for variable, tree in self.reader.trees.items():
             for root in {self.kinds.find(node)[0] for node in _all_nodes(tree)}:
                 self._of_kind.setdefault(root, []).append(variable)
@@ -228,9 +236,9 @@ class Reading:
         return None
 
     def _predicate_objection(self, renaming: Renaming, moved: set[Atom]) -> Refusal | None:
-        for term in self.predicates:
-            parts = term.parts if isinstance(term, Junction) else (term,)
-            touched = [part for part in parts if not moved.isdisjoint(self._atoms(flat([part])))]
+        for parts, mentioning in self._asked:
+            numbers = sorted({number for atom in moved for number in mentioning.get(atom, ())})
+            touched = [parts[number] for number in numbers]
             before = Counter(self._term_image(part, Renaming()) for part in touched)
             if before != Counter(self._term_image(part, renaming) for part in touched):
                 return Refusal("what is asked for tells them apart")
