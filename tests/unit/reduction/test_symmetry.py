@@ -244,13 +244,26 @@ def test_what_equal_processes_can_do_is_followed_once() -> None:
         # One that is named is not equal to the others.
         ("to B { guard owner == 0; assign owner = me; } to C { guard owner == me; }", "E<> forall (i : id_t) P(i).B"),
         ("to A { guard owner == 0; assign owner = me; } to C { guard owner == me; }", "E<> exists (i : id_t) P(i).C"),
-        # Nor is one whose clock runs for another time.
-        ("to A { guard n < 1; assign x = 0, n = 1; } to B { guard n == 1 and x > 2; }", "E<> exists (i : id_t) P(i).B"),
         (
-            "to A { guard n < 1; assign x = 0, n = 1; } to B { guard n == 1 and x > 1 and y > 2 and x < 2; }",
+            "to A { guard owner == 0; assign owner = me; } to C { guard owner != me and owner != 0; }",
+            "E<> exists (i : id_t) P(i).C",
+        ),
+        # Nor is one whose clock runs for another time, or one that holds something else.
+        (
+            "to A { guard n < 1; assign x = 0, y = 0, n = 1; } to B { guard n == 1 and x > 3 and y < 1; }",
             "E<> exists (i : id_t) P(i).B",
         ),
-        ("to A { guard k == 0; assign k = 1; } to B { guard k == 1; }", "E<> exists (i : id_t) P(i).B"),
+        (
+            "to A { guard n < 1 and y > 3; assign x = 0, n = 1; } to B { guard n == 1 and x < 1; }",
+            "E<> exists (i : id_t) P(i).B",
+        ),
+        ("to A { guard n == 0; assign n = 1, k = 1; } to B { guard k == 1; }", "E<> exists (i : id_t) P(i).B"),
+        (
+            "to A { guard n == 0; assign n = 1, k = 1; } to B { guard n == 1 and k == 0; }",
+            "E<> forall (i : id_t) P(i).B",
+        ),
+        # A deadlock is one of all.
+        ("to B { guard x > 2 and x < 3; } to A { guard x <= 2 and y > 1; assign x = 0; }", "A[] not deadlock"),
     ],
 )
 def test_equal_processes_are_told_from_others(edges: str, query: str) -> None:
