@@ -281,3 +281,21 @@ def test_equal_processes_are_told_from_others(edges: str, query: str) -> None:
     (one,) = model.verify(query, trace=False)
     (other,) = model.verify(query, options=tachk.Options(symmetry=False), trace=False)
     assert (one.answer, one.statistics.interchangeable) == (other.answer, 3)
+
+
+def test_a_deadlock_is_one_of_all_pairs_of_equal_processes() -> None:
+    # Clocks that stop when they like: two of three are on the same side of 2, but not always the same two.
+    text = """
+    typedef int[1, 3] id_t; int[0, 1] busy = 0; chan a, b; clock y;
+    process P(const id_t me) {
+        clock x;
+        init location W { invariant x' == 0; to R { guard busy == 0; assign busy = 1, y = 0; } }
+        location R { invariant x' == 1 and y <= 4; to D { assign busy = 0; } }
+        location D { invariant x' == 0;
+            to D { guard x <= 2; sync a!; } to D { guard x <= 2; sync a?; }
+            to D { guard x > 2; sync b!; } to D { guard x > 2; sync b?; } }
+    }
+    system P;
+    """
+    (verdict,) = tachk.loads(text).verify("A[] not deadlock", trace=False)
+    assert (verdict.answer.value, verdict.statistics.interchangeable) == ("holds", 3)
