@@ -21,6 +21,7 @@ Antichain::Antichain() : root_{{}, {}, std::make_unique<Group>()}, bytes_(root_.
 
 void Antichain::add(const Extent& extent, std::uint32_t number) {
   ++size_;
+  newest_ = std::max(newest_, number);
   if (root_.group->empty()) root_.least = root_.most = extent;
   std::optional<Part> half = add_to(root_, {extent, number});
   if (!half) return;

@@ -43,6 +43,17 @@ class StateLayout {
 
 class DiscreteStates {
  public:
+  // What whoever looks at the states needs of his own: several threads may look at once, as long as none adds any.
+  struct Reader {
+    std::vector<std::uint64_t> key;     // of the announced state
+    std::uint64_t hash = 0;             // of that state, equal for equal ones
+    bool possible = true;               // not if a part of the state is in no stored one
+    std::vector<std::uint64_t> packed;  // one chunk
+    // The state unpacked last and its chunks: a successor has most of them.
+    std::vector<std::int32_t> known_slots;
+    std::vector<std::uint32_t> known_chunks;
+  };
+
   // States of more than two chunks are held as lists of chunks; with 0 words to a chunk none are.
   DiscreteStates(const Program& program, std::size_t chunk_words);
 
@@ -52,7 +63,13 @@ class DiscreteStates {
   // The number of that state, which is new, with the note `fresh_note`, if nobody has asked for it before.
   std::uint32_t locate(std::uint32_t fresh_note);
   bool equals(std::uint32_t number, const std::int32_t* slots);
-  void unpack(std::uint32_t number, std::int32_t* slots);
+  void unpack(std::uint32_t number, std::int32_t* slots) { unpack(number, slots, own_); }
+
+  Reader reader() const;
+  void unpack(std::uint32_t number, std::int32_t* slots, Reader& reader) const;
+  void announce(const std::int32_t* slots, const SlotSet& written, Reader& reader) const;
+  // The number of the announced state, or HashIndex::absent.
+  std::uint32_t find(const Reader& reader) const;
 
   // How many there are.
   std::uint32_t size() const { return records_.size(); }
@@ -67,30 +84,29 @@ class DiscreteStates {
   std::size_t bytes() const { return records_.bytes() + index_.bytes() + chunks_.bytes() + chunk_index_.bytes(); }
 
  private:
-  std::size_t key_bytes() const { return key_.size() * sizeof(std::uint64_t); }
+  std::size_t key_bytes() const { return key_words_ * sizeof(std::uint64_t); }
   const std::uint64_t* key_of(std::uint32_t number) const {
     return reinterpret_cast<const std::uint64_t*>(records_[number]);
   }
-  // Writes to key_ what stands for a state in its record: the packed words, or the numbers of its chunks.
-  void find_key(const std::int32_t* slots, const SlotSet& written);
+  // Writes to the key what stands for a state in its record: the packed words, or the numbers of its chunks, which
+  // `chunk()` tells of the packed one. False if a chunk is absent.
+  template <class Chunk>
+  bool find_key(const std::int32_t* slots, const SlotSet& written, Reader& reader, Chunk chunk) const;
+  std::uint32_t find_chunk(const std::vector<std::uint64_t>& packed, std::uint64_t hash) const;
   std::uint32_t intern_chunk();
 
   StateLayout layout_;
   std::size_t chunk_words_;  // 0: states are held whole
-  std::vector<std::uint64_t> key_;
-  std::uint64_t hash_ = 0;  // of the key of the announced state
-  RecordPool records_;      // keys, each with a note behind it
+  std::size_t key_words_;
+  Reader own_;
+  RecordPool records_;  // keys, each with a note behind it
   HashIndex index_;
 
   // Only for states in chunks.
   std::vector<std::size_t> chunk_slots_;  // the first slot of each chunk, and behind the last
   std::vector<SlotSet> chunk_members_;
-  std::vector<std::uint64_t> packed_;  // one chunk
   RecordPool chunks_;
   HashIndex chunk_index_;
-  // The state unpacked last and its chunks: a successor has most of them.
-  std::vector<std::int32_t> known_slots_;
-  std::vector<std::uint32_t> known_chunks_;
 };
 
 }  // namespace tachk

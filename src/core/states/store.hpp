@@ -46,6 +46,8 @@ class PassedList {
   }
   // A stored state with this discrete part whose zone does; no_node if there is none.
   std::uint32_t coverer(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds = nullptr) const;
+  // Whether no state with this discrete part has been stored.
+  bool is_new(std::uint32_t discrete) const { return head(discrete) == no_node; }
   // How many states with this discrete part are stored.
   std::size_t count(std::uint32_t discrete) const;
 
@@ -60,6 +62,28 @@ class PassedList {
   // `covers`; without by an equal one only.
   std::uint32_t add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption,
                     const ClockBounds* bounds = nullptr);
+
+  // What several threads may ask at once, as long as nobody adds a state, each with a reader of its own.
+  DiscreteStates::Reader reader() const { return discretes_.reader(); }
+  void unpack(const Node& node, std::int32_t* slots, DiscreteStates::Reader& reader) const {
+    discretes_.unpack(node.discrete, slots, reader);
+  }
+  // As `announce` without a reader, of the state that this one unpacked last, and the number of the announced state or
+  // HashIndex::absent.
+  void announce(const std::int32_t* slots, const SlotSet& written, DiscreteStates::Reader& reader) const {
+    discretes_.announce(slots, written, reader);
+  }
+  std::uint32_t locate(const DiscreteStates::Reader& reader) const { return discretes_.find(reader); }
+  // A number for the announced state, equal for equal states.
+  std::uint64_t key(const DiscreteStates::Reader& reader) const { return reader.hash; }
+  // Whether the zone contains one that is stored for this discrete state.
+  bool would_cover(std::uint32_t discrete, ZoneView zone) const;
+  std::uint64_t hash(ZoneView zone) const { return zones_.hash(zone); }
+
+  // Whether a state with this discrete part has been added whose number is `first` or larger.
+  bool has_since(std::uint32_t discrete, std::uint32_t first) const;
+  // Adds a state of which it is known that it covers no stored one and no stored one covers it; the hash of its zone.
+  std::uint32_t add_apart(std::uint32_t discrete, ZoneView zone, std::uint64_t hash, std::uint32_t parent);
 
   // The nodes that the last `add` has removed.
   const std::vector<std::uint32_t>& covered_last() const { return covered_last_; }
@@ -105,6 +129,7 @@ class PassedList {
                              : operations.simulates(outer, inner, dimension, *bounds);
   }
   void cover(std::uint32_t number);
+  std::uint32_t append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent);
   bool is_protected(std::uint32_t number) const { return number - protected_first_ < protected_count_; }
   bool holds(std::uint32_t head, std::uint32_t zone_number) const;
   void append(std::uint32_t& head, std::uint32_t number);

@@ -42,8 +42,7 @@ std::uint32_t ZoneStore::fresh(int dimension) {
   return number;
 }
 
-std::uint32_t ZoneStore::intern(ZoneView zone) {
-  const std::uint64_t hash_value = hash(zone);
+std::uint32_t ZoneStore::intern(ZoneView zone, std::uint64_t hash_value) {
   const std::uint32_t found = index_.find(hash_value, [&](std::uint32_t number) { return equals(number, zone); });
   if (found != HashIndex::absent) {
     ++uses_[found].count;

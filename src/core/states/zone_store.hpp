@@ -25,8 +25,10 @@ class ZoneStore {
     return dimension == dimension_ ? operations_ : smaller_[static_cast<std::size_t>(dimension)];
   }
 
-  // The number of the zone, for one more who needs it.
-  std::uint32_t intern(ZoneView zone);
+  // The number of the zone, for one more who needs it; `hash_value`: its hash.
+  std::uint32_t intern(ZoneView zone, std::uint64_t hash_value);
+  std::uint32_t intern(ZoneView zone) { return intern(zone, hash(zone)); }
+  std::uint64_t hash(ZoneView zone) const { return operations(zone.dimension).hash(zone.data, zone.dimension); }
   // One fewer needs the zone. Its memory is used again once nobody does.
   void release(std::uint32_t number);
 
@@ -54,7 +56,6 @@ class ZoneStore {
     std::uint32_t record;
   };
 
-  std::uint64_t hash(ZoneView zone) const { return operations(zone.dimension).hash(zone.data, zone.dimension); }
   std::uint32_t fresh(int dimension);
   std::byte* record(std::uint32_t number);
 

@@ -45,6 +45,7 @@ std::vector<ZoneOperations> choose_smaller(const Program& program, const ZoneGra
 
 ZoneGraph::ZoneGraph(Program program, const ZoneGraphOptions& options)
     : program_(prepared(std::move(program), options)),
+      options_(options),
       operations_(choose_operations(program_, options)),
       smaller_(choose_smaller(program_, options)),
       semantics_(program_, operations_),
@@ -52,7 +53,18 @@ ZoneGraph::ZoneGraph(Program program, const ZoneGraphOptions& options)
       abstraction_(program_, semantics_, operations_, options.extrapolation, options.bounds),
       representatives_(program_, operations_),
       twins_(program_, operations_),
-      simulation_(options.extrapolation != Extrapolation::none),
+      target_(operations_) {}
+
+ZoneGraph::ZoneGraph(const ZoneGraph& other)
+    : program_(other.program_),
+      options_(other.options_),
+      operations_(other.operations_),
+      smaller_(other.smaller_),
+      semantics_(program_, operations_),
+      active_(program_, semantics_, operations_, smaller_),
+      abstraction_(program_, semantics_, operations_, options_.extrapolation, options_.bounds),
+      representatives_(program_, operations_),
+      twins_(program_, operations_),
       target_(operations_) {}
 
 SymbolicState ZoneGraph::blank() const {

@@ -78,7 +78,8 @@ concept Receiver = requires(R& receiver, ConstZoneRef guarded, const Effect& eff
 class ZoneGraph final {
  public:
   ZoneGraph(Program program, const ZoneGraphOptions& options);
-  ZoneGraph(const ZoneGraph&) = delete;
+  // Another graph of the same program, for another thread: it shares nothing with this one.
+  explicit ZoneGraph(const ZoneGraph& other);
   ZoneGraph& operator=(const ZoneGraph&) = delete;
 
   const Program& program() const { return program_; }
@@ -108,7 +109,8 @@ class ZoneGraph final {
   // Whether a zone may be dropped for one that simulates it where only what can be reached matters: the constants that
   // count are known, and time passes for all clocks alike.
   bool knows_simulation() const {
-    return simulation_ && smaller_.empty() && !program_.has_stopwatches && program_.diagonals.empty();
+    return options_.extrapolation != Extrapolation::none && smaller_.empty() && !program_.has_stopwatches &&
+           program_.diagonals.empty();
   }
   // The constants that count in a discrete state, until the next call.
   ClockBounds bounds(const std::int32_t* slots) { return abstraction_.bounds(slots); }
@@ -139,6 +141,7 @@ class ZoneGraph final {
   static bool within(std::span<const std::uint32_t> edges, Body&& body);
 
   Program program_;
+  ZoneGraphOptions options_;
   ZoneOperations operations_;
   std::vector<ZoneOperations> smaller_;
   Semantics semantics_;
@@ -146,7 +149,6 @@ class ZoneGraph final {
   Abstraction abstraction_;
   Representatives representatives_;
   Twins twins_;
-  bool simulation_;
   Effect effect_;
   ZoneBuffer target_;
 };
