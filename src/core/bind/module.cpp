@@ -89,6 +89,8 @@ void bind_options(nb::module_& m) {
       .def_rw("pack_clocks", &Options::pack_clocks)
       .def_rw("passing", &Options::passing)
       .def_rw("partial_order", &Options::partial_order)
+      .def_rw("threads", &Options::threads)
+      .def_rw("threads_after", &Options::threads_after)
       .def_rw("shortest", &Options::shortest)
       .def_rw("proof_after", &Options::proof_after)
       .def_rw("attempts", &Options::attempts)

@@ -64,6 +64,13 @@ class Waiting final {
     return node;
   }
 
+  // Appends those that will be the next ones in order, whatever is added meanwhile: up to `most`, and perhaps fewer.
+  void foresee(std::size_t most, std::vector<std::uint32_t>& nodes) const {
+    if (by_progress_) return by_progress_->foresee(most, nodes);
+    if (!is_queue()) return;
+    for (std::uint32_t node = cursor_; node < end_ && most-- > 0; ++node) nodes.push_back(node);
+  }
+
   // Whether a state may be explored. Notes if it may not, because of the limit on depth.
   bool admits(std::uint32_t node) {
     const bool admitted = depth_.empty() || depth_[node] < depth_limit_;

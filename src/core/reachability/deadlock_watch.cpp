@@ -45,15 +45,26 @@ void DeadlockWatch::pass(ConstZoneRef guarded, const Effect& effect) {
   if (semantics_.weakest_precondition(effect, atoms_)) finder_.add(guarded, atoms_);
 }
 
+bool DeadlockWatch::meets(const Candidate& candidate, std::uint32_t node, SymbolicState& source) {
+  if (goals_.node(candidate.goal) <= node) return false;  // a successor may have met it too, but that is further away
+  const Disjunct& disjunct = *candidate.disjunct;
+  const Federation& pieces = disjunct.deadlock == DeadlockLiteral::required ? finder_.dead() : finder_.live();
+  bool met = false;
+  for (std::size_t piece = 0; piece < pieces.size() && !met; ++piece)
+    met = goals_.meets(disjunct.condition, source.slots.data(), pieces[piece]);
+  return met;
+}
+
 void DeadlockWatch::end(std::uint32_t node, SymbolicState& source) {
-  for (const auto& [goal, disjunct] : candidates_) {
-    if (goals_.node(goal) <= node) continue;  // a successor may have been found to reach it, but that is further away
-    const Federation& pieces = disjunct->deadlock == DeadlockLiteral::required ? finder_.dead() : finder_.live();
-    bool met = false;
-    for (std::size_t piece = 0; piece < pieces.size() && !met; ++piece)
-      met = goals_.meets(disjunct->condition, source.slots.data(), pieces[piece]);
-    if (met) goals_.settle(goal, node);
-  }
+  for (const Candidate& candidate : candidates_)
+    if (meets(candidate, node, source)) goals_.settle(candidate.goal, node);
+  candidates_.clear();
+}
+
+void DeadlockWatch::end(std::uint32_t node, SymbolicState& source, std::vector<std::size_t>& goals) {
+  for (const Candidate& candidate : candidates_)
+    if (std::find(goals.begin(), goals.end(), candidate.goal) == goals.end() && meets(candidate, node, source))
+      goals.push_back(candidate.goal);
   candidates_.clear();
 }
 

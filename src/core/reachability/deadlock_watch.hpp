@@ -28,6 +28,8 @@ class DeadlockWatch final {
   void pass(ConstZoneRef guarded, const Effect& effect);
   // Throws ModelFault. `node` is the number of the state.
   void end(std::uint32_t node, SymbolicState& source);
+  // Instead of `end`: appends the goals that are to be settled. Throws ModelFault.
+  void end(std::uint32_t node, SymbolicState& source, std::vector<std::size_t>& goals);
 
  private:
   struct Candidate {
@@ -35,6 +37,8 @@ class DeadlockWatch final {
     const Disjunct* disjunct;
   };
 
+  // Whether the state, where it is stuck or not as asked, satisfies the rest.
+  bool meets(const Candidate& candidate, std::uint32_t node, SymbolicState& source);
   // The open disjuncts whose predicates the state satisfies.
   void find_candidates(SymbolicState& source);
 

@@ -1,6 +1,8 @@
 #include "reachability/explorer.hpp"
 
+#include <algorithm>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 #include "reachability/paths.hpp"
@@ -22,6 +24,11 @@ Options consistent(Options options, const Limits& limits, const Program& program
   if (options.shortest || limits.depth != UINT32_MAX || options.passing != 0 || !program.interchangeable.empty())
     options.partial_order = false;
   return options;
+}
+
+unsigned threads_of(const Options& options) {
+  constexpr unsigned most = 8;  // one thread stores what all of them find
+  return options.threads != 0 ? options.threads : std::clamp(std::thread::hardware_concurrency(), 1u, most);
 }
 
 // Whether a state that simulates another one stands for it: nothing is asked that depends on an action being
@@ -51,7 +58,8 @@ Explorer::Explorer(Program program, const Options& options, const Limits& limits
       source_(graph_.blank()),
       work_{.taken = std::vector<std::uint8_t>(graph_.program().edges.size(), 0),
             .simulation = Trial(options_.alu && options_.subsumption && graph_.knows_simulation() &&
-                                looks_at_actions_only(graph_.program()))} {}
+                                looks_at_actions_only(graph_.program())),
+            .ahead = {}} {}
 
 // ---- the loop -------------------------------------------------------------------------------------------------------
 
@@ -87,7 +95,7 @@ struct Explorer::Storing {
       if (!search.meets_a_goal(successor)) return search.passing_.add(successor);
       discrete = search.passed_.locate();
     }
-    search.store(successor, discrete);
+    search.store(successor, discrete, true);
   }
 };
 
@@ -101,6 +109,7 @@ Status Explorer::search(std::uint64_t expansions) {
     if (expansions-- == 0) return Status::running;
     const std::uint32_t node = next();
     if (node == no_node) return goals_.settled() || waiting_.complete() ? Status::finished : Status::depth_limit;
+    look_ahead(node, expansions);
     expand(node);
     waiting_.consider(graph_.program(), passed_);
     if (passed_.stored() > limits_.states) return Status::state_limit;
@@ -118,12 +127,17 @@ std::uint32_t Explorer::next() {
 }
 
 void Explorer::expand(std::uint32_t number) {
-  const Node node = passed_.node(number);
-  passed_.unpack(node, source_.slots.data());
-  graph_.unpack(source_.slots.data(), passed_.zone(node), source_.zone);
+  passed_.unpack(passed_.node(number), source_.slots.data());
   node_ = number;
   waiting_.begin(source_.slots.data());
   ++work_.explored;
+  if (work_.ahead)
+    if (const auto result = work_.ahead->result(number, goals_)) return take(number, *result);
+  expand_alone(number);
+}
+
+void Explorer::expand_alone(std::uint32_t number) {
+  graph_.unpack(source_.slots.data(), passed_.zone(passed_.node(number)), source_.zone);
   deadlocks_.begin(source_);
   passing_.begin(!deadlocks_.open());
   for (partial_order_.begin(number, source_); partial_order_.next();) graph_.expand(source_, Storing{*this});
@@ -133,13 +147,15 @@ void Explorer::expand(std::uint32_t number) {
 }
 
 bool Explorer::covers(std::uint32_t discrete, const Successor& successor) {
-  const ZoneView zone = graph_.packed(successor.slots, successor.zone);
-  if (passed_.covers(discrete, zone)) return true;
+  return passed_.covers(discrete, graph_.packed(successor.slots, successor.zone)) || simulates(discrete, successor);
+}
+
+bool Explorer::simulates(std::uint32_t discrete, const Successor& successor) {
   if (!work_.simulation.asks()) return false;
   const std::size_t others = passed_.count(discrete);
   if (others == 0) return false;
   const ClockBounds bounds = graph_.bounds(successor.slots);
-  const bool simulated = passed_.covers(discrete, zone, &bounds);
+  const bool simulated = passed_.covers(discrete, graph_.packed(successor.slots, successor.zone), &bounds);
   work_.simulation.tell(simulated, others);
   return simulated;
 }
@@ -151,7 +167,7 @@ void Explorer::note_coverer(std::uint32_t discrete, const Successor& successor) 
   if (coverer != no_node) partial_order_.leads_to(coverer);
 }
 
-void Explorer::store(const Successor& successor, std::uint32_t discrete) {
+void Explorer::store(const Successor& successor, std::uint32_t discrete, bool may_meet) {
   const auto [edges, slots, zone] = successor;
   const std::uint32_t parent = edges.empty() ? no_node : node_;
   const ClockBounds bounds = work_.simulation.asking() ? graph_.bounds(slots) : ClockBounds{};
@@ -159,12 +175,90 @@ void Explorer::store(const Successor& successor, std::uint32_t discrete) {
                                            work_.simulation.asking() ? &bounds : nullptr);
   if (number == no_node) return note_coverer(discrete, successor);
   partial_order_.leads_to(number);
+  enlist(number, parent, successor, may_meet);
+}
+
+void Explorer::enlist(std::uint32_t number, std::uint32_t parent, const Successor& successor, bool may_meet) {
+  const auto [edges, slots, zone] = successor;
   waiting_.add(number, parent, slots, passed_.covered_last());
   try {
-    goals_.check(number, slots, zone);
+    if (may_meet) goals_.check(number, slots, zone);
     measures_.check(number, slots, zone);
   } catch (const ModelFault& fault) {  // of the new state, not of the action that leads there
     throw FaultReport{fault.kind, fault.position, number, {}, {}};
+  }
+}
+
+// ---- several threads ------------------------------------------------------------------------------------------------
+
+void Explorer::look_ahead(std::uint32_t node, std::uint64_t expansions) {
+  constexpr std::uint64_t most = 512;
+  const std::size_t fewest = std::clamp<std::size_t>(options_.threads_after, 1, 64);
+  const bool none = options_.threads == 1 || options_.passing != 0 || options_.partial_order;
+  if (none || passed_.size() < options_.threads_after) return;
+  if (work_.ahead && work_.ahead->result(node, goals_)) return;
+  std::vector<std::uint32_t> nodes{node};
+  waiting_.foresee(std::min(expansions, most), nodes);
+  std::erase_if(nodes, [this](std::uint32_t other) { return passed_.covered(other); });
+  if (nodes.size() < fewest) return;
+  if (!work_.ahead) work_.ahead.emplace(graph_, passed_, options_.subsumption, threads_of(options_));
+  work_.ahead->look(std::move(nodes), goals_, work_.taken);
+}
+
+// Does what `expand_alone` does, in the same order.
+void Explorer::take(std::uint32_t number, const Ahead::Result& result) {
+  const auto& [finder, expansion] = result;
+  const std::uint64_t before = work_.transitions;
+  std::size_t edge = expansion->first_edge;
+  const auto count = [&](std::uint32_t transitions) {
+    work_.transitions = before + transitions;
+    for (; edge < expansion->last_edge && finder->edge(edge).second <= transitions; ++edge)
+      work_.taken[finder->edge(edge).first] = 1;
+  };
+  bool wanted = true;
+  for (std::size_t n = expansion->first; n < expansion->last; ++n) {
+    Found& found = finder->found(n);
+    count(found.transitions);
+    take(*finder, found, wanted);
+  }
+  count(expansion->transitions);
+  for (const std::size_t goal : expansion->stuck) goals_.settle(goal, number);
+  if (expansion->failure) std::rethrow_exception(expansion->failure);
+  waiting_.close();
+}
+
+// What is known of a successor holds unless a state has been stored that was taken to be covered.
+void Explorer::take(const Finder& finder, Found& found, bool& wanted) {
+  const bool first = !found.further && options_.subsumption;
+  const Found* coverer = first ? found.coverer : nullptr;
+  if (coverer != nullptr && coverer->node != no_node && !passed_.covered(coverer->node)) {
+    wanted = false;
+    return;
+  }
+  std::int32_t* slots = source_.slots.data();
+  std::copy_n(finder.slots(found), graph_.program().state_slots, slots);
+  std::uint32_t discrete = found.discrete;
+  if (discrete == HashIndex::absent) {
+    passed_.announce(slots, SlotSet::all());
+    discrete = passed_.locate();
+  }
+  const bool apart = found.apart && coverer == nullptr && work_.ahead->knows(discrete);
+  constexpr std::uint32_t some_edge = 0;
+  if (first) {
+    const Successor successor{{&some_edge, 1}, slots, finder.zone(found.zone)};
+    wanted = !(apart ? simulates(discrete, successor) : covers(discrete, successor));
+  }
+  if (!wanted) return;
+  const Successor successor{{&some_edge, 1}, slots, finder.zone(found.abstract)};
+  const std::uint32_t before = passed_.size();
+  if (coverer != nullptr) work_.ahead->doubt();
+  if (!apart || (work_.simulation.asking() && !passed_.is_new(discrete))) {
+    found.node = before;
+    store(successor, discrete, found.meets);
+    if (passed_.size() == before) found.node = no_node;
+  } else {
+    found.node = passed_.add_apart(discrete, graph_.packed(slots, successor.zone), found.hash, node_);
+    enlist(found.node, node_, successor, found.meets);
   }
 }
 
@@ -191,6 +285,12 @@ bool Explorer::meets_a_goal(const Successor& successor) {
 
 Status Explorer::run(std::uint64_t expansions) {
   if (fault_) return Status::fault;
+  struct Resting {
+    std::optional<Ahead>& ahead;
+    ~Resting() {
+      if (ahead) ahead->rest();
+    }
+  } const resting{work_.ahead};
   try {
     return search(expansions);
   } catch (const FaultReport& report) {

@@ -12,6 +12,7 @@
 
 #include "order/waiting.hpp"
 #include "program/program.hpp"
+#include "reachability/ahead/ahead.hpp"
 #include "reachability/deadlock_watch.hpp"
 #include "reachability/goals.hpp"
 #include "reachability/measures.hpp"
@@ -88,13 +89,23 @@ class Explorer final {
     std::uint64_t transitions = 0;
     std::vector<std::uint8_t> taken;  // of each edge, whether it has been
     Trial simulation;                 // of states by others
+    std::optional<Ahead> ahead;       // where several threads look for successors
   };
 
   Status search(std::uint64_t expansions);
   std::uint32_t next();
   void expand(std::uint32_t node);
+  void expand_alone(std::uint32_t node);
+  // Lets other threads look for the successors of this node and of those behind it, if that pays.
+  void look_ahead(std::uint32_t node, std::uint64_t expansions);
+  void take(std::uint32_t node, const Ahead::Result& result);
+  // `wanted`: whether an abstracted zone of the same successor before this one was; told of this one.
+  void take(const Finder& finder, Found& found, bool& wanted);
   bool covers(std::uint32_t discrete, const Successor& successor);
-  void store(const Successor& successor, std::uint32_t discrete);
+  bool simulates(std::uint32_t discrete, const Successor& successor);
+  // `may_meet`: not if the state is known to meet no open goal.
+  void store(const Successor& successor, std::uint32_t discrete, bool may_meet);
+  void enlist(std::uint32_t number, std::uint32_t parent, const Successor& successor, bool may_meet);
   void note_coverer(std::uint32_t discrete, const Successor& successor);
   bool keeps_layers(std::uint32_t node);
   bool meets_a_goal(const Successor& successor);

@@ -71,12 +71,13 @@ bool GoalWatch::meets(const Condition& condition, std::int32_t* slots, ConstZone
 
 void GoalWatch::settle(std::size_t goal, std::uint32_t node) {
   reached_[goal] = node;
+  ++changes_;
   if (!shortest_ || !asks_deadlock_[goal]) std::erase(open_, goal);
 }
 
 // What is reached by now is no further away than what the next layer leads to.
 void GoalWatch::end_layer() {
-  std::erase_if(open_, [this](std::size_t goal) { return reached_[goal] != no_node; });
+  changes_ += std::erase_if(open_, [this](std::size_t goal) { return reached_[goal] != no_node; });
 }
 
 }  // namespace tachk

@@ -30,6 +30,15 @@ class GoalWatch final {
   // Whether some valuation of the zone satisfies the condition. Throws ModelFault.
   bool meets(const Condition& condition, std::int32_t* slots, ConstZoneRef zone);
 
+  // From now on the open goals are those of another watch of the same goals.
+  void follow(const GoalWatch& other) {
+    reached_ = other.reached_;
+    open_ = other.open_;
+    changes_ = other.changes_;
+  }
+  // Grows whenever a goal is reached or no longer open.
+  std::uint64_t changes() const { return changes_; }
+
   // A goal is reached in a node.
   void settle(std::size_t goal, std::uint32_t node);
   void end_layer();
@@ -64,6 +73,7 @@ class GoalWatch final {
   bool shortest_;
   std::vector<std::uint32_t> reached_;
   std::vector<std::size_t> open_;
+  std::uint64_t changes_ = 0;
   std::vector<bool> asks_deadlock_;             // of each goal
   std::vector<std::vector<Watch>> watches_at_;  // for each location, the disjuncts that ask for it
   std::vector<Watch> watches_anywhere_;

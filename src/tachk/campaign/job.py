@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from hashlib import sha256
 from time import monotonic
 from typing import assert_never
@@ -119,7 +119,8 @@ class Verification:
         queries = checked(formulas)
         if queries:
             limits = self.limits.after(monotonic() - began)
-            found = answers(model, self.questions, queries, self.options, limits, None, trace=True)
+            alone = replace(self.options, threads=1)  # it is cells that are computed at the same time
+            found = answers(model, self.questions, queries, alone, limits, None, trace=True)
             rows += map(_row, found)
         return tuple(sorted(rows, key=lambda row: self.asked.index(str(row["property"]))))
 

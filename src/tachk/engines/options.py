@@ -74,6 +74,7 @@ class LocalTimes(StrEnum):
 LARGEST_SEED = 2**32 - 1
 NEVER = 2**32 - 1
 """`Options.proof_after` for no proof at all."""
+MOST_THREADS = 256
 PASSED_IN_A_ROW = 8
 """`Options.passing` where a user only says that states with a committed location need not be stored."""
 
@@ -110,6 +111,10 @@ class Options:
             for a short proof that there is no run; for `-->` it does so at once. 2**32 - 1: never.
         attempts: for `-->`: on the way to all states, up to one state for every eight is explored depth first, so that
             a run is found early; off: runs are looked for once all states are reached.
+        threads: how many threads a search uses, at most 256; 0: as many as the machine has cores, up to eight. Whatever
+            their number, the states, their order and the runs are the same. One thread searches depth first, over local
+            times, with `passing` or `partial_order`, for certificates, and for runs that go on for ever.
+        threads_after: how many states there must be before a search uses more than one thread.
         hold_spectators: hold processes still that cannot influence the answer; off: explore them too.
         drop_bystanders: first search without the processes that can only block others; off: search the whole network
             at once. Of `A<>`, `E[]` and `-->`: without those that certainly do not even block.
@@ -138,6 +143,8 @@ class Options:
     chunk_words: int = 8
     proof_after: int = 2000
     attempts: bool = True
+    threads: int = 1
+    threads_after: int = 4096
     hold_spectators: bool = True
     drop_bystanders: bool = True
     symmetry: bool = True
@@ -151,6 +158,8 @@ class Options:
         _check_range("proof_after", self.proof_after, 0, NEVER)
         _check_range("pack_clocks", self.pack_clocks, 0, 2**32 - 1)
         _check_range("passing", self.passing, 0, 64)
+        _check_range("threads", self.threads, 0, MOST_THREADS)
+        _check_range("threads_after", self.threads_after, 0, 2**32 - 1)
         if self.width not in (16, 32, 64):
             raise UsageError(f"`width` is 16, 32 or 64, not {self.width}")
         if self.shortest and not self.order.finds_shortest:

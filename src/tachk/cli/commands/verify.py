@@ -8,7 +8,16 @@ import click
 
 from tachk.cli import options
 from tachk.cli.reporting import Evidence, ReportForm
-from tachk.engines.options import LARGEST_SEED, PASSED_IN_A_ROW, Engine, Extrapolation, LocalTimes, Options, SearchOrder
+from tachk.engines.options import (
+    LARGEST_SEED,
+    MOST_THREADS,
+    PASSED_IN_A_ROW,
+    Engine,
+    Extrapolation,
+    LocalTimes,
+    Options,
+    SearchOrder,
+)
 
 _DEFAULT = Options()
 
@@ -142,6 +151,17 @@ _DEFAULT = Options()
     help="Where time cannot pass, explore one order of independent actions, not each of them. No effect with "
     "--trace shortest, --max-depth, --pass-committed, deadlock, priorities, stopwatches, interchangeable processes "
     "(but for --no-symmetry), or where the search is over local times.",
+)
+@click.option(
+    "threads",
+    "--threads",
+    metavar="N",
+    type=options.Count(0, MOST_THREADS),
+    default=_DEFAULT.threads,
+    show_default=True,
+    help="How many threads look for states; 0: as many as this machine has cores, up to 8. Answers, runs and numbers "
+    "of states do not depend on it. No effect with --search dfs or rdfs, --pass-committed, --partial-order, on "
+    "searches over local times or for certificates, and for A<>, E[] and -->.",
 )
 @click.option(
     "every_trace",

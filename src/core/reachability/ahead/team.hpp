@@ -1,0 +1,35 @@
+// Threads that do the same work together, again and again. They begin with the first piece of work and end with the
+// team: a team lives as long as one call of a search, so that nothing runs, and nothing can be lost in a process that
+// is forked, while nobody searches.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <thread>
+#include <vector>
+
+namespace tachk {
+
+class Team final {
+ public:
+  // Of at most so many members, whoever asks included; there are fewer if the machine gives no more threads.
+  explicit Team(unsigned members);
+  ~Team();
+  Team(const Team&) = delete;
+  Team& operator=(const Team&) = delete;
+
+  // Calls work(n) for each member, by a thread each, and returns when all are done. It must not throw.
+  void share(const std::function<void(unsigned)>& work);
+
+ private:
+  void serve(unsigned member);
+
+  const std::function<void(unsigned)>* work_ = nullptr;
+  std::atomic<std::uint32_t> round_{0};
+  std::atomic<std::uint32_t> busy_{0};
+  bool over_ = false;
+  std::vector<std::thread> others_;
+};
+
+}  // namespace tachk

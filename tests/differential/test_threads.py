@@ -1,0 +1,118 @@
+"""However many threads look for states: the same states, the same answers, the same runs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from random import Random
+
+import pytest
+
+import tachk
+from tachk.compiler.lower import lower
+from tachk.engines import reference
+from tachk.engines.options import Extrapolation, Limits, LocalTimes, Options, SearchOrder
+from tachk.engines.outcome import Outcome, Status
+from tachk.engines.zone import explore, explore_everything
+from tachk.resources import data_root
+from tachk.testing.networks import Case, Shape, random_case
+from tachk.testing.symmetric.cases import random_symmetric_case
+
+ONE = Options(threads=1, threads_after=0, local_times=LocalTimes.NEVER)
+SHAPES = (
+    Shape(groups=2, clocks=2, processes=3, locations=4),
+    Shape(groups=3, hurried=0.5, clocks=1, processes=2, locations=3),
+    Shape(language=True, faults=0.5, clocks=3, processes=4, locations=5),
+    Shape(groups=2, clocks=2, processes=2, locations=4, diagonals=True),
+    Shape(groups=2, priorities=True, clocks=2, processes=2, locations=4),
+    Shape(stopwatches=True, clocks=3, processes=4, locations=5),
+)
+VARIANTS = (
+    ONE,
+    replace(ONE, shortest=True),
+    replace(ONE, order=SearchOrder.PROGRESS),
+    replace(ONE, subsumption=False, order=SearchOrder.BFS),
+    replace(ONE, extrapolation=Extrapolation.MAX, pack_clocks=0),
+    replace(ONE, chunk_words=1, alu=False),
+    replace(ONE, reclaim=False, width=64),
+)
+
+
+def told(outcome: Outcome) -> Outcome:
+    """All of it but how long it took."""
+    return replace(outcome, statistics=replace(outcome.statistics, seconds=0.0, user_seconds=0.0))
+
+
+def searched(case: Case, options: Options, limits: Limits) -> Outcome:
+    program, goals = lower(case.network, case.predicates)
+    return told(explore(program, goals, options, limits))
+
+
+@pytest.mark.parametrize("block", range(4))
+def test_random_networks(block: int) -> None:
+    large = 0
+    for seed in range(50 * block, 50 * block + 50):
+        case = random_case(Random(seed), SHAPES[seed % len(SHAPES)])
+        options = VARIANTS[seed % len(VARIANTS)]
+        limits = Limits(states=Random(seed).choice((60, 1_000)))
+        alone = searched(case, options, limits)
+        for threads in (2, 3):
+            assert searched(case, replace(options, threads=threads), limits) == alone, f"seed {seed}"
+        large += alone.statistics.states_stored > 20
+    assert large > 10
+
+
+def test_random_networks_against_the_plain_oracle() -> None:
+    decided = 0
+    for seed in range(300, 330):
+        case = random_case(Random(seed), Shape(clocks=2, processes=2))
+        plain = reference.explore(case.network, case.predicates, Limits(states=150))
+        found = searched(case, replace(ONE, threads=2), Limits())
+        for one, other in zip(plain.goals, found.goals, strict=True):
+            decided += one.status is not Status.UNDECIDED
+            assert one.status in (Status.UNDECIDED, other.status), f"seed {seed}"
+    assert decided > 15
+
+
+def test_everything_that_is_taken_is_told() -> None:
+    for seed in range(700, 740):
+        case = random_case(Random(seed), SHAPES[seed % len(SHAPES)])
+        program, goals = lower(case.network, case.predicates)
+        found = [
+            explore_everything(program, goals, replace(ONE, threads=threads), Limits(states=300)) for threads in (1, 2)
+        ]
+        (one, taken), (other, also_taken) = found
+        assert (told(one), taken) == (told(other), also_taken), f"seed {seed}"
+
+
+def test_interchangeable_processes() -> None:
+    for seed in range(8):
+        case = random_symmetric_case(Random(seed))
+        model = tachk.loads(case.text)
+        one, other = (
+            [
+                (verdict.answer, verdict.reason, verdict.trace, verdict.statistics.states_explored)
+                for verdict in model.verify(
+                    *case.queries, options=replace(ONE, threads=threads), limits=Limits(states=500), trace=True
+                )
+            ]
+            for threads in (1, 3)
+        )
+        assert one == other, f"seed {seed}"
+
+
+def test_a_hundred_repetitions_find_the_same_run() -> None:
+    model = tachk.load(data_root() / "models" / "classics" / "fischer.ta", N=5)
+    options = replace(ONE, symmetry=False)
+
+    def found(threads: int) -> list[object]:
+        how = replace(options, threads=threads)
+        verdicts = model.verify(
+            "E<> exists (p : pid_t) P(p).critical && id != p", "A[] not deadlock", options=how, trace=True
+        )
+        return [
+            (verdict.answer, verdict.trace, replace(verdict.statistics, seconds=0.0, user_seconds=0.0))
+            for verdict in verdicts
+        ]
+
+    alone = found(1)
+    assert all(found(2 + number % 3) == alone for number in range(100))
