@@ -10,9 +10,9 @@ from time import monotonic
 from tachk.conformance.application_logs import with_log
 from tachk.conformance.carried import BEST_EFFORT, most_pieces
 from tachk.conformance.conform import Conformance, conform
-from tachk.conformance.edits import smallest_edit
 from tachk.conformance.event_tables import read_events
 from tachk.conformance.events import Recording
+from tachk.conformance.nearby import smallest_edit
 from tachk.conformance.packet_events import SUFFIXES, read_capture
 from tachk.conformance.queues import Constants
 from tachk.conformance.tolerances import duration, least
@@ -28,7 +28,9 @@ AUTO = "auto"
 CLIENT = "client"
 """What events in the words of `models/micro_xrce_dds/protocol.ta` call their client."""
 _STATES_OF_EDIT = 20_000
-"""So many states at most are stored for each edit of a recording that is tried."""
+_STATES_OF_EVENT = 20
+"""So many states at most, and so many more for each event, are stored when a recording is held against the model with
+an edit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,18 +68,17 @@ def conform_file(loaded: LoadedModel, name: str, recording: str, asked: Question
     if found.accepted is not False or found.refusal is None or found.refusal.event is None:
         return found
 
+    def left() -> Limits:
+        return limits.after(monotonic() - started)
+
     def accepts(other: Recording) -> bool:
-        left = replace(limits.after(monotonic() - started), states=_STATES_OF_EDIT)
-        if left.seconds is not None and left.seconds <= 0:
-            raise OutOfTimeError
-        tried = conform(
-            network, mapping, other, constants, found.tolerance, found.late, limits=left, run=False, explain=False
-        )
+        exact = found.tolerance, found.late
+        few = left().of_states(_STATES_OF_EDIT + _STATES_OF_EVENT * len(other.events))
+        tried = conform(network, mapping, other, constants, *exact, limits=few, run=False, explain=False)
         return tried.accepted is True
 
-    refusal, queues = found.refusal, found.queues
     try:
-        edit = smallest_edit(events, found.refusal.event, refusal.offers, queues.origin, queues.scale, accepts)
+        edit = smallest_edit(network, mapping, events, constants, found, left, accepts)
         return replace(found, edit=edit)
     except OutOfTimeError:
         return replace(found, left_out="whether an edit of the recording would make it a run")

@@ -73,6 +73,24 @@ class Run:
 
 
 @dataclass(frozen=True, slots=True)
+class Reached:
+    """A run of a part of the model that goes along with its events as far as any that was found.
+
+    Attributes:
+        queues: those of the part.
+        program: of the network that follows the recording.
+        actions: the path by the numbers of the edges of the program.
+    """
+
+    part: Part
+    following: Following
+    queues: Queues
+    program: Program
+    path: tuple[Transition, ...]
+    actions: Sequence[Sequence[int]]
+
+
+@dataclass(frozen=True, slots=True)
 class Conformance:
     """Attributes:
     accepted: the recording is a run of the model; None where a limit was hit first.
@@ -80,6 +98,7 @@ class Conformance:
     time_unit: of the model.
     runs: of all parts of the model, which show it.
     refusal: where the recording leaves the model; None where it does not, or that was not found in the limits.
+    reached: how far each part goes along, where there is a refusal.
     reason: why there is no answer; empty if there is one.
     edit: of the recording, with which it would be a run; None where it is one, or none was found.
     left_out: what of the explanation the time limit left no time for, in words; empty if there is all of it.
@@ -94,6 +113,7 @@ class Conformance:
     statistics: Statistics
     runs: tuple[Run, ...] = ()
     refusal: Refusal | None = None
+    reached: tuple[Reached, ...] = ()
     reason: str = ""
     edit: Edit | None = None
     left_out: str = ""
@@ -149,7 +169,8 @@ def conform(
     except OutOfTimeError:
         refusal = None
     left_out = "where the recording leaves the model" if refused and refusal is None else ""
-    return replace(found, refusal=refusal, left_out=left_out)
+    reached = tuple(one for answer in answers if (one := _reached(answer)) is not None)
+    return replace(found, refusal=refusal, reached=reached, left_out=left_out)
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,6 +181,7 @@ class _Answer:
         furthest: the path that goes along with the recording as far as any; None where that was not asked for.
     """
 
+    part: Part
     accepted: bool | None
     following: Following
     queues: Queues
@@ -189,9 +211,7 @@ class _Search:
         own = restricted(queues, part)
         following = follow(self.network, self.mapping, own, part.processes, to_the_end)
         check_selections(following.network)
-        limits = self.left()
-        if states is not None:
-            limits = replace(limits, states=min(states, limits.states or states))
+        limits = self.left() if states is None else self.left().of_states(states)
         furthest = None
         if self.explain and not to_the_end:
             measured = [Measured(_TRUE, following.progress, largest=True)]
@@ -203,7 +223,7 @@ class _Search:
         found = outcome.goals[0]
         accepted = {Status.REACHED: True, Status.UNREACHABLE: None if outcome.reason else False}.get(found.status)
         reason = "" if accepted is not None else outcome.reason or "unknown"
-        answer = _Answer(accepted, following, own, outcome.statistics, program, goals[0], found, reason, furthest)
+        answer = _Answer(part, accepted, following, own, outcome.statistics, program, goals[0], found, reason, furthest)
         self.answers.append(answer)
         return answer
 
@@ -258,6 +278,14 @@ def _total(statistics: Iterable[Statistics]) -> Statistics:
     for other in others:
         first = first.then(other)
     return first
+
+
+def _reached(answer: _Answer) -> Reached | None:
+    found = answer.found if answer.accepted else answer.furthest
+    if found is None:
+        return None
+    path, actions = found.path or (), found.actions or ()
+    return Reached(answer.part, answer.following, answer.queues, answer.program, path, actions)
 
 
 def _run(answer: _Answer, exact: bool) -> Run:

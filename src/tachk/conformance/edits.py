@@ -7,7 +7,7 @@ arrives as one like it, or is lost.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
@@ -39,31 +39,17 @@ class Edit:
     arrives: bool = False
 
 
-def smallest_edit(
-    recording: Recording,
-    event: int,
-    offers: Sequence[Offer],
-    origin: Fraction,
-    scale: Fraction,
-    accepts: Callable[[Recording], bool],
-) -> Edit | None:
-    """The first edit near an event with which the recording is accepted: this event lost, doubled, moved to where the
-    model would have it, or in other words, another one put in; its neighbours lost or doubled; this one moved.
+def edits(
+    recording: Recording, event: int, offers: Sequence[Offer], origin: Fraction, scale: Fraction
+) -> Iterator[Edit]:
+    """The edits near an event, the smallest first: this event lost, doubled, moved to where the model would have it, or
+    in other words, another one put in; its neighbours lost or doubled; this one moved.
 
     Args:
         offers: what the model would have done there.
         origin: the time of the recording at which the model starts.
         scale: units of the model in a unit of the recording.
     """
-    for edit in _edits(recording, event, offers, origin, scale):
-        if accepts(edited(recording, edit, scale)):
-            return edit
-    return None
-
-
-def _edits(
-    recording: Recording, event: int, offers: Sequence[Offer], origin: Fraction, scale: Fraction
-) -> Iterator[Edit]:
     near = range(max(event - _NEAR, 0), min(event + _NEAR + 1, len(recording.events)))
     around = sorted(near, key=lambda n: abs(n - event))
     yield from (Edit(event, what) for what in ("lost", "doubled"))

@@ -193,6 +193,10 @@ class Limits:
         """The limits of what is left to do when so many seconds have passed."""
         return self if self.seconds is None else replace(self, seconds=max(self.seconds - elapsed, 0.0))
 
+    def of_states(self, states: int) -> Limits:
+        """These limits, and that no more than so many states are stored."""
+        return replace(self, states=states if self.states is None else min(states, self.states))
+
     def __post_init__(self) -> None:
         for name in ("states", "seconds", "memory_bytes", "depth"):
             value = getattr(self, name)

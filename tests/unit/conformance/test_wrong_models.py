@@ -18,8 +18,9 @@ import pytest
 import tachk
 from tachk.conformance.asking import constants_of
 from tachk.conformance.conform import Conformance, conform
-from tachk.conformance.edits import Edit, edited, smallest_edit
+from tachk.conformance.edits import Edit, edited
 from tachk.conformance.events import Event, Recording
+from tachk.conformance.nearby import smallest_edit
 from tachk.conformance.packet_events import read_capture
 
 ROOT = Path(__file__).parents[3]
@@ -156,6 +157,10 @@ def test_changed_recordings(
     assert accepted(change(two, number), CLIENTS=3, HISTORY=8) is False
 
 
+def limits() -> tachk.Limits:
+    return tachk.Limits(states=60_000)
+
+
 @pytest.mark.parametrize(
     ("kind", "link", "change", "what"),
     [
@@ -173,21 +178,13 @@ def test_the_smallest_edit_undoes_a_change(
     assert mapping is not None
 
     def ask(recording: Recording, explain: bool) -> Conformance:
-        limits = tachk.Limits(states=60_000)
-        two_ms = Fraction(2)
-        return conform(
-            model.network, mapping, recording, names, two_ms, two_ms, limits=limits, run=False, explain=explain
-        )
+        two_ms = Fraction(2), Fraction(2)
+        return conform(model.network, mapping, recording, names, *two_ms, limits=limits(), run=False, explain=explain)
 
     found = ask(changed, True)
     assert found.refusal is not None and found.refusal.event is not None
     edit = smallest_edit(
-        changed,
-        found.refusal.event,
-        found.refusal.offers,
-        found.queues.origin,
-        found.queues.scale,
-        lambda other: ask(other, False).accepted is True,
+        model.network, mapping, changed, names, found, limits, lambda other: ask(other, False).accepted is True
     )
     assert edit is not None and edit.what == what
     if what in ("changed", "added"):
