@@ -26,6 +26,7 @@ from tachk.properties.unexamined import unexamined
 from tachk.properties.vacuity import Trigger, noted, triggers_of, with_notes
 from tachk.properties.verdict import Answer, Verdict
 from tachk.reduction.bystanders import without_bystanders
+from tachk.reduction.impossible import without_impossible
 from tachk.reduction.spectators import with_spectators, without_spectators
 from tachk.reduction.symmetry.tables import in_equal_parts, with_symmetry
 from tachk.semantics.discrete import PreparedNetwork, prepare
@@ -83,6 +84,7 @@ def _settle_without_bystanders(
     try:
         with time_limit(first_try.seconds):
             triggers = triggers_of(search.tasks, network)
+            network = without_impossible(network)
             relaxed = without_bystanders(network, [*targets, *(trigger.condition for trigger in triggers)])
             if relaxed == network:
                 return {}
