@@ -108,3 +108,8 @@ def test_conditions_are_tried_up_to_a_number_of_them() -> None:
 
     assert found(with_conditions(MOST_CONDITIONS - 2)) == ["used"]
     assert found(with_conditions(MOST_CONDITIONS - 1)) == []
+
+
+def test_an_edge_of_another_location_forces_nobody_here() -> None:
+    safe = "to Waiting { select j : int[0, 2]; guard deaf && !broken; sync send[j]?; }"
+    assert found(LINK.replace(safe, "").replace("location Waiting;", f"location Waiting {{ {safe} }}")) == []
