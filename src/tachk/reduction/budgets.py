@@ -10,7 +10,8 @@ other can, and reaches such a state again:
 - Time passes. Budgets occur in no invariant and no rate. An edge that a budget enables could still stop time over an
   urgent channel. So no edge whose guard speaks of a budget sends on an urgent channel or is a partner over one. A
   receiver of a broadcast may be one, as the sender alone decides whether a broadcast is possible.
-- The same edges are enabled: a budget stands below ``and`` and ``or`` only, so that the guard stays true.
+- The same edges are enabled: a budget stands below ``and`` and ``or`` only, so that the guard stays true. The guard
+  cannot be a run-time error, which ``losses < LOSSES || a[n] > 0`` is only once the budget is used up.
 - Nobody is forced to take part who was not: a process that can receive a broadcast must. An edge that a budget enables
   may force it, unless another receiving edge of the same location and channel, whose guard speaks of no budget, is
   enabled whenever this one is. That is decided with the conditions of which guards consist as unknown truth values.
@@ -28,6 +29,7 @@ from dataclasses import replace
 from itertools import product
 from math import prod
 
+from tachk.compiler.failures import can_fail
 from tachk.compiler.fold import Known, fold, known_values
 from tachk.model.expressions import (
     Assign,
@@ -73,7 +75,7 @@ def budgets(network: Network, targets: Sequence[Expression]) -> frozenset[Variab
     for process in network.processes:
         for edge in process.edges:
             if edge.guard is not None and (spoken_of := mentioned([edge.guard])[1] & found):
-                if not _forces_nothing(process, edge, found, known):
+                if can_fail(edge.guard, known) or not _forces_nothing(process, edge, found, known):
                     found -= spoken_of
     return frozenset(found)
 

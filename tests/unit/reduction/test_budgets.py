@@ -53,6 +53,7 @@ def found(text: str) -> list[str]:
         ("to Empty { sync send[0]!; }", "to Empty { guard used < 2; sync send[0]!; }"),
         ("to Empty { sync send[0]!; }", "to Empty { guard used < 2; }"),
         ("guard !deaf && !broken;", "guard !(deaf || broken);"),
+        ("location Waiting;", "location Waiting { to Full { select n : int[0, 11]; guard used < 2 || more[n]; } }"),
         ("", ""),
     ],
 )
@@ -84,6 +85,7 @@ def test_what_only_goes_up_and_forces_nothing_is_a_budget(before: str, after: st
         ("location Waiting;", "location Waiting { invariant used < 2; }"),
         ("location Waiting;", "location Waiting { to Full { guard used > 0; } }"),
         ("location Waiting;", "location Waiting { to Full { guard used < 2 imply deaf; } }"),
+        ("location Waiting;", "location Waiting { to Full { select n : int[0, 12]; guard used < 2 || more[n]; } }"),
         ("location Waiting;", "location Waiting { to Full { guard x < used; } }"),
         ("location Waiting;", "location Waiting { to Full { assign more[used] = true; } }"),
         ("location Waiting;", "location Waiting { to Full { sync send[used]!; } }"),

@@ -10,6 +10,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from random import Random
 
+from tachk.api import Model, loads
+from tachk.engines.options import Limits, Options
+from tachk.properties.verdict import Answer, Verdict
+
 
 @dataclass(frozen=True)
 class Halves:
@@ -43,13 +47,63 @@ def random_halves(random: Random) -> Halves:
     system {", ".join(order)};
     """
     half = random.randint(0, 1)
+    waits = f"Sender{half}.Waiting"
     queries = (
         f"A[] got[{half}] <= sent[{half}]",
         f"A[] got[{half}] <= {random.randint(0, 2)}",
         f"E<> Receiver{half}.Done && got[{half}] {random.choice(['== 0', '> 2', '== 1'])}",
         f"E<> Sender{half}.Waiting && {random.choice(['losses == 0', f'sent[{half}] == 0', f'got[{half}] == 2'])}",
+        random.choice(["E<> deadlock", f"A<> Receiver{half}.Done", f"{waits} --> Sender{half}.Idle", f"E[] !{waits}"]),
     )
     return Halves(text, queries)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What searches told of one model with and without leaving out a part of it.
+
+    Attributes:
+        problems: what must not be.
+        compared: queries that both searches answered.
+        fewer: queries that took fewer states where a part was left out.
+        faults: queries about which a search of the whole met a run-time error.
+    """
+
+    problems: tuple[str, ...]
+    compared: int
+    fewer: int
+    faults: int
+
+
+def compare(case: Halves, limits: Limits) -> Comparison:
+    """Whether leaving out a part of a model changes an answer, or hides a run-time error without saying so."""
+    model = loads(case.text)
+    everything = Options(drop_bystanders=False, hold_spectators=False)
+    pairs = list(zip(_answers(model, case, Options(), limits), _answers(model, case, everything, limits), strict=True))
+    problems = tuple(problem for part, whole in pairs for problem in _problems(part, whole))
+    return Comparison(
+        problems,
+        sum(not part.reason and not whole.reason and whole.fault is None for part, whole in pairs),
+        sum(part.statistics.states_stored < whole.statistics.states_stored for part, whole in pairs),
+        sum(whole.fault is not None for _, whole in pairs),
+    )
+
+
+def _answers(model: Model, case: Halves, options: Options, limits: Limits) -> list[Verdict]:
+    return [verdict for query in case.queries for verdict in model.verify(query, options=options, limits=limits)]
+
+
+def _problems(part: Verdict, whole: Verdict) -> list[str]:
+    if part.answer is Answer.UNKNOWN:
+        return []
+    told = f"{part.query.text}: {part.answer} without a part, {whole.answer} with it"
+    if whole.fault is not None and part.trace is None and not part.unexamined:
+        return [f"{told}: a run-time error is hidden"]
+    if whole.answer not in (Answer.UNKNOWN, part.answer):
+        return [told]
+    if whole.answer is part.answer and (part.trace is None) != (whole.trace is None):
+        return [f"{told}: only one of them shows a run"]
+    return []
 
 
 def _sender(random: Random, half: int, rarely: Callable[..., str]) -> str:
@@ -78,6 +132,7 @@ def _sender(random: Random, half: int, rarely: Callable[..., str]) -> str:
 
 def _link(random: Random, half: int, rarely: Callable[..., str]) -> str:
     lost = random.choice(["losses < LOSSES", "can_lose()", "losses < LOSSES && !deaf[{0}]", "losses <= LOSSES - 1"])
+    lost = rarely("losses < LOSSES || deaf[sent[{0}]]", lost)
     raised = random.choice(["losses = losses + 1", "losses += 1", "losses++"])
     deaf = f"to Empty {{ guard deaf[{half}]; sync send[{half}]?; }}"
     safe = random.choice(
@@ -104,11 +159,12 @@ def _link(random: Random, half: int, rarely: Callable[..., str]) -> str:
 
 def _receiver(random: Random, half: int, rarely: Callable[..., str]) -> str:
     heard = rarely(str(1 - half), str(half))
+    more = rarely(" + 0 * losses") + rarely(" + 1")
     return f"""
     process Receiver{half}() {{
         clock y;
         init location Ready {{
-            to Busy {{ sync deliver[{heard}]?; assign got[{half}] = number{rarely(" + 0 * losses")}, y = 0; }}
+            to Busy {{ sync deliver[{heard}]?; assign got[{half}] = number{more}, y = 0; }}
             to Ready {{ guard y > 2; assign deaf[{rarely("place", str(half))}] = !deaf[{half}], y = 0; }}
             to Done {{ guard got[{half}] == {random.randint(1, 2)}{rarely(" && losses == LOSSES")}; }}
             {rarely(f"to Done {{ sync hand[{half}]?; }}", share=0.2)}
