@@ -11,17 +11,22 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from tachk.compiler.fold import Known, fold
 from tachk.model.expressions import (
+    Aggregate,
     Assign,
+    Binary,
     Call,
     Comma,
     Conditional,
     Constant,
+    Deadlock,
     Expression,
     Field,
     Increment,
     Index,
     LocationTest,
+    Quantifier,
     Reference,
+    Unary,
     Variable,
 )
 from tachk.model.traversal import called_functions, children, statement_expressions, walk
@@ -70,7 +75,7 @@ def places(place: Expression, known: Known) -> Iterator[Cell]:
             yield from places(target, known)
         case Comma(items):
             yield from places(items[-1], known)
-        case _:
+        case Constant() | Aggregate() | Unary() | Binary() | Quantifier() | Call() | LocationTest() | Deadlock():
             return
 
 
