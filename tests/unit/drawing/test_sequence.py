@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 
 from tachk.drawing.sequence.chart import Category, Chart, Message, Moment, Note, Phase, begun
-from tachk.drawing.sequence.layout import Layout, TimeAxis, lay_out, overlap
+from tachk.drawing.sequence.layout import Label, Layout, TimeAxis, lay_out, overlap
 from tachk.drawing.sequence.sequence_svg import draw_chart
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -130,3 +130,22 @@ def test_the_end_of_a_long_arrow_has_a_label():
         "CREATE_CLIENT ×2",
         "CREATE_CLIENT comes again",
     ]
+
+
+def noted(text: str, axis: TimeAxis = TimeAxis.COMPRESSED) -> tuple[Label, Layout]:
+    note = Note(None, Moment(Fraction(20), 1), text)
+    layout = lay_out(Chart("", "", "ms", ("a", "b"), (message(0, 1), note, message(21, 22, 2))), axis)
+    (said,) = [label for label in layout.labels if label.text == text]
+    return said, layout
+
+
+@pytest.mark.parametrize("axis", list(TimeAxis))
+def test_a_wide_note_stays_beside_the_times(axis: TimeAxis):
+    said, layout = noted("wider than from one lifeline to the other one", axis)
+    assert said.box[0] >= max(label.box[2] for label in layout.labels if label.style == "time")
+
+
+def test_what_comes_below_a_note_has_room():
+    _, layout = noted("wider than from one lifeline to the other one")
+    labels = {label.text: label.y for label in layout.labels}
+    assert [labels[arrow.message.label] - arrow.y for arrow in layout.arrows] == [-4, -4]

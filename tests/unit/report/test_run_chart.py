@@ -85,6 +85,21 @@ def test_steps_that_repeat_are_drawn_once(tmp_path: Path):
     assert "↻ 50 times, every 10, until 500" in [event.text for event in chart.events if isinstance(event, Note)]
 
 
+def test_steps_without_anything_to_see_repeat_unsaid(tmp_path: Path):
+    path = tmp_path / "ticks.ta"
+    path.write_text(
+        "broadcast chan tick; chan end; int n = 0; clock x;"
+        "process P() { init location A { invariant x <= 10;"
+        " to A { guard x == 10 && n < 9; sync tick!; assign x = 0, n = n + 1; }"
+        " to A { guard x == 10 && n == 9; sync end!; assign x = 0, n = 10; } } }"
+        "process Q() { init location B { to B { sync end?; } } } system P, Q;",
+        encoding="utf-8",
+    )
+    chart = chart_of(path, "E<> n == 10")
+    assert [m.label for m in chart.messages] == ["end"]
+    assert [event.text for event in chart.events if isinstance(event, Note) and "times" in event.text] == []
+
+
 def test_a_starved_publisher(tmp_path: Path):
     path, picture = MODELS / "micro_xrce_dds/publication.ta", tmp_path / "run.svg"
     options = ["-D", "HEARTBEAT_LAW=1", "-D", "SPIN=1", "--property", "ECFS", "--quiet", "--trace", "some"]

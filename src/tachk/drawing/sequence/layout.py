@@ -47,6 +47,9 @@ _FAR = 12 * LINE
 _CROSSED = 10
 """More room below the cross of a lost message."""
 
+_NOTED = 8
+"""More room below a note, which stands in the middle of its line."""
+
 _BREAK = 30
 _QUIET = 6
 """A silence is long if it takes so many times as long as the usual time between two events, and"""
@@ -249,7 +252,8 @@ class _Rows:
         gaps = [b.time - a.time for a, b in pairwise(sorted(begins)) if b.time > a.time]
         usual = median(gaps) if gaps else Fraction(1)
         quiet = max(_QUIET * usual, sum(gaps, Fraction(0)) / _PARTS)
-        lost = {message.sent for message in self._chart.messages if message.is_lost}
+        below = {message.sent: _CROSSED for message in self._chart.messages if message.is_lost}
+        below |= {event.moment: _NOTED for event in self._chart.events if isinstance(event, Note)}
         y = float(HEADER)
         last: Moment | None = None
         for moment in self._moments:
@@ -260,7 +264,7 @@ class _Rows:
                 else:
                     y += LINE if moment in begins else _ARRIVAL
                     y += log10(1 + float(gap / usual)) * 10 if gap else 0.0
-                y += _CROSSED if last in lost else 0
+                y += below.get(last, 0)
             last = moment
             yield y
 
@@ -340,11 +344,13 @@ def _arrow(message: Message, rows: _Rows, xs: Sequence[int]) -> Arrow:
 
 
 def _labels(chart: Chart, rows: _Rows, xs: Sequence[int]) -> Iterator[Label]:
+    left = _times_width(chart)
     for event in chart.events:
         y = rows.at(begun(event))
         text = _shown(event)
         if isinstance(event, Note):
-            x = xs[event.lifeline] + 12 if event.lifeline is not None else (xs[0] + xs[-1]) / 2
+            middle = max((xs[0] + xs[-1]) / 2, left + text_width(text) / 2)
+            x = xs[event.lifeline] + 12 if event.lifeline is not None else middle
             anchor = "middle" if event.lifeline is None else "start"
             yield Label(text, x, y + 4, anchor, "note", None, "" if text == event.text else event.text)
             continue

@@ -39,7 +39,11 @@ def chart_of_run(run: RunSteps) -> Chart:
     making = _Making(run, lifelines, factor)
     making.read()
     events: list[Message | Note] = [event for number in kept for event in making.events.get(number, ())]
-    events += [_repetition(run, begin, steps, times, factor) for begin, steps, times in repeats]
+    events += [
+        _repetition(run, begin, steps, times, factor)
+        for begin, steps, times in repeats
+        if any(making.events.get(number) for number in range(begin, begin + steps))
+    ]
     end = Moment(run.end * factor, len(run.steps) + 1)
     events.append(Note(None, end, run.remark))
     events.sort(key=lambda event: event.sent if isinstance(event, Message) else event.moment)
