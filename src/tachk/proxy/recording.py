@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 import struct
 from ipaddress import IPv4Address
 from typing import BinaryIO, Final
@@ -43,3 +44,24 @@ class Recording:
     def flush(self) -> None:
         """Lets readers of the file see what was written."""
         self._file.flush()
+
+
+class Sorted:
+    """Packets in the order of their times, of some of which one hears later than of others that passed behind them."""
+
+    def __init__(self, recording: Recording) -> None:
+        self._recording = recording
+        self._waiting: list[tuple[int, int, Endpoint, Endpoint, bytes]] = []
+        self._packets = 0
+
+    def packet(self, time: int, source: Endpoint, destination: Endpoint, octets: bytes) -> None:
+        """As `Recording.packet`. Packets of one time stay in the order of these calls."""
+        heapq.heappush(self._waiting, (time, self._packets, source, destination, octets))
+        self._packets += 1
+
+    def write(self, before: int | None) -> None:
+        """Writes what passed before a time, of which all is known now, so that readers of the file see it; or all."""
+        while self._waiting and (before is None or self._waiting[0][0] < before):
+            time, _, source, destination, octets = heapq.heappop(self._waiting)
+            self._recording.packet(time, source, destination, octets)
+        self._recording.flush()

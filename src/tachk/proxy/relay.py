@@ -1,4 +1,8 @@
-"""The sockets of a relay: what arrives goes to `Decisions`, what leaves comes from there."""
+"""The sockets of a relay: what arrives goes to `Decisions`, what leaves comes from there.
+
+What waits in several sockets is taken in the order in which it came, and recorded at that time: a machine that is busy
+with other work delays packets in the relay, but the capture says so.
+"""
 
 from __future__ import annotations
 
@@ -9,17 +13,16 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Final
 
+from tachk.proxy.arrivals import Received, made_socket, received
 from tachk.proxy.decisions import Answer, Arrival, Decisions, Departure
-from tachk.proxy.recording import Recording
+from tachk.proxy.recording import Recording, Sorted
 from tachk.proxy.rules import Way
 from tachk.records import dataclass
 from tachk.xrce.messages import Endpoint
 
-_BUFFER: Final = 1 << 22
-"""Bytes that a socket keeps: a storm of packets must not be lost in the relay."""
-
-_LARGEST: Final = 65535
 _AT_ONCE: Final = 64
+_SETTLED: Final = 0.02
+"""Seconds after which what was recorded is written: nothing that came earlier can be in a socket any more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +55,7 @@ class Relay:
     ) -> None:
         self._plan = plan
         self._decisions = decisions
-        self._recording = recording
+        self._recording = None if recording is None else Sorted(recording)
         self._tell = tell
         self._offset = time.time_ns() - time.monotonic_ns()
         self._listening: dict[int, socket.socket] = {}
@@ -60,6 +63,7 @@ class Relay:
         self._timer: asyncio.TimerHandle | None = None
         self._silence: asyncio.TimerHandle | None = None
         self._done = asyncio.Event()
+        self._settling: asyncio.TimerHandle | None = None
 
     async def run(self, ready: Callable[[], None] = lambda: None) -> None:
         """Relays until the end. Raises OSError where a port cannot be used.
@@ -70,13 +74,13 @@ class Relay:
         loop = asyncio.get_running_loop()
         try:
             for place in self._plan.listening:
-                found = _socket()
+                found = made_socket()
                 self._listening[place.port] = found
                 try:
                     found.bind((place.host, place.port))
                 except OSError as error:
                     raise OSError(error.errno, error.strerror, str(place)) from None
-                loop.add_reader(found, self._from_client, found, place.port)
+                loop.add_reader(found, self._take)
             for number in (signal.SIGINT, signal.SIGTERM):
                 loop.add_signal_handler(number, self._done.set)
             ready()
@@ -87,28 +91,42 @@ class Relay:
             for found in (*self._listening.values(), *self._towards_agent.values()):
                 loop.remove_reader(found)
                 found.close()
+            if self._recording is not None:
+                self._recording.write(None)
 
     # ---- what arrives ------------------------------------------------------------------------------------------------
 
-    def _from_client(self, at: socket.socket, port: int) -> None:
-        for octets, source in _received(at):
-            client = Endpoint(*source)
-            key = (port, client)
-            if key not in self._towards_agent:
-                self._towards_agent[key] = self._connected(port, client)
-            self._record(time.monotonic_ns(), client, _name(at), octets)
-            self._arrived(Arrival(port, client, Way.TO_AGENT, octets, time.monotonic_ns()))
+    def _take(self) -> None:
+        """Takes what waits in all sockets, the earliest first."""
+        known = time.monotonic_ns()
+        waiting: list[tuple[Received, int, Endpoint | None]] = []
+        places = [(at, port, None) for port, at in self._listening.items()]
+        for at, port, client in (*places, *((at, *key) for key, at in self._towards_agent.items())):
+            found = received(at, _AT_ONCE)
+            waiting += [(each, port, client) for each in found]
+            if len(found) == _AT_ONCE:
+                known = min(known, found[-1].time)
+        waiting.sort(key=lambda one: one[0].time)
+        for each, port, client in waiting:
+            if client is None:
+                self._from_client(each, port)
+            else:
+                self._record(each.time, self._plan.agent, _name(self._towards_agent[port, client]), each.octets)
+                self._arrived(Arrival(port, client, Way.TO_CLIENT, each.octets, each.time))
+        if self._recording is not None:
+            self._recording.write(known + self._offset)
 
-    def _connected(self, port: int, client: Endpoint) -> socket.socket:
-        found = _socket()
+    def _from_client(self, each: Received, port: int) -> None:
+        if (port, each.source) not in self._towards_agent:
+            self._towards_agent[port, each.source] = self._connected()
+        self._record(each.time, each.source, _name(self._listening[port]), each.octets)
+        self._arrived(Arrival(port, each.source, Way.TO_AGENT, each.octets, each.time))
+
+    def _connected(self) -> socket.socket:
+        found = made_socket()
         found.connect((self._plan.agent.host, self._plan.agent.port))
-        asyncio.get_running_loop().add_reader(found, self._from_agent, found, port, client)
+        asyncio.get_running_loop().add_reader(found, self._take)
         return found
-
-    def _from_agent(self, at: socket.socket, port: int, client: Endpoint) -> None:
-        for octets, _ in _received(at):
-            self._record(time.monotonic_ns(), self._plan.agent, _name(at), octets)
-            self._arrived(Arrival(port, client, Way.TO_CLIENT, octets, time.monotonic_ns()))
 
     def _arrived(self, arrival: Arrival) -> None:
         answer = self._decisions.arrived(arrival)
@@ -149,28 +167,17 @@ class Relay:
         except (BlockingIOError, ConnectionRefusedError):
             pass  # nobody listens there: on a network the datagram would be gone, too
 
-    def _record(self, now: int, source: Endpoint, destination: Endpoint, octets: bytes) -> None:
+    # ---- what is recorded --------------------------------------------------------------------------------------------
+
+    def _record(self, moment: int, source: Endpoint, destination: Endpoint, octets: bytes) -> None:
         if self._recording is not None:
-            self._recording.packet(now + self._offset, source, destination, octets)
+            self._recording.packet(moment + self._offset, source, destination, octets)
+            if self._settling is None:
+                self._settling = asyncio.get_running_loop().call_later(_SETTLED, self._settle)
 
-
-def _socket() -> socket.socket:
-    made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    made.setblocking(False)
-    for option in (socket.SO_RCVBUF, socket.SO_SNDBUF):
-        made.setsockopt(socket.SOL_SOCKET, option, _BUFFER)
-    return made
-
-
-def _received(at: socket.socket) -> list[tuple[bytes, tuple[str, int]]]:
-    """What waits in a socket, with its senders."""
-    found: list[tuple[bytes, tuple[str, int]]] = []
-    try:
-        while len(found) < _AT_ONCE:
-            found.append(at.recvfrom(_LARGEST))
-    except (BlockingIOError, ConnectionRefusedError):
-        pass  # there is no more, or the other side does not listen at present
-    return found
+    def _settle(self) -> None:
+        self._settling = None
+        self._take()
 
 
 def _name(at: socket.socket) -> Endpoint:

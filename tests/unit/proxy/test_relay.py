@@ -6,12 +6,14 @@ import asyncio
 import io
 import socket
 import struct
+import sys
+import time
 
 import pytest
 
 from tachk.diagnostics.span import Source
 from tachk.proxy.decisions import Decisions
-from tachk.proxy.recording import Recording
+from tachk.proxy.recording import Recording, Sorted
 from tachk.proxy.relay import Plan, Relay
 from tachk.proxy.script import parse_script
 from tachk.xrce.events import decode
@@ -63,6 +65,60 @@ def test_packets_go_to_and_fro_and_are_recorded_on_both_sides() -> None:
     client_to_agent = [sequence for sequence, _, to_agent in seen if to_agent]
     assert sorted(client_to_agent) == [1, 2, 2, 3, 3]
     assert sorted(first for _, first, to_agent in seen if not to_agent) == [2, 2, 3, 3]  # type: ignore[type-var]
+
+
+async def busy(file: io.BytesIO) -> list[tuple[int, int]]:
+    """Two clients send while nobody looks at the sockets of the relay; when they did."""
+    spans = []
+    with bound() as agent, bound() as first, bound() as second:
+        ports = [free_port(), free_port()]
+        plan = Plan([Endpoint("127.0.0.1", port) for port in ports], Endpoint(*agent.getsockname()), None)
+        ready = asyncio.Event()
+        running = asyncio.create_task(Relay(plan, Decisions(()), Recording(file)).run(ready.set))
+        await ready.wait()
+        for number, client, port in ((1, second, ports[1]), (2, first, ports[0]), (3, second, ports[1])):
+            begin = time.time_ns()
+            client.sendto(write_data(number), ("127.0.0.1", port))
+            spans.append((begin, time.time_ns()))
+        got = [(await asyncio.get_running_loop().sock_recvfrom(agent, 2048))[0] for _ in spans]
+        assert got == [write_data(1), write_data(2), write_data(3)]
+        running.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await running
+    return spans
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux notes when a datagram came")
+def test_packets_are_taken_in_their_order_and_recorded_when_they_came() -> None:
+    file = io.BytesIO()
+    spans = asyncio.run(busy(file))
+    octets, at, times = file.getvalue(), 24, []
+    while at < len(octets):
+        seconds, nanoseconds, size = struct.unpack_from("<3I", octets, at)
+        times.append(seconds * 1_000_000_000 + nanoseconds)
+        at += 16 + size
+    assert times == sorted(times) and len(times) == 6
+    slack = 100_000  # between two clocks of the system
+    assert [begin - slack <= came <= end + slack for (begin, end), came in zip(spans, times, strict=False)] == [
+        True
+    ] * 3
+
+
+def test_what_is_known_late_is_written_in_its_place() -> None:
+    file = io.BytesIO()
+    ordered = Sorted(Recording(file))
+    ends = Endpoint("127.0.0.1", 5), Endpoint("127.0.0.1", 6)
+    for moment, octets in ((3, b"c"), (1, b"a"), (3, b"d"), (4, b"e"), (2, b"b")):
+        ordered.packet(moment, *ends, octets)
+    ordered.write(4)
+    assert written(file) == b"abcd"
+    ordered.write(None)
+    assert written(file) == b"abcde"
+
+
+def written(file: io.BytesIO) -> bytes:
+    """The last byte of each packet."""
+    return file.getvalue()[24 + 16 + 42 :: 16 + 43]
 
 
 def _agents(file: io.BytesIO) -> set[int]:
