@@ -190,10 +190,9 @@ def test_read_data_of_one_client_stops_the_packets_of_another() -> None:
     assert in_noise("needless_nack", 10, 60, READER_STOP=0) is False
 
 
-def test_a_relay_that_looks_away() -> None:
-    """In the storm of one client it did not look at the port of the other for 283 ms."""
-    assert in_noise("losses_and_delays", 5, 290) is True
-    assert in_noise("losses_and_delays", 5, 150) is False
+def test_a_relay_on_a_busy_machine() -> None:
+    """It reads packets late, and records when they came."""
+    assert in_noise("losses_and_delays", 5, 5) is True
 
 
 def test_heartbeats_of_the_old_client() -> None:
