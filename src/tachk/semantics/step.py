@@ -161,9 +161,18 @@ def fire(model: PreparedNetwork, state: TimedState, transition: Transition) -> T
     after = _successor(model, state, transition)
     if not satisfies_invariants(model, after):
         raise StepError("the transition is not enabled: it would violate an invariant")
-    if model.has_priorities and transition not in (t for t, _ in successors(model, state)):
+    if model.has_priorities and _is_blocked(model, state, transition):
         raise StepError("the transition is not enabled: one of higher priority is possible")
     return after
+
+
+def _is_blocked(model: PreparedNetwork, state: TimedState, transition: Transition) -> bool:
+    """Whether a transition of higher priority is possible. The updates of no others are evaluated."""
+    own = priority(model, state.discrete, transition)
+    return any(
+        priority(model, state.discrete, other) > own and is_possible(model, state, other)
+        for other in _guarded_transitions(model, state)
+    )
 
 
 def _successor(model: PreparedNetwork, state: TimedState, transition: Transition) -> TimedState:

@@ -101,6 +101,22 @@ def test_a_transition_of_lower_priority_is_refused_while_a_higher_one_is_possibl
     replay(prepare(network.build()), TimedTrace(start, (TimedStep(Fraction(0), higher, start),)))
 
 
+def test_an_update_that_goes_wrong_is_no_matter_where_it_could_block_nothing() -> None:
+    network = NetworkBuilder()
+    low, high = network.process("Low"), network.process("High", priority=1)
+    n = network.integer("n", 0, 3)
+    a = low.location("A")
+    low.edge(a, a, updates=[n.assign(4)])
+    b = high.location("B")
+    high.edge(b, b)
+    high.edge(b, b, updates=[n.assign(5)])
+    start = TimedState(DiscreteState((0, 0), (0,)), (), Fraction(0))
+    fine, wrong = (Transition((Participant(1, edge),)) for edge in range(2))
+    replay(prepare(network.build()), TimedTrace(start, (TimedStep(Fraction(0), fine, start),)))
+    with pytest.raises(ReplayError, match="RANGE"):
+        replay(prepare(network.build()), TimedTrace(start, (TimedStep(Fraction(0), wrong, start),)))
+
+
 def test_an_update_that_goes_wrong_is_refused() -> None:
     network = NetworkBuilder()
     n = network.integer("n", 0, 3)
