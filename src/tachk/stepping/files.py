@@ -26,7 +26,8 @@ def read_claims(path: Path, prop: str | None = None) -> ClaimedRun:
         if path.suffix.lower() in (".xtr", ".xml", ".csv", ".vcd", ".jsonl"):
             raise UsageError(
                 f"{path}: this is no run that can be replayed",
-                f"give a report of tachk verify --format json, or a run as tachk step saves it ({SUFFIX})",
+                f"give a report of tachk verify --format json, or a run: tachk step saves one, and"
+                f" tachk simulate MODEL -o NAME{SUFFIX} writes it",
             )
         return read_run_file(source)
     try:

@@ -16,10 +16,12 @@ from xml.etree import ElementTree
 import jsonschema
 import pandas
 import pytest
+from click.testing import CliRunner
 
 import tachk
 from tachk.campaign.job import KILLED
 from tachk.campaign.run import Progress
+from tachk.cli.main import app
 
 ROOT = Path(__file__).parents[3]
 FISCHER = ROOT / "models/classics/fischer.ta"
@@ -83,6 +85,16 @@ def test_forms(swept: tachk.api.Sweep, tmp_path: Path) -> None:
     assert len(csv) == len(parquet) == len(swept.rows) == 18
     for column in ("MOST", "STEP", "property", "answer", "states_stored", "seconds"):
         assert csv[column].tolist() == parquet[column].tolist() == [row[column] for row in swept.rows]
+
+
+def test_a_name_says_that_a_file_holds_the_table(counter: Path, tmp_path: Path) -> None:
+    arguments = ["sweep", str(counter), "-D", "MOST=2,3", "--property", "reached", "-j", "1"]
+    table = tmp_path / "table.csv"
+    result = CliRunner().invoke(app, [*arguments, "-o", str(table)])
+    assert pandas.read_csv(table)["MOST"].tolist() == [2, 3]
+    assert "reached: " in result.stdout, "the report is printed"
+    assert CliRunner().invoke(app, [*arguments, "-o", str(table), "--format", "json"]).stdout == ""
+    assert [row["MOST"] for row in json.loads(table.read_text(encoding="utf-8"))["rows"]] == [2, 3]
 
 
 def test_what_a_cell_cannot_answer(counter: Path) -> None:

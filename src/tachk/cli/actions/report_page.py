@@ -55,6 +55,10 @@ class Reported:
         return tuple(text for text in self.inputs if not _is_file(text))
 
 
+_OTHERS = (".csv", ".parquet", ".jsonl", ".vcd", ".run", ".pcap", ".pcapng", ".png", ".pdf", ".html")
+"""Endings of files that would else be read as a model."""
+
+
 def _is_file(text: str) -> bool:
     return Path(text).suffix.lower() in (".json", ".svg", ".md")
 
@@ -63,6 +67,11 @@ def run_report_page(asked: Reported, seconds: float | None) -> ExitStatus:
     """Checks the model, reads the results, and writes the page."""
     if (asked.properties or asked.definitions) and not asked.asked:
         raise UsageError("-D and --property are about a model, and none is named", "name a model, too")
+    for text in asked.asked:
+        if Path(text).suffix.lower() in _OTHERS:
+            raise UsageError(
+                f"{text}: a page shows no such file", "give results of --format json, or draw it (tachk plot)"
+            )
     parts: list[Part] = []
     for text in (text for text in asked.inputs if text not in asked.asked[1:]):
         number = len(parts)

@@ -203,6 +203,14 @@ def test_what_is_no_result(tmp_path: Path, text: str) -> None:
     assert "wrong.json" in result.stderr
 
 
+@pytest.mark.parametrize("name", ["table.csv", "signals.parquet", "saved.run"])
+def test_a_recording_is_not_read_as_a_model(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_text("time,x\n0,1\n", encoding="utf-8")
+    result = CliRunner().invoke(app, ["report", str(tmp_path / name), "-o", str(tmp_path / "report.html")])
+    assert (result.exit_code, isinstance(result.exception, SystemExit)) == (2, True)
+    assert "a page shows no such file" in result.stderr
+
+
 def seen(folder: Path, name: str) -> str:
     """What a browser makes of a file."""
     command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={folder / 'profile'}"]

@@ -99,10 +99,8 @@ def run_sweep(asked: Sweeping, reporting: Reporting, seconds: float | None) -> E
 
 
 def _write(found: Sweep, reporting: Reporting) -> None:
-    parquet = reporting.output if reporting.output and reporting.output.suffix == ".parquet" else None
-    if parquet is not None:
-        found.to_parquet(parquet)
-    with destination(None if parquet else reporting.output, reporting.quiet) as out:
+    table = _write_table(found, reporting)
+    with destination(None if table else reporting.output, reporting.quiet) as out:
         if out is None:
             return
         match reporting.form:
@@ -113,6 +111,20 @@ def _write(found: Sweep, reporting: Reporting) -> None:
                 out.write("\n")
             case _:
                 out.write(found.to_text())
+
+
+def _write_table(found: Sweep, reporting: Reporting) -> bool:
+    """Writes the table where the name of the file says that it holds one and no report; whether it does."""
+    if reporting.output is None:
+        return False
+    match reporting.output.suffix.lower(), reporting.form:
+        case ".parquet", _:
+            found.to_parquet(reporting.output)
+        case ".csv", ReportForm.TEXT:
+            reporting.output.write_text(found.to_csv(), encoding="utf-8", newline="")
+        case _:
+            return False
+    return True
 
 
 @contextmanager

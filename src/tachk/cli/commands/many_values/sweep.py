@@ -83,7 +83,7 @@ def command(**given: Any) -> None:
     tachk sweep fischer.ta -D N=2..4 -D WRITE=1..5 --property mutual_exclusion
     tachk sweep model.ta -D LOSSES=0..5 -D SLICE=10,50,100 --store sweep.sqlite -o table.parquet
 
-    With -o and a name that ends in .parquet, tachk writes the table there and prints the report.
+    With -o and a name that ends in .csv or .parquet, tachk writes the table there and prints the report.
     Exit status: 0 every answer is known, 20 some are unknown or cells are not finished, 2 bad input.
     """
     from tachk.cli.actions.many_values.sweep import Sweeping, run_sweep
