@@ -20,6 +20,7 @@ from tachk.model.network import Edge, Location, Network
 from tachk.model.traversal import children, process_expressions, written_variables
 from tachk.model.types import ChannelType, bounds, cell_count
 from tachk.records import dataclass
+from tachk.semantics.memory import Memory, by_state
 from tachk.semantics.timed_trace import DiscreteState, Participant, Transition
 from tachk.time_limit import check_time
 from tachk.words import Direction
@@ -50,6 +51,11 @@ class PreparedNetwork:
     def fixed(self) -> dict[Participant, int]:
         """The channels of those synchronisations that name the same one in every state."""
         return _fixed_channels(self.network, self.layout, self.instances)
+
+    @cached_property
+    def memory(self) -> Memory:
+        """What is known of the discrete states that came last."""
+        return Memory()
 
     @cached_property
     def has_priorities(self) -> bool:
@@ -142,17 +148,21 @@ def bind_selects(model: PreparedNetwork, participant: Participant, scratch: Envi
 # evaluated where the guard of its edge holds. Whoever enumerates transitions does it with these functions.
 
 
-def initiators(model: PreparedNetwork, discrete: DiscreteState) -> Iterator[Participant]:
+@by_state
+def initiators(model: PreparedNetwork, discrete: DiscreteState) -> tuple[Participant, ...]:
     """The edges that can begin a transition: senders, and the internal edges that the committed rule admits."""
     committed = _committed(model, discrete)
+    free = not any(committed)
+    found = []
     for process, location in enumerate(discrete.locations):
         for participant in model.instances[process][location]:
             synchronisation = model.edge(participant).synchronisation
             if synchronisation is None:
-                if committed[process] or not any(committed):
-                    yield participant
+                if committed[process] or free:
+                    found.append(participant)
             elif synchronisation.direction is Direction.SEND:
-                yield participant
+                found.append(participant)
+    return tuple(found)
 
 
 def channel_named(model: PreparedNetwork, participant: Participant, scratch: Environment) -> int | None:
@@ -164,6 +174,7 @@ def channel_named(model: PreparedNetwork, participant: Participant, scratch: Env
     return channel_number(synchronisation.channel, scratch) if fixed is None else fixed
 
 
+@by_state
 def listeners(
     model: PreparedNetwork, discrete: DiscreteState, sender: Participant, channel: int
 ) -> tuple[tuple[Participant, ...], ...]:
@@ -231,10 +242,12 @@ def transitions_with(
             yield Transition(participants)
 
 
+@by_state
 def _committed(model: PreparedNetwork, discrete: DiscreteState) -> tuple[bool, ...]:
     return tuple(location.committed for location in model.current(discrete))
 
 
+@by_state
 def channel_of(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> int | None:
     """The channel of a transition that starts in a state; None for an internal one."""
     scratch = environment(model, discrete)
@@ -261,6 +274,7 @@ def priority(model: PreparedNetwork, discrete: DiscreteState, transition: Transi
     return of_channel, max(model.network.processes[p.process].priority for p in transition.participants)
 
 
+@by_state
 def execute_updates(
     model: PreparedNetwork, discrete: DiscreteState, transition: Transition
 ) -> tuple[DiscreteState, dict[int, int]]:
@@ -295,11 +309,13 @@ def meta_values(model: PreparedNetwork, discrete: DiscreteState, transition: Tra
     return {cell: scratch.values[cell] for cell, meta in enumerate(model.layout.meta) if meta}
 
 
+@by_state
 def may_delay(model: PreparedNetwork, discrete: DiscreteState) -> bool:
     """Whether no current location is urgent or committed."""
     return not any(location.urgent or location.committed for location in model.current(discrete))
 
 
+@by_state
 def stopped_clocks(model: PreparedNetwork, discrete: DiscreteState) -> frozenset[int]:
     """The numbers of the clocks that stand still. Raises ValueError for a rate other than 0 and 1."""
     stopped = set()

@@ -44,7 +44,7 @@ def sight(model: PreparedNetwork, states: Iterable[DiscreteState], predicates: S
     related: set[int] = set()
     for state in set(states):
         related |= stopped_clocks(model, state)
-        for i, j, raw in constraints_in_sight(model, state, predicates):
+        for i, j, raw in constraints_in_sight(model, state, tuple(predicates)):
             if raw >= INFINITY:
                 continue
             if i and j:

@@ -18,7 +18,8 @@ from tachk.model.evaluate import Environment, holds
 from tachk.model.expressions import Binary, Expression, Unary
 from tachk.model.fault import EvaluationFault
 from tachk.operators import BinaryOperator, UnaryOperator
-from tachk.semantics.constraints import Disjunction, certain, conditional_constraints, satisfied
+from tachk.records import dataclass
+from tachk.semantics.constraints import Disjunction, certain, compares_clocks, conditional_constraints, satisfied
 from tachk.semantics.dbm import INFINITY, Constraint, bound_value
 from tachk.semantics.discrete import (
     PreparedNetwork,
@@ -36,6 +37,7 @@ from tachk.semantics.discrete import (
     stopped_clocks,
     transitions_with,
 )
+from tachk.semantics.memory import by_state
 from tachk.semantics.timed_trace import DiscreteState, Participant, TimedState, Transition
 
 
@@ -53,41 +55,90 @@ def initial_state(model: PreparedNetwork) -> TimedState:
 
 def satisfies_invariants(model: PreparedNetwork, state: TimedState) -> bool:
     """Whether all invariants hold; none is asked behind a false one. Raises EvaluationFault."""
-    return all(satisfies_invariant(model, state, process) for process in range(len(state.discrete.locations)))
+    return all(satisfies_invariant(model, state, process) for process in _telling_invariants(model, state.discrete))
+
+
+@by_state
+def _telling_invariants(model: PreparedNetwork, discrete: DiscreteState) -> tuple[int, ...]:
+    """The processes whose invariants are not true whatever the clocks, up to one that is false or goes wrong."""
+    found: list[int] = []
+    for process in range(len(discrete.locations)):
+        try:
+            asked = _asked_by_invariant(model, discrete, process)
+        except EvaluationFault:
+            return (*found, process)
+        if not asked.constraints:
+            return (*found, process)
+        if asked.of_clocks:
+            found.append(process)
+    return tuple(found)
 
 
 def satisfies_invariant(model: PreparedNetwork, state: TimedState, process: int) -> bool:
     """Whether the invariant of a process's location holds. Raises EvaluationFault."""
-    return _holds_at(model, state, model.current(state.discrete)[process].invariant)
+    return _holds_at(model, state, _asked_by_invariant(model, state.discrete, process))
 
 
-def _holds_at(
-    model: PreparedNetwork, state: TimedState, condition: Expression | None, of: Participant | None = None
-) -> bool:
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """What a guard or an invariant asks for in a discrete state.
+
+    Attributes:
+        condition: None: nothing.
+        of: whose guard it is.
+        constraints: what the condition asks of the clocks.
+        of_clocks: the condition compares clocks.
+    """
+
+    condition: Expression | None
+    of: Participant | None
+    constraints: Disjunction
+    of_clocks: bool
+
+
+@by_state
+def _asked_by_invariant(model: PreparedNetwork, discrete: DiscreteState, process: int) -> _Asked:
+    return _asked(model, discrete, model.current(discrete)[process].invariant, None)
+
+
+@by_state
+def _asked_by_guard(model: PreparedNetwork, discrete: DiscreteState, participant: Participant) -> _Asked:
+    return _asked(model, discrete, model.edge(participant).guard, participant)
+
+
+def _asked(
+    model: PreparedNetwork, discrete: DiscreteState, condition: Expression | None, of: Participant | None
+) -> _Asked:
+    scratch = environment(model, discrete)
+    if of is not None:
+        bind_selects(model, of, scratch)
+    found = conditional_constraints(condition, scratch)
+    return _Asked(condition, of, found, condition is not None and compares_clocks(condition))
+
+
+def _holds_at(model: PreparedNetwork, state: TimedState, asked: _Asked) -> bool:
     """Whether a guard or an invariant holds, evaluated as docs/semantics.md says. Raises EvaluationFault.
 
     The rule says what goes wrong, and what is false whatever the clocks; the evaluator, which knows nothing of
     constraints, says what holds, unless it meets in the order of the text what the rule does not ask.
     """
-    if condition is None:
-        return True
+    if asked.condition is None or not asked.constraints or not asked.of_clocks:
+        return bool(asked.constraints)
     scratch = environment(model, state.discrete, state.clocks)
-    if of is not None:
-        bind_selects(model, of, scratch)
-    asked = conditional_constraints(condition, scratch)
-    if not asked:
-        return False
+    if asked.of is not None:
+        bind_selects(model, asked.of, scratch)
     try:
-        return holds(condition, scratch)
+        return holds(asked.condition, scratch)
     except EvaluationFault:
-        return satisfied(asked, state.clocks)
+        return satisfied(asked.constraints, state.clocks)
 
 
 def is_open(model: PreparedNetwork, state: TimedState, participant: Participant) -> bool:
     """Whether the guard of an edge holds. Raises EvaluationFault."""
-    return _holds_at(model, state, model.edge(participant).guard, participant)
+    return _holds_at(model, state, _asked_by_guard(model, state.discrete, participant))
 
 
+@by_state
 def _channel(model: PreparedNetwork, discrete: DiscreteState, participant: Participant) -> int | None:
     scratch = environment(model, discrete)
     bind_selects(model, participant, scratch)
@@ -193,7 +244,7 @@ def delay(model: PreparedNetwork, state: TimedState, duration: Fraction) -> Time
     # Invariants are conjunctions of difference constraints, hence convex: both ends are enough.
     if not satisfies_invariants(model, after):
         raise StepError("the delay violates an invariant")
-    if any(type_.urgent for type_, _ in model.channels):
+    if _perhaps_urgent(model, state.discrete):
         for moment in telling_moments(model, state, before=duration):
             if urgent(model, _later(model, state, moment)):
                 raise StepError(f"a synchronisation over an urgent channel is enabled {moment} units into the delay")
@@ -204,10 +255,16 @@ def urgent(model: PreparedNetwork, state: TimedState) -> bool:
     """Whether the guards of a synchronisation over an urgent channel hold now. No other guards are asked."""
     return any(
         is_urgent(model, state.discrete, transition)
-        for first in initiators(model, state.discrete)
-        if may_be_urgent(model, first) and is_open(model, state, first)
+        for first in _perhaps_urgent(model, state.discrete)
+        if is_open(model, state, first)
         for transition in begun_by(model, state, first)
     )
+
+
+@by_state
+def _perhaps_urgent(model: PreparedNetwork, discrete: DiscreteState) -> tuple[Participant, ...]:
+    """The edges that can begin a synchronisation over an urgent channel."""
+    return tuple(first for first in initiators(model, discrete) if may_be_urgent(model, first))
 
 
 def deadlocked(model: PreparedNetwork, state: TimedState) -> bool:
@@ -279,7 +336,7 @@ def telling_moments(
     stopped = stopped_clocks(model, state.discrete) | {0}
     changes = {Fraction(0)}
     point = (Fraction(0), *state.clocks)
-    for i, j, raw in constraints_in_sight(model, state.discrete, predicates):
+    for i, j, raw in constraints_in_sight(model, state.discrete, tuple(predicates)):
         speed = (i not in stopped) - (j not in stopped)
         if speed and raw < INFINITY:
             moment = (bound_value(raw) - (point[i] - point[j])) / speed
@@ -291,18 +348,19 @@ def telling_moments(
     return sorted([*ordered, *between])
 
 
+@by_state
 def constraints_in_sight(
-    model: PreparedNetwork, discrete: DiscreteState, predicates: Sequence[Expression] = ()
-) -> Iterator[Constraint]:
+    model: PreparedNetwork, discrete: DiscreteState, predicates: tuple[Expression, ...]
+) -> frozenset[Constraint]:
     """The clock constraints of all guards, and of the invariants here and behind all transitions that values do not
     rule out; and those of predicates, whose ``deadlock`` depends on no others. What cannot be evaluated is left out:
     whoever tries it while it is asked for will meet the fault."""
-    yield from _constraints(_invariants(model, discrete), environment(model, discrete))
+    found = set(_constraints(_invariants(model, discrete), environment(model, discrete)))
     for predicate in predicates:
         for answer in (False, True):
             scratch = environment(model, discrete)
             scratch.deadlock = partial(bool, answer)
-            yield from (c for both in (False, True) for part in certain(predicate, scratch, both) for c in part)
+            found.update(c for both in (False, True) for part in certain(predicate, scratch, both) for c in part)
     closed: Disjunction = []
     guards: dict[Participant, Disjunction] = {}
 
@@ -325,14 +383,12 @@ def constraints_in_sight(
                 continue
             hearing = [list(filter(guard, p)) for p in listeners(model, discrete, first, channel)]
             candidates.extend(transitions_with(model, discrete, first, channel, hearing, lambda receivers: True))
-    yield from (c for found in guards.values() for conjunction in found for c in conjunction)
+    found.update(c for asked in guards.values() for conjunction in asked for c in conjunction)
     for transition in candidates:
-        try:
+        with suppress(EvaluationFault):
             target, _ = execute_updates(model, discrete, transition)
-            constraints = list(_constraints(_invariants(model, target), environment(model, target)))
-        except EvaluationFault:
-            continue
-        yield from constraints
+            found.update(list(_constraints(_invariants(model, target), environment(model, target))))
+    return frozenset(found)
 
 
 def _invariants(model: PreparedNetwork, discrete: DiscreteState) -> Iterable[Expression | None]:

@@ -44,6 +44,7 @@ from tachk.semantics.discrete import (
     stopped_clocks,
     transitions_with,
 )
+from tachk.semantics.memory import by_state
 from tachk.semantics.timed_trace import DiscreteState, Participant, Transition
 
 
@@ -97,6 +98,7 @@ class Situation:
     faults: tuple[Fault, ...] = ()
 
 
+@by_state
 def situation(model: PreparedNetwork, discrete: DiscreteState) -> Situation:
     """Works out what a discrete state allows. Raises EvaluationFault for invariants that go wrong."""
     invariant = invariant_zone(model, discrete)
@@ -196,6 +198,7 @@ def guarded_transitions(
     return found, faults
 
 
+@by_state
 def guard_of(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> Disjunction:
     """The clock constraints of all guards of one transition, those that keep others out of a broadcast included.
 
@@ -255,6 +258,7 @@ def invariant_zone(model: PreparedNetwork, discrete: DiscreteState) -> Zone | No
     return None if constraints is None else dbm.constrain_all(dbm.universe(model.dimension), constraints)
 
 
+@by_state
 def invariant_constraints(model: PreparedNetwork, discrete: DiscreteState) -> Conjunction | None:
     """What all invariants together ask of the clocks; None if they cannot be met whatever the clocks.
 

@@ -1,0 +1,64 @@
+"""What depends on nothing but the discrete state is worked out once for each of the states that came last.
+
+A run that goes round the same discrete states thousands of times is then told and judged as fast as its few states are
+understood. Nothing that went wrong is remembered: it goes wrong again, in its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from functools import wraps
+from typing import Any, Protocol, TypeVar, TypeVarTuple
+
+MOST_STATES = 512
+"""Discrete states of which something is remembered."""
+
+
+class Memory:
+    """For discrete states, results by what was asked."""
+
+    def __init__(self) -> None:
+        self._known: dict[Hashable, dict[Hashable, Any]] = {}
+        self._last: Hashable = None
+        self._known_of_last: dict[Hashable, Any] = {}
+
+    def of(self, discrete: Hashable) -> dict[Hashable, Any]:
+        """What is remembered of a discrete state; the one that has been there longest makes room for a new one."""
+        if discrete is self._last:  # whose hash need not be computed again
+            return self._known_of_last
+        found = self._known.get(discrete)
+        if found is None:
+            if len(self._known) == MOST_STATES:
+                del self._known[next(iter(self._known))]
+            found = self._known[discrete] = {}
+        self._last, self._known_of_last = discrete, found
+        return found
+
+
+class _Remembering(Protocol):
+    @property
+    def memory(self) -> Memory: ...
+
+
+Model = TypeVar("Model", bound=_Remembering)
+State = TypeVar("State", bound=Hashable)
+Asked = TypeVarTuple("Asked")
+Result = TypeVar("Result")
+
+
+def by_state(function: Callable[[Model, State, *Asked], Result]) -> Callable[[Model, State, *Asked], Result]:
+    """A function of a model, a discrete state and what is asked about it, whose results the model remembers.
+
+    The results are shared: nobody may change them.
+    """
+
+    @wraps(function)
+    def remembered(model: Model, discrete: State, /, *asked: *Asked) -> Result:
+        known = model.memory.of(discrete)
+        key = (function, asked)
+        if key not in known:
+            known[key] = function(model, discrete, *asked)
+        found: Result = known[key]
+        return found
+
+    return remembered
