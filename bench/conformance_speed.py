@@ -2,15 +2,17 @@
 
     python -m bench.conformance_speed CAPTURE.pcap... [--model MODEL] [--rounds 3] [-D NAME=VALUE]
 
-For each capture: its packets (messages of DDS-XRCE that left their sender) and events; CPU seconds for reading the
-capture and for holding it against the model, the least of some rounds after one that is not counted, of which the
-search and what makes and judges the run take their parts; and packets a second, without and with reading the capture.
-`--shorter` also takes the first half, quarter and eighth of each capture, which shows how the cost grows.
+For each capture: its packets (messages of DDS-XRCE that left their sender), how many packets it has of them (two for
+each where both sides of a relay were recorded), and events; CPU seconds for reading the capture and for holding it
+against the model, the least of some rounds after one that is not counted, of which the search and what makes and judges
+the run take their parts; and packets a second, without and with reading the capture. `--shorter` also takes the first
+half, quarter and eighth of each capture, which shows how the cost grows.
 """
 
 from __future__ import annotations
 
 import argparse
+import gc
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -19,6 +21,7 @@ from typing import TypeVar
 
 import tachk
 from tachk.cli.arguments import parse_definitions
+from tachk.cli.console_script import RARELY
 from tachk.conformance.asking import constants_of
 from tachk.conformance.conform import Conformance, conform
 from tachk.conformance.events import Recording
@@ -51,6 +54,7 @@ def measure(model: tachk.Model, path: Path, rounds: int, shares: tuple[int, ...]
     for share in shares:
         recording = shortened(whole, share)
         packets = sum(event.name == "sent" for event in recording.events)
+        recorded = max(int(event.place.removeprefix("packet ")) for event in recording.events)
 
         def held(run: bool, recording: Recording = recording) -> Conformance:
             assert model.loaded.recording is not None
@@ -60,7 +64,8 @@ def measure(model: tachk.Model, path: Path, rounds: int, shares: tuple[int, ...]
         seconds, found = least(rounds, lambda: held(True))
         read = reading / share
         print(
-            f"{path.name}{'' if share == 1 else f' 1/{share}'}: {packets} packets, {len(recording.events)} events, "
+            f"{path.name}{'' if share == 1 else f' 1/{share}'}: {packets} packets, recorded {recorded} times, "
+            f"{len(recording.events)} events, "
             f"accepted {found.accepted}, {sum(len(run.path) for run in found.runs)} transitions; "
             f"reading {read:.2f} s, conform {seconds:.2f} s (searches {found.statistics.user_seconds:.2f} s, making "
             f"and judging the run {seconds - without:.2f} s): {packets / seconds:,.0f} packets/s, with reading "
@@ -76,6 +81,7 @@ def main() -> None:
     parser.add_argument("--shorter", action="store_true")
     parser.add_argument("-D", dest="definitions", action="append", default=[], metavar="NAME=VALUE")
     given = parser.parse_args()
+    gc.set_threshold(*RARELY)
     model = tachk.load(given.model, **parse_definitions(given.definitions))
     loaded = recorded_model(model.loaded, model.path, model.definitions)
     model = tachk.Model(loaded, model.path, model.definitions)

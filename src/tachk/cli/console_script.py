@@ -14,13 +14,13 @@ import click
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.terminal import end_by, prepare_streams
 
-_RARELY = (50_000, 20, 20)
+RARELY = (50_000, 20, 20)
 """When garbage is collected: by default Python looks for it every few hundred objects, which is a tenth of a start."""
 
 
 def end_program(command: Callable[[], int | None]) -> NoReturn:
     """Runs a command line, which returns its status, and ends the program with that."""
-    gc.set_threshold(*_RARELY)
+    gc.set_threshold(*RARELY)
     prepare_streams()
     try:
         status = command()

@@ -16,14 +16,15 @@ ends where it deletes its session.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from typing import NamedTuple
 
 from tachk.conformance.carried import BEST_EFFORT, Contents, UnknownContentError, begins_sample
 from tachk.conformance.events import Cell, Closing, Event, Recording
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.records import dataclass
+from tachk.xrce.events import Event as Submessage
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.transmissions import Transmission, read_transmissions
 from tachk.xrce.wire import Kind
@@ -40,6 +41,25 @@ class _Content:
     kind: str
     number: int
     detail: int | None
+
+
+class _Row(NamedTuple):
+    """An event before it is known how many come before it: `after` is the number of a row."""
+
+    time: int
+    packet: int
+    name: str
+    cells: dict[str, Cell]
+    after: int | None = None
+    optional: bool = False
+    inferred: bool = False
+    passes: int | None = None
+
+
+def _event(row: _Row, place: Sequence[int]) -> Event:
+    time, packet, name, cells, after, optional, inferred, passes = row
+    behind = None if after is None else place[after]
+    return Event(Fraction(time), name, cells, f"packet {packet}", behind, optional, inferred, passes)
 
 
 def read_capture(path: Path, ports: Iterable[int] = ()) -> Recording:
@@ -65,7 +85,7 @@ class _Reader:
         self.transmissions = transmissions
         self.client = _numbered(transmissions, links)
         self.contents = Contents()
-        self.rows: list[tuple[int, int, Event, int | None]] = []
+        self.rows: list[_Row] = []
         self.written = [0] * links
         self.deleted: list[int | None] = [None] * links
         self.created = [0] * links
@@ -74,12 +94,12 @@ class _Reader:
         """Times are counted from ``begin``, in nanoseconds."""
         for one in self.transmissions:
             self._transmission(one, begin)
-        order = sorted(range(len(self.rows)), key=lambda n: self.rows[n][:2])
-        place = {old: new for new, old in enumerate(order)}
-        events = []
-        for number in order:
-            _, _, event, after = self.rows[number]
-            events.append(event if after is None else replace(event, after=place[after]))
+        keys = [(row.time, row.packet) for row in self.rows]
+        order = sorted(range(len(keys)), key=keys.__getitem__)
+        place = [0] * len(order)
+        for new, old in enumerate(order):
+            place[old] = new
+        events = [_event(self.rows[number], place) for number in order]
         closings = tuple(
             Closing(column, value, Fraction(time - begin), by_sender=column == "link" and value % 2 == 0)
             for link, time in enumerate(self.deleted)
@@ -89,44 +109,49 @@ class _Reader:
         end_time = Fraction(end - begin)
         return Recording(str(self.path), tuple(events), Fraction(1), None, end_time, closings, begin, {"kind": _KINDS})
 
-    def _add(self, time: int, packet: int, name: str, cells: dict[str, Cell], **more: int | bool | None) -> int:
-        after = more.get("after")
-        optional, inferred = bool(more.get("optional")), bool(more.get("inferred"))
-        event = Event(Fraction(time), name, cells, f"packet {packet}", None, optional, inferred, more.get("passes"))
-        self.rows.append((time, packet, event, after))
-        return len(self.rows) - 1
-
     def _transmission(self, one: Transmission, begin: int) -> None:
         if self.deleted[one.link] is not None:
             return
         client = self.client[one.link]
         time = one.sent - begin
-        if any(e.kind is Kind.DELETE and e.fields.get("object") == _CLIENT_OBJECT for e in one.events):
+        kinds = [event.kind for event in one.events]
+        if Kind.DELETE in kinds and any(_deletes_client(event) for event in one.events):
             self.deleted[one.link] = one.sent
             return
-        if any(e.kind is Kind.CREATE_CLIENT for e in one.events):
+        # The leg of a client and that of the Agent: one and the same if there is no relay.
+        here, there = (2 * one.link, 2 * one.link + 1) if one.to_agent else (2 * one.link + 1, 2 * one.link)
+        if Kind.CREATE_CLIENT in kinds:
             for arrival in one.arrivals or ():
                 self.created[one.link] += 1
                 if self.created[one.link] > 1:
-                    cells_of_client: dict[str, Cell] = {"client": client}
-                    there = 2 * one.link + 1
-                    self._add(arrival.time - begin, arrival.packet, "created_again", cells_of_client, passes=there)
+                    of_client: dict[str, Cell] = {"client": client}
+                    self.rows.append(
+                        _Row(arrival.time - begin, arrival.packet, "created_again", of_client, passes=there)
+                    )
             return
+        if None in kinds:
+            self._reject_damaged(one)
         for content in self._contents(one):
-            cells: dict[str, Cell] = {"client": client, "link": 2 * client + (not one.to_agent), "kind": content.kind}
-            cells |= {"number": content.number}
+            cells: dict[str, Cell] = {
+                "client": client,
+                "link": 2 * client + (not one.to_agent),
+                "kind": content.kind,
+                "number": content.number,
+            }
             if content.detail is not None:
-                cells |= {"detail": content.detail}
+                cells["detail"] = content.detail
             if one.to_agent and self._is_new(one.link, content):
                 name = "written_best_effort" if content.kind == BEST_EFFORT else "written"
-                self._add(time, one.packet, name, {"client": client, "detail": content.detail or 0}, inferred=True)
-            # The leg of a client and that of the Agent: one and the same if there is no relay.
-            here, there = (2 * one.link, 2 * one.link + 1) if one.to_agent else (2 * one.link + 1, 2 * one.link)
-            sent = self._add(time, one.packet, "sent", cells, passes=here)
+                offered: dict[str, Cell] = {"client": client, "detail": content.detail or 0}
+                self.rows.append(_Row(time, one.packet, name, offered, inferred=True))
+            sent = len(self.rows)
+            self.rows.append(_Row(time, one.packet, "sent", cells, passes=here))
             if one.arrivals is None:
-                self._add(time, one.packet, "arrived", cells, after=sent, optional=True, passes=there)
+                self.rows.append(_Row(time, one.packet, "arrived", cells, sent, True, False, there))
             for arrival in one.arrivals or ():
-                self._add(arrival.time - begin, arrival.packet, "arrived", cells, after=sent, passes=there)
+                self.rows.append(
+                    _Row(arrival.time - begin, arrival.packet, "arrived", cells, sent, False, False, there)
+                )
 
     def _is_new(self, link: int, content: _Content) -> bool:
         """Whether the client has just put a message into its stream; of a best-effort stream nothing is sent again."""
@@ -138,7 +163,6 @@ class _Reader:
     def _contents(self, one: Transmission) -> Iterator[_Content]:
         """What the automata know of a message: what is in a stream, ACKNACK, HEARTBEAT, a question."""
         first = one.events[0]
-        self._reject_damaged(one)
         if (first.is_reliable or first.is_best_effort) and first.sequence is not None:
             yield _Content("DATA" if first.is_reliable else BEST_EFFORT, first.sequence, self._carried(one))
             return
@@ -168,6 +192,10 @@ class _Reader:
         except UnknownContentError as error:
             self._reject(one, str(error))
             raise
+
+
+def _deletes_client(event: Submessage) -> bool:
+    return event.kind is Kind.DELETE and event.fields.get("object") == _CLIENT_OBJECT
 
 
 def _of_client(number: int) -> Iterator[tuple[str, int]]:

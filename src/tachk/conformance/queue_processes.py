@@ -132,12 +132,15 @@ class QueueProcess:
 
     def _needs(self) -> Iterator[tuple[int, Term]]:
         """The queues that events of this one wait for, with how many of their events must have happened."""
-        needed = self.queue.needed
-        for other in sorted({queue for needs in needed for queue, _ in needs}):
-            counts = [
-                max((count for queue, count in needs if queue == other), default=0) if needs else 0 for needs in needed
-            ]
-            yield other, self._entry(f"needs[{other}]", [*counts, 0])
+        counts: dict[int, list[int]] = {}
+        for place, needs in enumerate(self.queue.needed):
+            for other, count in needs:
+                if other not in counts:
+                    counts[other] = [0] * (len(self.queue.needed) + 1)
+                if count > counts[other][place]:
+                    counts[other][place] = count
+        for other, needed in sorted(counts.items()):
+            yield other, self._entry(f"needs[{other}]", needed)
 
 
 def cases(queue: Queue) -> Iterator[dict[Variable, Expression]]:

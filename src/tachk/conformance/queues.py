@@ -10,11 +10,11 @@ rounded outwards to whole units of the model.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from itertools import product
-from math import floor
+from itertools import accumulate, product
+from math import floor, lcm
 
 from tachk.conformance.events import Closing, Event, Recording
 from tachk.diagnostics.diagnostic import UsageError
@@ -108,15 +108,16 @@ def make_queues(
     outgoing = [_is_output(visible, kept) for visible, _, _ in entries]
     place = {event: (number, position) for number, e in enumerate(entries) for position, (event, _) in enumerate(e[2])}
     passed = _passed(recording, place, outgoing)
+    clock = _Clock.of(recording, origin, scale, (tolerance, late))
     queues = []
     for (visible, common, found), outputs in zip(entries, outgoing, strict=True):
-        seen = outputs or any(recording.events[number].inferred for number, _ in found)
+        events = [recording.events[number] for number, _ in found]
+        seen = outputs or any(event.inferred for event in events)
         before, behind = (late, tolerance) if seen else (tolerance, late)
-        times = [recording.events[number].time for number, _ in found]
-        after = [recording.events[number].after for number, _ in found]
-        sent = [() if n is None or n not in place else ((place[n][0], place[n][1] + 1),) for n in after]
+        times = clock.ticks(event.time for event in events)
         closing = _closing(recording, visible, common)
         end = recording.end if closing is None else min(closing.time, recording.end)
+        pairs = zip(found, events, strict=True)
         queues.append(
             Queue(
                 visible,
@@ -124,11 +125,11 @@ def make_queues(
                 common,
                 tuple(number for number, _ in found),
                 tuple(values for _, values in found),
-                tuple(_rising(max(time, 0) for time in _floors(times, scale, origin * scale + before))),
-                tuple(reversed([-t for t in _rising(reversed(_floors(times, -scale, behind - origin * scale)))])),
-                tuple(_floors(times, scale, origin * scale)),
-                tuple(own + passed.get(number, ()) for own, (number, _) in zip(sent, found, strict=True)),
-                tuple(recording.events[number].optional for number, _ in found),
+                tuple(accumulate(clock.floors(times, -before), max, initial=0))[1:],
+                tuple(accumulate(reversed(clock.ceilings(times, behind)), min))[::-1],
+                tuple(clock.floors(times, Fraction(0))),
+                tuple(_sent(place, event.after) + passed.get(number, ()) for (number, _), event in pairs),
+                tuple(event.optional for event in events),
                 max(floor((end - origin) * scale - late), 0),
                 outputs and closing is not None and closing.by_sender,
             )
@@ -212,24 +213,50 @@ def _value_in(expression: Expression, common: Mapping[Variable, int]) -> int | N
     return found.value if isinstance(found, Constant) else None
 
 
-def _floors(times: Sequence[Fraction], scale: Fraction, shift: Fraction) -> list[int]:
-    """The floor of ``time * scale - shift`` for each time; whole numbers, for there are many of them."""
-    of_time = scale.numerator * shift.denominator
-    of_one = scale.denominator * shift.numerator
-    unit = scale.denominator * shift.denominator
-    found = []
-    for time in times:
-        numerator, denominator = time.as_integer_ratio()
-        found.append((numerator * of_time - denominator * of_one) // (denominator * unit))
-    return found
+@dataclass(frozen=True, slots=True)
+class _Clock:
+    """Times since the model starts as whole numbers, since there are many of them.
+
+    Attributes:
+        parts: of which a unit of the model has so many.
+        factor: how many of them are a unit of the recording.
+        origin: the start of the model.
+    """
+
+    parts: int
+    factor: Fraction
+    origin: int
+
+    @staticmethod
+    def of(recording: Recording, origin: Fraction, scale: Fraction, others: Sequence[Fraction]) -> _Clock:
+        """In which all times of a recording, and others in units of the model, are whole."""
+        different = {event.time.denominator for event in recording.events}
+        parts = lcm(lcm(*different) * scale.denominator, (origin * scale).denominator, *(o.denominator for o in others))
+        return _Clock(parts, scale * parts, int(origin * scale * parts))
+
+    def ticks(self, times: Iterable[Fraction]) -> list[int]:
+        """The parts at times of the recording."""
+        of_time, of_one = self.factor.as_integer_ratio()
+        ratios = [time.as_integer_ratio() for time in times]
+        return [numerator * of_time // (denominator * of_one) - self.origin for numerator, denominator in ratios]
+
+    def floors(self, ticks: Iterable[int], shift: Fraction) -> list[int]:
+        """In units of the model, so much later, rounded down."""
+        by, parts = int(shift * self.parts), self.parts
+        return [(time + by) // parts for time in ticks]
+
+    def ceilings(self, ticks: Iterable[int], shift: Fraction) -> list[int]:
+        """The same, rounded up."""
+        by, parts = int(shift * self.parts), self.parts
+        return [-((-time - by) // parts) for time in ticks]
 
 
-def _rising(values: Iterable[int]) -> Iterator[int]:
-    """Each value, or the largest one before it if that is larger."""
-    largest: int | None = None
-    for value in values:
-        largest = value if largest is None else max(largest, value)
-        yield largest
+def _sent(place: Mapping[int, tuple[int, int]], after: int | None) -> tuple[tuple[int, int], ...]:
+    """That an event of a queue has happened, if it is in one."""
+    if after is None or after not in place:
+        return ()
+    queue, position = place[after]
+    return ((queue, position + 1),)
 
 
 def _is_output(visible: VisibleEvents, kept: Sequence[Process]) -> bool:

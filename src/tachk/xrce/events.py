@@ -12,7 +12,7 @@ from tachk.xrce import wire
 from tachk.xrce.messages import Endpoint
 from tachk.xrce.reading import CaptureReading
 from tachk.xrce.serial_line import NOBODY, SerialReading
-from tachk.xrce.submessages import MALFORMED, Submessages, parsed
+from tachk.xrce.submessages import Submessages, parsed, payload
 from tachk.xrce.wire import Kind
 
 DEFAULT_PORT: Final = wire.DEFAULT_PORT
@@ -92,6 +92,11 @@ def _decoded(reading: CaptureReading | SerialReading) -> Iterator[Event]:
         yield Event(number, 0, time, None, None, False, None, None, None, None, {}, reading.problem)
 
 
+_BEFORE_SAMPLE: Final = 4
+"""Bytes of the request before a sample."""
+_KINDS: Final = {kind.value: kind for kind in Kind}
+
+
 def events(found: Submessages, endpoints: list[Endpoint]) -> Iterator[Event]:
     """Submessages one by one."""
     messages = found.messages
@@ -103,7 +108,7 @@ def events(found: Submessages, endpoints: list[Endpoint]) -> Iterator[Event]:
     )
     for entry, row in enumerate(header):
         packet, time, client, agent, to_agent, place, number, session, stream, sequence = row
-        kind = None if number == MALFORMED else Kind(number)
+        kind = _KINDS.get(number)
         yield Event(
             packet,
             place,
@@ -121,11 +126,32 @@ def events(found: Submessages, endpoints: list[Endpoint]) -> Iterator[Event]:
 
 
 def _fields(found: Submessages, entry: int, kind: Kind) -> dict[str, Value]:
+    """What a submessage says; those that come in masses are in columns already."""
     flags = int(found.flags[entry])
     told: dict[str, Value] = {}
     if found.request[entry] >= 0:
-        told |= {"request": int(found.request[entry]), "object": f"{int(found.object[entry]):04X}"}
-    content = found.contents.get(entry) or parsed(found, entry)
+        told = {"request": int(found.request[entry]), "object": f"{int(found.object[entry]):04X}"}
+    match kind:
+        case Kind.ACKNACK:
+            first, bitmap = int(found.first[entry]), int(found.bitmap[entry])
+            missing = [(first + bit) % 65536 for bit in range(16) if bitmap >> bit & 1] if bitmap else []
+            return {"subject": int(found.subject[entry]), "first": first, "missing": missing}
+        case Kind.HEARTBEAT:
+            first, last = int(found.first[entry]), int(found.last[entry])
+            return {"subject": int(found.subject[entry]), "first": first, "last": last}
+        case Kind.WRITE_DATA | Kind.DATA:
+            form = flags & wire.FORMAT
+            told["format"] = wire.SAMPLE_FORMATS.get(form, f"{form:#x}")
+            told["sample"] = payload(found, entry)[_BEFORE_SAMPLE:].hex()
+            return told
+        case Kind.FRAGMENT:
+            return {"last": bool(flags & wire.LAST_FRAGMENT), "piece": payload(found, entry).hex()}
+        case _:
+            return told | _declared(kind, flags, found.contents.get(entry) or parsed(found, entry))
+
+
+def _declared(kind: Kind, flags: int, content: Container) -> dict[str, Value]:
+    """What a submessage says beside its request, as its declaration has it."""
     match kind:
         case Kind.CREATE_CLIENT:
             return _peer(content.peer) | {
@@ -137,20 +163,14 @@ def _fields(found: Submessages, entry: int, kind: Kind) -> dict[str, Value]:
         case Kind.STATUS_AGENT:
             return _status(content.result) | _peer(content.agent.peer) | {"properties": _properties(content.agent)}
         case Kind.CREATE:
-            told |= {"reuse": bool(flags & wire.REUSE), "replace": bool(flags & wire.REPLACE)}
-            return told | _variant(content.new)
+            return {"reuse": bool(flags & wire.REUSE), "replace": bool(flags & wire.REPLACE)} | _variant(content.new)
         case Kind.GET_INFO:
-            return told | {"configuration": bool(content.mask & 1), "activity": bool(content.mask & 2)}
-        case Kind.STATUS:
-            return told | _status(content.result)
-        case Kind.INFO:
-            return told | _status(content.result)
-        case Kind.WRITE_DATA | Kind.DATA:
-            form = flags & wire.FORMAT
-            return told | {"format": wire.SAMPLE_FORMATS.get(form, f"{form:#x}"), "sample": content.sample.hex()}
+            return {"configuration": bool(content.mask & 1), "activity": bool(content.mask & 2)}
+        case Kind.STATUS | Kind.INFO:
+            return _status(content.result)
         case Kind.READ_DATA:
             control = content.control
-            return told | {
+            return {
                 "preferred_stream": content.preferred_stream,
                 "format": wire.SAMPLE_FORMATS.get(content.format, f"{content.format:#x}"),
                 "filter": content.filter,
@@ -159,21 +179,14 @@ def _fields(found: Submessages, entry: int, kind: Kind) -> dict[str, Value]:
                 "max_bytes_per_second": None if control is None else control.max_bytes_per_second,
                 "min_pace_ms": None if control is None else control.min_pace_period,
             }
-        case Kind.ACKNACK:
-            missing = [(content.first + bit) % 65536 for bit in range(16) if content.bitmap >> bit & 1]
-            return {"subject": content.subject, "first": content.first, "missing": missing}
-        case Kind.HEARTBEAT:
-            return {"subject": content.subject, "first": content.first, "last": content.last}
-        case Kind.FRAGMENT:
-            return {"last": bool(flags & wire.LAST_FRAGMENT), "piece": content.piece.hex()}
         case Kind.TIMESTAMP:
             return {"transmitted_ns": _nanoseconds(content.transmitted)}
         case Kind.TIMESTAMP_REPLY:
             return {f"{name}_ns": _nanoseconds(content[name]) for name in ("transmitted", "received", "originated")}
         case Kind.PERFORMANCE:
             return {"octets": content.octets.hex()}
-        case Kind.DELETE | Kind.RESET:
-            return told
+        case _:
+            return {}
 
 
 def _peer(peer: Container) -> dict[str, Value]:

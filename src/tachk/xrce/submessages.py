@@ -224,9 +224,14 @@ class _Walk:
 
 def parsed(found: Submessages, entry: int) -> construct.Container:
     """A submessage as `tachk.xrce.wire` declares it. Raises construct.ConstructError."""
+    kind, is_little = Kind(int(found.kind[entry])), bool(found.flags[entry] & wire.LITTLE_ENDIAN)
+    return _parsed(kind, is_little, payload(found, entry))
+
+
+def payload(found: Submessages, entry: int) -> bytes:
+    """The bytes of a submessage behind its header."""
     start, size = int(found.starts[entry]), int(found.sizes[entry])
-    octets = found.messages.octets[start : start + size].tobytes()
-    return _parsed(Kind(int(found.kind[entry])), bool(found.flags[entry] & wire.LITTLE_ENDIAN), octets)
+    return found.messages.octets[start : start + size].tobytes()
 
 
 @lru_cache(maxsize=256)

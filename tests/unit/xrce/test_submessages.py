@@ -13,7 +13,7 @@ from tachk.report.packets.text import event_to_text
 from tachk.xrce import wire
 from tachk.xrce.events import events
 from tachk.xrce.messages import Endpoint, Messages
-from tachk.xrce.submessages import submessages
+from tachk.xrce.submessages import parsed, submessages
 from tachk.xrce.wire import Kind
 from tests.unit.xrce.captures import ACKNACK, CREATE_CLIENT, HEARTBEAT, WRITE_DATA
 
@@ -99,6 +99,28 @@ def test_columns_and_declarations_find_the_same(messages: list[bytes]):
         assert [event.place for event in mine] == list(range(len(mine)))
         kinds = ["malformed" if event.kind is None else event.kind.name for event in mine]
         assert kinds == one_by_one(message)
+    for entry, event in enumerate(told):
+        if event.kind in DECLARED:
+            content = parsed(found, entry)
+            assert all(event.fields[name] == said(content) for name, said in DECLARED[event.kind].items())
+
+
+DECLARED = {
+    Kind.ACKNACK: {
+        "subject": lambda content: content.subject,
+        "first": lambda content: content.first,
+        "missing": lambda content: [(content.first + n) % 65536 for n in range(16) if content.bitmap & 1 << n],
+    },
+    Kind.HEARTBEAT: {
+        "subject": lambda content: content.subject,
+        "first": lambda content: content.first,
+        "last": lambda content: content.last,
+    },
+    Kind.WRITE_DATA: {"sample": lambda content: content.sample.hex()},
+    Kind.DATA: {"sample": lambda content: content.sample.hex()},
+    Kind.FRAGMENT: {"piece": lambda content: content.piece.hex()},
+}
+"""What is taken from the bytes, and where the declarations have it."""
 
 
 @pytest.mark.parametrize("sample", [CREATE_CLIENT, CREATE, READ_DATA, STATUS_AGENT, HEARTBEAT, ACKNACK, WRITE_DATA])
