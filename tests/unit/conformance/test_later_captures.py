@@ -264,3 +264,16 @@ def test_two_writers_write_the_same_bytes() -> None:
     """The second session writes 1, 2, 3, ... again, and its samples arrive before the Agent acknowledges them."""
     for formula in ("G (allToAgent -> F[0, 100 ms] allToClient)", "G FDDSisSent"):
         assert monitor(formula, CAPTURES / "restarted.pcap").truth is Truth.TRUE
+
+
+@pytest.mark.parametrize(("acknowledged", "expected"), [(2, True), (3, False)])
+def test_pieces_stay_in_their_slots(tmp_path: Path, acknowledged: int, expected: bool) -> None:
+    """An input stream with two slots has no room for a third piece."""
+    rows = [(10, 0, 1), (20, 1, 2), (30, 2, acknowledged)]
+    lines = [
+        f"{time},arrived,0,1,DATA,{piece},PIECE\n{time},sent,0,0,ACKNACK,{after},0\n" for time, piece, after in rows
+    ]
+    file = tmp_path / "pieces.csv"
+    file.write_text(f"time [ms],event,client,link,kind,number,detail\n{''.join(lines)}", encoding="utf-8")
+    model = tachk.load(MODEL, CLIENTS=1, INPUT_HISTORY=2)
+    assert tachk.conform(model, file, tolerance="1ms", late="1ms").accepted is expected

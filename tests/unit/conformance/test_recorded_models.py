@@ -90,6 +90,29 @@ def test_a_stale_acknack_is_a_run_of_the_client_and_refused_by_the_standard(capt
     assert " ms: sent(" in conformance_to_text(found, "spec.ta")
 
 
+SOCKET = """
+const int CLIENTS = 1, MESSAGES = 4, AGENT_WINDOW = 4, LOSSES = 0, PLACES = 1, WAITING = 1;
+import "{models}/micro_xrce_dds/protocol.ta";
+import "{models}/lib/messages.ta";
+import "{models}/lib/free_application.ta";
+process Relay {{
+    clock since;
+    init location Begun {{ to Half {{ sync arrive[1][DATA]!; }} }}
+    location Half {{ to Done {{ sync arrive[1][DATA]!; assign since = 0; }} }}
+    location Done;
+}}
+Application = FreeApplication(0);
+ClientSocket = Socket(1);
+system Application, ClientSocket, Relay;
+"""
+
+
+def test_time_ends_where_a_socket_overflows() -> None:
+    model = tachk.loads(SOCKET.format(models=ROOT / "models"), PAUSES=True)
+    overflows, goes_on = model.verify("E<> ClientSocket.overflow", "E<> ClientSocket.overflow && Relay.since >= 1")
+    assert (overflows.answer.value, goes_on.answer.value) == ("holds", "fails")
+
+
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the shared captures are not here")
 def test_a_burst_that_overflows_a_socket_is_not_forgotten() -> None:
     """The publisher of f3c ends without a DELETE; nobody tells, and it may not lose what comes then in its socket."""

@@ -158,6 +158,13 @@ def test_changed_recordings(
     assert accepted(change(two, number), CLIENTS=3, HISTORY=8) is False
 
 
+def test_the_last_heartbeat_of_the_agent_is_early(two: Recording) -> None:
+    """No later one says when the round was."""
+    sent = (n for n, e in enumerate(two.events) if e.name == "sent" and e.cells["kind"] == "HEARTBEAT")
+    last = [n for n in sent if two.events[n].cells["link"] == 5][-1]
+    assert accepted(early(two, last), CLIENTS=3, HISTORY=8) is False
+
+
 def limits() -> tachk.Limits:
     return tachk.Limits(states=60_000)
 

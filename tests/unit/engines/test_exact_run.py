@@ -132,3 +132,19 @@ def test_whoever_can_receive_a_broadcast_does() -> None:
     alone = [edges[:1] for edges in found.actions]
     assert exact_run(program, goal, alone)[1] == "step 1: somebody who can receive a broadcast stays out"
     assert exact_run(program, goal, [list(reversed(edges)) for edges in found.actions])[1] == "step 1: nobody sends"
+
+
+def test_no_run_waits_beyond_an_invariant() -> None:
+    """The first step must come late, though nothing asks for it when it is made."""
+    network = NetworkBuilder()
+    process = network.process("P")
+    old, young = process.clock("old"), process.clock("young")
+    a, b, c = process.location("A"), process.location("B", invariant=young <= 3), process.location("C")
+    process.edge(a, b, updates=[young.assign(0)])
+    process.edge(b, c, guard=old >= 5)
+    program, (goal,) = lower(network.build(), [c.reached.expression])
+    (found,) = zone.explore(program, [goal]).goals
+    assert found.actions is not None
+    moments, objection = exact_run(program, goal, found.actions)
+    assert objection == ""
+    assert moments is not None
