@@ -8,7 +8,7 @@ by one. A trace satisfies a formula unless it violates it, or leaves it open whe
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from math import lcm
@@ -31,11 +31,13 @@ from tachk.monitoring.given_constants import constants_by_name
 from tachk.monitoring.monotone import Effect, Occurrence, joint_effect, occurrences
 from tachk.monitoring.offline import Judging, counted, ending_of, formulas_of, judge, prepare, selected
 from tachk.monitoring.reading import HeldValues
+from tachk.monitoring.texts import text_columns
 from tachk.operators import BinaryOperator
 from tachk.report.monitor.mined import Mined, MinedTrace
 from tachk.runtime.conventions import Ending
+from tachk.runtime.logs.joined import with_texts
 from tachk.runtime.node_signal import Truth
-from tachk.runtime.trace import Trace
+from tachk.runtime.trace import Recording, Trace
 from tachk.runtime.trace_files import open_trace
 from tachk.syntax import ast
 from tachk.syntax import formula as syntax
@@ -88,17 +90,17 @@ def mine(
         raise UsageError("there is no trace", "the traces follow the formula")
     if name not in formulas[0].names:
         raise UsageError(f"the formula has no name {name!r}", "write it in place of a bound or of a number")
-    loaded = [_loaded(open_trace(trace, time, unit).read, formulas[0], name) for trace in traces]
+    loaded = [_loaded(open_trace(trace, time, unit), formulas[0], name) for trace in traces]
     search = _Search(formulas[0], name, low, high, tuple(loaded), ending_of(end))
     return search.run(None if step is None else Fraction(str(step)))
 
 
-def _loaded(read: Callable[[], Trace], named: NamedFormula, name: str) -> Trace:
-    trace = read()
-    if name in trace.columns:
-        raise UsageError(f"{trace.name} has a column {name!r}", "give the parameter another name")
-    wanted = {column: values for column, values in trace.columns.items() if column in named.columns}
-    return replace(trace, columns=wanted)
+def _loaded(recording: Recording, named: NamedFormula, name: str) -> Trace:
+    """What a formula reads of a trace."""
+    if name in recording.columns:
+        raise UsageError(f"{recording.name} has a column {name!r}", "give the parameter another name")
+    wanted = set(named.columns).intersection(recording.columns)
+    return with_texts(recording, text_columns(named.formula) & wanted).read(wanted)
 
 
 @dataclass(frozen=True, slots=True)

@@ -59,6 +59,14 @@ def test_standard_input_is_judged_row_by_row(
     assert "-: 4 rows, from 0 s to 9 s" in out
 
 
+def test_a_dump_on_standard_input_is_called_after_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    feed(monkeypatch, ["$timescale 1 ms $end\n$var wire 1 ! p $end\n$enddefinitions $end\n#0\nx!\n#1\n0!\n#2\n1!\n"])
+    assert run_monitor(Judged("G (p || !p)", "-")) is ExitStatus.AS_EXPECTED
+    assert capsys.readouterr().out.startswith("-: 2 rows, from 1 ms to 2 ms")
+
+
 @pytest.mark.parametrize(
     ("formula", "end", "status"),
     [

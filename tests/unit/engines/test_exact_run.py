@@ -148,3 +148,16 @@ def test_no_run_waits_beyond_an_invariant() -> None:
     moments, objection = exact_run(program, goal, found.actions)
     assert objection == ""
     assert moments is not None
+
+
+@pytest.mark.parametrize(("moment", "accepted"), [(1, False), (2, False), (3, True), (4, True), (5, False)])
+def test_strict_bounds_are_strict(moment: int, accepted: bool) -> None:
+    network = NetworkBuilder()
+    process = network.process("P")
+    clock = process.clock("x")
+    a, b = process.location("A"), process.location("B")
+    process.edge(a, b, guard=(clock > 2) & (clock < 5))
+    program, (goal,) = lower(network.build(), [b.reached.expression])
+    (found,) = zone.explore(program, [goal]).goals
+    path = _core.PathOfRun(encode(program, [goal]), found.actions or ())
+    assert (path.objection(1, np.array([moment, moment], dtype=np.int64)) is None) is accepted

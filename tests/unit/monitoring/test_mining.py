@@ -205,3 +205,11 @@ def test_random_formulas_with_a_parameter_anywhere() -> None:
             assert good == [v for v in grid if sign * (v - border) > 0 or (v == border and found.attained)], formula
     assert {tightest for tightest, _, _ in ways} == {None, "least", "greatest"}
     assert len(ways) >= 4
+
+
+def test_columns_of_texts(tmp_path: Path) -> None:
+    """Columns that the formula does not read may hold anything."""
+    log = tmp_path / "log.csv"
+    log.write_text("time,mode,speed,note\n0,idle,0,begins\n100,run,1.5,\n300,stop,0.2,done\n", encoding="utf-8")
+    found = tachk.mine('G (mode == "run" -> F[0, T] speed < 1)', [log], {"T": (0, 500)})
+    assert (found.value, found.attained) == (200, True)

@@ -24,6 +24,7 @@ class Judged:
         time, unit, ports: as of `open_trace`.
         names: of the formulas that are taken; none: all.
         definitions: values of constants, as ``T=2.5``.
+        called: what reports call the trace; None: as its file.
     """
 
     formula: str
@@ -34,6 +35,7 @@ class Judged:
     ports: tuple[int, ...] = ()
     names: tuple[str, ...] = ()
     definitions: tuple[str, ...] = ()
+    called: str | None = None
 
     def formulas(self) -> tuple[NamedFormula, ...]:
         """Raises InputError, UsageError."""

@@ -32,7 +32,7 @@ def run_monitor(
     formulas = judged.formulas()
     if judged.trace == "-" and not judged.others and not rows.live and begins_dump():
         with dump_in_a_file() as path:
-            return run_monitor(replace(judged, trace=path), judging, rows, told, reporting)
+            return run_monitor(replace(judged, trace=path, called=judged.trace), judging, rows, told, reporting)
     if rows.online or rows.follow or rows.live or rows.fail_fast or judged.trace == "-":
         if judging.interpolation is not Interpolation.CONSTANT:
             raise UsageError(
@@ -48,6 +48,8 @@ def run_monitor(
         return run_online(judged, formulas, judging, rows, told, reporting)
     source = judged.formula if Path(judged.formula).suffix else ""
     record = judge(formulas, judged.recording(), judging, source)
+    if judged.called is not None:
+        record = replace(record, trace=replace(record.trace, name=judged.called))
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None:
             _write(record, reporting.form, out, told.all_violations)
