@@ -3,6 +3,7 @@ is written arrives."""
 
 from __future__ import annotations
 
+from contextlib import ExitStack, closing
 from io import BytesIO
 from pathlib import Path
 
@@ -69,6 +70,22 @@ def test_what_is_lost_is_repeated() -> None:
     found, _ = conversation(lost=7)
     assert [e.kind for e in found if e.to_agent].count(Kind.HEARTBEAT) >= 1
     assert [e.fields["first"] for e in found if e.kind is Kind.ACKNACK and not e.to_agent][-1] == 5
+
+
+def test_strangers_have_no_part_in_a_session() -> None:
+    clock = SteppedClock()
+    with ExitStack() as opened:
+        agent = opened.enter_context(closing(BridgeSocket(Bridge(Part(network(), ["writer"]), clock), None, None)))
+        ends = [Bridge(Part(network(), ["application", "publisher"]), clock) for _ in range(2)]
+        client, stranger = (opened.enter_context(closing(BridgeSocket(end, None, agent.address))) for end in ends)
+        while not client.bridge.is_open:
+            client.due()
+            while sum(socket.poll() for socket in (client, agent)):
+                pass
+        before = list(agent.packets)
+        stranger.due()
+        assert stranger.packets[0] > 0 and agent.poll() and not stranger.poll()
+        assert agent.packets == before
 
 
 EAGER = """

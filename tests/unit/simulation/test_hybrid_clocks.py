@@ -88,6 +88,48 @@ system P;
 """
 
 
+PRODUCT = """
+hybrid clock x;
+hybrid clock y;
+process P() {
+    committed init location Start { to A { assign x = 0, y = 1; } }
+    location A { invariant x' == 1 && y' == 1 && x * y <= 6; to B { guard x * y >= 6; } }
+    location B { invariant x' == 0 && y' == 0; }
+}
+system P;
+"""
+
+CONTRARY = """
+hybrid clock x;
+process P() {
+    init location A { invariant x' == 0.5 && !(x > 3); to B { guard !(x < 3); } }
+    location B { invariant x' == 0; }
+}
+system P;
+"""
+
+
+QUICK = """
+hybrid clock x;
+process P() {
+    committed init location Start { to A { assign x = 0; } }
+    location A { invariant x' == 200 * (1 - x) && x <= 0.5; to B { guard x >= 0.5; } }
+    location B { invariant x' == 0; }
+}
+system P;
+"""
+
+LASTING = """
+hybrid clock x;
+process P() {
+    committed init location Start { to A { assign x = 1; } }
+    location A { exponential_rate 1 : 1000000000; invariant x' == -x && x <= 5; to B; }
+    location B { invariant x' == 0; }
+}
+system P;
+"""
+
+
 def drawn(text: str, tmp_path: Path, until: float, runs: int = 1, threads: int = 1) -> list[DrawnRun]:
     path = tmp_path / "model.ta"
     path.write_text(text)
@@ -120,6 +162,12 @@ def test_exponential_changes_cross_limits_on_time(tmp_path: Path) -> None:
     assert changes(run, "switches") == pytest.approx([time for time in expected if time <= 20], abs=1e-7)
 
 
+@pytest.mark.parametrize(("text", "moment"), [(PRODUCT, 2), (CONTRARY, 6), (QUICK, math.log(2) / 200)])
+def test_curves_and_negated_conditions_are_crossed_on_time(tmp_path: Path, text: str, moment: int) -> None:
+    (run,) = drawn(text, tmp_path, 10)
+    assert changes(run, "P")[-1] == pytest.approx(moment, abs=1e-6)
+
+
 def test_an_oscillator_keeps_its_period_and_amplitude(tmp_path: Path) -> None:
     (run,) = drawn(OSCILLATOR, tmp_path, 30)
     expected = [math.pi / 4 + n * math.pi / 2 for n in range(19)]
@@ -146,6 +194,11 @@ def test_a_delay_is_uniform_between_the_crossings_of_guard_and_invariant(tmp_pat
     assert first <= delays[0] and delays[-1] <= last + 1e-6
     distance = max(abs((d - first) / (last - first) - n / 1000) for n, d in enumerate(delays))
     assert distance < 1.95 / math.sqrt(1000)  # Kolmogorov, 0.999
+
+
+def test_nobody_acts_at_the_end_of_what_was_looked_at(tmp_path: Path) -> None:
+    (run,) = drawn(LASTING, tmp_path, 25_000)
+    assert set(run["P"]) == {"A"}
 
 
 def test_runs_are_the_same_with_any_number_of_threads(tmp_path: Path) -> None:

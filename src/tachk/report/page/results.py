@@ -16,7 +16,7 @@ from tachk.diagnostics.diagnostic import UsageError
 from tachk.report.campaign.heat_map import STYLE, draw_maps
 from tachk.report.figure_files import svg_of
 from tachk.report.page.content import Chapter, Table
-from tachk.report.statistics.text import interval_text
+from tachk.report.statistics.text import interval_text, times_text
 
 _MOST_ROWS = 200
 """A table of more is not on the page."""
@@ -103,8 +103,8 @@ def _simulation(document: Mapping[str, Any]) -> Chapter:
     drawn = f"{document['runs']:,} runs until {document['until']}, {document['transitions']:,} transitions"
     lines = [f"{drawn}, seed {document['seed']}, policy {document['policy']}."]
     for order in document["faults"]:
-        impossible = f"; {order['missed']:,} times the model does not allow it" if order["missed"] else ""
-        lines.append(f"Ordered {order['order']}: {order['done']:,} times{impossible}.")
+        impossible = f"; {times_text(order['missed'])} the model does not allow it" if order["missed"] else ""
+        lines.append(f"Ordered {order['order']}: {times_text(order['done'])}{impossible}.")
     endings = Table(("ending", "runs"), [(end, f"{n:,}") for end, n in document["endings"].items()], frozenset({1}))
     rows = []
     for formula in document["formulas"]:
@@ -113,7 +113,7 @@ def _simulation(document: Mapping[str, Any]) -> Chapter:
         first = str(formula["violating"][0]) if formula["violating"] else ""
         rows.append((formula["name"], *counts, interval_text(low, high), f"{formula['confidence']:.6g}", first))
     columns = ("formula", "true", "false", "undetermined", "probability of a violation", "confidence", "first in run")
-    formulas = [Table(columns, rows, frozenset({1, 2, 3, 5, 6}))] if rows else []
+    formulas = [Table(columns, rows, frozenset(range(1, 7)))] if rows else []
     return Chapter(f"{document['model']}: simulation", lines, [endings, *formulas])
 
 

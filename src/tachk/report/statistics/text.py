@@ -39,6 +39,11 @@ def answer_lines(found: Estimate, settings: Settings) -> Iterator[str]:
             assert_never(never)
 
 
+def times_text(count: int) -> str:
+    """How often."""
+    return "once" if count == 1 else f"{count:,} times"
+
+
 def interval_text(low: float, high: float) -> str:
     """Both ends, rounded outwards to three digits of their difference."""
     width = high - low

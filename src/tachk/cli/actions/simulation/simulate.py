@@ -23,6 +23,7 @@ from tachk.engines.simulation.policy import SCRIPT, Policy
 from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Ending, Recorded, Simulated
 from tachk.model.network import Network
 from tachk.monitoring.formulas import NamedFormula
+from tachk.report.statistics.text import times_text
 from tachk.runtime.node_signal import Truth
 from tachk.simulation.intervals import clopper_pearson
 from tachk.simulation.orders import ordered, orders_of
@@ -158,8 +159,8 @@ def _print(asked: Simulating, tally: _Tally, network: Network) -> None:
         print(f"{count:8} end with: {ending}{where}")
     for written, done in tally.done.items():
         missed = tally.missed[written]
-        impossible = f", {missed} times the model does not allow it" if missed else ""
-        print(f"{written}: {done} times{impossible}")
+        impossible = f", {times_text(missed)} the model does not allow it" if missed else ""
+        print(f"{written}: {times_text(done)}{impossible}")
     for fault in tally.faults:
         print(f"  {fault}")
     for name, counts in tally.truths.items():
