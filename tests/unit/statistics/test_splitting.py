@@ -68,6 +68,22 @@ system Link;
 """
 
 
+HURRIED = """
+int[0, 1] unused;
+process Other() { init location A { exponential_rate 1; to A { assign unused = 1 - unused; } } }
+process Twice() {
+    init location Far { exponential_rate 1; to first; }
+    committed location Near { to second; }
+    location Late { exponential_rate 1; to Won; }
+    location Won;
+    location Lost;
+    branchpoint first { to Near { probability 1; } to Lost { probability 9; } }
+    branchpoint second { to Late { probability 1; } to Lost { probability 9; } }
+}
+system Other, Twice;
+"""
+
+
 def _in_a_row(losses: int, messages: int) -> float:
     """The probability of so many losses in a row, each with probability 0.1, among so many messages."""
     state = [1.0] + [0.0] * losses
@@ -88,6 +104,8 @@ def _in_a_row(losses: int, messages: int) -> float:
         (UNIFORM, "Pr[<=1](<> n == 5)", 0.5**5 / factorial(5)),
         # The last delay is uniform on 0 to 2 and longer than 1: only that ends in a state with x > 1.
         (UNIFORM, "Pr[age<=2](<> n == 4 && x > 1)", 0.5**4 / factorial(4) * 0.5),
+        # Part of the way ends in a committed location of the second process.
+        (HURRIED, "Pr[<=100](<> Twice.Won)", 0.01),
         (LOSSES, "Pr[#<=20](<> lost == 5)", _in_a_row(5, 20)),
         (LOSSES, "Pr[<=20](<> lost == 5)", _in_a_row(5, 20)),
     ],
