@@ -10,7 +10,7 @@ import signal
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from multiprocessing import get_context, parent_process
+from multiprocessing import current_process, get_context, parent_process
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from threading import Thread
@@ -19,11 +19,14 @@ from traceback import format_exc
 
 from tachk.campaign.grid import Values
 from tachk.campaign.job import Computed, Verification, computed, killed
+from tachk.diagnostics.diagnostic import UsageError
 
 ATTEMPTS = 2
 """How often a cell is given to a process."""
 
 _CONTEXT = get_context("spawn")
+_UNGUARDED = 75
+"""The exit status of a process that has run the program which started it, and came to this sweep again."""
 
 
 @dataclass(slots=True)
@@ -71,6 +74,12 @@ def _received(worker: _Worker, job: Verification, left: list[Values], attempts: 
     try:
         told: Computed | str = worker.pipe.recv()
     except (EOFError, OSError):
+        worker.process.join()
+        if worker.process.exitcode == _UNGUARDED:
+            raise UsageError(
+                "the processes of a sweep import the program that calls it, and it would sweep again",
+                'put what it does under: if __name__ == "__main__":',
+            ) from None
         _end(worker)
         again = _started()
         worker.process, worker.pipe = again.process, again.pipe
@@ -88,7 +97,12 @@ def _received(worker: _Worker, job: Verification, left: list[Values], attempts: 
 def _started() -> _Worker:
     ours, theirs = _CONTEXT.Pipe()
     process = _CONTEXT.Process(target=_work, args=(theirs,), daemon=True)
-    process.start()
+    try:
+        process.start()
+    except RuntimeError:
+        if current_process().name == "MainProcess":
+            raise
+        os._exit(_UNGUARDED)
     theirs.close()
     return _Worker(process, ours)
 

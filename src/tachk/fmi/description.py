@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from enum import StrEnum
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
@@ -37,8 +37,20 @@ def type_names(variables: Sequence[Variable]) -> dict[tuple[str, ...], str]:
     return names
 
 
-def _root(unit: Unit, version: str, token: dict[str, str]) -> Element:
-    return Element(
+def _head(
+    unit: Unit,
+    version: str,
+    token: dict[str, str],
+    abilities: Sequence[str],
+    enumeration: Callable[[Element, str], Element],
+) -> Element:
+    """What stands in front of the variables.
+
+    Args:
+        abilities: what the unit can, as this version calls it.
+        enumeration: adds an enumeration with a name; gives the element for its values.
+    """
+    root = Element(
         "fmiModelDescription",
         {
             "fmiVersion": version,
@@ -48,15 +60,27 @@ def _root(unit: Unit, version: str, token: dict[str, str]) -> Element:
             "variableNamingConvention": "flat",
         },
     )
-
-
-def _seconds(root: Element) -> None:
-    unit = SubElement(SubElement(root, "UnitDefinitions"), "Unit", {"name": "s"})
-    SubElement(unit, "BaseUnit", {"s": "1"})
-
-
-def _log_categories(root: Element) -> None:
+    SubElement(root, "CoSimulation", {"modelIdentifier": unit.name, **dict.fromkeys(abilities, "true")})
+    seconds = SubElement(SubElement(root, "UnitDefinitions"), "Unit", {"name": "s"})
+    SubElement(seconds, "BaseUnit", {"s": "1"})
+    definitions = SubElement(root, "TypeDefinitions")
+    for labels, name in type_names(unit.variables).items():
+        values = enumeration(definitions, name)
+        for number, label in enumerate(labels):
+            SubElement(values, "Item", {"name": label, "value": str(number)})
     SubElement(SubElement(root, "LogCategories"), "Category", {"name": "error", "description": "what went wrong"})
+    SubElement(root, "DefaultExperiment", {"startTime": "0"})
+    return root
+
+
+def _declared(reference: int, variable: Variable) -> dict[str, str]:
+    """How both versions declare a variable."""
+    return {
+        "name": variable.name,
+        "valueReference": str(reference),
+        "causality": _causality(variable.role),
+        "variability": _variability(variable.role),
+    }
 
 
 def _value(variable: Variable) -> dict[str, str]:
@@ -92,6 +116,10 @@ def _variability(role: Role) -> str:
             return "discrete"
 
 
+def _outputs(unit: Unit) -> list[int]:
+    return [n for n, variable in enumerate(unit.variables) if _causality(variable.role) == "output"]
+
+
 # ---- version 3 ------------------------------------------------------------------------------------------------------
 
 _TAGS_3 = {
@@ -105,37 +133,24 @@ _TAGS_3 = {
 
 
 def _version_3(unit: Unit, token: str) -> Element:
-    root = _root(unit, "3.0", {"instantiationToken": token})
-    SubElement(
-        root,
-        "CoSimulation",
-        {
-            "modelIdentifier": unit.name,
-            "canGetAndSetFMUState": "true",
-            "canSerializeFMUState": "true",
-            "canHandleVariableCommunicationStepSize": "true",
-            "hasEventMode": "true",
-        },
+    abilities = (
+        "canGetAndSetFMUState",
+        "canSerializeFMUState",
+        "canHandleVariableCommunicationStepSize",
+        "hasEventMode",
     )
-    _seconds(root)
+    root = _head(
+        unit,
+        "3.0",
+        {"instantiationToken": token},
+        abilities,
+        lambda definitions, name: SubElement(definitions, "EnumerationType", {"name": name}),
+    )
     types = type_names(unit.variables)
-    definitions = SubElement(root, "TypeDefinitions")
-    for labels, name in types.items():
-        definition = SubElement(definitions, "EnumerationType", {"name": name})
-        for number, label in enumerate(labels):
-            SubElement(definition, "Item", {"name": label, "value": str(number)})
-    _log_categories(root)
-    SubElement(root, "DefaultExperiment", {"startTime": "0"})
     variables = SubElement(root, "ModelVariables")
     structure = SubElement(root, "ModelStructure")
-    calculated = []
     for reference, variable in enumerate(unit.variables):
-        attributes = {
-            "name": variable.name,
-            "valueReference": str(reference),
-            "causality": _causality(variable.role),
-            "variability": _variability(variable.role),
-        }
+        attributes = _declared(reference, variable)
         match variable.kind:
             case Kind.REAL:
                 attributes |= {"unit": "s"} if variable.role is Role.TIME else {}
@@ -146,11 +161,9 @@ def _version_3(unit: Unit, token: str) -> Element:
             case Kind.INTEGER | Kind.TRUTH | Kind.NATURAL:
                 pass
         SubElement(variables, _TAGS_3[variable.kind], attributes | _value(variable))
-        if _causality(variable.role) == "output":
-            SubElement(structure, "Output", {"valueReference": str(reference)})
-            calculated.append(reference)
-    for reference in calculated:
-        SubElement(structure, "InitialUnknown", {"valueReference": str(reference)})
+    for element in ("Output", "InitialUnknown"):
+        for reference in _outputs(unit):
+            SubElement(structure, element, {"valueReference": str(reference)})
     return root
 
 
@@ -167,50 +180,28 @@ _TAGS_2 = {
 
 
 def _version_2(unit: Unit, token: str) -> Element:
-    root = _root(unit, "2.0", {"guid": token})
-    SubElement(
-        root,
-        "CoSimulation",
-        {
-            "modelIdentifier": unit.name,
-            "canHandleVariableCommunicationStepSize": "true",
-            "canGetAndSetFMUstate": "true",
-            "canSerializeFMUstate": "true",
-        },
+    abilities = ("canHandleVariableCommunicationStepSize", "canGetAndSetFMUstate", "canSerializeFMUstate")
+    root = _head(
+        unit,
+        "2.0",
+        {"guid": token},
+        abilities,
+        lambda definitions, name: SubElement(SubElement(definitions, "SimpleType", {"name": name}), "Enumeration"),
     )
-    _seconds(root)
     types = type_names(unit.variables)
-    definitions = SubElement(root, "TypeDefinitions")
-    for labels, name in types.items():
-        definition = SubElement(SubElement(definitions, "SimpleType", {"name": name}), "Enumeration")
-        for number, label in enumerate(labels):
-            SubElement(definition, "Item", {"name": label, "value": str(number)})
-    _log_categories(root)
-    SubElement(root, "DefaultExperiment", {"startTime": "0"})
     variables = SubElement(root, "ModelVariables")
     structure = SubElement(root, "ModelStructure")
-    outputs = []
     for reference, variable in enumerate(unit.variables):
-        scalar = SubElement(
-            variables,
-            "ScalarVariable",
-            {
-                "name": variable.name,
-                "valueReference": str(reference),
-                "causality": _causality(variable.role),
-                "variability": _variability(variable.role),
-            },
-        )
+        scalar = SubElement(variables, "ScalarVariable", _declared(reference, variable))
         attributes = {"unit": "s"} if variable.role is Role.TIME else {}
         if variable.kind is Kind.ENUMERATION:
             attributes["declaredType"] = types[variable.labels]
         if variable.kind is Kind.NATURAL:
             attributes["min"] = "0"
         SubElement(scalar, _TAGS_2[variable.kind], attributes | _value(variable))
-        outputs += [reference + 1] if _causality(variable.role) == "output" else []
-    for element in ("Outputs", "InitialUnknowns"):
-        if outputs:
-            unknowns = SubElement(structure, element)
-            for index in outputs:
-                SubElement(unknowns, "Unknown", {"index": str(index)})
+    outputs = _outputs(unit)
+    for element in ("Outputs", "InitialUnknowns") if outputs else ():
+        unknowns = SubElement(structure, element)
+        for reference in outputs:
+            SubElement(unknowns, "Unknown", {"index": str(reference + 1)})
     return root

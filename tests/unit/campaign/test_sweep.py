@@ -97,6 +97,16 @@ def test_a_name_says_that_a_file_holds_the_table(counter: Path, tmp_path: Path) 
     assert [row["MOST"] for row in json.loads(table.read_text(encoding="utf-8"))["rows"]] == [2, 3]
 
 
+def test_a_program_without_a_guard_is_told_of_it(counter: Path, tmp_path: Path) -> None:
+    """It would run again in each process."""
+    program = tmp_path / "program.py"
+    program.write_text(f"import tachk\ntachk.load({str(counter)!r}).sweep(over=['MOST=2,3'], processes=1)\n")
+    ended = subprocess.run([sys.executable, str(program)], capture_output=True, text=True, check=False)
+    assert ended.returncode == 1
+    assert ended.stderr.count("Traceback") == 1
+    assert "it would sweep again" in ended.stderr and '__name__ == "__main__"' in ended.stderr
+
+
 def test_what_a_cell_cannot_answer(counter: Path) -> None:
     """A wrong cell does no harm to the others."""
     rows = tachk.load(counter).sweep(over=["MOST=19,20", "STEP=1,3,1/0,999"], property="reached", processes=2).rows
