@@ -80,6 +80,14 @@ def explore_everything(
     return outcome, taken
 
 
+def leads_to(
+    program: Program, goals: Sequence[Goal], options: Options, actions: Sequence[Sequence[int]], goal: int
+) -> bool:
+    """Whether a path of edges of the program, by their numbers, leads to a goal. Zones are exact."""
+    exact = replace(options, extrapolation=Extrapolation.NONE)
+    return _explorer(program, goals, exact, Limits()).leads_to(actions, goal)
+
+
 def _search(
     program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
 ) -> tuple[Outcome, list[int]]:
@@ -109,13 +117,12 @@ def _outcome(
     outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
     if options.extrapolation is not Extrapolation.LU:
         return outcome, []
-    exact = replace(options, extrapolation=Extrapolation.NONE)
     everybody = replace(program, interchangeable=())
     doubtful = []
     for number, goal in enumerate(goals):
         node = explorer.reached(number)
         if node is not None and any(d.deadlock is not DeadlockLiteral.ABSENT for d in goal.disjuncts):
-            if not _explorer(everybody, goals, exact, Limits()).leads_to(explorer.path(node), number):
+            if not leads_to(everybody, goals, options, explorer.path(node), number):
                 doubtful.append(number)
     return outcome, doubtful
 

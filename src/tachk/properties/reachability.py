@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from tachk.certify.replay import ReplayError, replay
@@ -11,10 +11,11 @@ from tachk.compiler.lower import lower
 from tachk.compiler.program import Goal, Program
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.engines.concretise import concretise
+from tachk.engines.guided_search import explore_along, states_along
 from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, GoalOutcome, Outcome, Progress, Status
+from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, GoalOutcome, Outcome, Progress, Statistics, Status
 from tachk.engines.zone import explore
-from tachk.model.expressions import Expression
+from tachk.model.expressions import Expression, Variable
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
@@ -25,13 +26,16 @@ from tachk.properties.unanswered import none_begun
 from tachk.properties.unexamined import unexamined
 from tachk.properties.vacuity import Trigger, noted, triggers_of, with_notes
 from tachk.properties.verdict import Answer, Verdict
+from tachk.records import dataclass
+from tachk.reduction.budgets import budgets
 from tachk.reduction.bystanders import without_bystanders
+from tachk.reduction.guided import guided
 from tachk.reduction.impossible import without_impossible
 from tachk.reduction.spectators import with_spectators, without_spectators
 from tachk.reduction.symmetry.tables import in_equal_parts, with_symmetry
 from tachk.semantics.discrete import PreparedNetwork, prepare
 from tachk.semantics.step import StepError
-from tachk.semantics.timed_trace import TimedTrace
+from tachk.semantics.timed_trace import TimedTrace, Transition
 from tachk.time_limit import OutOfTimeError, time_limit
 
 
@@ -46,16 +50,24 @@ def answer(
                 model = prepare(observed(model.network, search.observer))
     except OutOfTimeError:
         return none_begun(search.tasks, TIME_LIMIT)
-    settled = {}
+    settled: dict[int, Verdict] = {}
     if options.drop_bystanders:
-        settled = _settle_without_bystanders(model.network, search, options, limits, progress)
-    if any(verdict.reason == INTERRUPTED for verdict in settled.values()):
-        return settled
+        settled, reached = _settle_without_bystanders(model.network, search, options, limits, progress)
+        for task in search.tasks:
+            if task.number in reached and not _is_interrupted(settled):
+                left = limits.after(time.monotonic() - started)
+                settled |= _carried_over(model, task, reached[task.number], options, left, progress, trace)
+    if _is_interrupted(settled):
+        return none_begun((t for t in search.tasks if t.number not in settled), INTERRUPTED) | settled
     rest = tuple(task for task in search.tasks if task.number not in settled)
     for tasks in _parts(model.network, rest, options):
         left = limits.after(time.monotonic() - started)
         settled |= _explore(model, replace(search, tasks=tasks), options, left, progress, trace)
     return settled
+
+
+def _is_interrupted(settled: Mapping[int, Verdict]) -> bool:
+    return any(verdict.reason == INTERRUPTED for verdict in settled.values())
 
 
 def _parts(network: Network, tasks: tuple[Task, ...], options: Options) -> list[tuple[Task, ...]]:
@@ -70,10 +82,31 @@ _FIRST_TRY = 1_000_000
 """How many states may be stored without bystanders, which may have more states than the whole network."""
 
 
+WORTH_CARRYING_OVER = 5_000
+"""So many states without bystanders make it worth while to look for the run with them along the one without."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A target that is reached in the network without bystanders.
+
+    Attributes:
+        network: that network.
+        path: the transitions of the others that lead to it.
+        spared: budgets that they use.
+    """
+
+    network: Network
+    path: tuple[Transition, ...]
+    spared: frozenset[Variable]
+    statistics: Statistics
+
+
 def _settle_without_bystanders(
     network: Network, search: Search, options: Options, limits: Limits, progress: Progress | None
-) -> dict[int, Verdict]:
-    """The verdicts about targets that are unreachable even if nothing hinders the processes they depend on."""
+) -> tuple[dict[int, Verdict], dict[int, _Found]]:
+    """The verdicts about targets that are unreachable even if nothing hinders the processes they depend on, and what
+    was found about those that are reachable then."""
     started = time.monotonic()
     targets = [task.target for task in search.tasks]
     first_try = replace(
@@ -84,23 +117,66 @@ def _settle_without_bystanders(
     try:
         with time_limit(first_try.seconds):
             triggers = triggers_of(search.tasks, network)
+            mentioned = [*targets, *(trigger.condition for trigger in triggers)]
             network = without_impossible(network)
-            relaxed = without_bystanders(network, [*targets, *(trigger.condition for trigger in triggers)])
+            relaxed = without_bystanders(network, mentioned)
             if relaxed == network:
-                return {}
+                return {}, {}
             program, goals = _lowered(relaxed, targets, triggers, options)
+            spared = budgets(network, mentioned)
     except OutOfTimeError:
-        return {}
+        return {}, {}
     outcome = explore(program, goals, options, first_try.after(time.monotonic() - started), progress)
     if outcome.reason == INTERRUPTED:
-        return none_begun(search.tasks, INTERRUPTED)
+        return none_begun(search.tasks, INTERRUPTED), {}
     left_out = unexamined(network, relaxed)
+    found = list(zip(search.tasks, outcome.goals[: len(targets)], strict=True))
     settled = {
         task.number: Verdict(task.query, answers_of(task.query)[1], True, "", outcome.statistics, unexamined=left_out)
-        for task, goal in zip(search.tasks, outcome.goals[: len(targets)], strict=True)
+        for task, goal in found
         if goal.status is Status.UNREACHABLE
     }
-    return with_notes(settled, triggers, outcome.goals[len(targets) :])
+    reached = {
+        task.number: _Found(relaxed, goal.path, spared, outcome.statistics)
+        for task, goal in found
+        if goal.status is Status.REACHED and goal.path is not None
+    }
+    if options.shortest or not outcome.exact or outcome.statistics.states_stored < WORTH_CARRYING_OVER:
+        reached = {}
+    return with_notes(settled, triggers, outcome.goals[len(targets) :]), reached
+
+
+def _carried_over(
+    model: PreparedNetwork,
+    task: Task,
+    found: _Found,
+    options: Options,
+    limits: Limits,
+    progress: Progress | None,
+    trace: bool,
+) -> dict[int, Verdict]:
+    """The verdict about a target that is reached without bystanders, if it is reached in the same way with them."""
+    started = time.monotonic()
+    members = {number for number, process in enumerate(found.network.processes) if process.edges}
+    try:
+        with time_limit(limits.seconds):
+            network = without_spectators(model.network, [task.target]) if options.hold_spectators else model.network
+            if any(not network.processes[number].edges for number in members):
+                return {}
+            along = guided(network, found.path, members, found.spared)
+            most = states_along(found.path, found.statistics.states_stored)
+            bounded = replace(limits, states=most if limits.states is None else min(limits.states, most))
+            left = bounded.after(time.monotonic() - started)
+            outcome = explore_along(along, network, task.target, options, left, progress)
+    except OutOfTimeError:
+        return {}
+    outcome = replace(outcome, statistics=found.statistics.then(outcome.statistics))
+    if outcome.reason == INTERRUPTED:
+        return none_begun([task], INTERRUPTED)
+    if outcome.goals[0].status is not Status.REACHED:
+        return {}
+    verdict = verdict_of(model, prepare(network), task, outcome.goals[0], outcome, trace)
+    return {} if verdict is None else {task.number: verdict}
 
 
 def _explore(
