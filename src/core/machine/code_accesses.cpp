@@ -225,6 +225,10 @@ void CodeAccesses::add(const Condition& condition) {
     reads.add_clock(atom.left);
     reads.add_clock(atom.right);
   }
+  for (const FlowTest& test : condition.flow) {
+    add(test.left);
+    add(test.right);
+  }
   for (const ComputedConstraint& constraint : condition.computed) {
     add(constraint.bound_code);
     add(constraint.condition);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "simulation/reads.hpp"
+#include "machine/code_accesses.hpp"
 
 namespace tachk {
 namespace {
@@ -16,6 +16,14 @@ std::uint64_t clocks_of(const Condition& condition, const Program& program) {
     clocks |= clock_group(static_cast<std::size_t>(constraint.right));
   }
   return program.has_stopwatches ? UINT64_MAX : clocks;
+}
+
+// Groups of slots with one that is read.
+SlotSet slots_of(const Cells& read, const Program& program) {
+  SlotSet slots;
+  for (std::size_t slot = 0; slot < program.state_slots; ++slot)
+    if (read.has_slot(slot)) slots.add(slot);
+  return slots;
 }
 
 bool may_be_urgent(const Edge& edge, const Program& program) {
@@ -50,25 +58,27 @@ Tables::Tables(const Program& program, const Chances& chances) : listening(progr
       if (urgent_senders.empty() || urgent_senders.back() != edge.process) urgent_senders.push_back(edge.process);
     }
   }
+  CodeAccesses accesses(program);
   for (Station& place : places) {
     Outlook& outlook = place.outlook;
-    Reads reads(program);
-    reads.add(place.location->invariant);
-    reads.add(place.rate->code);
+    accesses.clear();
+    accesses.add(place.location->invariant);
+    accesses.add(place.rate->code);
     outlook.clocks = clocks_of(place.location->invariant, program);
     outlook.looks_at_flow = !place.location->invariant.flow.empty();
     for (const Output& output : place.outputs) {
       const Condition& guard = program.edges[output.edge].guard;
-      reads.add(guard);
+      accesses.add(guard);
       outlook.clocks |= clocks_of(guard, program);
       outlook.looks_at_flow |= !guard.flow.empty();
     }
     outlook.clocks &= ~clock_group(0) | (program.clocks >= 64 ? clock_group(0) : 0);
-    outlook.reads = reads.slots();
+    outlook.reads = slots_of(accesses.reads, program);
     outlook.committed = place.location->committed;
     outlook.urgent = place.location->urgent;
     outlook.has_invariant = place.location->has_invariant;
-    reads_locations |= reads.reads_locations();
+    for (std::size_t process = 0; process < program.processes.size(); ++process)
+      reads_locations |= accesses.reads.has_slot(process);
   }
   for (std::uint32_t slot = 0; slot < program.state_slots; ++slot)
     if (program.slots[slot].meta) meta_slots.push_back(slot);
