@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from itertools import islice
 
 from tachk.diagnostics.diagnostic import UsageError
 from tachk.diagnostics.suggestion import did_you_mean
@@ -57,7 +58,8 @@ def chosen_columns(network: Network, names: Collection[str]) -> tuple[Column, ..
         if column is None:
             raise UsageError(
                 f"there is no signal, process, location or variable {name!r} to record",
-                did_you_mean(name, known) or f"there are: {', '.join(list(reversed(known))[:20])}",
+                did_you_mean(name, [*known, *_places(network)])
+                or f"there are: {', '.join([*list(reversed(known))[:20], *islice(_places(network), 1)])}",
             )
         result.append(column)
     return tuple(result)
@@ -131,6 +133,11 @@ def _is_recorded(type_: Type) -> bool:
         case _:
             assert isinstance(type_, ClockType | ChannelType)
             return False
+
+
+def _places(network: Network) -> Iterator[str]:
+    for process in network.processes:
+        yield from (f"{process.name}.{location.name}" for location in process.locations)
 
 
 def _at_location(network: Network, name: str) -> Column | None:

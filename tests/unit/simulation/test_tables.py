@@ -13,7 +13,7 @@ from tachk.engines.simulation.simulator import TICKS_PER_UNIT, Drawing, Recorded
 from tachk.formats.network_json.network import network_from_json, network_to_json
 from tachk.runtime.trace import Trace
 from tachk.runtime.trace_files import open_trace
-from tachk.simulation.columns import all_columns
+from tachk.simulation.columns import all_columns, chosen_columns
 from tachk.simulation.runs import Runs
 from tachk.simulation.tables import decimal_time, run_writer
 
@@ -98,3 +98,12 @@ def test_rates_and_weights_survive_other_forms_of_the_model() -> None:
     assert network_to_json(network_from_json(written)) == written
     in_xml = tachk.loads(tachk.export(tachk.loads(MODEL), "xml")).network
     assert network_to_json(in_xml)["processes"] == written["processes"]
+
+
+@pytest.mark.parametrize(
+    ("name", "help"), [("P.Onn", "did you mean `P.On`?"), ("zzz", "there are: odd, P, count, P.On")]
+)
+def test_a_wrong_column_is_told_of_those_that_there_are(name: str, help: str) -> None:
+    with pytest.raises(UsageError) as told:
+        chosen_columns(tachk.loads(MODEL).network, [name])
+    assert told.value.help == help
