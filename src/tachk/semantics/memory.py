@@ -19,19 +19,19 @@ class Memory:
 
     def __init__(self) -> None:
         self._known: dict[Hashable, dict[Hashable, Any]] = {}
-        self._last: Hashable = None
-        self._known_of_last: dict[Hashable, Any] = {}
+        self._last: tuple[Hashable, dict[Hashable, Any]] = (None, {})
 
     def of(self, discrete: Hashable) -> dict[Hashable, Any]:
         """What is remembered of a discrete state; the one that has been there longest makes room for a new one."""
-        if discrete is self._last:  # whose hash need not be computed again
-            return self._known_of_last
+        last, known_of_last = self._last
+        if discrete is last:  # its hash need not be computed again
+            return known_of_last
         found = self._known.get(discrete)
         if found is None:
             if len(self._known) == MOST_STATES:
                 del self._known[next(iter(self._known))]
             found = self._known[discrete] = {}
-        self._last, self._known_of_last = discrete, found
+        self._last = discrete, found
         return found
 
 
