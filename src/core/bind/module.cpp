@@ -85,6 +85,7 @@ void bind_options(nb::module_& m) {
       .def_rw("scale", &Options::scale)
       .def_rw("vector", &Options::vector)
       .def_rw("alu", &Options::alu)
+      .def_rw("merging", &Options::merging)
       .def_rw("reclaim", &Options::reclaim)
       .def_rw("pack_clocks", &Options::pack_clocks)
       .def_rw("passing", &Options::passing)
@@ -148,6 +149,8 @@ NB_MODULE(_core, m) {
           },
           nb::arg("measure"), "(value or None for no limit, strict, node) of the extreme value; None if there is none.")
       .def("path", &tachk::Explorer::path, nb::arg("node"), "The edge numbers of each action on the way to a node.")
+      .def("path_to_goal", &tachk::Explorer::path_to_goal, nb::arg("goal"),
+           "The edge numbers of each action on the way to a goal that is reached.")
       .def("leads_to", &tachk::Explorer::leads_to, nb::arg("actions"), nb::arg("goal"),
            "Whether these actions, as edge numbers, can end in a goal; for a fresh explorer without extrapolation.")
       .def("fault", &fault_of, "(kind, code position, path, edges of the action) of a run-time error, or None.")

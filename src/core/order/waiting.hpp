@@ -70,6 +70,8 @@ class Waiting final {
     if (!is_queue()) return;
     for (std::uint32_t node = cursor_; node < end_ && most-- > 0; ++node) nodes.push_back(node);
   }
+  // The states with this number and larger ones all wait; no_node where the order is not that of the numbers.
+  std::uint32_t first_untouched() const { return is_queue() && !by_progress_ ? cursor_ : no_node; }
 
   // Whether a state may be explored. Notes if it may not, because of the limit on depth.
   bool admits(std::uint32_t node) {

@@ -23,6 +23,11 @@ Options consistent(Options options, const Limits& limits, const Program& program
   // An action that is taken first makes paths longer, and what is passed through is explored before what is new.
   if (options.shortest || limits.depth != UINT32_MAX || options.passing != 0 || !program.interchangeable.empty())
     options.partial_order = false;
+  // A path to a united state has not been stored, and is told only to goals.
+  if (options.shortest || limits.depth != UINT32_MAX || options.passing != 0 || options.partial_order ||
+      !program.measures.empty() || !options.subsumption)
+    options.merging = false;
+  options.threads = 1;  // which ask nobody what lies in the corridor
   return options;
 }
 
@@ -55,6 +60,7 @@ Explorer::Explorer(Program program, const Options& options, const Limits& limits
       measures_(graph_.program(), graph_.semantics(), graph_.operations()),
       passing_(graph_, options_.passing),
       partial_order_(graph_, options_.partial_order),
+      merging_(options_.merging, graph_.operations()),
       source_(graph_.blank()),
       work_{.taken = std::vector<std::uint8_t>(graph_.program().edges.size(), 0),
             .simulation = Trial(options_.alu && options_.subsumption && graph_.knows_simulation() &&
@@ -83,6 +89,7 @@ struct Explorer::Storing {
   bool wants(const Successor& successor) {
     if (!successor.edges.empty()) ++search.work_.transitions;
     for (const std::uint32_t edge : successor.edges) search.work_.taken[edge] = 1;
+    if (search.corridor_ && !search.corridor_->contains(successor.slots)) return false;
     passes = search.passing_.passes(successor);
     if (passes) return true;
     discrete = search.passed_.locate();
@@ -167,13 +174,19 @@ void Explorer::note_coverer(std::uint32_t discrete, const Successor& successor) 
   if (coverer != no_node) partial_order_.leads_to(coverer);
 }
 
-void Explorer::store(const Successor& successor, std::uint32_t discrete, bool may_meet) {
-  const auto [edges, slots, zone] = successor;
-  const std::uint32_t parent = edges.empty() ? no_node : node_;
-  const ClockBounds bounds = work_.simulation.asking() ? graph_.bounds(slots) : ClockBounds{};
-  const std::uint32_t number = passed_.add(discrete, graph_.packed(slots, zone), parent, options_.subsumption,
-                                           work_.simulation.asking() ? &bounds : nullptr);
+void Explorer::store(const Successor& successor, std::uint32_t discrete, bool may_meet,
+                     std::optional<std::uint64_t> apart) {
+  const std::uint32_t parent = successor.edges.empty() ? no_node : node_;
+  const ZoneView zone = graph_.packed(successor.slots, successor.zone);
+  const ZoneView united = merging_.united(passed_, discrete, zone, waiting_.first_untouched());
+  const bool larger = united.data.bytes != zone.data.bytes;
+  if (larger && work_.ahead) work_.ahead->doubt();
+  const ClockBounds bounds = work_.simulation.asking() ? graph_.bounds(successor.slots) : ClockBounds{};
+  const std::uint32_t number = apart && !larger ? passed_.add_apart(discrete, zone, *apart, parent)
+                                                : passed_.add(discrete, united, parent, options_.subsumption,
+                                                              work_.simulation.asking() ? &bounds : nullptr);
   if (number == no_node) return note_coverer(discrete, successor);
+  merging_.stored(number);
   partial_order_.leads_to(number);
   enlist(number, parent, successor, may_meet);
 }
@@ -252,14 +265,10 @@ void Explorer::take(const Finder& finder, Found& found, bool& wanted) {
   const Successor successor{{&some_edge, 1}, slots, finder.zone(found.abstract)};
   const std::uint32_t before = passed_.size();
   if (coverer != nullptr) work_.ahead->doubt();
-  if (!apart || (work_.simulation.asking() && !passed_.is_new(discrete))) {
-    found.node = before;
-    store(successor, discrete, found.meets);
-    if (passed_.size() == before) found.node = no_node;
-  } else {
-    found.node = passed_.add_apart(discrete, graph_.packed(slots, successor.zone), found.hash, node_);
-    enlist(found.node, node_, successor, found.meets);
-  }
+  const bool alone = apart && (!work_.simulation.asking() || passed_.is_new(discrete));
+  found.node = before;
+  store(successor, discrete, found.meets, alone ? std::optional(found.hash) : std::nullopt);
+  if (passed_.size() == before) found.node = no_node;
 }
 
 // ---- special cases --------------------------------------------------------------------------------------------------
@@ -306,7 +315,7 @@ Status Explorer::run(std::uint64_t expansions) {
 }
 
 Statistics Explorer::statistics() const {
-  return {work_.explored, passed_.stored(), work_.transitions, passed_.bytes() + waiting_.bytes()};
+  return {work_.explored, passed_.stored(), work_.transitions, passed_.bytes() + waiting_.bytes() + merging_.bytes()};
 }
 
 std::vector<std::uint32_t> Explorer::taken() const {
@@ -320,11 +329,42 @@ std::optional<std::uint32_t> Explorer::reached(std::size_t goal) const {
   return goals_.node(goal) == no_node ? std::nullopt : std::optional(goals_.node(goal));
 }
 
+std::unique_ptr<Explorer> Explorer::among_origins(std::uint32_t node, Program program) {
+  auto corridor = std::make_unique<Corridor>(graph_.program().state_slots);
+  std::vector<std::int32_t> slots(source_.slots.size());
+  for (const std::uint32_t origin : merging_.origins(passed_, node)) {
+    passed_.unpack(passed_.node(origin), slots.data());
+    corridor->add(slots.data());
+  }
+  Options options = options_;
+  options.merging = false;
+  options.threads = 1;  // which ask nobody what lies in the corridor
+  auto search = std::make_unique<Explorer>(std::move(program), options);
+  search->corridor_ = std::move(corridor);
+  return search;
+}
+
+Path Explorer::path_to_goal(std::size_t goal) {
+  if (!merging_.any()) return path(goals_.node(goal));
+  const std::unique_ptr<Explorer> narrow = among_origins(goals_.node(goal), graph_.program());
+  while (narrow->goals_.node(goal) == no_node)
+    if (narrow->run(1) != Status::running && narrow->goals_.node(goal) == no_node)
+      throw std::logic_error("united states are not reached one by one");
+  return narrow->path_to_goal(goal);
+}
+
 Path Explorer::path(std::uint32_t node) { return path_to(graph_, passed_, options_.passing, node); }
 
 FaultReport Explorer::told_fault(Path& path) {
   FaultReport report = *fault_;
   if (report.node == no_node) return report;
+  if (merging_.any()) {
+    Program endless = graph_.program();  // no goal ends the search before the error does
+    endless.goals.emplace_back();
+    const std::unique_ptr<Explorer> narrow = among_origins(report.node, std::move(endless));
+    if (narrow->run(UINT64_MAX) != Status::fault) throw std::logic_error("united states do not meet a run-time error");
+    return narrow->told_fault(path);
+  }
   SymbolicState last = graph_.blank();
   path = path_to(graph_, passed_, options_.passing, report.node, &last);
   if (report.edges.empty() || !graph_.representatives().active()) return report;

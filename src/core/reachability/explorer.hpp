@@ -7,15 +7,18 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "order/waiting.hpp"
 #include "program/program.hpp"
 #include "reachability/ahead/ahead.hpp"
+#include "reachability/corridor.hpp"
 #include "reachability/deadlock_watch.hpp"
 #include "reachability/goals.hpp"
 #include "reachability/measures.hpp"
+#include "reachability/merging.hpp"
 #include "reachability/options.hpp"
 #include "reachability/passing.hpp"
 #include "states/store.hpp"
@@ -74,8 +77,10 @@ class Explorer final {
   // The edges that some action of an explored state has taken, in ascending order. Where the search has gone through
   // everything, no other edge can be taken at all.
   std::vector<std::uint32_t> taken() const;
-  // The actions that lead from the initial state to a node.
+  // The actions that lead from the initial state to a node. Not where states have been united.
   Path path(std::uint32_t node);
+  // Actions that lead from the initial state to a goal that has been reached.
+  Path path_to_goal(std::size_t goal);
   // Whether these actions, taken one after the other from the initial state, can end in a goal. Asked of an explorer
   // without extrapolation that has not run; false also if clock values become too large on the way.
   bool leads_to(const Path& actions, std::size_t goal);
@@ -103,12 +108,16 @@ class Explorer final {
   void take(const Finder& finder, Found& found, bool& wanted);
   bool covers(std::uint32_t discrete, const Successor& successor);
   bool simulates(std::uint32_t discrete, const Successor& successor);
-  // `may_meet`: not if the state is known to meet no open goal.
-  void store(const Successor& successor, std::uint32_t discrete, bool may_meet);
+  // `may_meet`: not if the state is known to meet no open goal. `apart`: the hash of its zone, if it is known that it
+  // covers no stored one and no stored one covers it.
+  void store(const Successor& successor, std::uint32_t discrete, bool may_meet,
+             std::optional<std::uint64_t> apart = std::nullopt);
   void enlist(std::uint32_t number, std::uint32_t parent, const Successor& successor, bool may_meet);
   void note_coverer(std::uint32_t discrete, const Successor& successor);
   bool keeps_layers(std::uint32_t node);
   bool meets_a_goal(const Successor& successor);
+  // A search through the discrete states that lead to a node, which unites none.
+  std::unique_ptr<Explorer> among_origins(std::uint32_t node, Program program);
 
   Options options_;
   Limits limits_;
@@ -121,8 +130,10 @@ class Explorer final {
   MeasureWatch measures_;
   PassingStates passing_;
   PartialOrder partial_order_;
-  SymbolicState source_;          // that is being expanded; a copy, because its node may be covered meanwhile
-  std::uint32_t node_ = no_node;  // its number, or that of the stored state from which it is passed through
+  Merging merging_;
+  std::unique_ptr<Corridor> corridor_;  // null: all discrete states
+  SymbolicState source_;                // that is being expanded; a copy, because its node may be covered meanwhile
+  std::uint32_t node_ = no_node;        // its number, or that of the stored state from which it is passed through
   Work work_;
   std::optional<FaultReport> fault_;
 };

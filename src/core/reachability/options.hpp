@@ -14,7 +14,8 @@ struct Options : ZoneGraphOptions {
   SearchOrder order = SearchOrder::automatic;
   std::uint32_t seed = 1;
   bool subsumption = true;
-  bool alu = true;  // a state is dropped also for one that simulates it, where only what can be reached matters
+  bool alu = true;      // a state is dropped also for one that simulates it, where only what can be reached matters
+  bool merging = true;  // waiting states of one discrete part become one where their zones together are a zone
   bool reclaim = true;
   // States with one process in a committed location are passed through, not stored, up to so many in a row.
   std::uint32_t passing = 0;

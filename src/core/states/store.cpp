@@ -48,6 +48,22 @@ std::size_t PassedList::count(std::uint32_t discrete) const {
   return length;
 }
 
+std::size_t PassedList::unite(std::uint32_t discrete, ZoneView zone, std::uint32_t first, ZoneRef united,
+                              std::vector<std::uint32_t>& parts) const {
+  const ZoneOperations& operations = zones_.operations(zone.dimension);
+  std::memcpy(united.bytes, zone.data.bytes, operations.bytes);
+  std::size_t looked = 0;
+  for (std::size_t before = SIZE_MAX; before != parts.size();) {  // a larger zone may unite with what a smaller did not
+    before = parts.size();
+    for_each_member(head(discrete), [&](std::uint32_t number) {
+      if (number < first) return;
+      ++looked;
+      if (operations.unite(united, zones_[node(number).zone], zone.dimension)) parts.push_back(number);
+    });
+  }
+  return looked;
+}
+
 std::uint32_t PassedList::find(std::uint32_t discrete, ZoneView zone) const {
   std::uint32_t found = no_node;
   const auto equal = [&](std::uint32_t number) {

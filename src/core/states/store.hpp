@@ -48,6 +48,10 @@ class PassedList {
   std::uint32_t coverer(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds = nullptr) const;
   // Whether no state with this discrete part has been stored.
   bool is_new(std::uint32_t discrete) const { return head(discrete) == no_node; }
+  // Unites a zone with those of this discrete state in nodes from `first` on, one after the other, where that makes a
+  // zone which is larger. The union goes to `united`, the nodes are added to `parts`. How many zones were looked at.
+  std::size_t unite(std::uint32_t discrete, ZoneView zone, std::uint32_t first, ZoneRef united,
+                    std::vector<std::uint32_t>& parts) const;
   // How many states with this discrete part are stored.
   std::size_t count(std::uint32_t discrete) const;
 
@@ -132,6 +136,11 @@ class PassedList {
   std::uint32_t append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent);
   bool is_protected(std::uint32_t number) const { return number - protected_first_ < protected_count_; }
   bool holds(std::uint32_t head, std::uint32_t zone_number) const;
+  template <class Visit>
+  void for_each_member(std::uint32_t head, Visit visit) const {
+    if (is_long(head)) return chain(head).for_each(visit);
+    for (std::uint32_t number = head; number != no_node; number = node(number).next) visit(number);
+  }
   void append(std::uint32_t& head, std::uint32_t number);
   void add_to(Antichain& members, std::uint32_t number);
   Extent extent_of(ZoneView zone) const {

@@ -1,4 +1,4 @@
-// Whether it pays to ask a dearer question after a cheap one has said no. It is asked for a good while, because it may
+// Whether it pays to ask a dearer question after a cheap one has said no. It is asked for a while, because it may
 // say yes only once much is known, and goes on being asked as long as it says yes often for what it costs. Otherwise it
 // is tried again later, for a short time.
 #pragma once
@@ -10,8 +10,11 @@ namespace tachk {
 
 class Trial final {
  public:
-  // Not `allowed`: the question is never asked.
-  explicit Trial(bool allowed) : left_(allowed ? first : 0), allowed_(allowed) {}
+  static constexpr std::int64_t long_first = std::int64_t{1} << 18;
+  static constexpr std::int64_t short_first = std::int64_t{1} << 15;
+
+  // Not `allowed`: the question is never asked. `first`: what it may cost before its answers are weighed.
+  explicit Trial(bool allowed, std::int64_t first = long_first) : left_(allowed ? first : 0), allowed_(allowed) {}
 
   // Whether the question is to be asked this time.
   bool asks() {
@@ -33,7 +36,6 @@ class Trial final {
   }
 
  private:
-  static constexpr std::int64_t first = std::int64_t{1} << 18;
   static constexpr std::int64_t window = std::int64_t{1} << 14;
   static constexpr std::int64_t worth = 128;
   static constexpr std::uint32_t skip = std::uint32_t{1} << 17;

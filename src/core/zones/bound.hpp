@@ -13,6 +13,9 @@ constexpr Raw raw_bound(Raw value, bool strict) { return 2 * value + (strict ? 0
 constexpr Raw raw_value(Raw raw) { return raw >> 1; }
 constexpr Raw raw_negated(Raw raw) { return 1 - raw; }  // not (x < c) is (-x <= -c), and the other way round
 
+// Of two finite bounds.
+constexpr Raw plus(Raw a, Raw b) { return a + b - ((a | b) & 1); }
+
 // The constants of a bound type. A finite entry of a zone stays within (-legal, legal); adding two of them, or one to
 // `beyond`, cannot overflow, and the latter never falls below `infinity`.
 template <class T>

@@ -56,6 +56,8 @@ struct ZoneOperations {
   bool (*simulates)(ConstZoneRef outer, ConstZoneRef inner, int dimension, const ClockBounds& bounds);
   // Makes a zone the smallest one that contains both.
   void (*hull)(ZoneRef zone, ConstZoneRef other, int dimension);
+  // Makes a zone its union with the other one, if that is a zone and larger; false, and nothing changed, if it is not.
+  bool (*unite)(ZoneRef zone, ConstZoneRef other, int dimension);
   // Extra+LU (Behrmann, Bouyer, Larsen, Pelanek 2006, definition 7), closed again. `lower[i]` and `upper[i]` hold
   // L(x_i) and U(x_i), -1 for minus infinity, in the entry type of the zone; `stride` entries, entry 0 and the padding
   // are `no_bound`.

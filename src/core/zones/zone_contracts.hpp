@@ -149,6 +149,14 @@ struct CheckedKernel : Kernel<T, Stride> {
     K::hull(zone, other, dimension);
     TACHK_EXPECT(canonical(zone, dimension));
   }
+  static bool unite(ZoneRef zone, ConstZoneRef other, int dimension) {
+    TACHK_EXPECT(canonical(zone, dimension));
+    TACHK_EXPECT(canonical(other, dimension));
+    const bool united = K::unite(zone, other, dimension);
+    TACHK_EXPECT(canonical(zone, dimension));
+    TACHK_EXPECT(!united || K::includes(zone, other, dimension));
+    return united;
+  }
   static void extrapolate_lu_plus(ZoneRef zone, int dimension, ConstBoundRow lower, ConstBoundRow upper) {
     TACHK_EXPECT(canonical(zone, dimension));
     TACHK_EXPECT(proper(lower, dimension));

@@ -275,6 +275,59 @@ struct Kernel {
     }
   }
 
+  // The bounds of `inner` that are tighter than those of `outer`, but for those that follow from bounds of single
+  // clocks; -1 if there are more than fit.
+  struct Bound {
+    int i, j;
+    T value;
+  };
+  static constexpr int most_bounds = 128;
+  static int tighter_bounds(ConstZoneRef inner, ConstZoneRef outer, int dimension, Bound* bounds) {
+    int count = 0;
+    for (int i = 0; i < dimension; ++i) {
+      const T* row_inner = row(inner, dimension, i);
+      const T* row_outer = row(outer, dimension, i);
+      for (int v = 0; v < vectors(dimension); ++v) {
+        const Vector tighter = vector(row_inner, v) < vector(row_outer, v);
+        if (!any(tighter)) continue;
+        for (int lane = 0; lane < lanes; ++lane) {
+          if (tighter[lane] == 0) continue;
+          const int j = v * lanes + lane;
+          if (i != 0 && j != 0 && row_inner[j] == add(row_inner[0], row(inner, dimension, 0)[j])) continue;
+          if (count == most_bounds) return -1;
+          bounds[count++] = {i, j, row_inner[j]};
+        }
+      }
+    }
+    return count;
+  }
+
+  // The hull of two zones is their union if nothing of it breaks a bound of each. The hull is closed, so that what
+  // breaks x_i - x_j ~ a and x_k - x_l ~ b is empty only by the cycle j, i, l, k: two bounds broken, two of the hull.
+  static bool unite(ZoneRef zone, ConstZoneRef other, int dimension) {
+    Bound mine[most_bounds];
+    Bound theirs[most_bounds];
+    const int gained = tighter_bounds(zone, other, dimension, mine);
+    if (gained <= 0) return false;
+    const int count = tighter_bounds(other, zone, dimension, theirs);
+    if (count < 0) return false;
+    const auto of_hull = [&](int i, int j) {
+      const T a = row(zone, dimension, i)[j];
+      const T b = row(other, dimension, i)[j];
+      return a > b ? a : b;
+    };
+    for (int p = 0; p < gained; ++p)
+      for (int q = 0; q < count; ++q) {
+        const T way = of_hull(mine[p].i, theirs[q].j);
+        const T back = of_hull(theirs[q].i, mine[p].j);
+        if (way == infinity || back == infinity) return false;
+        const Raw broken = plus(raw_negated(mine[p].value), raw_negated(theirs[q].value));
+        if (plus(plus(broken, way), back) >= raw_zero) return false;
+      }
+    hull(zone, other, dimension);
+    return true;
+  }
+
   // Floyd-Warshall; the zone must not be empty. `relevant(k)` is false for a clock that no shorter way leads through.
   template <class Relevant>
   static void close(ZoneRef zone, int dimension, Relevant relevant) {
@@ -550,6 +603,7 @@ struct Table {
     table.includes = K::includes;
     table.simulates = K::simulates;
     table.hull = K::hull;
+    table.unite = K::unite;
     table.extrapolate_lu_plus = K::extrapolate_lu_plus;
     table.extrapolate_max = K::extrapolate_max;
     table.maximise_bounds = K::maximise_bounds;

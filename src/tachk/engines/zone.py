@@ -122,7 +122,7 @@ def _outcome(
     for number, goal in enumerate(goals):
         node = explorer.reached(number)
         if node is not None and any(d.deadlock is not DeadlockLiteral.ABSENT for d in goal.disjuncts):
-            if not leads_to(everybody, goals, options, explorer.path(node), number):
+            if not leads_to(everybody, goals, options, explorer.path_to_goal(number), number):
                 doubtful.append(number)
     return outcome, doubtful
 
@@ -165,6 +165,6 @@ def goal_outcome(
     if node is not None:
         if not goal.decides:
             return GoalOutcome(Status.REACHED)
-        actions = explorer.path(node)
+        actions = explorer.path_to_goal(number)
         return GoalOutcome(Status.REACHED, transitions_of(program, actions), actions)
     return GoalOutcome(Status.UNREACHABLE if status is _core.Status.FINISHED else Status.UNDECIDED)

@@ -23,6 +23,7 @@ from tachk.words import QueryKind
 
 VARIANTS = (
     Options(alu=False),
+    Options(merging=False),
     Options(order=SearchOrder.BFS),
     Options(order=SearchOrder.PROGRESS),
     Options(order=SearchOrder.PROGRESS, passing=8, reclaim=False),

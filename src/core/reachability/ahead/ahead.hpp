@@ -35,7 +35,7 @@ class Ahead final {
   // Whether what was found of a discrete state says how its successors compare with all stored states: with those
   // stored since only as long as none of them was taken to be covered.
   bool knows(std::uint32_t discrete) const { return !doubtful_ || !passed_.has_since(discrete, first_unknown_); }
-  // A state is stored that was taken to be covered.
+  // A state is stored that was taken to be covered, or one that is more than was found.
   void doubt() { doubtful_ = true; }
 
   // Looks for the successors of these states, or of the first of them. Threads are started unless there are some.

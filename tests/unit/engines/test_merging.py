@@ -1,0 +1,98 @@
+"""Waiting states that become one where their zones together are a zone: fewer states, the same answers, runs and errors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import tachk
+from tachk.engines.options import LocalTimes, Options, SearchOrder
+from tachk.properties.verdict import Verdict
+from tachk.resources import data_root
+
+CLASSICS = data_root() / "models" / "classics"
+
+TWO_ORDERS = """
+clock x, y;
+int done = 0;
+int left = 6;
+
+process First() {
+    init location Idle { to Done { assign done = done + 1, x = 0; } }
+    location Done;
+}
+
+process Second() {
+    init location Idle { to Done { assign done = done + 1, y = 0; } }
+    location Done;
+}
+
+process Judge() {
+    init location Waiting { to Judging { guard done == 2 && x - y >= 3; assign left = 6 / (done - 2); } }
+    location Judging;
+}
+
+system First, Second, Judge;
+"""
+"""Either of two resets comes first: x <= y and y <= x, which is all there is. Dividing by zero needs one of the orders."""
+
+
+def verdict(model: tachk.Model, query: str, options: Options) -> Verdict:
+    (found,) = model.verify(query, options=options).record.verdicts
+    return found
+
+
+def options(merging: bool, order: SearchOrder = SearchOrder.AUTO) -> Options:
+    return Options(merging=merging, order=order, symmetry=False, local_times=LocalTimes.NEVER)
+
+
+@pytest.fixture
+def two_orders(tmp_path: Path) -> tachk.Model:
+    (tmp_path / "two_orders.ta").write_text(TWO_ORDERS)
+    return tachk.load(tmp_path / "two_orders.ta")
+
+
+@pytest.mark.parametrize("later", ["x - y", "y - x"])
+def test_a_run_is_one_of_the_parts(two_orders: tachk.Model, later: str) -> None:
+    """Which part a state of the union belongs to decides which run leads there; each run is replayed."""
+    query = f"E<> First.Done && Second.Done && {later} > 4 && done == 2"
+    together, apart = (verdict(two_orders, query, options(merging)) for merging in (True, False))
+    assert together.answer.value == apart.answer.value == "holds"
+    assert together.trace is not None and apart.trace is not None
+    assert together.trace.path == apart.trace.path
+    assert together.statistics.states_stored < apart.statistics.states_stored
+
+
+def test_a_run_time_error_behind_a_union_has_a_run(two_orders: tachk.Model) -> None:
+    together, apart = (verdict(two_orders, "A[] !Judge.Judging", options(merging)) for merging in (True, False))
+    for found in (together, apart):
+        assert found.answer.value == "unknown"
+        assert found.fault is not None and found.fault.run is not None
+    assert together.fault == apart.fault
+    assert together.statistics.states_stored == 4
+    assert apart.statistics.states_stored == 7
+
+
+def test_published_models_have_fewer_states() -> None:
+    model = tachk.load(CLASSICS / "critical_region.ta", N=3)
+    for name in ("exclusive", "can_be_safe", "can_fail", "in_time"):
+        together, apart = (model.verify(property=name, options=options(m)).record.verdicts[0] for m in (True, False))
+        assert together.answer is apart.answer
+        assert together.statistics.states_stored < apart.statistics.states_stored
+
+
+@pytest.mark.parametrize(
+    ("query", "order"),
+    [
+        ("sup{ First.Done && Second.Done }: x", SearchOrder.AUTO),
+        ("A[] !(First.Done && Second.Done)", SearchOrder.DFS),
+        ("A<> First.Done", SearchOrder.AUTO),
+    ],
+)
+def test_nothing_is_united_where_more_matters_than_what_can_be_reached(
+    two_orders: tachk.Model, query: str, order: SearchOrder
+) -> None:
+    together, apart = (verdict(two_orders, query, options(merging, order)) for merging in (True, False))
+    assert together.statistics.states_stored == apart.statistics.states_stored
+    assert together.answer is apart.answer
