@@ -105,6 +105,7 @@ def test_the_core_takes_every_option_but_those_for_the_network_by_its_name() -> 
         bounds=BoundScope.GLOBAL,
         subsumption=False,
         alu=False,
+        merging=False,
         width=32,
         scale=False,
         vector=False,

@@ -75,14 +75,21 @@ def _chosen(
     counts_steps = options.shortest or limits.depth is not None
     if options.local_times is LocalTimes.NEVER or counts_steps or options.extrapolation is Extrapolation.NONE:
         return None
-    if options.local_times is LocalTimes.AUTO:
-        if not _goes_on(ordinary) or _zones_each(ordinary) < _FEW_ZONES:
-            return None
+    look = options.local_times is LocalTimes.AUTO
+    if look and not _goes_on(ordinary):
+        return None
     image = encode(program, goals)
     if obstacle(image) is not None:
         return None
+    if look:
+        if options.merging:  # which hides how many orders there are
+            ordinary = _core.Explorer(image, core_options(replace(options, merging=False)), core_limits(limits))
+            if not _goes_on(ordinary):
+                return None
+        if _zones_each(ordinary) < _FEW_ZONES:
+            return None
     search = _core.LocalExplorer(image, core_options(options), core_limits(limits))
-    if options.local_times is LocalTimes.AUTO and _goes_on(search):
+    if look and _goes_on(search):
         if _zones_each(ordinary) < _WORTH_IT * _zones_each(search):
             return None
     return search
