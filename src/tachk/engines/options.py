@@ -93,9 +93,9 @@ class Options:
         alu: drop a state also if a stored zone simulates its zone: the exact test for the abstraction aLU (Herbreteau,
             Srivathsan, Walukiewicz 2012), tried now and then and kept where it often says yes. Not where a query speaks
             of `deadlock` or of largest and smallest values, nor for runs that go on for ever.
-        merging: states that wait to be explored and differ in their zones only become one where these together are a zone,
-            as long as that often is so. Breadth first; not with `shortest`, `passing`, `partial_order`, a limit on depth,
-            nor for largest and smallest values or runs that go on for ever.
+        merging: states that wait to be explored and differ in their zones only become one where these together are a
+            zone, as long as that often is so. Breadth first; not with `shortest`, `passing`, `partial_order`, a limit
+            on depth, nor for largest and smallest values or runs that go on for ever.
         width: the least number of bits of a clock bound in a zone: 16, 32 or 64; constants that do not fit need more.
         scale: count time in the largest unit of which every time in the model is a multiple.
         vector: use the widest vector instructions of this machine; off: portable code.

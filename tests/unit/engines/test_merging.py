@@ -1,4 +1,4 @@
-"""Waiting states that become one where their zones together are a zone: fewer states, the same answers, runs and errors."""
+"""Waiting states that become one where their zones together are a zone: fewer states, the same answers and runs."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ process Judge() {
 
 system First, Second, Judge;
 """
-"""Either of two resets comes first: x <= y and y <= x, which is all there is. Dividing by zero needs one of the orders."""
+"""Either of two resets comes first: x <= y and y <= x, which is all there is. One of the orders divides by zero."""
 
 
 def verdict(model: tachk.Model, query: str, options: Options) -> Verdict:
