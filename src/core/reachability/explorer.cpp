@@ -27,7 +27,6 @@ Options consistent(Options options, const Limits& limits, const Program& program
   if (options.shortest || limits.depth != UINT32_MAX || options.passing != 0 || options.partial_order ||
       !program.measures.empty() || !options.subsumption)
     options.merging = false;
-  options.threads = 1;  // which ask nobody what lies in the corridor
   return options;
 }
 

@@ -1,4 +1,4 @@
-#include "reachability/merging.hpp"
+#include "reachability/merging/merging.hpp"
 
 #include <algorithm>
 
