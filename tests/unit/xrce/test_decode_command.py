@@ -75,3 +75,16 @@ def test_a_file_that_is_no_capture(tmp_path: Path):
     assert result.exit_code == 2
     assert "neither a pcap nor a pcapng capture" in result.stderr
     assert CliRunner().invoke(app, ["decode", str(tmp_path / "none.pcap")]).exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("capture", "hint"),
+    [
+        ("captures/stale_acknack.pcap", "sessions are created at the ports 19401, 19488: try --port 19401"),
+        ("serial_line_damaged.pcap", "the packets hold a serial line: try --serial"),
+    ],
+)
+def test_where_messages_are(capture: str, hint: str) -> None:
+    result = CliRunner().invoke(app, ["decode", str(ROOT / "tests/data" / capture)])
+    assert (result.exit_code, result.stdout) == (0, "")
+    assert result.stderr == f"no packet to or from port 8888; {hint}\n"

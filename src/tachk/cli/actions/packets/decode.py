@@ -6,6 +6,7 @@ import json
 import sys
 from contextlib import nullcontext
 from pathlib import Path
+from typing import Final
 
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
@@ -15,6 +16,8 @@ from tachk.report.packets.json import event_to_json
 from tachk.report.packets.text import event_to_text
 from tachk.xrce.events import DEFAULT_PORT, decode, decode_serial
 from tachk.xrce.packets import CaptureError
+
+_ANY_PORT: Final = "give the port of the Agent with --port"
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +64,24 @@ def run_decode(decoding: Decoding) -> ExitStatus:
             ) from None
     if not found and not decoding.serial:
         ports = ", ".join(map(str, decoding.ports or (DEFAULT_PORT,)))
-        print(f"no packet to or from port {ports}; give the port of the Agent with --port", file=sys.stderr)
+        where = _where(decoding.file) if not is_input else ""
+        print(f"no packet to or from port {ports}; {where or _ANY_PORT}", file=sys.stderr)
     return ExitStatus.AS_EXPECTED
+
+
+def _where(path: Path) -> str:
+    """With which options messages are found in a capture; empty if that is not known."""
+    from tachk.xrce.signals.recorded import read_recorded
+
+    with path.open("rb") as stream:
+        ports = sorted({client.agent.port for client in read_recorded(stream, (), signals=False).clients})
+    if ports:
+        created = f"port {ports[0]}" if len(ports) == 1 else f"the ports {', '.join(map(str, ports))}"
+        return f"sessions are created at {created}: try --port {ports[0]}"
+    with path.open("rb") as stream:
+        if any(event.kind is not None for event in decode_serial(stream)):
+            return "the packets hold a serial line: try --serial"
+    return ""
 
 
 def _write_signals(decoding: Decoding, to: Path) -> ExitStatus:
