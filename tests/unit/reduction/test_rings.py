@@ -119,7 +119,7 @@ def test_a_ring_of_a_prime_number_divides_what_is_stored() -> None:
     model = tachk.load(data_root() / "models" / "classics" / "dining_philosophers.ta", N=5)
     stored = []
     for symmetry in (True, False):
-        options = Options(symmetry=symmetry, local_times=LocalTimes.NEVER)
+        options = Options(symmetry=symmetry, merging=False, local_times=LocalTimes.NEVER)
         (verdict,) = model.verify(property="neighbours", options=options)
         assert verdict.answer.value == "holds"
         stored.append(verdict.statistics.states_stored)
