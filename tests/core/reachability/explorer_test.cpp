@@ -46,7 +46,7 @@ void test_options_do_not_change_answers() {
           Explorer explorer(fischer(3, wait), options);
           CHECK(explorer.run(UINT64_MAX) == Status::finished);
           CHECK(explorer.reached(0).has_value() == (wait == 1));
-          if (wait == 1) CHECK(explorer.path(*explorer.reached(0)).size() >= 6);
+          if (wait == 1) CHECK(explorer.path_to_goal(0).size() >= 6);
         }
 }
 
@@ -65,7 +65,7 @@ void test_states_in_chunks_are_the_same_states() {
     CHECK(whole.run(UINT64_MAX) == Status::finished);
     CHECK(chunked.statistics().stored == whole.statistics().stored);
     CHECK(chunked.statistics().transitions == whole.statistics().transitions);
-    CHECK(chunked.path(*chunked.reached(0)) == whole.path(*whole.reached(0)));
+    CHECK(chunked.path_to_goal(0) == whole.path_to_goal(0));
   }
 }
 
@@ -128,7 +128,7 @@ void test_zones_of_covered_states_are_given_back() {
     Explorer explorer(program, options);
     CHECK(explorer.run(UINT64_MAX) == Status::finished);
     statistics.push_back(explorer.statistics());
-    paths.push_back(explorer.path(*explorer.reached(0)));
+    paths.push_back(explorer.path_to_goal(0));
   }
   CHECK(statistics[0].stored == 2);
   CHECK(statistics[0].explored == statistics[1].explored);
@@ -153,7 +153,7 @@ void test_packed_zones_are_the_same_zones() {
         statistics.push_back(explorer.statistics());
         Explorer found(fischer(processes, 1), options);
         CHECK(found.run(UINT64_MAX) == Status::finished);
-        CHECK(found.path(*found.reached(0)).size() >= 6);
+        CHECK(found.path_to_goal(0).size() >= 6);
       }
       CHECK(statistics[0].explored == statistics[1].explored);
       CHECK(statistics[0].stored == statistics[1].stored);
@@ -192,8 +192,8 @@ void test_committed_states_are_passed_through() {
       options.chunk_words = chunk_words;
       Explorer explorer(program, options);
       CHECK(explorer.run(UINT64_MAX) == Status::finished);
-      CHECK(explorer.path(*explorer.reached(0)).size() == 3);
-      CHECK(explorer.path(*explorer.reached(1)).size() == 4);
+      CHECK(explorer.path_to_goal(0).size() == 3);
+      CHECK(explorer.path_to_goal(1).size() == 4);
       CHECK(!explorer.reached(2));
       stored.push_back(explorer.statistics().stored);
     }
@@ -231,7 +231,7 @@ void test_times_in_the_largest_unit() {
     CHECK(explorer.operations().largest_constant == BoundLimits<std::int16_t>::largest_constant || !scale);
     CHECK(explorer.run(UINT64_MAX) == Status::finished);
     CHECK(explorer.statistics().stored == first.statistics().stored);
-    CHECK(explorer.path(*explorer.reached(0)) == first.path(*first.reached(0)));
+    CHECK(explorer.path_to_goal(0) == first.path_to_goal(0));
   }
 }
 
@@ -276,7 +276,7 @@ void test_deadlock() {
   Explorer explorer(program, options);
   CHECK(explorer.run(UINT64_MAX) == Status::finished);
   CHECK(explorer.reached(0).has_value());
-  CHECK(explorer.path(*explorer.reached(0)).size() == 1);
+  CHECK(explorer.path_to_goal(0).size() == 1);
   CHECK(!explorer.reached(1));
   CHECK(!explorer.reached(2));
 }
@@ -295,7 +295,7 @@ void test_a_seeming_deadlock_has_no_run() {
   CHECK(widened.reached(0).has_value());
   Options exact;
   exact.extrapolation = Extrapolation::none;
-  CHECK(!Explorer(program, exact).leads_to(widened.path(*widened.reached(0)), 0));
+  CHECK(!Explorer(program, exact).leads_to(widened.path_to_goal(0), 0));
   CHECK(Explorer(program, exact).leads_to({}, 1));
   CHECK(Explorer(program, exact).leads_to({{0}, {0}}, 1));
   CHECK(!Explorer(program, exact).leads_to({{1}}, 1));
@@ -391,7 +391,7 @@ void test_priority_blocks_only_where_the_higher_action_is_possible() {
   explorer.run(1);
   // Only the initial state is expanded: the successor over the low edge starts below 2, then time passes.
   CHECK(explorer.reached(0).has_value());
-  CHECK(explorer.path(*explorer.reached(0)).front() == std::vector<std::uint32_t>{0});
+  CHECK(explorer.path_to_goal(0).front() == std::vector<std::uint32_t>{0});
   program.edges[1].guard = {};
   Explorer blocked(program, options);
   CHECK(blocked.run(UINT64_MAX) == Status::finished);
