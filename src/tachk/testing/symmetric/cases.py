@@ -131,13 +131,19 @@ def _edge(random: Random, way: str) -> str:
         parts.append("select k : id_t;")
         guards.append("k != me")
         updates.append("owner = k")
+    return edge_text(random.randrange(3), parts, guards, synchronisation, updates)
+
+
+def edge_text(target: int, parts: list[str], guards: list[str], synchronisation: str, updates: list[str]) -> str:
+    """An edge to the location with this number; `parts` come before its guard."""
+    parts = list(parts)
     if guards:
         parts.append(f"guard {' && '.join(f'({guard})' for guard in guards)};")
     if synchronisation:
         parts.append(f"sync {synchronisation};")
     if updates:
         parts.append(f"assign {', '.join(updates)};")
-    return f"to L{random.randrange(3)} {{ {' '.join(parts)} }}"
+    return f"to L{target} {{ {' '.join(parts)} }}"
 
 
 def _helper(random: Random) -> str:

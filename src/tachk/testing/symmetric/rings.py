@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from random import Random
 
-from tachk.testing.symmetric.cases import SymmetricCase
+from tachk.testing.symmetric.cases import SymmetricCase, edge_text
 
 _GUARDS = (
     "fork[me] == 0",
@@ -135,13 +135,7 @@ def _edge(random: Random, way: str, synchronisations: tuple[str, ...]) -> str:
         parts.append("select k : id_t;")
         guards.append("k != me")
         updates.append("token = (k + 1) % N")
-    if guards:
-        parts.append(f"guard {' && '.join(f'({guard})' for guard in guards)};")
-    if synchronisation:
-        parts.append(f"sync {synchronisation};")
-    if updates:
-        parts.append(f"assign {', '.join(updates)};")
-    return f"to L{random.randrange(3)} {{ {' '.join(parts)} }}"
+    return edge_text(random.randrange(3), parts, guards, synchronisation, updates)
 
 
 _HELPER = """
