@@ -14,13 +14,13 @@ from tachk.compiler.program import Program
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.diagnostics.span import NOWHERE, Span
 from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Progress, RunTimeFault, Statistics
+from tachk.engines.outcome import INTERRUPTED, STATE_LIMIT, TIME_LIMIT, Progress, RunTimeFault, Statistics
 from tachk.model.fault import RuntimeErrorKind
 from tachk.semantics.timed_trace import Participant, Transition
 
 _OPTION_NAMES = [name for name in vars(_core.Options) if not name.startswith("_")]
 _REASONS = {
-    _core.Status.STATE_LIMIT: "state limit",
+    _core.Status.STATE_LIMIT: STATE_LIMIT,
     _core.Status.MEMORY_LIMIT: "memory limit",
     _core.Status.DEPTH_LIMIT: "depth limit",
     _core.Status.FAULT: "run-time error",

@@ -23,6 +23,7 @@ class Statistics:
     user_seconds: CPU time that the process spent in user mode during the search.
     interchangeable: processes of which the search did not tell which is which.
     exchanged: the same in words: ``P(1) to P(9) (9)``, for each group or ring.
+    less_known: the variables of which a coarser network that was searched keeps less.
     local_times: whether each process had a time of its own.
     """
 
@@ -34,6 +35,7 @@ class Statistics:
     user_seconds: float = 0.0
     interchangeable: int = 0
     exchanged: tuple[str, ...] = ()
+    less_known: tuple[str, ...] = ()
     local_times: bool = False
 
     def then(self, other: Statistics) -> Statistics:
@@ -47,6 +49,7 @@ class Statistics:
             self.user_seconds + other.user_seconds,
             max(self.interchangeable, other.interchangeable),
             self.exchanged or other.exchanged,
+            self.less_known or other.less_known,
             self.local_times or other.local_times,
         )
 
@@ -179,6 +182,9 @@ INTERRUPTED = "interrupted"
 
 TIME_LIMIT = "time limit"
 """The reason where the time was over, in a search or before it began."""
+
+STATE_LIMIT = "state limit"
+"""The reason of a search that stored as many states as it might."""
 
 Progress = Callable[[Statistics], None]
 """Called now and then during long searches."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
+from dataclasses import replace
 from enum import StrEnum
 from typing import assert_never
 
@@ -60,6 +61,10 @@ class Search:
     analysis: Analysis
     tasks: tuple[Task, ...]
     observer: Observer | None = None
+
+    def without(self, numbers: Collection[int]) -> Search:
+        """The search for the tasks with other numbers."""
+        return replace(self, tasks=tuple(task for task in self.tasks if task.number not in numbers))
 
 
 def plan(tasks: Iterable[Task]) -> tuple[Search, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from tachk.certify.replay import ReplayError, replay
@@ -12,8 +12,17 @@ from tachk.compiler.program import Goal, Program
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.engines.concretise import concretise
 from tachk.engines.guided_search import explore_along, states_along
-from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, GoalOutcome, Outcome, Progress, Statistics, Status
+from tachk.engines.options import Limits, Options, SearchOrder
+from tachk.engines.outcome import (
+    INTERRUPTED,
+    STATE_LIMIT,
+    TIME_LIMIT,
+    GoalOutcome,
+    Outcome,
+    Progress,
+    Statistics,
+    Status,
+)
 from tachk.engines.zone import explore
 from tachk.model.expressions import Expression, Variable
 from tachk.model.fault import EvaluationFault
@@ -32,6 +41,7 @@ from tachk.reduction.bystanders import without_bystanders
 from tachk.reduction.guided import guided
 from tachk.reduction.impossible import without_impossible
 from tachk.reduction.spectators import with_spectators, without_spectators
+from tachk.reduction.symmetry.forgotten import with_less_known
 from tachk.reduction.symmetry.tables import in_equal_parts, with_symmetry
 from tachk.semantics.discrete import PreparedNetwork, prepare
 from tachk.semantics.step import StepError
@@ -59,10 +69,17 @@ def answer(
                 settled |= _carried_over(model, task, reached[task.number], options, left, progress, trace)
     if _is_interrupted(settled):
         return none_begun((t for t in search.tasks if t.number not in settled), INTERRUPTED) | settled
-    rest = tuple(task for task in search.tasks if task.number not in settled)
-    for tasks in _parts(model.network, rest, options):
+    for tasks in _parts(model.network, search.without(settled).tasks, options):
+        part = replace(search, tasks=tasks)
         left = limits.after(time.monotonic() - started)
-        settled |= _explore(model, replace(search, tasks=tasks), options, left, progress, trace)
+        found = _settle_with_less_known(model, part, options, left, progress, trace) if options.symmetry else {}
+        settled |= found
+        if _is_interrupted(found):
+            return none_begun(search.tasks, INTERRUPTED) | settled
+        part = part.without(found)
+        if part.tasks:
+            left = limits.after(time.monotonic() - started)
+            settled |= _explore(model, part, options, left, progress, trace)
     return settled
 
 
@@ -79,26 +96,39 @@ def _parts(network: Network, tasks: tuple[Task, ...], options: Options) -> list[
 
 
 _FIRST_TRY = 1_000_000
-"""How many states may be stored without bystanders, which may have more states than the whole network."""
-
-
+"""How many states of a network that can do more than the one in question may be stored: it may have more of them."""
+_FIRST_LOOK = 20_000
+"""Where so many states are enough, less is not asked to be known."""
 WORTH_CARRYING_OVER = 5_000
 """So many states without bystanders make it worth while to look for the run with them along the one without."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Found:
-    """A target that is reached in the network without bystanders.
+class _Coarser:
+    """A network that can do all that another one can: what is unreachable there is unreachable.
 
     Attributes:
-        network: that network.
-        path: the transitions of the others that lead to it.
-        spared: budgets that they use.
+        unexamined: what is left out in it and may meet a run-time error.
+        less_known: the variables of which it keeps less.
+        spared: budgets that need not be followed in it.
     """
 
     network: Network
+    unexamined: tuple[str, ...] = ()
+    less_known: tuple[str, ...] = ()
+    spared: frozenset[Variable] = frozenset()
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A target that is reached in a coarser network.
+
+    Attributes:
+        path: the transitions that lead to it there.
+    """
+
+    coarser: _Coarser
     path: tuple[Transition, ...]
-    spared: frozenset[Variable]
     statistics: Statistics
 
 
@@ -106,7 +136,73 @@ def _settle_without_bystanders(
     network: Network, search: Search, options: Options, limits: Limits, progress: Progress | None
 ) -> tuple[dict[int, Verdict], dict[int, _Found]]:
     """The verdicts about targets that are unreachable even if nothing hinders the processes they depend on, and what
-    was found about those that are reachable then."""
+    was found about those that are reachable then and worth to be carried over."""
+
+    def relaxed(mentioned: Sequence[Expression]) -> _Coarser | None:
+        possible = without_impossible(network)
+        rest = without_bystanders(possible, mentioned)
+        if rest == possible:
+            return None
+        return _Coarser(rest, unexamined=unexamined(possible, rest), spared=budgets(possible, mentioned))
+
+    settled, found = _settle_in(relaxed, network, search, options, limits, progress)
+    worth = {number: each for number, each in found.items() if each.statistics.states_stored >= WORTH_CARRYING_OVER}
+    return settled, {} if options.shortest else worth
+
+
+def _settle_with_less_known(
+    model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
+) -> dict[int, Verdict]:
+    """The verdicts about targets that are unreachable even if processes are not gone through by number, where that
+    makes them interchangeable; and those that a short search finds."""
+    started = time.monotonic()
+    if limits.states is not None and limits.states <= _FIRST_LOOK:
+        return {}
+    targets = [task.target for task in search.tasks]
+    try:
+        with time_limit(limits.seconds):
+            triggers = triggers_of(search.tasks, model.network)
+            less = with_less_known(model.network, [*targets, *(trigger.condition for trigger in triggers)])
+    except OutOfTimeError:
+        return {}
+    if less is None:
+        return {}
+
+    def short_search(part: Search, order: SearchOrder) -> dict[int, Verdict]:
+        look = replace(limits.after(time.monotonic() - started), states=_FIRST_LOOK)
+        return _explore(model, part, replace(options, order=order), look, progress, trace)
+
+    first = short_search(search, options.order)
+    decided = {number: verdict for number, verdict in first.items() if verdict.reason != STATE_LIMIT}
+    rest = search.without(decided)
+    if not rest.tasks or _is_interrupted(decided):
+        return decided
+    coarser = _Coarser(less.network, less_known=tuple(variable.name for variable in less.variables))
+    left = limits.after(time.monotonic() - started)
+    settled, _ = _settle_in(lambda _: coarser, model.network, rest, options, left, progress)
+    decided |= settled
+    rest = search.without(decided)
+    if rest.tasks and options.order is SearchOrder.AUTO and not options.shortest:
+        # A run that nothing hinders is found fast. What this order does not find decides nothing.
+        deep = short_search(rest, SearchOrder.DFS)
+        decided |= {
+            number: verdict
+            for number, verdict in deep.items()
+            if verdict.answer is not Answer.UNKNOWN or verdict.reason == INTERRUPTED
+        }
+    return decided
+
+
+def _settle_in(
+    coarser_for: Callable[[Sequence[Expression]], _Coarser | None],
+    network: Network,
+    search: Search,
+    options: Options,
+    limits: Limits,
+    progress: Progress | None,
+) -> tuple[dict[int, Verdict], dict[int, _Found]]:
+    """The verdicts about targets that are unreachable in a coarser network, which may depend on what they mention, and
+    what was found about those that are reachable there."""
     started = time.monotonic()
     targets = [task.target for task in search.tasks]
     first_try = replace(
@@ -117,33 +213,28 @@ def _settle_without_bystanders(
     try:
         with time_limit(first_try.seconds):
             triggers = triggers_of(search.tasks, network)
-            mentioned = [*targets, *(trigger.condition for trigger in triggers)]
-            network = without_impossible(network)
-            relaxed = without_bystanders(network, mentioned)
-            if relaxed == network:
+            coarser = coarser_for([*targets, *(trigger.condition for trigger in triggers)])
+            if coarser is None:
                 return {}, {}
-            program, goals = _lowered(relaxed, targets, triggers, options)
-            spared = budgets(network, mentioned)
+            program, goals = _lowered(coarser.network, targets, triggers, options)
     except OutOfTimeError:
         return {}, {}
     outcome = explore(program, goals, options, first_try.after(time.monotonic() - started), progress)
     if outcome.reason == INTERRUPTED:
         return none_begun(search.tasks, INTERRUPTED), {}
-    left_out = unexamined(network, relaxed)
-    found = list(zip(search.tasks, outcome.goals[: len(targets)], strict=True))
+    statistics = replace(outcome.statistics, less_known=coarser.less_known)
+    of_targets = list(zip(search.tasks, outcome.goals[: len(targets)], strict=True))
     settled = {
-        task.number: Verdict(task.query, answers_of(task.query)[1], True, "", outcome.statistics, unexamined=left_out)
-        for task, goal in found
+        task.number: Verdict(task.query, answers_of(task.query)[1], True, "", statistics, unexamined=coarser.unexamined)
+        for task, goal in of_targets
         if goal.status is Status.UNREACHABLE
     }
-    reached = {
-        task.number: _Found(relaxed, goal.path, spared, outcome.statistics)
-        for task, goal in found
-        if goal.status is Status.REACHED and goal.path is not None
+    found = {
+        task.number: _Found(coarser, goal.path, statistics)
+        for task, goal in of_targets
+        if goal.status is Status.REACHED and goal.path is not None and outcome.exact
     }
-    if options.shortest or not outcome.exact or outcome.statistics.states_stored < WORTH_CARRYING_OVER:
-        reached = {}
-    return with_notes(settled, triggers, outcome.goals[len(targets) :]), reached
+    return with_notes(settled, triggers, outcome.goals[len(targets) :]), found
 
 
 def _carried_over(
@@ -157,13 +248,13 @@ def _carried_over(
 ) -> dict[int, Verdict]:
     """The verdict about a target that is reached without bystanders, if it is reached in the same way with them."""
     started = time.monotonic()
-    members = {number for number, process in enumerate(found.network.processes) if process.edges}
+    members = {number for number, process in enumerate(found.coarser.network.processes) if process.edges}
     try:
         with time_limit(limits.seconds):
             network = without_spectators(model.network, [task.target]) if options.hold_spectators else model.network
             if any(not network.processes[number].edges for number in members):
                 return {}
-            along = guided(network, found.path, members, found.spared)
+            along = guided(network, found.path, members, found.coarser.spared)
             most = states_along(found.path, found.statistics.states_stored)
             bounded = replace(limits, states=most if limits.states is None else min(limits.states, most))
             left = bounded.after(time.monotonic() - started)

@@ -65,6 +65,7 @@ def statistics_to_json(statistics: Statistics) -> dict[str, Json]:
         "peak_bytes": statistics.peak_bytes,
         "interchangeable": statistics.interchangeable,
         "exchanged": list(statistics.exchanged),
+        "less_known": list(statistics.less_known),
         "local_times": statistics.local_times,
     }
 

@@ -23,5 +23,8 @@ def _told(statistics: Statistics) -> Iterator[str]:
         ring = members.removesuffix(" in a ring")
         what = "exchanges of" if ring == members else "rotations of"
         yield f"one state stands for all {what} {ring}"
+    if statistics.less_known:
+        names = ", ".join(statistics.less_known)
+        yield f"the order in which {names} goes through processes was left open, which can only add states"
     if statistics.local_times:
         yield "each process had a time of its own (local times)"
