@@ -57,7 +57,7 @@ bool CoveredGraph::begin(SymbolicState& source) {
   }
   for (; next_ < states.size(); ++next_) {
     if (states.covered(next_) || colours_[next_] != Colour::white) continue;
-    states.unpack(states.node(next_), source.slots.data());
+    states.unpack(next_, source.slots.data());
     if (begins_->in(source.slots.data(), source.zone.get()) == Truth::never) continue;
     if (restriction_.avoided().in(source.slots.data(), source.zone.get()) == Truth::always) continue;
     steps_.push_back(next_++);
@@ -69,9 +69,8 @@ bool CoveredGraph::begin(SymbolicState& source) {
 // False if a run may end in the state.
 bool CoveredGraph::visit(State state, SymbolicState& source) {
   PassedList& states = reachable_.states();
-  const Node node = states.node(state);
-  states.unpack(node, source.slots.data());
-  graph_.unpack(source.slots.data(), states.zone(node), source.zone);
+  states.unpack(state, source.slots.data());
+  graph_.unpack(states, state, source);
   colours_[state] = Colour::grey;
   path_.push_back({state, steps_.size()});
   ++explored_;

@@ -209,7 +209,7 @@ void LivenessSearch::push(const Successor& successor) {
 
 void LivenessSearch::unpack(std::uint32_t number) {
   const SearchStack::State& state = stack_[number];
-  passed_.unpack({state.discrete, 0, no_node, no_node}, source_.slots.data());
+  passed_.unpack_discrete(state.discrete, source_.slots.data());
   graph_.unpack(source_.slots.data(), stack_.zone(number).data, source_.zone);
 }
 
@@ -231,9 +231,8 @@ bool LivenessSearch::start_from(std::uint32_t number) {
   PassedList& states = overview_.reachable.states();
   if (states.covered(number)) return false;
   overview_.begun = number;
-  const Node node = states.node(number);
-  states.unpack(node, source_.slots.data());
-  graph_.unpack(source_.slots.data(), states.zone(node), source_.zone);
+  states.unpack(number, source_.slots.data());
+  graph_.unpack(states, number, source_);
   restriction_.beginnings(*overview_.begins, source_, [&](const Successor& part) {
     passed_.announce(part.slots, SlotSet::all());
     push(part);

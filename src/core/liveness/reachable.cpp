@@ -43,9 +43,8 @@ bool Reachable::advance(SymbolicState& source) {
   while (number != no_node && (passed_.covered(number) || !waiting_.admits(number))) number = waiting_.next();
   if (number == no_node) return false;
   node_ = number;
-  const Node node = passed_.node(number);
-  passed_.unpack(node, source.slots.data());
-  graph_.unpack(source.slots.data(), passed_.zone(node), source.zone);
+  passed_.unpack(number, source.slots.data());
+  graph_.unpack(passed_, number, source);
   ++explored_;
   graph_.expand(source, Storing{*this});
   return true;

@@ -123,19 +123,19 @@ void RecurrenceSearch::close() {
 // ---- states ---------------------------------------------------------------------------------------------------------
 
 void RecurrenceSearch::retire(State state) {
-  const Node node = states_.node(state);
-  const ZoneView zone = states_.view(node);
-  if (is_hopeless(node.discrete, zone)) return;
-  if (hopeless_.size() <= node.discrete) hopeless_.resize(node.discrete + 1);
-  std::vector<State>& all = hopeless_[node.discrete];
-  std::erase_if(all, [&](State other) { return states_.includes(node, states_.view(states_.node(other))); });
+  const std::uint32_t discrete = states_.discrete(state);
+  const ZoneView zone = states_.zone(state);
+  if (is_hopeless(discrete, zone)) return;
+  if (hopeless_.size() <= discrete) hopeless_.resize(discrete + 1);
+  std::vector<State>& all = hopeless_[discrete];
+  std::erase_if(all, [&](State other) { return states_.includes(state, states_.zone(other)); });
   all.push_back(state);
 }
 
 bool RecurrenceSearch::is_hopeless(std::uint32_t discrete, ZoneView zone) const {
   if (discrete >= hopeless_.size()) return false;
   const std::vector<State>& all = hopeless_[discrete];
-  return std::any_of(all.begin(), all.end(), [&](State other) { return states_.includes(states_.node(other), zone); });
+  return std::any_of(all.begin(), all.end(), [&](State other) { return states_.includes(other, zone); });
 }
 
 void RecurrenceSearch::push(const Successor& successor) {
@@ -159,9 +159,8 @@ RecurrenceSearch::Marks RecurrenceSearch::marks_of(const Successor& successor) {
 }
 
 void RecurrenceSearch::unpack(State state, SymbolicState& into) {
-  const Node& node = states_.node(state);
-  states_.unpack(node, into.slots.data());
-  graph_.unpack(into.slots.data(), states_.zone(node), into.zone);
+  states_.unpack(state, into.slots.data());
+  graph_.unpack(states_, state, into);
 }
 
 // Notes the states that the next runs may begin with; false if there are none left.
@@ -175,9 +174,8 @@ bool RecurrenceSearch::start() {
   PassedList& reached = beginnings_.reachable.states();
   for (; beginnings_.next < reached.size(); ++beginnings_.next) {
     if (reached.covered(beginnings_.next)) continue;
-    const Node node = reached.node(beginnings_.next);
-    reached.unpack(node, source_.slots.data());
-    graph_.unpack(source_.slots.data(), reached.zone(node), source_.zone);
+    reached.unpack(beginnings_.next, source_.slots.data());
+    graph_.unpack(reached, beginnings_.next, source_);
     beginnings_.origin = beginnings_.next++;
     restriction_.beginnings(*question_.begins, source_, [&](const Successor& part) {
       states_.announce(part.slots, SlotSet::all());
@@ -250,7 +248,7 @@ RecurrenceSearch::State RecurrenceSearch::go(State from, Marks wanted, State tar
 
 Path RecurrenceSearch::path_to_state(State state, std::size_t& begins) {
   std::vector<State> chain{state};
-  while (states_.node(chain.back()).parent != no_node) chain.push_back(states_.node(chain.back()).parent);
+  while (states_.parent(chain.back()) != no_node) chain.push_back(states_.parent(chain.back()));
   std::reverse(chain.begin(), chain.end());
   Path path;
   const auto origin = beginnings_.origins.find(chain.front());

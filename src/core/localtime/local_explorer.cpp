@@ -80,7 +80,7 @@ std::uint32_t LocalExplorer::next() {
 }
 
 void LocalExplorer::expand(std::uint32_t node) {
-  passed_.unpack(passed_.node(node), slots_.data());
+  passed_.unpack(node, slots_.data());
   waiting_.begin(slots_.data());
   ++explored_;
   graph_.expand(
@@ -119,7 +119,7 @@ Statistics LocalExplorer::statistics() const {
 std::optional<Path> LocalExplorer::path_to_goal(std::size_t goal) {
   if (goals_.node(goal) == no_node) return std::nullopt;
   Path actions;
-  for (std::uint32_t node = goals_.node(goal); passed_.node(node).parent != no_node; node = passed_.node(node).parent)
+  for (std::uint32_t node = goals_.node(goal); passed_.parent(node) != no_node; node = passed_.parent(node))
     actions.push_back(actions_.of(node));
   std::reverse(actions.begin(), actions.end());
   if (graph_.symmetry().active()) actions = unsorted_path(graph_, actions);

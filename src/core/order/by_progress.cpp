@@ -9,12 +9,12 @@ ByProgress::ByProgress(const Program& program, PassedList& states, std::uint32_t
   std::vector<std::int32_t> after(program.slots.size());
   std::vector<std::uint32_t> far_of;  // of each state
   for (std::uint32_t number = 0; number < states.size(); ++number) {
-    const Node& node = states.node(number);
+    const std::uint32_t parent = states.parent(number);
     std::uint32_t far = 0;
-    if (node.parent != no_node) {
-      states.unpack(states.node(node.parent), before.data());
-      states.unpack(node, after.data());
-      far = beyond(far_of[node.parent], progress_.between(before.data(), after.data()));
+    if (parent != no_node) {
+      states.unpack(parent, before.data());
+      states.unpack(number, after.data());
+      far = beyond(far_of[parent], progress_.between(before.data(), after.data()));
     }
     far_of.push_back(far);
     if (number >= first_waiting && !states.covered(number)) wait(number, far);

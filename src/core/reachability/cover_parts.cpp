@@ -36,13 +36,13 @@ CoverPart CoverParts::part(std::size_t first, std::size_t zones) {
   for (std::size_t group = first; group < all && (group == first || part.constraints.size() < zones); ++group) {
     const std::size_t end = group + 1 < all ? first_[group + 1] : entries_.size();
     PassedList& list = *lists_[entries_[first_[group]].list];
-    list.unpack(list.node(entries_[first_[group]].node), state.slots.data());
+    list.unpack(entries_[first_[group]].node, state.slots.data());
     part.discretes.insert(part.discretes.end(), state.slots.begin(),
                           state.slots.begin() + graph_.program().state_slots);
     part.zones.push_back(static_cast<std::int64_t>(end - first_[group]));
     for (std::size_t at = first_[group]; at < end; ++at) {
       part.ranks.push_back(entries_[at].rank);
-      tell(list.zone(list.node(entries_[at].node)), part);
+      tell(list.zone(entries_[at].node).data, part);
     }
   }
   return part;

@@ -42,7 +42,7 @@ class CoverParts final {
     std::uint32_t node;
     std::int64_t rank;
   };
-  std::uint32_t discrete(const Entry& entry) const { return lists_[entry.list]->node(entry.node).discrete; }
+  std::uint32_t discrete(const Entry& entry) const { return lists_[entry.list]->discrete(entry.node); }
   void tell(ConstZoneRef zone, CoverPart& part) const;
 
   ZoneGraph& graph_;

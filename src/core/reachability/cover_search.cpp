@@ -91,9 +91,8 @@ Status CoverSearch::run(std::uint64_t expansions) {
 }
 
 void CoverSearch::expand(std::uint32_t number) {
-  const Node node = attempt_->passed.node(number);
-  attempt_->passed.unpack(node, source_.slots.data());
-  source_.zone.assign(attempt_->passed.zone(node));
+  attempt_->passed.unpack(number, source_.slots.data());
+  source_.zone.assign(attempt_->passed.zone(number).data);
   node_ = number;
   ++explored_;
   attempt_->deadlocks.begin(source_);
@@ -108,7 +107,7 @@ void CoverSearch::keep(const Successor& successor, std::uint32_t discrete) {
   bool widened = false;
   if (mode(discrete, successor.slots) == Mode::hull) {
     if (const std::uint32_t before = attempt.latest[discrete]; before != no_node) {
-      const ConstZoneRef held = attempt.passed.zone(attempt.passed.node(before));
+      const ConstZoneRef held = attempt.passed.zone(before).data;
       widened = !graph_.operations().includes(zone, held, dimension);
       hull_.assign(zone);
       graph_.operations().hull(hull_.get(), held, dimension);
@@ -158,9 +157,9 @@ void CoverSearch::keep_all_zones_of(const std::int32_t* slots) {
 bool CoverSearch::refine(std::uint32_t node) {
   std::vector<std::int32_t> slots(graph_.program().slots.size());
   bool found = false;
-  for (std::uint32_t at = node; at != no_node; at = attempt_->passed.node(at).parent) {
+  for (std::uint32_t at = node; at != no_node; at = attempt_->passed.parent(at)) {
     if (!attempt_->widened[at]) continue;
-    attempt_->passed.unpack(attempt_->passed.node(at), slots.data());
+    attempt_->passed.unpack(at, slots.data());
     keep_all_zones_of(slots.data());
     found = true;
   }

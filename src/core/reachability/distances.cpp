@@ -40,9 +40,8 @@ class Search {
     for (; next < waiting_.size() && waiting_.size() < most_zones_; ++next) {
       number_ = waiting_[next];
       if (passed_.covered(number_)) continue;
-      const Node node = passed_.node(number_);
-      passed_.unpack(node, source.slots.data());
-      graph_.unpack(source.slots.data(), passed_.zone(node), source.zone);
+      passed_.unpack(number_, source.slots.data());
+      graph_.unpack(passed_, number_, source);
       source_ = state(source.slots.data());
       try {
         graph_.expand(source, *this);

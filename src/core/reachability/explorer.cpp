@@ -133,7 +133,7 @@ std::uint32_t Explorer::next() {
 }
 
 void Explorer::expand(std::uint32_t number) {
-  passed_.unpack(passed_.node(number), source_.slots.data());
+  passed_.unpack(number, source_.slots.data());
   node_ = number;
   waiting_.begin(source_.slots.data());
   ++work_.explored;
@@ -143,7 +143,7 @@ void Explorer::expand(std::uint32_t number) {
 }
 
 void Explorer::expand_alone(std::uint32_t number) {
-  graph_.unpack(source_.slots.data(), passed_.zone(passed_.node(number)), source_.zone);
+  graph_.unpack(passed_, number, source_);
   deadlocks_.begin(source_);
   passing_.begin(!deadlocks_.open());
   for (partial_order_.begin(number, source_); partial_order_.next();) graph_.expand(source_, Storing{*this});
@@ -332,7 +332,7 @@ std::unique_ptr<Explorer> Explorer::among_origins(std::uint32_t node, Program pr
   auto corridor = std::make_unique<Corridor>(graph_.program().state_slots);
   std::vector<std::int32_t> slots(source_.slots.size());
   for (const std::uint32_t origin : merging_.origins(passed_, node)) {
-    passed_.unpack(passed_.node(origin), slots.data());
+    passed_.unpack(origin, slots.data());
     corridor->add(slots.data());
   }
   Options options = options_;

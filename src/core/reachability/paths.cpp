@@ -30,7 +30,7 @@ struct Recogniser : OnlyStates {
   ZoneGraph& graph;
   PassedList& passed;
   PassingStates& passing;
-  const Node& node;
+  std::uint32_t node;
   std::vector<SymbolicState>& states;
   std::vector<Step>& steps;
   std::size_t previous = 0;
@@ -73,10 +73,9 @@ struct Prober {
 };
 
 // From the initial state to the node.
-std::vector<Node> chain_of_parents(const PassedList& passed, std::uint32_t node) {
-  std::vector<Node> chain;
-  for (std::uint32_t number = node; number != no_node; number = chain.back().parent)
-    chain.push_back(passed.node(number));
+std::vector<std::uint32_t> chain_of_parents(const PassedList& passed, std::uint32_t node) {
+  std::vector<std::uint32_t> chain;
+  for (std::uint32_t number = node; number != no_node; number = passed.parent(number)) chain.push_back(number);
   std::reverse(chain.begin(), chain.end());
   return chain;
 }
@@ -174,7 +173,7 @@ Path path_to(ZoneGraph& graph, PassedList& passed, std::uint32_t most_passing, s
   SymbolicState source = graph.blank();
   std::vector<SymbolicState> states;  // of the last layer
   std::vector<std::vector<Step>> layers;
-  for (const Node& child : chain_of_parents(passed, node)) {
+  for (const std::uint32_t child : chain_of_parents(passed, node)) {
     std::vector<SymbolicState> next;
     std::vector<Step>& steps = layers.emplace_back();
     passing.begin(false);

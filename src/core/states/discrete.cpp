@@ -8,6 +8,8 @@
 namespace tachk {
 namespace {
 
+static_assert(std::endian::native == std::endian::little);  // half of a word is its first four bytes
+
 std::uint64_t hash_words(const std::uint64_t* words, std::size_t count) {
   std::uint64_t hash = 0x9E3779B97F4A7C15u;
   for (std::size_t n = 0; n < count; ++n) {
@@ -62,6 +64,7 @@ StateLayout::StateLayout(const Program& program) {
   }
   first_field_.push_back(fields_.size());
   words_ = word + 1;
+  bits_ = 64 * std::size_t{word} + used;
 }
 
 void StateLayout::pack(const std::int32_t* slots, std::size_t first, std::size_t last, std::uint64_t* words) const {
@@ -91,7 +94,8 @@ DiscreteStates::DiscreteStates(const Program& program, std::size_t chunk_words)
     : layout_(program),
       chunk_words_(layout_.words() > 2 * chunk_words ? chunk_words : 0),
       key_words_(layout_.words()),
-      records_((layout_.words() + 1) * sizeof(std::uint64_t)),
+      key_bytes_((layout_.bits() + 31) / 32 * sizeof(std::uint32_t)),
+      records_(note_bytes + key_bytes_),
       chunks_(sizeof(std::uint64_t)) {
   if (chunk_words_ != 0) {
     for (std::size_t word = 0; word < layout_.words(); word += chunk_words_)
@@ -103,7 +107,8 @@ DiscreteStates::DiscreteStates(const Program& program, std::size_t chunk_words)
       for (std::size_t slot = chunk_slots_[chunk]; slot < chunk_slots_[chunk + 1]; ++slot)
         chunk_members_[chunk].add(slot);
     key_words_ = (chunks + 1) / 2;
-    records_ = RecordPool((key_words_ + 1) * sizeof(std::uint64_t));
+    key_bytes_ = chunks * sizeof(std::uint32_t);
+    records_ = RecordPool(note_bytes + key_bytes_);
     chunks_ = RecordPool(chunk_words_ * sizeof(std::uint64_t));
   }
   own_ = reader();
@@ -112,7 +117,7 @@ DiscreteStates::DiscreteStates(const Program& program, std::size_t chunk_words)
 DiscreteStates::Reader DiscreteStates::reader() const {
   Reader reader;
   reader.key.assign(key_words_, 0);
-  reader.packed.resize(chunk_words_);
+  reader.packed.resize(chunk_words_ == 0 ? key_words_ : chunk_words_);
   return reader;
 }
 
@@ -173,16 +178,14 @@ void DiscreteStates::announce(const std::int32_t* slots, const SlotSet& written,
 
 std::uint32_t DiscreteStates::find(const Reader& reader) const {
   if (!reader.possible) return HashIndex::absent;
-  return index_.find(reader.hash, [&](std::uint32_t number) {
-    return std::memcmp(key_of(number), reader.key.data(), key_bytes()) == 0;
-  });
+  return index_.find(reader.hash, [&](std::uint32_t number) { return has_key(number, reader.key); });
 }
 
 std::uint32_t DiscreteStates::locate(std::uint32_t fresh_note) {
   const std::uint32_t found = find(own_);
   if (found != HashIndex::absent) return found;
   const std::uint32_t fresh = records_.append();
-  std::memcpy(records_[fresh], own_.key.data(), key_bytes());
+  std::memcpy(records_[fresh] + note_bytes, own_.key.data(), key_bytes_);
   note(fresh) = fresh_note;
   index_.insert(own_.hash, fresh);
   return fresh;
@@ -190,14 +193,15 @@ std::uint32_t DiscreteStates::locate(std::uint32_t fresh_note) {
 
 bool DiscreteStates::equals(std::uint32_t number, const std::int32_t* slots) {
   find_key(slots, SlotSet::all(), own_, [this] { return intern_chunk(); });
-  return std::memcmp(key_of(number), own_.key.data(), key_bytes()) == 0;
+  return has_key(number, own_.key);
 }
 
 void DiscreteStates::unpack(std::uint32_t number, std::int32_t* slots, Reader& reader) const {
   const std::vector<std::int32_t>& initial = layout_.initial();
   if (chunk_words_ == 0) {
     std::memcpy(slots, initial.data(), initial.size() * sizeof(std::int32_t));
-    layout_.unpack(key_of(number), 0, layout_.words(), slots);
+    std::memcpy(reader.packed.data(), key_of(number), key_bytes_);
+    layout_.unpack(reader.packed.data(), 0, key_words_, slots);
     return;
   }
   const std::size_t chunks = chunk_slots_.size() - 1;
@@ -207,7 +211,7 @@ void DiscreteStates::unpack(std::uint32_t number, std::int32_t* slots, Reader& r
   }
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
     std::uint32_t stored;
-    std::memcpy(&stored, records_[number] + chunk * sizeof(stored), sizeof(stored));
+    std::memcpy(&stored, key_of(number) + chunk * sizeof(stored), sizeof(stored));
     if (std::exchange(reader.known_chunks[chunk], stored) == stored) continue;
     const std::size_t word = chunk * chunk_words_;
     const std::size_t last = std::min(word + chunk_words_, layout_.words());

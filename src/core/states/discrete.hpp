@@ -3,7 +3,9 @@
 // Holzmann, "State compression in SPIN", 1997).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "program/program.hpp"
@@ -17,6 +19,8 @@ class StateLayout {
   explicit StateLayout(const Program& program);
 
   std::size_t words() const { return words_; }
+  // Of all words together, without what is free at the end of the last one.
+  std::size_t bits() const { return bits_; }
   std::size_t slots() const { return initial_.size(); }
   // The initial values of the slots, which those keep that live in no word.
   const std::vector<std::int32_t>& initial() const { return initial_; }
@@ -39,6 +43,7 @@ class StateLayout {
   std::vector<std::size_t> first_field_;  // of each word, and behind the last
   std::vector<std::int32_t> initial_;
   std::size_t words_ = 1;
+  std::size_t bits_ = 0;
 };
 
 class DiscreteStates {
@@ -48,7 +53,7 @@ class DiscreteStates {
     std::vector<std::uint64_t> key;     // of the announced state
     std::uint64_t hash = 0;             // of that state, equal for equal ones
     bool possible = true;               // not if a part of the state is in no stored one
-    std::vector<std::uint64_t> packed;  // one chunk
+    std::vector<std::uint64_t> packed;  // one chunk, or a state that is held whole
     // The state unpacked last and its chunks: a successor has most of them.
     std::vector<std::int32_t> known_slots;
     std::vector<std::uint32_t> known_chunks;
@@ -75,18 +80,15 @@ class DiscreteStates {
   std::uint32_t size() const { return records_.size(); }
 
   // A number kept for each discrete state.
-  std::uint32_t& note(std::uint32_t number) {
-    return *reinterpret_cast<std::uint32_t*>(records_[number] + key_bytes());
-  }
-  std::uint32_t note(std::uint32_t number) const {
-    return *reinterpret_cast<const std::uint32_t*>(records_[number] + key_bytes());
-  }
+  std::uint32_t& note(std::uint32_t number) { return *reinterpret_cast<std::uint32_t*>(records_[number]); }
+  std::uint32_t note(std::uint32_t number) const { return *reinterpret_cast<const std::uint32_t*>(records_[number]); }
   std::size_t bytes() const { return records_.bytes() + index_.bytes() + chunks_.bytes() + chunk_index_.bytes(); }
 
  private:
-  std::size_t key_bytes() const { return key_words_ * sizeof(std::uint64_t); }
-  const std::uint64_t* key_of(std::uint32_t number) const {
-    return reinterpret_cast<const std::uint64_t*>(records_[number]);
+  static constexpr std::size_t note_bytes = sizeof(std::uint32_t);
+  const std::byte* key_of(std::uint32_t number) const { return records_[number] + note_bytes; }
+  bool has_key(std::uint32_t number, const std::vector<std::uint64_t>& key) const {
+    return std::memcmp(key_of(number), key.data(), key_bytes_) == 0;
   }
   // Writes to the key what stands for a state in its record: the packed words, or the numbers of its chunks, which
   // `chunk()` tells of the packed one. False if a chunk is absent.
@@ -98,8 +100,9 @@ class DiscreteStates {
   StateLayout layout_;
   std::size_t chunk_words_;  // 0: states are held whole
   std::size_t key_words_;
+  std::size_t key_bytes_;  // of the words of a key those that are held, the others are 0: whole numbers of 32 bits
   Reader own_;
-  RecordPool records_;  // keys, each with a note behind it
+  RecordPool records_;  // keys, each behind its note
   HashIndex index_;
 
   // Only for states in chunks.

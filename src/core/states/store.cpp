@@ -29,14 +29,14 @@ std::uint32_t PassedList::coverer(std::uint32_t discrete, ZoneView zone, const C
   const std::uint32_t first = head(discrete);
   std::uint32_t found = no_node;
   const auto is_above = [&](std::uint32_t number) {
-    if (!covers(zones_[node(number).zone], zone.data, zone.dimension, bounds)) return false;
+    if (!covers(zones_[zone_of(number)], zone.data, zone.dimension, bounds)) return false;
     found = number;
     return true;
   };
   if (is_long(first))
     chain(first).any_above(bounds == nullptr ? extent_of(zone) : Extent::below_all(), is_above);
   else
-    for (std::uint32_t number = first; number != no_node && !is_above(number);) number = node(number).next;
+    for (std::uint32_t number = first; number != no_node && !is_above(number);) number = next(number);
   return found;
 }
 
@@ -44,7 +44,7 @@ std::size_t PassedList::count(std::uint32_t discrete) const {
   const std::uint32_t first = head(discrete);
   if (is_long(first)) return chain(first).size();
   std::size_t length = 0;
-  for (std::uint32_t member = first; member != no_node; member = node(member).next) ++length;
+  for (std::uint32_t member = first; member != no_node; member = next(member)) ++length;
   return length;
 }
 
@@ -58,7 +58,7 @@ std::size_t PassedList::unite(std::uint32_t discrete, ZoneView zone, std::uint32
     for_each_member(head(discrete), [&](std::uint32_t number) {
       if (number < first) return;
       ++looked;
-      if (operations.unite(united, zones_[node(number).zone], zone.dimension)) parts.push_back(number);
+      if (operations.unite(united, zones_[zone_of(number)], zone.dimension)) parts.push_back(number);
     });
   }
   return looked;
@@ -67,7 +67,7 @@ std::size_t PassedList::unite(std::uint32_t discrete, ZoneView zone, std::uint32
 std::uint32_t PassedList::find(std::uint32_t discrete, ZoneView zone) const {
   std::uint32_t found = no_node;
   const auto equal = [&](std::uint32_t number) {
-    if (!zones_.equals(node(number).zone, zone)) return false;
+    if (!zones_.equals(zone_of(number), zone)) return false;
     found = number;
     return true;
   };
@@ -75,7 +75,7 @@ std::uint32_t PassedList::find(std::uint32_t discrete, ZoneView zone) const {
   if (is_long(first))
     chain(first).any_above(extent_of(zone), equal);
   else
-    for (std::uint32_t number = first; number != no_node && !equal(number);) number = node(number).next;
+    for (std::uint32_t number = first; number != no_node && !equal(number);) number = next(number);
   return found;
 }
 
@@ -83,36 +83,44 @@ bool PassedList::contains(std::uint32_t discrete, ZoneView zone, bool subsumptio
   return subsumption ? covers(discrete, zone) : find(discrete, zone) != no_node;
 }
 
-void PassedList::cover(std::uint32_t number) {
+void PassedList::cover(std::uint32_t number, std::uint32_t discrete) {
   Node& node = entry(number);
-  node.next = covered_mark;
+  node.link = discrete | mark;
   --stored_;
   covered_last_.push_back(number);
-  if (!reclaim_) return;
-  const std::uint32_t upper_hash = zones_.upper_hash(node.zone);
-  zones_.release(node.zone);
-  node.zone = upper_hash;
+  if (reclaim_) {
+    const std::uint32_t upper_hash = zones_.upper_hash(node.zone);
+    zones_.release(node.zone);
+    node.zone = upper_hash;
+  }
+  node.zone |= mark;
 }
 
-void PassedList::thin_out(std::uint32_t& head, ZoneView zone, const ClockBounds* bounds) {
+void PassedList::thin_out(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds) {
+  std::uint32_t& head = this->head(discrete);
   if (!is_long(head)) {
-    for (std::uint32_t* link = &head; *link != no_node;) {
-      const std::uint32_t number = *link;
-      Node& old = entry(number);
-      if (covers(zone.data, zones_[old.zone], zone.dimension, bounds) && !is_protected(number)) {
-        *link = old.next;
-        cover(number);
+    std::uint32_t before = no_node;
+    for (std::uint32_t number = head; number != no_node;) {
+      const std::uint32_t link = node(number).link;
+      const std::uint32_t behind = next(number);
+      if (!covers(zone.data, zones_[zone_of(number)], zone.dimension, bounds) || is_protected(number)) {
+        before = number;
       } else {
-        link = &old.next;
+        if (before == no_node)
+          head = behind;
+        else
+          entry(before).link = link;
+        cover(number, discrete);
       }
+      number = behind;
     }
     return;
   }
   Antichain& members = chain(head);
   chain_bytes_ -= members.bytes();
   members.remove_below(bounds == nullptr ? extent_of(zone) : Extent::above_all(), [&](std::uint32_t number) {
-    if (!covers(zone.data, zones_[node(number).zone], zone.dimension, bounds) || is_protected(number)) return false;
-    cover(number);
+    if (!covers(zone.data, zones_[zone_of(number)], zone.dimension, bounds) || is_protected(number)) return false;
+    cover(number, discrete);
     return true;
   });
   chain_bytes_ += members.bytes();
@@ -121,9 +129,9 @@ void PassedList::thin_out(std::uint32_t& head, ZoneView zone, const ClockBounds*
 bool PassedList::holds(std::uint32_t head, std::uint32_t zone_number) const {
   if (is_long(head))
     return chain(head).any_above(extent_of(zones_.view(zone_number)),
-                                 [&](std::uint32_t number) { return node(number).zone == zone_number; });
-  for (std::uint32_t number = head; number != no_node; number = node(number).next)
-    if (node(number).zone == zone_number) return true;
+                                 [&](std::uint32_t number) { return zone_of(number) == zone_number; });
+  for (std::uint32_t number = head; number != no_node; number = next(number))
+    if (zone_of(number) == zone_number) return true;
   return false;
 }
 
@@ -132,14 +140,14 @@ void PassedList::rescale(Raw largest_entry) {
   for (Antichain& members : chains_) {
     chain_bytes_ -= members.bytes();
     Antichain fresh;
-    members.for_each([&](std::uint32_t number) { fresh.add(extent_of(zones_.view(node(number).zone)), number); });
+    members.for_each([&](std::uint32_t number) { fresh.add(extent_of(zone(number)), number); });
     members = std::move(fresh);
     chain_bytes_ += members.bytes();
   }
 }
 
 void PassedList::add_to(Antichain& members, std::uint32_t number) {
-  const ZoneView zone = zones_.view(node(number).zone);
+  const ZoneView zone = this->zone(number);
   const Raw largest_entry = zones_.operations(zone.dimension).largest_entry(zone.data, zone.dimension);
   if (largest_entry > scale_.limit) rescale(largest_entry);
   chain_bytes_ -= members.bytes();
@@ -147,19 +155,23 @@ void PassedList::add_to(Antichain& members, std::uint32_t number) {
   chain_bytes_ += members.bytes();
 }
 
-void PassedList::append(std::uint32_t& head, std::uint32_t number) {
+void PassedList::append(std::uint32_t discrete, std::uint32_t number) {
+  std::uint32_t& head = this->head(discrete);
   if (!is_long(head)) {
     std::size_t length = 0;
-    for (std::uint32_t member = head; member != no_node; member = node(member).next) ++length;
+    for (std::uint32_t member = head; member != no_node; member = next(member)) ++length;
     if (length < short_chain) {
-      entry(number).next = std::exchange(head, number);
+      if (head != no_node) entry(number).link = head;
+      head = number;
       return;
     }
-    const std::uint32_t first = std::exchange(head, static_cast<std::uint32_t>(chains_.size()) | chain_mark);
+    const std::uint32_t first = std::exchange(head, static_cast<std::uint32_t>(chains_.size()) | mark);
     chain_bytes_ += chains_.emplace_back().bytes();
     for (std::uint32_t member = first; member != no_node;) {
       add_to(chains_.back(), member);
-      member = std::exchange(entry(member).next, no_node);
+      const std::uint32_t behind = next(member);
+      entry(member).link = discrete | mark;
+      member = behind;
     }
   }
   add_to(chain(head), number);
@@ -170,7 +182,7 @@ std::uint32_t PassedList::add(std::uint32_t discrete, ZoneView zone, std::uint32
   covered_last_.clear();
   if (subsumption) {
     if (covers(discrete, zone, bounds)) return no_node;
-    thin_out(head(discrete), zone, bounds);
+    thin_out(discrete, zone, bounds);
   }
   const std::uint32_t zone_number = zones_.intern(zone);
   if (!subsumption && holds(head(discrete), zone_number)) {
@@ -187,21 +199,22 @@ std::uint32_t PassedList::add_apart(std::uint32_t discrete, ZoneView zone, std::
 
 std::uint32_t PassedList::append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent) {
   const std::uint32_t fresh = nodes_.append();
-  if (fresh >= chain_mark) throw std::length_error("more states than node numbers");
-  entry(fresh) = {discrete, zone_number, parent, no_node};
-  append(head(discrete), fresh);
+  if (((fresh | discrete | zone_number) & mark) != 0) throw std::length_error("more states than node numbers");
+  entry(fresh) = {discrete | mark, zone_number};
+  parents_.append(parent);
+  append(discrete, fresh);
   ++stored_;
   return fresh;
 }
 
 bool PassedList::would_cover(std::uint32_t discrete, ZoneView zone) const {
   const auto is_below = [&](std::uint32_t number) {
-    return covers(zone.data, zones_[node(number).zone], zone.dimension, nullptr);
+    return covers(zone.data, zones_[zone_of(number)], zone.dimension, nullptr);
   };
   const std::uint32_t first = head(discrete);
   if (is_long(first)) return chain(first).any_below(extent_of(zone), is_below);
   std::uint32_t number = first;
-  while (number != no_node && !is_below(number)) number = node(number).next;
+  while (number != no_node && !is_below(number)) number = next(number);
   return number != no_node;
 }
 
@@ -212,12 +225,14 @@ bool PassedList::has_since(std::uint32_t discrete, std::uint32_t first) const {
   return (is_long(newest) ? chain(newest).newest() : newest) >= first;
 }
 
-bool PassedList::may_equal(const Node& node, ZoneView zone) const {
-  return reclaim_ && node.next == covered_mark ? zones_.upper_hash(zone) == node.zone : zones_.equals(node.zone, zone);
+bool PassedList::may_equal(std::uint32_t number, ZoneView zone) const {
+  if (reclaim_ && covered(number)) return (zones_.upper_hash(zone) | mark) == node(number).zone;
+  return zones_.equals(zone_of(number), zone);
 }
 
 std::size_t PassedList::bytes() const {
-  return discretes_.bytes() + zones_.bytes() + nodes_.bytes() + chain_bytes_ + chains_.capacity() * sizeof(Antichain);
+  return discretes_.bytes() + zones_.bytes() + nodes_.bytes() + parents_.bytes() + chain_bytes_ +
+         chains_.capacity() * sizeof(Antichain);
 }
 
 }  // namespace tachk

@@ -1,6 +1,7 @@
 // The states that have been seen: discrete parts and zones interned, and for each discrete part an antichain of zones.
-// A node costs 16 bytes; a zone or a discrete part that many nodes share is held once. A covered node stays, because
-// paths lead through it, but the memory of a zone that only covered nodes have is used again.
+// A node costs 8 bytes and its parent about one; a zone or a discrete part that many nodes share is held once. A
+// covered node stays, because paths lead through it, but the memory of a zone that only covered nodes have is used
+// again.
 #pragma once
 
 #include <cstdint>
@@ -11,21 +12,13 @@
 #include "states/antichain.hpp"
 #include "states/discrete.hpp"
 #include "states/memory.hpp"
+#include "states/parents.hpp"
 #include "states/zone_store.hpp"
 #include "zones/zone.hpp"
 
 namespace tachk {
 
 inline constexpr std::uint32_t no_node = UINT32_MAX;
-
-struct Node {
-  std::uint32_t discrete;
-  std::uint32_t zone;    // of a covered node whose zone may be gone: half of the hash of that zone
-  std::uint32_t parent;  // no_node for the initial state
-  std::uint32_t next;    // in a short antichain of the discrete part; covered_mark once a larger zone has come
-};
-
-inline constexpr std::uint32_t covered_mark = UINT32_MAX - 1;
 
 class PassedList {
  public:
@@ -69,8 +62,8 @@ class PassedList {
 
   // What several threads may ask at once, as long as nobody adds a state, each with a reader of its own.
   DiscreteStates::Reader reader() const { return discretes_.reader(); }
-  void unpack(const Node& node, std::int32_t* slots, DiscreteStates::Reader& reader) const {
-    discretes_.unpack(node.discrete, slots, reader);
+  void unpack(std::uint32_t number, std::int32_t* slots, DiscreteStates::Reader& reader) const {
+    discretes_.unpack(discrete(number), slots, reader);
   }
   // As `announce` without a reader, of the state that this one unpacked last, and the number of the announced state or
   // HashIndex::absent.
@@ -102,53 +95,72 @@ class PassedList {
   std::uint32_t stored() const { return stored_; }
   // How many discrete states there are.
   std::uint32_t discrete_states() const { return discretes_.size(); }
-  const Node& node(std::uint32_t number) const { return *reinterpret_cast<const Node*>(nodes_[number]); }
-  bool covered(std::uint32_t number) const { return node(number).next == covered_mark; }
-  // The zone of a node that is not covered.
-  ConstZoneRef zone(const Node& node) const { return zones_[node.zone]; }
-  ZoneView view(const Node& node) const { return zones_.view(node.zone); }
-  // Whether the zone of a node that is not covered contains this one of the same discrete state.
-  bool includes(const Node& node, ZoneView zone) const {
-    return zones_.operations(zone.dimension).includes(zones_[node.zone], zone.data, zone.dimension);
+  bool covered(std::uint32_t number) const { return (node(number).zone & mark) != 0; }
+  // The number of the discrete state of a node.
+  std::uint32_t discrete(std::uint32_t number) const {
+    std::uint32_t link = node(number).link;
+    while ((link & mark) == 0) link = node(link).link;
+    return link & ~mark;
   }
-  void unpack(const Node& node, std::int32_t* slots) { discretes_.unpack(node.discrete, slots); }
+  // The node that a node has been reached from; no_node for the initial state.
+  std::uint32_t parent(std::uint32_t number) const { return parents_[number]; }
+  // The zone of a node that is not covered.
+  ZoneView zone(std::uint32_t number) const { return zones_.view(zone_of(number)); }
+  // Whether the zone of a node that is not covered contains this one of the same discrete state.
+  bool includes(std::uint32_t number, ZoneView zone) const {
+    return zones_.operations(zone.dimension).includes(zones_[zone_of(number)], zone.data, zone.dimension);
+  }
+  void unpack(std::uint32_t number, std::int32_t* slots) { discretes_.unpack(discrete(number), slots); }
+  void unpack_discrete(std::uint32_t discrete, std::int32_t* slots) { discretes_.unpack(discrete, slots); }
   // Whether a node has this discrete state.
-  bool equals(const Node& node, const std::int32_t* slots) { return discretes_.equals(node.discrete, slots); }
+  bool equals(std::uint32_t number, const std::int32_t* slots) { return discretes_.equals(discrete(number), slots); }
   // Whether a node has this zone; of a covered node, whether it has one with this hash.
-  bool may_equal(const Node& node, ZoneView zone) const;
+  bool may_equal(std::uint32_t number, ZoneView zone) const;
   std::size_t bytes() const;
 
  private:
   static constexpr std::size_t short_chain = 8;
-  static constexpr std::uint32_t chain_mark = std::uint32_t{1} << 31;
+  static constexpr std::uint32_t mark = std::uint32_t{1} << 31;
 
-  bool is_long(std::uint32_t head) const { return head != no_node && (head & chain_mark) != 0; }
-  Antichain& chain(std::uint32_t head) { return chains_[head & ~chain_mark]; }
-  const Antichain& chain(std::uint32_t head) const { return chains_[head & ~chain_mark]; }
+  struct Node {
+    std::uint32_t link;  // the next in a short antichain; for the last one and others, the discrete state and the mark
+    std::uint32_t zone;  // of a covered node with the mark: if its zone may be gone, what else fits of the hash of that
+  };
+
+  bool is_long(std::uint32_t head) const { return head != no_node && (head & mark) != 0; }
+  Antichain& chain(std::uint32_t head) { return chains_[head & ~mark]; }
+  const Antichain& chain(std::uint32_t head) const { return chains_[head & ~mark]; }
+  const Node& node(std::uint32_t number) const { return *reinterpret_cast<const Node*>(nodes_[number]); }
+  std::uint32_t zone_of(std::uint32_t number) const { return node(number).zone & ~mark; }
+  // The next in a short antichain; no_node behind the last.
+  std::uint32_t next(std::uint32_t number) const {
+    const std::uint32_t link = node(number).link;
+    return (link & mark) != 0 ? no_node : link;
+  }
   // Removes the members of an antichain that the zone covers.
-  void thin_out(std::uint32_t& head, ZoneView zone, const ClockBounds* bounds);
+  void thin_out(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds);
   bool covers(ConstZoneRef outer, ConstZoneRef inner, int dimension, const ClockBounds* bounds) const {
     const ZoneOperations& operations = zones_.operations(dimension);
     return bounds == nullptr ? operations.includes(outer, inner, dimension)
                              : operations.simulates(outer, inner, dimension, *bounds);
   }
-  void cover(std::uint32_t number);
+  void cover(std::uint32_t number, std::uint32_t discrete);
   std::uint32_t append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent);
   bool is_protected(std::uint32_t number) const { return number - protected_first_ < protected_count_; }
   bool holds(std::uint32_t head, std::uint32_t zone_number) const;
   template <class Visit>
   void for_each_member(std::uint32_t head, Visit visit) const {
     if (is_long(head)) return chain(head).for_each(visit);
-    for (std::uint32_t number = head; number != no_node; number = node(number).next) visit(number);
+    for (std::uint32_t number = head; number != no_node; number = next(number)) visit(number);
   }
-  void append(std::uint32_t& head, std::uint32_t number);
+  void append(std::uint32_t discrete, std::uint32_t number);
   void add_to(Antichain& members, std::uint32_t number);
   Extent extent_of(ZoneView zone) const {
     return zones_.operations(zone.dimension).extent(zone.data, zone.dimension, scale_);
   }
   // Chooses the scale for a larger entry than has been seen, and with it all extents anew.
   void rescale(Raw largest_entry);
-  // The first node of the antichain of a discrete part, or the number of a long one with chain_mark.
+  // The first node of the antichain of a discrete part, or the number of a long one with the mark.
   std::uint32_t& head(std::uint32_t discrete) { return discretes_.note(discrete); }
   std::uint32_t head(std::uint32_t discrete) const { return discretes_.note(discrete); }
   Node& entry(std::uint32_t number) { return *reinterpret_cast<Node*>(nodes_[number]); }
@@ -160,6 +172,7 @@ class PassedList {
   ExtentScale scale_;
   DiscreteStates discretes_;
   RecordPool nodes_;
+  Parents parents_;
   std::vector<Antichain> chains_;
   std::size_t chain_bytes_ = 0;
   std::uint32_t stored_ = 0;

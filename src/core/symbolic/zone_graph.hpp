@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "program/program.hpp"
-#include "states/zone_store.hpp"
+#include "states/store.hpp"
 #include "symbolic/abstraction.hpp"
 #include "symbolic/active_clocks.hpp"
 #include "symbolic/representative.hpp"
@@ -122,6 +122,10 @@ class ZoneGraph final {
   // The part of a zone that is worth storing, until the next call, and the zone from that part.
   ZoneView packed(const std::int32_t* slots, ConstZoneRef zone) { return active_.packed(slots, zone); }
   void unpack(const std::int32_t* slots, ConstZoneRef packed, ZoneBuffer& zone) { active_.unpack(slots, packed, zone); }
+  // Gives a state the zone of a stored one, whose slots it has.
+  void unpack(const PassedList& states, std::uint32_t node, SymbolicState& state) {
+    unpack(state.slots.data(), states.zone(node).data, state.zone);
+  }
 
  private:
   // Sets `effect_` to what comes before the first action; false if an invariant excludes it.

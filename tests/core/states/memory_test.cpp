@@ -6,18 +6,20 @@
 #include <vector>
 
 #include "check.hpp"
+#include "states/parents.hpp"
 
 namespace {
 
 using namespace tachk;
 
-// Few different hashes, close together at both ends of the table, so that many records compete for the same places.
+// Few different hashes, close together at both ends of two segments, so that many records compete for the same places.
 void test_erased_records_leave_no_gap() {
   std::mt19937 random(1);
   std::vector<std::uint64_t> hashes;
   for (std::uint32_t number = 0; number < 3000; ++number) {
-    const std::uint64_t end = random() % 2 == 0 ? 0 : UINT64_MAX - (std::uint64_t{40} << 54);
-    hashes.push_back(end + (std::uint64_t{random() % 40} << 54) + random() % 1000);
+    const std::uint64_t end = random() % 2 == 0 ? 0 : (std::uint64_t{1} << 58) - (std::uint64_t{40} << 48);
+    const std::uint64_t segment = random() % 2 == 0 ? 0 : std::uint64_t{63} << 58;
+    hashes.push_back(segment + end + (std::uint64_t{random() % 40} << 48) + random() % 1000);
   }
   HashIndex index;
   std::vector<bool> present(hashes.size(), false);
@@ -45,9 +47,44 @@ void test_erased_records_leave_no_gap() {
   CHECK(index.bytes() <= 2 * bytes);
 }
 
+// Of an index with many records at most a third is free, but for what a segment has just grown by.
+void test_little_is_free() {
+  std::mt19937_64 random(1);
+  HashIndex index;
+  for (std::uint32_t number = 0; number < 200000; ++number) {
+    index.insert(random(), number);
+    if (number > 20000) CHECK(index.bytes() <= number * 8 * 5 / 3);
+  }
+}
+
+void test_parents_are_those_that_were_added() {
+  std::mt19937 random(1);
+  for (const std::uint32_t range : {1u, 2u, 3u, 70u, 5000u, 1u << 30, UINT32_MAX}) {
+    Parents parents;
+    std::vector<std::uint32_t> plain;
+    std::uint32_t least = 0;
+    for (int n = 0; n < 1000; ++n) {
+      plain.push_back(n == 0 || n == 130 ? UINT32_MAX : least + static_cast<std::uint32_t>(random()) % range);
+      if (range < 100) least += static_cast<std::uint32_t>(random() % 2);
+      parents.append(plain.back());
+      if (n % 37 == 0 || n > 990)
+        for (std::uint32_t node = 0; node < plain.size(); ++node) CHECK(parents[node] == plain[node]);
+    }
+  }
+}
+
+void test_parents_in_order_take_a_byte() {
+  Parents parents;
+  for (std::uint32_t node = 0; node < 200000; ++node) parents.append(node / 2);
+  CHECK(parents.bytes() < 200000);
+}
+
 }  // namespace
 
 int main() {
   test_erased_records_leave_no_gap();
+  test_little_is_free();
+  test_parents_are_those_that_were_added();
+  test_parents_in_order_take_a_byte();
   std::puts("the index finds what is there");
 }

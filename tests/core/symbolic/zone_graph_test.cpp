@@ -66,11 +66,11 @@ void test_a_search_of_its_own(bool priorities) {
   graph.start(Keeping{graph, passed, stack});
   SymbolicState source = graph.blank();
   while (!stack.empty()) {
-    const Node node = passed.node(stack.back());
-    Keeping keeping{graph, passed, stack, stack.back()};
+    const std::uint32_t node = stack.back();
+    Keeping keeping{graph, passed, stack, node};
     stack.pop_back();
     passed.unpack(node, source.slots.data());
-    graph.unpack(source.slots.data(), passed.zone(node), source.zone);
+    graph.unpack(passed, node, source);
     graph.expand(source, keeping);
     transitions += keeping.transitions;
   }

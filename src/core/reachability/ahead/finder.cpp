@@ -97,9 +97,8 @@ void Finder::expand(std::uint32_t number) {
   expansion.first = found_.size();
   expansion.first_edge = edges_.size();
   try {
-    const Node& node = passed_.node(number);
-    passed_.unpack(node, source_.slots.data(), reader_);
-    graph_.unpack(source_.slots.data(), passed_.zone(node), source_.zone);
+    passed_.unpack(number, source_.slots.data(), reader_);
+    graph_.unpack(passed_, number, source_);
     deadlocks_.begin(source_);
     graph_.expand(source_, Receiving{*this, expansion});
     deadlocks_.end(number, source_, expansion.stuck);

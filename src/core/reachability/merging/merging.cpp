@@ -28,7 +28,7 @@ std::vector<std::uint32_t> Merging::origins(const PassedList& passed, std::uint3
   };
   for (std::size_t next = 0; next < found.size(); ++next) {
     const std::uint32_t whole = found[next];
-    add(passed.node(whole).parent);
+    add(passed.parent(whole));
     const auto before = [](const Part& part, std::uint32_t number) { return part.whole < number; };
     for (auto part = std::lower_bound(parts_.begin(), parts_.end(), whole, before);
          part != parts_.end() && part->whole == whole; ++part)
