@@ -113,6 +113,7 @@ def console(stream: TextIO) -> Console:
     return Report(
         file=cast("IO[str]", _WithoutBlanksAtEnds(stream)) if plain else stream,
         highlight=False,
+        emoji=False,
         color_system="standard" if wants_colour(stream) else None,
         force_terminal=wants_colour(stream) or None,
         width=width_of(stream) if stream.isatty() else _WIDTH,

@@ -34,6 +34,7 @@ from tachk.model.expressions import (
     VariableKind,
 )
 from tachk.model.network import Network
+from tachk.model.remembered import by_network
 from tachk.model.traversal import process_expressions, walk, written_variables
 from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarType, Type, cell_count, kinds_of_cells
 from tachk.operators import COMPARISONS, BinaryOperator, OperandError, UnaryOperator, wrapped
@@ -59,14 +60,18 @@ class Known:
 
 def known_values(network: Network, predicates: Sequence[Expression]) -> Known:
     """The integer variables of a network that neither it nor the predicates ever write."""
-    written = written_variables([*network_expressions(network), *predicates])
-    return Known(
-        {
-            v: v.initial or default_cells(v.type)
-            for v in network.all_variables()
-            if v not in written and all(map(is_integer, kinds_of_cells(v.type)))
-        }
-    )
+    constants, written = _constants(network), written_variables(predicates)
+    return Known({v: cells for v, cells in constants.items() if v not in written} if written else constants)
+
+
+@by_network
+def _constants(network: Network) -> Mapping[Variable, tuple[int, ...]]:
+    written = written_variables(list(network_expressions(network)))
+    return {
+        v: v.initial or default_cells(v.type)
+        for v in network.all_variables()
+        if v not in written and all(map(is_integer, kinds_of_cells(v.type)))
+    }
 
 
 def network_expressions(network: Network) -> Iterator[Expression]:

@@ -13,12 +13,14 @@ from dataclasses import replace
 from tachk.compiler.fold import Known, fold, known_values, negate
 from tachk.model.expressions import BOOL, Binary, Block, Call, Constant, Expression, Function, Return, Unary
 from tachk.model.network import Edge, Network
+from tachk.model.remembered import by_network
 from tachk.model.types import BoolType
 from tachk.operators import CONNECTIVES, UnaryOperator
 
 _FALSE = Constant(0, BOOL)
 
 
+@by_network
 def without_impossible(network: Network) -> Network:
     """The network in which the edges that are never taken have the guard ``false`` and nothing else. Numbers stay."""
     possible: set[tuple[int, int]] = set()
@@ -31,6 +33,8 @@ def without_impossible(network: Network) -> Network:
             for place, edge in enumerate(process.edges)
             if (number, place) in possible or not _is_never(edge, known)
         }
+        if len(found) == sum(len(process.edges) for process in network.processes):
+            return network
         if found == possible:
             return reduced
         possible = found

@@ -35,6 +35,8 @@ def without_spectators(network: Network, targets: Sequence[Expression]) -> Netwo
     nothing, as that is how to ask for the whole state space.
     """
     still = spectators(network, targets)
+    if not still:
+        return network
     processes = enumerate(network.processes)
     return replace(network, processes=tuple(held_still(p) if number in still else p for number, p in processes))
 

@@ -1,12 +1,15 @@
 """Which processes are interchangeable, and what tells others apart."""
 
 from pathlib import Path
+from random import Random
 
 import pytest
 
 import tachk
-from tachk.reduction.symmetry.detection import find_symmetry
+from tachk import Limits
+from tachk.reduction.symmetry.detection import find_symmetry, look_for_symmetry
 from tachk.resources import data_root
+from tachk.testing.symmetric.cases import random_symmetric_case
 
 ORDER = "the updates of two of them that hear the same broadcast depend on their order"
 
@@ -299,3 +302,50 @@ def test_a_deadlock_is_one_of_all_pairs_of_equal_processes() -> None:
     """
     (verdict,) = tachk.loads(text).verify("A[] not deadlock", trace=False)
     assert (verdict.answer.value, verdict.statistics.interchangeable) == ("holds", 3)
+
+
+TWO_KINDS = """
+typedef int[1, 3] one_t;
+typedef int[1, 3] other_t;
+int[0, 3] owner = 0;
+int[0, 3] holder = 0;
+int[0, 3] next[5];
+process P(const one_t me) { init location L { to M { guard owner == 0; assign owner = me; } } location M; }
+process Q(const other_t me) { init location L { to M { guard holder == 0; assign holder = me; } } location M { to L; } }
+process R() { init location L { to L { select k : one_t; guard k != owner; assign next[k + 1] = k; } } }
+system P, Q, R;
+"""
+
+
+@pytest.mark.parametrize(
+    ("query", "groups"),
+    [
+        ("E<> owner != 0 && holder != 0", [3, 3]),
+        ("E<> exists (i : one_t) P(i).M && owner == i", [3, 3]),
+        ("E<> forall (i : one_t) next[i + 1] == i", [3, 3]),
+        ("E<> owner == holder", [3]),
+        ("E<> owner < holder", []),
+        ("E<> exists (i : one_t) owner == i && holder == i", [3]),
+        ("E<> next[4] == 0 && owner != 0", [2, 3]),
+        ("E<> P(2).M", [2, 3]),
+        ("E<> owner == 2", [2, 3]),
+        ("E<> holder == 2", [3, 2]),
+        ("E<> exists (i : int[1, 2]) owner == i", [2, 3]),
+        ("E<> sum (i : one_t) i * P(i).M == 3", [3]),
+    ],
+)
+def test_a_query_leaves_those_interchangeable_whom_it_does_not_tell_apart(query: str, groups: list[int]) -> None:
+    assert found("", "", query, text=TWO_KINDS)[0] == groups
+
+
+def test_what_is_known_of_a_network_is_what_would_be_found_for_each_query() -> None:
+    several = 0
+    for seed in range(30):
+        case = random_symmetric_case(Random(seed))
+        model = tachk.loads(case.text)
+        for verdict in model.verify(*case.queries, limits=Limits(states=1), trace=False):
+            assert verdict.query.target is not None
+            known, anew = (look(model.network, [verdict.query.target]) for look in (find_symmetry, look_for_symmetry))
+            assert known.groups == anew.groups, f"seed {seed}: {verdict.query.text}"
+            several += bool(anew.groups)
+    assert several > 30

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable, Iterable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 
 from tachk.compiler.fold import Known, fold
 from tachk.diagnostics.span import Span
 from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import BOOL, Constant, Expression, Variable
 from tachk.model.network import Edge, Location, Network
+from tachk.model.traversal import written_variables
 from tachk.model.types import ArrayType, Type, cell_count
 from tachk.records import dataclass
 from tachk.reduction.symmetry.kinds import ArrayTree, Kinds, RecordTree, Refusal, Tree
@@ -81,6 +82,12 @@ class Reading:
                 for number, unit in enumerate(units):
                     for atom in set(self._atoms(unit.tokens)):
                         self._touched.setdefault(atom, []).append((process, is_edge, number))
+        self._note_predicates()
+        for variable, tree in self.reader.trees.items():
+            for root in {self.kinds.find(node)[0] for node in _all_nodes(tree)}:
+                self._of_kind.setdefault(root, []).append(variable)
+
+    def _note_predicates(self) -> None:
         for term in self.predicates:
             parts = term.parts if isinstance(term, Junction) else (term,)
             mentioning: dict[Atom, list[int]] = {}
@@ -88,9 +95,20 @@ class Reading:
                 for atom in set(self._atoms(flat([part]))):
                     mentioning.setdefault(atom, []).append(number)
             self._asked.append((parts, mentioning))
-        for variable, tree in self.reader.trees.items():
-            for root in {self.kinds.find(node)[0] for node in _all_nodes(tree)}:
-                self._of_kind.setdefault(root, []).append(variable)
+
+    def asking(self, predicates: Sequence[Expression]) -> Reading | None:
+        """The same network where this is asked of it; None if these predicates say more of the numbers in the network
+        than it says itself, or change a variable."""
+        if written_variables(predicates):
+            return None
+        reader = self.reader.copy()
+        roots = reader.kinds.roots()
+        terms = [predicate_term(reader, each) for each in predicates]
+        if any(reader.kinds.find(root)[0] != root for root in roots):
+            return None
+        asking = replace(self, reader=reader, predicates=terms, _asked=[])
+        asking._note_predicates()
+        return asking
 
     def _atoms(self, tokens: Iterable[Token]) -> Iterable[Atom]:
         for token in tokens:
@@ -141,6 +159,10 @@ class Reading:
             or self._text_objection(renaming, moved)
             or self._predicate_objection(renaming, moved)
         )
+
+    def objection_of_predicates(self, renaming: Renaming) -> Refusal | None:
+        """As `objection`, of a renaming that maps the network onto itself where nothing is asked of it."""
+        return self._kinds_objection(renaming) or self._predicate_objection(renaming, self._moved_atoms(renaming))
 
     def _kinds_objection(self, renaming: Renaming) -> Refusal | None:
         for root in renaming.values:

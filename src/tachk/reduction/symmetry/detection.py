@@ -9,6 +9,7 @@ permutations. Processes that cannot be exchanged may still form a ring (`tachk.r
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Sequence
+from dataclasses import replace
 from itertools import combinations
 from math import factorial, prod
 
@@ -17,6 +18,7 @@ from tachk.compiler.fold import known_values
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Network
+from tachk.model.remembered import by_network
 from tachk.records import dataclass
 from tachk.reduction.symmetry.automorphism import Reading, Renaming, Unit, read
 from tachk.reduction.symmetry.broadcasts import order_matters
@@ -65,12 +67,33 @@ class Symmetry:
     differences: tuple[Difference, ...]
     reading: Reading
 
+    @property
+    def renamings(self) -> Iterable[Renaming]:
+        """What maps the network onto itself."""
+        yield from (exchange for group in self.groups for exchange in group.exchanges)
+        yield from (ring.rotation for ring in self.rings)
+
 
 def find_symmetry(network: Network, predicates: Sequence[Expression]) -> Symmetry:
     """The interchangeable processes of a network of which the predicates are asked.
 
     Exchanging them maps runs to runs, run-time errors included, and keeps the values of the predicates.
     """
+    return _found(network, tuple(predicates))
+
+
+@by_network
+def _found(network: Network, predicates: tuple[Expression, ...]) -> Symmetry:
+    if predicates:
+        unasked = _found(network, ())
+        reading = unasked.reading.asking(predicates)
+        if reading is not None and not any(map(reading.objection_of_predicates, unasked.renamings)):
+            return replace(unasked, reading=reading)
+    return look_for_symmetry(network, predicates)
+
+
+def look_for_symmetry(network: Network, predicates: Sequence[Expression]) -> Symmetry:
+    """As `find_symmetry`, without anything that is known of the network."""
     known = known_values(network, predicates)
     reading = read(network, predicates, known)
     candidates = list(_candidates(reading))

@@ -80,6 +80,14 @@ class Kinds:
     _shift: list[int] = field(default_factory=list)
     _plain: dict[int, Refusal] = field(default_factory=dict)
 
+    def copy(self) -> Kinds:
+        """The same kinds, of which more may be found."""
+        return Kinds([*self.ranges], [*self.defaults], [*self.cycles], [*self._parent], [*self._shift], {**self._plain})
+
+    def roots(self) -> list[int]:
+        """The nodes that stand for kinds."""
+        return [node for node, parent in enumerate(self._parent) if node == parent]
+
     def fresh(self) -> int:
         """A kind of its own."""
         self._parent.append(len(self._parent))
@@ -102,13 +110,17 @@ class Kinds:
         return node, shift
 
     def unite(self, left: int, right: int, shift: int = 0, span: Span = NOWHERE) -> None:
-        """Numbers at the left node are those at the right one plus a shift."""
+        """Numbers at the left node are those at the right one plus a shift. The older node stands for both kinds, so
+        that what is known by it stays so."""
         (one, above), (other, over) = self.find(left), self.find(right)
         if one == other:
             if above != over + shift:
                 self.make_plain(left, "counts with it", span)
             return
-        self._parent[one], self._shift[one] = other, over + shift - above
+        lower = over + shift - above
+        if one < other:
+            one, other, lower = other, one, -lower
+        self._parent[one], self._shift[one] = other, lower
         if one in self._plain:
             self._plain.setdefault(other, self._plain.pop(one))
 

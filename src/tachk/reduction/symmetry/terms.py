@@ -98,6 +98,10 @@ class Reader:
     _functions: dict[Function, tuple[list[Token], Tree]] = field(default_factory=dict)
     _scope: dict[Variable, int] = field(default_factory=dict)
 
+    def copy(self) -> Reader:
+        """One that knows the same and may read on."""
+        return Reader(self.known, self.kinds.copy(), {**self.trees}, {**self._functions})
+
     def begin(self) -> None:
         """What is read from here on has names of its own for bound variables."""
         self._scope = {}
