@@ -48,9 +48,10 @@ class Side:
         client_endpoint, agent_endpoint: their numbers.
         owner: whose packets they are.
         heard: when the client sent something last.
-        asked: when it was first sent, while asleep, what it would have to answer; None before.
+        asked: since when it owes an answer to what was sent to it; None if to nothing. While it is awake it is noted
+            only where arrivals are seen.
         asked_by: the packet that did so.
-        asleep: the client has been silent for long.
+        asleep: the client has been silent for long, or has owed an answer for long.
         disturbed: it has been asked while asleep, and has not answered.
         ended: it has closed its session.
         forgotten: nothing is noted of it any more.
@@ -68,16 +69,25 @@ class Side:
         self.sleep_log = ChangeLog(1)
         self.streams: dict[Way, Stream] = {}
 
-    def due(self, silence: int, answer: int) -> int:
+    @property
+    def sees_arrivals(self) -> bool:
+        """Whether what is sent to the client is known to arrive here: the other side of the relay was recorded, too."""
+        return len(self.owner.sides) > 1 and self is self.owner.own_side
+
+    def due(self, silence: int, patience: int, answer: int) -> int:
         """When it counts as asleep, or as disturbed, if nothing comes before.
 
         Args:
             silence: how long a client that is awake is silent at most.
-            answer: how long it takes at most to answer.
+            patience: how long it owes an answer at most.
+            answer: how long it takes to answer at most, if its silence has shown already that it sleeps.
         """
         if self.ended or self.disturbed or (self.asleep and self.asked is None):
             return NEVER
-        return self.heard + silence if self.asked is None else self.asked + answer
+        if self.asleep:
+            return (self.asked or 0) + answer
+        silent = self.heard + silence
+        return silent if self.asked is None else min(silent, self.asked + patience)
 
     def woken(self, time: int, row: int) -> None:
         """It has sent something, or is no longer there."""

@@ -22,6 +22,10 @@ SILENCE: Final = 2_000_000_000
 ANSWER: Final = 100_000_000
 """A client that is awake answers messages of a reliable stream, and HEARTBEATs, within so many nanoseconds."""
 
+PATIENCE: Final = 500_000_000
+"""A client that leaves what came to it without an answer for so many nanoseconds counts as asleep: five times `ANSWER`,
+two heartbeats of the Agent. Only where packets are recorded at the client: elsewhere they may have been lost."""
+
 SITUATION: Final = (
     "allToAgent",
     "allToClient",
@@ -173,9 +177,10 @@ class Follower:
                     held = side.streams.get((to_agent, stream)) or side.stream((to_agent, stream))
                     number = held.state.message(sequence)
                     self._noted(held)
-                if side.asleep and not to_agent and side.asked is None and (held or kind == _HEARTBEAT):
-                    side.asked, side.asked_by = time, packet
-                    self._alarm = min(self._alarm, time + ANSWER)
+                if not to_agent and side.asked is None and (held or kind == _HEARTBEAT):
+                    if side.asleep or side.sees_arrivals:
+                        side.asked, side.asked_by = time, packet
+                        self._alarm = min(self._alarm, self._due(side))
             if kind == _ACKNACK:
                 way = not to_agent, subject
                 self._acknack(self._side.streams.get(way) or self._side.stream(way), first, bitmap)
@@ -293,19 +298,21 @@ class Follower:
         """Whoever has been silent for long, until this time. Returns how many rows have been put in, from this one."""
         count = 0
         while self.sides:
-            side = min(self.sides, key=lambda one: one.due(self._silence, ANSWER))
-            self._alarm = side.due(self._silence, ANSWER)
+            side = min(self.sides, key=self._due)
+            self._alarm = self._due(side)
             if self._alarm > time:
                 break
-            self._inserted.append((row + count, self._alarm, side.asked_by if side.asleep else 0))
-            if side.asleep:
-                side.disturbed = True
-            else:
+            self._inserted.append((row + count, self._alarm, 0 if side.asked is None else side.asked_by))
+            side.disturbed = side.asked is not None and self._alarm >= side.asked + ANSWER
+            if not side.asleep:
                 side.asleep = True
                 side.sleep_log.note(row + count, (1,))
             self._look(row + count)
             count += 1
         return count
+
+    def _due(self, side: Side) -> int:
+        return side.due(self._silence, PATIENCE, ANSWER)
 
     def _created(self, side: Side, key: str) -> None:
         """A session begins, or begins again."""
