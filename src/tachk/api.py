@@ -41,8 +41,8 @@ if TYPE_CHECKING:
     from tachk.drawing.svg import Picture
     from tachk.engines.outcome import Statistics
     from tachk.properties.deep.findings import DeepCheck
+    from tachk.properties.scheduling.in_order import VerifyProgress
     from tachk.properties.times import Times
-    from tachk.properties.verify import VerifyProgress
     from tachk.report.campaign.table import Sweep
     from tachk.report.region.synthesis import Synthesis
     from tachk.statistics.estimate import Settings

@@ -119,7 +119,7 @@ class Verification:
         queries = checked(formulas)
         if queries:
             limits = self.limits.after(monotonic() - began)
-            alone = replace(self.options, threads=1)  # it is cells that are computed at the same time
+            alone = replace(self.options, threads=1, processes=1)  # it is cells that are computed at the same time
             found = answers(model, self.questions, queries, alone, limits, None, trace=True)
             rows += map(_row, found)
         return tuple(sorted(rows, key=lambda row: self.asked.index(str(row["property"]))))

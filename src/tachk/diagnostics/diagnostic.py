@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from enum import StrEnum
 
 from tachk.diagnostics.span import Span
@@ -68,7 +68,16 @@ def by_place(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
 
 
 class TachkError(Exception):
-    """Base of every error tachk raises on purpose."""
+    """Base of every error tachk raises on purpose. It can be pickled, and so come from another process."""
+
+    def __reduce__(self) -> tuple[Callable[..., TachkError], tuple[object, ...]]:
+        return _as_raised, (type(self), self.args, self.__dict__)
+
+
+def _as_raised(kind: type[TachkError], arguments: tuple[object, ...], attributes: dict[str, object]) -> TachkError:
+    error = kind.__new__(kind, *arguments)
+    error.__dict__.update(attributes)
+    return error
 
 
 class InputError(TachkError):

@@ -118,6 +118,8 @@ class Options:
             their number, the states, their order and the runs are the same. One thread searches depth first, over local
             times, with `passing` or `partial_order`, for certificates, and for runs that go on for ever.
         threads_after: how many states there must be before a search uses more than one thread.
+        processes: how many searches for different queries run at the same time, each in a process of its own, once a
+            second has passed; 0: as many as the machine has cores, up to eight. On Windows one.
         hold_spectators: hold processes still that cannot influence the answer; off: explore them too.
         drop_bystanders: first search without the processes that can only block others; off: search the whole network
             at once. Of `A<>`, `E[]` and `-->`: without those that certainly do not even block.
@@ -149,6 +151,7 @@ class Options:
     attempts: bool = True
     threads: int = 1
     threads_after: int = 4096
+    processes: int = 1
     hold_spectators: bool = True
     drop_bystanders: bool = True
     symmetry: bool = True
@@ -163,6 +166,7 @@ class Options:
         _check_range("pack_clocks", self.pack_clocks, 0, 2**32 - 1)
         _check_range("passing", self.passing, 0, 64)
         _check_range("threads", self.threads, 0, MOST_THREADS)
+        _check_range("processes", self.processes, 0, MOST_THREADS)
         _check_range("threads_after", self.threads_after, 0, 2**32 - 1)
         if self.width not in (16, 32, 64):
             raise UsageError(f"`width` is 16, 32 or 64, not {self.width}")

@@ -11,9 +11,10 @@ from tachk.frontend.priority_readings import FIRST
 from tachk.model.query import Query
 from tachk.properties.questions import Questions, checked
 from tachk.properties.readings import agreed
+from tachk.properties.scheduling.in_order import VerifyProgress
 from tachk.properties.unanswered import refused
 from tachk.properties.verdict import Answer, Verdict
-from tachk.properties.verify import VerifyProgress, verify
+from tachk.properties.verify import verify
 
 
 def answers(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -13,13 +13,15 @@ from typing import assert_never
 from tachk.compiler.features import check_selections, check_supported
 from tachk.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError
 from tachk.engines.options import Limits, Options
-from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Progress, Statistics
+from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Progress
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties import reachability
 from tachk.properties.observed import check_observable
 from tachk.properties.plan import Analysis, Search, Task, plan
+from tachk.properties.scheduling.in_order import VerifyProgress, in_order, processes
+from tachk.properties.scheduling.shares import Shares
 from tachk.properties.unanswered import none_begun, not_begun, unsupported
 from tachk.properties.variants import non_zeno, pace, second_engine
 from tachk.properties.variants.second_engine import Answering
@@ -29,9 +31,6 @@ from tachk.semantics.discrete import PreparedNetwork, initial_discrete, prepare
 from tachk.semantics.step import satisfies_invariant
 from tachk.semantics.timed_trace import TimedState
 from tachk.time_limit import OutOfTimeError, time_limit
-
-VerifyProgress = Callable[[Statistics, tuple[str, ...]], None]
-"""What is told during a long search: the statistics so far, and the names of the queries that it is about to answer."""
 
 
 def verify(
@@ -48,7 +47,8 @@ def verify(
     affected. Every trace has been replayed by `tachk.certify` before it is returned; without ``trace`` none is made
     except where it is needed to decide. Several searches may be needed. Each query has the same share of the seconds
     that are left when its search begins, so what one does not need is there for the others; preparing the model and
-    compiling it count. The other limits hold for each search. The run behind an answer is made in any case.
+    compiling it count. With several `Options.processes` it has as many such shares, for as many are used up at the same
+    time. The other limits hold for each search. The run behind an answer is made in any case.
 
     Raises:
         InputError: the initial state violates an invariant.
@@ -72,23 +72,9 @@ def verify(
             searches = plan(tasks)
     except OutOfTimeError:
         return tuple(verdicts.get(number) or not_begun(query, TIME_LIMIT) for number, query in enumerate(queries))
-    interrupted = False
-    left = len(tasks)
-    for search in searches:
-        if interrupted:
-            found = none_begun(search.tasks, INTERRUPTED)
-        else:
-            own = _share(limits.after(time.monotonic() - started), Fraction(len(search.tasks), left))
-            names = tuple(task.query.name for task in search.tasks)
-            told = None if progress is None else partial(_tell, progress, names)
-            try:
-                found = _answer(model, search, options, own, told, trace)
-            except KeyboardInterrupt:
-                # What was decided before is kept, wherever the interruption comes.
-                found = none_begun(search.tasks, INTERRUPTED)
-            interrupted = any(verdict.reason == INTERRUPTED for verdict in found.values())
-        left -= len(search.tasks)
-        verdicts |= found
+    answer = partial(_answer, model, options, trace)
+    shares = Shares(limits, started, len(tasks))
+    verdicts |= in_order(searches, answer, shares, processes(options), progress)
     return non_zeno.noted(_examined(network, [verdicts[number] for number in range(len(queries))]))
 
 
@@ -105,9 +91,23 @@ def _check_answerable(network: Network, query: Query, options: Options) -> None:
 
 
 def _answer(
+    model: PreparedNetwork,
+    options: Options,
+    trace: bool,
+    search: Search,
+    limits: Limits,
+    progress: Progress | None,
+) -> dict[int, Verdict]:
+    """The verdicts about the tasks of a search, by number. What was decided before is kept, wherever Ctrl-C comes."""
+    try:
+        return _analysed(model, search, options, limits, progress, trace)
+    except KeyboardInterrupt:
+        return none_begun(search.tasks, INTERRUPTED)
+
+
+def _analysed(
     model: PreparedNetwork, search: Search, options: Options, limits: Limits, progress: Progress | None, trace: bool
 ) -> dict[int, Verdict]:
-    """The verdicts about the tasks of a search, by number."""
     match search.analysis:
         case Analysis.REACHABILITY:
             started = time.monotonic()
@@ -155,17 +155,6 @@ def _explored_everything(network: Network, verdict: Verdict) -> bool:
         return False
     proved = verdict.answer is reachability.answers_of(query)[1]
     return proved and query.observer is None and every_action_counts(network, [query.target])
-
-
-def _tell(progress: VerifyProgress, names: tuple[str, ...], statistics: Statistics) -> None:
-    progress(statistics, names)
-
-
-def _share(limits: Limits, part: Fraction) -> Limits:
-    """The limits of one search, which may use a part of the seconds that are left."""
-    of_all = None if limits.seconds is None else limits.seconds * part.numerator / part.denominator
-    allowed = [seconds for seconds in (of_all, limits.seconds_each) if seconds is not None]
-    return replace(limits, seconds=min(allowed, default=None))
 
 
 def check_initial_state(model: PreparedNetwork) -> None:

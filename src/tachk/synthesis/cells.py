@@ -15,8 +15,9 @@ from tachk.model.query import Query
 from tachk.properties.answering import answers
 from tachk.properties.certificates import Proof
 from tachk.properties.questions import Questions
+from tachk.properties.scheduling.in_order import VerifyProgress
 from tachk.properties.verdict import Answer, Verdict
-from tachk.properties.verify import VerifyProgress, check_initial_state
+from tachk.properties.verify import check_initial_state
 from tachk.semantics.discrete import prepare
 from tachk.semantics.timed_trace import Transition
 from tachk.synthesis.parameters import Parameter

@@ -14,8 +14,8 @@ from tachk.frontend.loaded import LoadedModel, with_constants
 from tachk.model.query import Query
 from tachk.properties.plan import Analysis, analysis_of
 from tachk.properties.questions import Questions
+from tachk.properties.scheduling.in_order import VerifyProgress
 from tachk.properties.verdict import Answer
-from tachk.properties.verify import VerifyProgress
 from tachk.synthesis.bounds_of_parameters import Bound, NoBound, bounds_of_parameters
 from tachk.synthesis.cells import Cells
 from tachk.synthesis.inequalities import Description, describe

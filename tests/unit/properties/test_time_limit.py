@@ -21,6 +21,7 @@ from tachk.engines.outcome import TIME_LIMIT, GoalOutcome, Outcome, Statistics, 
 from tachk.loading.load import load_model
 from tachk.properties import reachability
 from tachk.properties import verify as verifying
+from tachk.properties.scheduling import shares
 from tachk.properties.verdict import Answer, Verdict
 from tachk.properties.verify import verify
 from tachk.resources import data_root
@@ -146,7 +147,7 @@ def test_properties_share_the_time_and_leave_what_they_do_not_need(
         return Outcome(tuple(GoalOutcome(Status.UNREACHABLE) for _ in goals), Statistics())
 
     monkeypatch.setattr(module, "monotonic", lambda: now[0])
-    for timed in (reachability, verifying):
+    for timed in (reachability, shares, verifying):
         monkeypatch.setattr(timed, "time", SimpleNamespace(monotonic=lambda: now[0]))
     monkeypatch.setattr(reachability, "explore", explore)
     assert len(answers(THREE, limits)) == 4

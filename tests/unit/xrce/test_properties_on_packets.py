@@ -24,8 +24,9 @@ EXPECTED = {
     row["capture"]: row
     for row in csv.DictReader((ROOT / "tests/data/packet_verdicts.csv").read_text(encoding="utf-8").splitlines())
 }
-"""What the logs of the relay and of the applications imply, written down before any capture was judged. One was corrected
-afterwards: the relay stamps a packet after it has sent it, and so h7 seemed to be disturbed by what it had received."""
+"""What the logs of the relay and of the applications imply, written down before any capture was judged. One was
+corrected afterwards: the relay stamps a packet after it has sent it, and so h7 seemed to be disturbed by a packet
+that it had received."""
 
 TESTED = [
     name

@@ -164,6 +164,17 @@ _DEFAULT = Options()
     "searches over local times or for certificates, and for A<>, E[] and -->.",
 )
 @click.option(
+    "processes",
+    "-j",
+    "--processes",
+    metavar="N",
+    type=options.Count(0, MOST_THREADS),
+    default=0,
+    show_default="the cores of this machine, up to 8",
+    help="How many searches for different properties run at the same time, each in a process of its own, once a second "
+    "has passed. --max-memory and --max-states hold for each. On Windows one.",
+)
+@click.option(
     "every_trace",
     "--all-traces",
     is_flag=True,
