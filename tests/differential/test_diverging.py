@@ -23,7 +23,7 @@ SHAPES = {
     "stopwatches": Shape(**SMALL, stopwatches=True),
     "faults": Shape(**SMALL, language=True, faults=0.3),
 }
-VARIANTS = (Options(subsumption=False), Options(pack_clocks=0, chunk_words=1))
+VARIANTS = (Options(subsumption=False), Options(pack_clocks=0, chunk_words=1, rows_after=0))
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -30,8 +30,8 @@ VARIANTS = (
     Options(subsumption=False, proof_after=0),
     Options(width=32, scale=False),
     Options(width=64, vector=False),
-    Options(chunk_words=1, reclaim=False),
-    Options(pack_clocks=0),
+    Options(chunk_words=1, reclaim=False, rows_after=0),
+    Options(pack_clocks=0, rows_after=0),
     Options(pack_clocks=0, proof_after=0, reclaim=False),
 )
 LIMITS = Limits(states=20_000)

@@ -32,7 +32,7 @@ VARIANTS = (
     replace(ONE, order=SearchOrder.PROGRESS),
     replace(ONE, subsumption=False, order=SearchOrder.BFS),
     replace(ONE, extrapolation=Extrapolation.MAX, pack_clocks=0),
-    replace(ONE, chunk_words=1, alu=False),
+    replace(ONE, chunk_words=1, alu=False, rows_after=0),
     replace(ONE, reclaim=False, width=64),
 )
 

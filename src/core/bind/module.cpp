@@ -95,7 +95,8 @@ void bind_options(nb::module_& m) {
       .def_rw("shortest", &Options::shortest)
       .def_rw("proof_after", &Options::proof_after)
       .def_rw("attempts", &Options::attempts)
-      .def_rw("chunk_words", &Options::chunk_words);
+      .def_rw("chunk_words", &Options::chunk_words)
+      .def_rw("rows_after", &Options::rows_after);
   nb::class_<tachk::Limits>(m, "Limits")
       .def(nb::init<>())
       .def_rw("states", &tachk::Limits::states)

@@ -27,8 +27,7 @@ LivenessSearch::LivenessSearch(Program program, const Options& options, const Li
       restriction_(graph_, graph_.program().goals.at(0)),
       ends_(graph_),
       overview_(overview()),
-      passed_(graph_.program(), graph_.operations(), options_.chunk_words, options_.reclaim,
-              graph_.smaller_operations()),
+      passed_(graph_.program(), graph_.operations(), options_, graph_.smaller_operations()),
       stack_(graph_),
       source_(graph_.blank()),
       parts_(graph_) {}

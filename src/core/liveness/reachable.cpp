@@ -8,7 +8,7 @@ Reachable::Reachable(ZoneGraph& graph, Restriction* restriction, const Options& 
     : graph_(graph),
       restriction_(restriction),
       subsumption_(options.subsumption),
-      passed_(graph.program(), graph.operations(), options.chunk_words, options.reclaim, graph.smaller_operations()),
+      passed_(graph.program(), graph.operations(), options, graph.smaller_operations()),
       waiting_(SearchOrder::breadth_first, options.seed, limits.depth) {}
 
 struct Reachable::Storing {

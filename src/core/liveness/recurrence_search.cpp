@@ -16,8 +16,7 @@ RecurrenceSearch::RecurrenceSearch(Program program, bool begins, const Options& 
       ends_(graph_),
       question_{Predicate(graph_.program().goals.at(1), graph_.semantics(), graph_.operations()), {}, {}},
       beginnings_{Reachable(graph_, nullptr, options_, limits_), begins, 0, no_node, {}},
-      states_(graph_.program(), graph_.operations(), options_.chunk_words, options_.reclaim,
-              graph_.smaller_operations()),
+      states_(graph_.program(), graph_.operations(), options_, graph_.smaller_operations()),
       source_(graph_.blank()) {
   const std::vector<Goal>& goals = graph_.program().goals;
   const auto predicate = [&](std::size_t goal) {
@@ -124,11 +123,13 @@ void RecurrenceSearch::close() {
 
 void RecurrenceSearch::retire(State state) {
   const std::uint32_t discrete = states_.discrete(state);
-  const ZoneView zone = states_.zone(state);
+  ZoneBuffer buffer(graph_.operations());
+  ZoneBuffer of_other(graph_.operations());
+  const ZoneView zone = states_.zone(state, buffer);
   if (is_hopeless(discrete, zone)) return;
   if (hopeless_.size() <= discrete) hopeless_.resize(discrete + 1);
   std::vector<State>& all = hopeless_[discrete];
-  std::erase_if(all, [&](State other) { return states_.includes(state, states_.zone(other)); });
+  std::erase_if(all, [&](State other) { return states_.includes(state, states_.zone(other, of_other)); });
   all.push_back(state);
 }
 

@@ -42,7 +42,7 @@ CoverPart CoverParts::part(std::size_t first, std::size_t zones) {
     part.zones.push_back(static_cast<std::int64_t>(end - first_[group]));
     for (std::size_t at = first_[group]; at < end; ++at) {
       part.ranks.push_back(entries_[at].rank);
-      tell(list.zone(entries_[at].node).data, part);
+      tell(list.zone(entries_[at].node, state.zone).data, part);
     }
   }
   return part;

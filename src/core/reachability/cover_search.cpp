@@ -22,7 +22,7 @@ Options plain(Options options) {
 }  // namespace
 
 CoverSearch::Attempt::Attempt(ZoneGraph& graph, const Options& options)
-    : passed(graph.program(), graph.operations(), options.chunk_words, options.reclaim, graph.smaller_operations()),
+    : passed(graph.program(), graph.operations(), options, graph.smaller_operations()),
       waiting(options.order, options.seed, UINT32_MAX),
       goals(graph.program(), graph.semantics(), graph.operations(), false),
       deadlocks(graph, goals) {}
@@ -92,7 +92,7 @@ Status CoverSearch::run(std::uint64_t expansions) {
 
 void CoverSearch::expand(std::uint32_t number) {
   attempt_->passed.unpack(number, source_.slots.data());
-  source_.zone.assign(attempt_->passed.zone(number).data);
+  attempt_->passed.copy_zone(number, source_.zone);
   node_ = number;
   ++explored_;
   attempt_->deadlocks.begin(source_);
@@ -107,10 +107,10 @@ void CoverSearch::keep(const Successor& successor, std::uint32_t discrete) {
   bool widened = false;
   if (mode(discrete, successor.slots) == Mode::hull) {
     if (const std::uint32_t before = attempt.latest[discrete]; before != no_node) {
-      const ConstZoneRef held = attempt.passed.zone(before).data;
+      attempt.passed.copy_zone(before, hull_);
+      const ConstZoneRef held = hull_.get();
       widened = !graph_.operations().includes(zone, held, dimension);
-      hull_.assign(zone);
-      graph_.operations().hull(hull_.get(), held, dimension);
+      graph_.operations().hull(hull_.get(), zone, dimension);
       zone = hull_.get();
     }
   }

@@ -14,7 +14,6 @@ namespace tachk {
 namespace {
 
 constexpr std::uint32_t far = UINT32_MAX;
-constexpr std::size_t chunk_words = 8;
 
 // The slots whose values can differ, clocks and locations included where they can.
 std::vector<std::uint32_t> varying(const Program& program) {
@@ -28,7 +27,7 @@ class Search {
  public:
   Search(ZoneGraph& graph, std::size_t most_zones)
       : graph_(graph),
-        passed_(graph.program(), graph.operations(), chunk_words, true, graph.smaller_operations()),
+        passed_(graph.program(), graph.operations(), StoreOptions{}, graph.smaller_operations()),
         goals_(graph.program(), graph.semantics(), graph.operations(), false),
         levels_(varying(graph.program())),
         most_zones_(most_zones) {}

@@ -2,21 +2,20 @@
 // tachk.engines.options, where it is documented what each is for and which values it takes: nothing is checked here.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 #include "order/waiting.hpp"
+#include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
 
 namespace tachk {
 
-struct Options : ZoneGraphOptions {
+struct Options : ZoneGraphOptions, StoreOptions {
   SearchOrder order = SearchOrder::automatic;
   std::uint32_t seed = 1;
   bool subsumption = true;
   bool alu = true;      // a state is dropped also for one that simulates it, where only what can be reached matters
   bool merging = true;  // waiting states of one discrete part become one where their zones together are a zone
-  bool reclaim = true;
   // States with one process in a committed location are passed through, not stored, up to so many in a row.
   std::uint32_t passing = 0;
   // Where time cannot pass, not all orders of independent actions are explored.
@@ -27,8 +26,7 @@ struct Options : ZoneGraphOptions {
   bool shortest = false;               // breadth first only: no path to a goal is shorter than the one that is found
   // For liveness: after so many states depth first a short proof is looked for; of p --> q at once; UINT32_MAX: never.
   std::uint32_t proof_after = 2000;
-  bool attempts = true;         // for p --> q: depth first from the states reached so far, on the way to all states
-  std::size_t chunk_words = 8;  // of the parts in which large discrete states are held; 0: in one
+  bool attempts = true;  // for p --> q: depth first from the states reached so far, on the way to all states
 };
 
 struct Limits {

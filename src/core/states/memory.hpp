@@ -23,6 +23,9 @@ class RecordPool {
 
   std::uint32_t size() const { return size_; }
   std::size_t bytes() const { return blocks_.size() * block_bytes(); }
+  // Where the blocks are, of 2^shift records each.
+  const std::byte* const* blocks() const { return addresses_.data(); }
+  unsigned shift() const { return shift_; }
 
   std::byte* operator[](std::uint32_t number) {
     return blocks_[number >> shift_].get() + (number & mask()) * record_bytes_;
@@ -37,6 +40,7 @@ class RecordPool {
       void* block = std::aligned_alloc(64, rounded == 0 ? 64 : rounded);
       if (block == nullptr) throw std::bad_alloc();
       blocks_.emplace_back(static_cast<std::byte*>(block));
+      addresses_.push_back(blocks_.back().get());
     }
     return size_++;
   }
@@ -52,6 +56,7 @@ class RecordPool {
   unsigned shift_ = 4;
   std::uint32_t size_ = 0;
   std::vector<std::unique_ptr<std::byte, Free>> blocks_;
+  std::vector<const std::byte*> addresses_;
 };
 
 // An open-addressing index from hashes to record numbers; the records themselves live elsewhere. An entry is the upper

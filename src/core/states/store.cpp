@@ -15,28 +15,29 @@ ZoneOperations with_shorter_vectors(ZoneOperations operations, bool shorter) {
 
 }  // namespace
 
-PassedList::PassedList(const Program& program, const ZoneOperations& zones, std::size_t chunk_words, bool reclaim,
-                       std::vector<ZoneOperations> smaller)
+PassedList::PassedList(const Program& program, const ZoneOperations& zones, const StoreOptions& options,
+                       const std::vector<ZoneOperations>& smaller)
     : dimension_(program.dimension()),
-      zones_(zones, dimension_, smaller),
+      zones_(zones, dimension_, smaller, options.rows_after),
+      buffer_(zones),
       scaled_(with_shorter_vectors(zones, !smaller.empty())),
-      reclaim_(reclaim),
+      reclaim_(options.reclaim),
       scale_(choose_scale(scaled_, dimension_, 0)),
-      discretes_(program, chunk_words),
+      discretes_(program, options.chunk_words),
       nodes_(sizeof(Node)) {}
 
 std::uint32_t PassedList::coverer(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds) const {
   const std::uint32_t first = head(discrete);
   std::uint32_t found = no_node;
-  const auto is_above = [&](std::uint32_t number) {
-    if (!covers(zones_[zone_of(number)], zone.data, zone.dimension, bounds)) return false;
+  const auto accept = [&](std::uint32_t number) {
+    if (!is_above(number, zone, bounds)) return false;
     found = number;
     return true;
   };
   if (is_long(first))
-    chain(first).any_above(bounds == nullptr ? extent_of(zone) : Extent::below_all(), is_above);
+    chain(first).any_above(bounds == nullptr ? extent_of(zone) : Extent::below_all(), accept);
   else
-    for (std::uint32_t number = first; number != no_node && !is_above(number);) number = next(number);
+    for (std::uint32_t number = first; number != no_node && !accept(number);) number = next(number);
   return found;
 }
 
@@ -49,7 +50,7 @@ std::size_t PassedList::count(std::uint32_t discrete) const {
 }
 
 std::size_t PassedList::unite(std::uint32_t discrete, ZoneView zone, std::uint32_t first, ZoneRef united,
-                              std::vector<std::uint32_t>& parts) const {
+                              std::vector<std::uint32_t>& parts) {
   const ZoneOperations& operations = zones_.operations(zone.dimension);
   std::memcpy(united.bytes, zone.data.bytes, operations.bytes);
   std::size_t looked = 0;
@@ -58,7 +59,7 @@ std::size_t PassedList::unite(std::uint32_t discrete, ZoneView zone, std::uint32
     for_each_member(head(discrete), [&](std::uint32_t number) {
       if (number < first) return;
       ++looked;
-      if (operations.unite(united, zones_[zone_of(number)], zone.dimension)) parts.push_back(number);
+      if (operations.unite(united, this->zone(number, buffer_).data, zone.dimension)) parts.push_back(number);
     });
   }
   return looked;
@@ -103,7 +104,7 @@ void PassedList::thin_out(std::uint32_t discrete, ZoneView zone, const ClockBoun
     for (std::uint32_t number = head; number != no_node;) {
       const std::uint32_t link = node(number).link;
       const std::uint32_t behind = next(number);
-      if (!covers(zone.data, zones_[zone_of(number)], zone.dimension, bounds) || is_protected(number)) {
+      if (!is_below(number, zone, bounds) || is_protected(number)) {
         before = number;
       } else {
         if (before == no_node)
@@ -119,17 +120,16 @@ void PassedList::thin_out(std::uint32_t discrete, ZoneView zone, const ClockBoun
   Antichain& members = chain(head);
   chain_bytes_ -= members.bytes();
   members.remove_below(bounds == nullptr ? extent_of(zone) : Extent::above_all(), [&](std::uint32_t number) {
-    if (!covers(zone.data, zones_[zone_of(number)], zone.dimension, bounds) || is_protected(number)) return false;
+    if (!is_below(number, zone, bounds) || is_protected(number)) return false;
     cover(number, discrete);
     return true;
   });
   chain_bytes_ += members.bytes();
 }
 
-bool PassedList::holds(std::uint32_t head, std::uint32_t zone_number) const {
+bool PassedList::holds(std::uint32_t head, ZoneView zone, std::uint32_t zone_number) const {
   if (is_long(head))
-    return chain(head).any_above(extent_of(zones_.view(zone_number)),
-                                 [&](std::uint32_t number) { return zone_of(number) == zone_number; });
+    return chain(head).any_above(extent_of(zone), [&](std::uint32_t number) { return zone_of(number) == zone_number; });
   for (std::uint32_t number = head; number != no_node; number = next(number))
     if (zone_of(number) == zone_number) return true;
   return false;
@@ -140,16 +140,19 @@ void PassedList::rescale(Raw largest_entry) {
   for (Antichain& members : chains_) {
     chain_bytes_ -= members.bytes();
     Antichain fresh;
-    members.for_each([&](std::uint32_t number) { fresh.add(extent_of(zone(number)), number); });
+    members.for_each([&](std::uint32_t number) { fresh.add(extent_of(zone(number, buffer_)), number); });
     members = std::move(fresh);
     chain_bytes_ += members.bytes();
   }
 }
 
 void PassedList::add_to(Antichain& members, std::uint32_t number) {
-  const ZoneView zone = this->zone(number);
+  ZoneView zone = this->zone(number, buffer_);
   const Raw largest_entry = zones_.operations(zone.dimension).largest_entry(zone.data, zone.dimension);
-  if (largest_entry > scale_.limit) rescale(largest_entry);
+  if (largest_entry > scale_.limit) {
+    rescale(largest_entry);
+    zone = this->zone(number, buffer_);  // where others have been meanwhile
+  }
   chain_bytes_ -= members.bytes();
   members.add(extent_of(zone), number);
   chain_bytes_ += members.bytes();
@@ -185,7 +188,7 @@ std::uint32_t PassedList::add(std::uint32_t discrete, ZoneView zone, std::uint32
     thin_out(discrete, zone, bounds);
   }
   const std::uint32_t zone_number = zones_.intern(zone);
-  if (!subsumption && holds(head(discrete), zone_number)) {
+  if (!subsumption && holds(head(discrete), zone, zone_number)) {
     zones_.release(zone_number);
     return no_node;
   }
@@ -208,13 +211,11 @@ std::uint32_t PassedList::append_node(std::uint32_t discrete, std::uint32_t zone
 }
 
 bool PassedList::would_cover(std::uint32_t discrete, ZoneView zone) const {
-  const auto is_below = [&](std::uint32_t number) {
-    return covers(zone.data, zones_[zone_of(number)], zone.dimension, nullptr);
-  };
+  const auto accept = [&](std::uint32_t number) { return is_below(number, zone, nullptr); };
   const std::uint32_t first = head(discrete);
-  if (is_long(first)) return chain(first).any_below(extent_of(zone), is_below);
+  if (is_long(first)) return chain(first).any_below(extent_of(zone), accept);
   std::uint32_t number = first;
-  while (number != no_node && !is_below(number)) number = next(number);
+  while (number != no_node && !accept(number)) number = next(number);
   return number != no_node;
 }
 

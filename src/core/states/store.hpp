@@ -15,17 +15,24 @@
 #include "states/parents.hpp"
 #include "states/zone_store.hpp"
 #include "zones/zone.hpp"
+#include "zones/zone_buffer.hpp"
 
 namespace tachk {
 
 inline constexpr std::uint32_t no_node = UINT32_MAX;
 
+struct StoreOptions {
+  bool reclaim = true;          // the zones of covered nodes are given up
+  std::size_t chunk_words = 8;  // of the parts in which large discrete states are held; 0: in one
+  // From how many zones on their rows are held once each, if that takes less memory; 0: they always are.
+  std::uint32_t rows_after = 1024;
+};
+
 class PassedList {
  public:
-  // With `reclaim` the zones of covered nodes are given up. `smaller`: as of a ZoneStore; all zones of a discrete state
-  // have one dimension.
-  PassedList(const Program& program, const ZoneOperations& zones, std::size_t chunk_words, bool reclaim,
-             std::vector<ZoneOperations> smaller = {});
+  // `smaller`: as of a ZoneStore; all zones of a discrete state have one dimension.
+  PassedList(const Program& program, const ZoneOperations& zones, const StoreOptions& options,
+             const std::vector<ZoneOperations>& smaller = {});
 
   // Sets the discrete state that the next `locate` looks up. Call it early, so that its memory is fetched in the
   // meantime. All slots in which it differs from the state unpacked last are in `written`.
@@ -44,7 +51,7 @@ class PassedList {
   // Unites a zone with those of this discrete state in nodes from `first` on, one after the other, where that makes a
   // zone which is larger. The union goes to `united`, the nodes are added to `parts`. How many zones were looked at.
   std::size_t unite(std::uint32_t discrete, ZoneView zone, std::uint32_t first, ZoneRef united,
-                    std::vector<std::uint32_t>& parts) const;
+                    std::vector<std::uint32_t>& parts);
   // How many states with this discrete part are stored.
   std::size_t count(std::uint32_t discrete) const;
 
@@ -104,12 +111,16 @@ class PassedList {
   }
   // The node that a node has been reached from; no_node for the initial state.
   std::uint32_t parent(std::uint32_t number) const { return parents_[number]; }
-  // The zone of a node that is not covered.
-  ZoneView zone(std::uint32_t number) const { return zones_.view(zone_of(number)); }
-  // Whether the zone of a node that is not covered contains this one of the same discrete state.
-  bool includes(std::uint32_t number, ZoneView zone) const {
-    return zones_.operations(zone.dimension).includes(zones_[zone_of(number)], zone.data, zone.dimension);
+  // The zone of a node that is not covered, or a copy of it in the buffer.
+  ZoneView zone(std::uint32_t number, ZoneBuffer& buffer) const { return zones_.read(zone_of(number), buffer.get()); }
+  // Writes that zone.
+  void copy_zone(std::uint32_t number, ZoneBuffer& zone) const {
+    const ZoneView held = this->zone(number, zone);
+    if (held.data.bytes != zone.get().bytes)
+      std::memcpy(zone.get().bytes, held.data.bytes, zones_.operations(held.dimension).bytes);
   }
+  // Whether the zone of a node that is not covered contains this one of the same discrete state.
+  bool includes(std::uint32_t number, ZoneView zone) const { return zones_.covers(zone_of(number), zone); }
   void unpack(std::uint32_t number, std::int32_t* slots) { discretes_.unpack(discrete(number), slots); }
   void unpack_discrete(std::uint32_t discrete, std::int32_t* slots) { discretes_.unpack(discrete, slots); }
   // Whether a node has this discrete state.
@@ -139,15 +150,17 @@ class PassedList {
   }
   // Removes the members of an antichain that the zone covers.
   void thin_out(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds);
-  bool covers(ConstZoneRef outer, ConstZoneRef inner, int dimension, const ClockBounds* bounds) const {
-    const ZoneOperations& operations = zones_.operations(dimension);
-    return bounds == nullptr ? operations.includes(outer, inner, dimension)
-                             : operations.simulates(outer, inner, dimension, *bounds);
+  bool is_above(std::uint32_t number, ZoneView zone, const ClockBounds* bounds) const {
+    return zones_.covers(zone_of(number), zone, bounds);
+  }
+  bool is_below(std::uint32_t number, ZoneView zone, const ClockBounds* bounds) const {
+    return zones_.is_covered(zone_of(number), zone, bounds);
   }
   void cover(std::uint32_t number, std::uint32_t discrete);
   std::uint32_t append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent);
   bool is_protected(std::uint32_t number) const { return number - protected_first_ < protected_count_; }
-  bool holds(std::uint32_t head, std::uint32_t zone_number) const;
+  // Whether an antichain has a member with this zone, which has this number.
+  bool holds(std::uint32_t head, ZoneView zone, std::uint32_t zone_number) const;
   template <class Visit>
   void for_each_member(std::uint32_t head, Visit visit) const {
     if (is_long(head)) return chain(head).for_each(visit);
@@ -167,6 +180,7 @@ class PassedList {
 
   int dimension_;
   ZoneStore zones_;
+  ZoneBuffer buffer_;      // for a copy of one of them
   ZoneOperations scaled_;  // for which the scale is chosen
   bool reclaim_;
   ExtentScale scale_;

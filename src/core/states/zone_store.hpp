@@ -3,10 +3,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <vector>
 
 #include "states/memory.hpp"
+#include "states/zone_shelf.hpp"
 #include "zones/zone.hpp"
 
 namespace tachk {
@@ -18,12 +19,12 @@ struct ZoneView {
 
 class ZoneStore {
  public:
-  // `smaller`: the operations for each dimension below this one; empty if there are no such zones.
-  ZoneStore(const ZoneOperations& operations, int dimension, std::vector<ZoneOperations> smaller);
+  // `smaller`: the operations for each dimension below this one; empty if there are no such zones. `rows_after`: as of
+  // a ZoneShelf.
+  ZoneStore(const ZoneOperations& operations, int dimension, const std::vector<ZoneOperations>& smaller,
+            std::uint32_t rows_after);
 
-  const ZoneOperations& operations(int dimension) const {
-    return dimension == dimension_ ? operations_ : smaller_[static_cast<std::size_t>(dimension)];
-  }
+  const ZoneOperations& operations(int dimension) const { return shelf_of(dimension).operations(); }
 
   // The number of the zone, for one more who needs it; `hash_value`: its hash.
   std::uint32_t intern(ZoneView zone, std::uint64_t hash_value);
@@ -32,18 +33,26 @@ class ZoneStore {
   // One fewer needs the zone. Its memory is used again once nobody does.
   void release(std::uint32_t number);
 
-  ConstZoneRef operator[](std::uint32_t number) const {
-    if (smaller_.empty()) return {whole_[number]};
-    const Place place = places_[number];
-    return {(*pools_[place.dimension])[place.record]};
+  // Whether a zone contains another one of its dimension; with `bounds` (may be null), simulates it.
+  bool covers(std::uint32_t number, ZoneView inner, const ClockBounds* bounds = nullptr) const {
+    return shelf(number).covers(record(number), inner.data, bounds);
   }
-  ZoneView view(std::uint32_t number) const {
-    return {(*this)[number], smaller_.empty() ? dimension_ : static_cast<int>(places_[number].dimension)};
+  // The other way round.
+  bool is_covered(std::uint32_t number, ZoneView outer, const ClockBounds* bounds = nullptr) const {
+    return shelf(number).is_covered(record(number), outer.data, bounds);
+  }
+  bool equals(std::uint32_t number, ZoneView zone) const {
+    const ZoneShelf& held = shelf(number);
+    return held.dimension() == zone.dimension && held.equals(record(number), zone.data);
+  }
+  // The zone itself, or a copy in `buffer`.
+  ZoneView read(std::uint32_t number, ZoneRef buffer) const {
+    const ZoneShelf& held = shelf(number);
+    return {held.read(record(number), buffer), held.dimension()};
   }
   // Half of the hash of a zone.
-  std::uint32_t upper_hash(std::uint32_t number) const { return uses_[number].upper_hash; }
+  std::uint32_t upper_hash(std::uint32_t number) const { return use(number).upper_hash; }
   std::uint32_t upper_hash(ZoneView zone) const { return static_cast<std::uint32_t>(hash(zone) >> 32); }
-  bool equals(std::uint32_t number, ZoneView zone) const;
   std::size_t bytes() const;
 
  private:
@@ -56,19 +65,26 @@ class ZoneStore {
     std::uint32_t record;
   };
 
-  std::uint32_t fresh(int dimension);
-  std::byte* record(std::uint32_t number);
+  bool has_one() const { return shelves_.size() == 1; }
+  ZoneShelf& shelf_of(int dimension) { return shelves_[has_one() ? 0 : static_cast<std::size_t>(dimension)]; }
+  const ZoneShelf& shelf_of(int dimension) const {
+    return shelves_[has_one() ? 0 : static_cast<std::size_t>(dimension)];
+  }
+  Place place(std::uint32_t number) const { return *reinterpret_cast<const Place*>(places_[number]); }
+  ZoneShelf& shelf(std::uint32_t number) { return has_one() ? shelves_[0] : shelves_[place(number).dimension]; }
+  const ZoneShelf& shelf(std::uint32_t number) const {
+    return has_one() ? shelves_[0] : shelves_[place(number).dimension];
+  }
+  std::uint32_t record(std::uint32_t number) const { return has_one() ? number : place(number).record; }
+  Use& use(std::uint32_t number) { return *reinterpret_cast<Use*>(uses_[number]); }
+  const Use& use(std::uint32_t number) const { return *reinterpret_cast<const Use*>(uses_[number]); }
+  std::uint32_t add(ZoneView zone);
 
-  ZoneOperations operations_;
-  int dimension_;
-  std::vector<ZoneOperations> smaller_;
-  RecordPool whole_;                                // if all have one dimension
-  std::vector<std::unique_ptr<RecordPool>> pools_;  // else by dimension
-  std::vector<std::vector<std::uint32_t>> free_;    // numbers to be used again, by dimension, or one
-  std::vector<Use> uses_;
-  std::vector<Place> places_;  // only with several dimensions
+  std::vector<ZoneShelf> shelves_;   // one, whose records are the zones, or one for each dimension
+  RecordPool uses_;                  // of each zone
+  RecordPool places_;                // of each zone; only with several dimensions
+  std::vector<std::uint32_t> free_;  // numbers to be used again; only with several dimensions
   HashIndex index_;
-  std::size_t pool_bytes_ = 0;
 };
 
 }  // namespace tachk

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "program/program.hpp"
-#include "states/zone_store.hpp"
+#include "states/store.hpp"
 #include "symbolic/successor.hpp"
 #include "zones/zone_buffer.hpp"
 
@@ -28,6 +28,13 @@ class ActiveClocks {
       zone.assign(packed);
     else
       scatter(slots, packed, zone);
+  }
+  // The same of a stored state.
+  void unpack(const std::int32_t* slots, const PassedList& states, std::uint32_t node, ZoneBuffer& zone) {
+    if (lengths_.empty())
+      states.copy_zone(node, zone);
+    else
+      scatter(slots, states.zone(node, packed_).data, zone);
   }
 
  private:

@@ -124,7 +124,7 @@ class ZoneGraph final {
   void unpack(const std::int32_t* slots, ConstZoneRef packed, ZoneBuffer& zone) { active_.unpack(slots, packed, zone); }
   // Gives a state the zone of a stored one, whose slots it has.
   void unpack(const PassedList& states, std::uint32_t node, SymbolicState& state) {
-    unpack(state.slots.data(), states.zone(node).data, state.zone);
+    active_.unpack(state.slots.data(), states, node, state.zone);
   }
 
  private:

@@ -21,6 +21,17 @@ struct ClockBounds {
   ConstBoundRow upper;
 };
 
+// What is asked of a zone whose rows lie apart: the same as of others.
+struct ZoneRowOperations {
+  bool (*equal)(ZoneRows zone, ConstZoneRef other, int dimension);
+  bool (*include)(ZoneRows outer, ConstZoneRef inner, int dimension);
+  bool (*lie_in)(ZoneRows inner, ConstZoneRef outer, int dimension);
+  bool (*simulate)(ZoneRows outer, ConstZoneRef inner, int dimension, const ClockBounds& bounds);
+  bool (*are_simulated)(ZoneRows inner, ConstZoneRef outer, int dimension, const ClockBounds& bounds);
+  // Puts the rows one behind the other.
+  void (*assemble)(ZoneRef target, ZoneRows zone, int dimension);
+};
+
 struct ZoneOperations {
   const char* name;
   int stride;         // entries in a row
@@ -87,6 +98,7 @@ struct ZoneOperations {
   void (*sum_up)(ConstZoneRef zone, int dimension, std::int64_t* rows, std::int64_t* columns);
   // Writes one value into a row of bounds.
   void (*set_bound)(BoundRow row, int clock, Raw value);
+  ZoneRowOperations rows;
 };
 
 inline constexpr Raw not_compared = -1;  // the bound of a clock that nothing compares: minus infinity

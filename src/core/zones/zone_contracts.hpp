@@ -50,7 +50,8 @@ struct CheckedKernel : Kernel<T, Stride> {
   }
   static bool canonical(ConstZoneRef zone, int dimension) { return canonical(zone, dimension, K::stride(dimension)); }
   // Of zones that were checked when they were made, where checking them again would take too long.
-  static bool like_a_zone(ConstZoneRef zone, int dimension) {
+  template <class Zone>
+  static bool like_a_zone(Zone zone, int dimension) {
     for (int i = 0; i < dimension; ++i)
       if (K::row(zone, dimension, i)[i] != K::zero) return false;
     return true;
@@ -131,12 +132,14 @@ struct CheckedKernel : Kernel<T, Stride> {
     K::down(zone, dimension);
     TACHK_EXPECT(canonical(zone, dimension));
   }
-  static bool includes(ConstZoneRef outer, ConstZoneRef inner, int dimension) {
+  template <class Outer, class Inner>
+  static bool includes(Outer outer, Inner inner, int dimension) {
     TACHK_EXPECT(like_a_zone(outer, dimension));
     TACHK_EXPECT(like_a_zone(inner, dimension));
     return K::includes(outer, inner, dimension);
   }
-  static bool simulates(ConstZoneRef outer, ConstZoneRef inner, int dimension, const ClockBounds& bounds) {
+  template <class Outer, class Inner>
+  static bool simulates(Outer outer, Inner inner, int dimension, const ClockBounds& bounds) {
     TACHK_EXPECT(like_a_zone(outer, dimension));
     TACHK_EXPECT(like_a_zone(inner, dimension));
     TACHK_EXPECT(proper(bounds.lower, dimension));
@@ -175,6 +178,15 @@ struct CheckedKernel : Kernel<T, Stride> {
     for (std::size_t k = 0; k < count; ++k) TACHK_EXPECT(proper(rows[k], dimension));
     K::maximise_bounds(target, rows, count, dimension);
     TACHK_EXPECT(proper(target, dimension));
+  }
+  static bool equal(ZoneRows zone, ConstZoneRef other, int dimension) {
+    TACHK_EXPECT(like_a_zone(zone, dimension));
+    TACHK_EXPECT(like_a_zone(other, dimension));
+    return K::equal(zone, other, dimension);
+  }
+  static void assemble(ZoneRef target, ZoneRows zone, int dimension) {
+    TACHK_EXPECT(like_a_zone(zone, dimension));
+    K::assemble(target, zone, dimension);
   }
   static std::uint64_t hash(ConstZoneRef zone, int dimension) {
     TACHK_EXPECT(canonical(zone, dimension));

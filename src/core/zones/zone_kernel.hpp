@@ -50,6 +50,9 @@ struct Kernel {
   static const T* row(ConstZoneRef zone, int dimension, int i) {
     return reinterpret_cast<const T*>(zone.bytes) + i * stride(dimension);
   }
+  static const T* row(ZoneRows zone, int dimension, int i) {
+    return reinterpret_cast<const T*>(zone.row(i, static_cast<std::size_t>(stride(dimension)) * sizeof(T)));
+  }
   static T* values(BoundRow bounds) { return reinterpret_cast<T*>(bounds.bytes); }
   static const T* values(ConstBoundRow bounds) { return reinterpret_cast<const T*>(bounds.bytes); }
   static Vector& vector(T* row, int v) { return reinterpret_cast<Vector*>(row)[v]; }
@@ -229,7 +232,8 @@ struct Kernel {
     }
   }
 
-  static bool includes(ConstZoneRef outer, ConstZoneRef inner, int dimension) {
+  template <class Outer, class Inner>
+  static bool includes(Outer outer, Inner inner, int dimension) {
     const int number = vectors(dimension);
     for (int i = 0; i < dimension; ++i) {
       const T* row_outer = row(outer, dimension, i);
@@ -243,7 +247,8 @@ struct Kernel {
 
   // Not if for some clocks x and y, the reference clock being one of them, the least value of x in `inner` is at most
   // U(x), and y - x is bounded more tightly in `outer` in a way that matters below L(y).
-  static bool simulates(ConstZoneRef outer, ConstZoneRef inner, int dimension, const ClockBounds& bounds) {
+  template <class Outer, class Inner>
+  static bool simulates(Outer outer, Inner inner, int dimension, const ClockBounds& bounds) {
     const int number = vectors(dimension);
     const T* lower_bounds = values(bounds.lower);
     const T* upper_bounds = values(bounds.upper);
@@ -549,6 +554,24 @@ struct Kernel {
     }
   }
 
+  static bool equal(ZoneRows zone, ConstZoneRef other, int dimension) {
+    for (int i = 0; i < dimension; ++i) {
+      Vector difference{};
+      for (int v = 0; v < vectors(dimension); ++v)
+        difference |= vector(row(zone, dimension, i), v) ^ vector(row(other, dimension, i), v);
+      if (any(difference)) return false;
+    }
+    return true;
+  }
+
+  static void assemble(ZoneRef target, ZoneRows zone, int dimension) {
+    for (int i = 0; i < dimension; ++i) {
+      const T* from = row(zone, dimension, i);
+      T* to = row(target, dimension, i);
+      for (int v = 0; v < vectors(dimension); ++v) vector(to, v) = vector(from, v);
+    }
+  }
+
   static std::uint64_t hash(ConstZoneRef zone, int dimension) {
     const int number = vectors(dimension) * dimension;
     const Words* words = reinterpret_cast<const Words*>(zone.bytes);
@@ -583,6 +606,10 @@ using Operations = Kernel<T, Stride>;
 template <class T, int Stride>
 struct Table {
   using K = Operations<T, Stride>;
+  static bool lie_in(ZoneRows inner, ConstZoneRef outer, int dimension) { return K::includes(outer, inner, dimension); }
+  static bool are_simulated(ZoneRows inner, ConstZoneRef outer, int dimension, const ClockBounds& bounds) {
+    return K::simulates(outer, inner, dimension, bounds);
+  }
   static ZoneOperations make(const char* name, int dimension) {
     ZoneOperations table{};
     table.name = name;
@@ -600,8 +627,8 @@ struct Table {
     table.up = K::up;
     table.up_within = K::up_within;
     table.down = K::down;
-    table.includes = K::includes;
-    table.simulates = K::simulates;
+    table.includes = K::template includes<ConstZoneRef, ConstZoneRef>;
+    table.simulates = K::template simulates<ConstZoneRef, ConstZoneRef>;
     table.hull = K::hull;
     table.unite = K::unite;
     table.extrapolate_lu_plus = K::extrapolate_lu_plus;
@@ -617,6 +644,9 @@ struct Table {
     table.extent = K::extent;
     table.entry = K::entry;
     table.set_bound = K::set_bound;
+    table.rows = {K::equal,      K::template includes<ZoneRows, ConstZoneRef>,
+                  lie_in,        K::template simulates<ZoneRows, ConstZoneRef>,
+                  are_simulated, K::assemble};
     return table;
   }
 };

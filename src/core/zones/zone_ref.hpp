@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 namespace tachk {
 
@@ -19,6 +20,19 @@ struct ZoneRef {
   std::byte* bytes;
 
   operator ConstZoneRef() const { return {bytes}; }
+};
+
+// A zone whose rows lie apart, each in a place of its own: row i is the one with the number `numbers[i]` in blocks of
+// 2^shift rows.
+struct ZoneRows {
+  const std::byte* const* blocks;
+  const std::uint32_t* numbers;
+  unsigned shift;
+
+  const std::byte* row(int i, std::size_t row_bytes) const {
+    const std::uint32_t number = numbers[i];
+    return blocks[number >> shift] + (number & ((std::uint32_t{1} << shift) - 1)) * row_bytes;
+  }
 };
 
 // A bound for each clock: one row as long as those of the zones that it goes with, with entries of their type.

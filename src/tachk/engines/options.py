@@ -108,6 +108,8 @@ class Options:
             `shortest`, `passing`, a limit on depth, priorities, clocks that stop, interchangeable processes, or where
             `deadlock` or extreme values are asked for.
         chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
+        rows_after: from how many different zones on their rows are held once each, if that takes less memory; 0:
+            always.
         local_times: search over local times, which saves the orders in which independent transitions happen. Only where
             that is sound, and not with `shortest` or a limit on depth.
         proof_after: for `A<>` and `E[]`: how many states are explored depth first before a search breadth first looks
@@ -147,6 +149,7 @@ class Options:
     local_times: LocalTimes = LocalTimes.AUTO
     partial_order: bool = False
     chunk_words: int = 8
+    rows_after: int = 1024
     proof_after: int = 2000
     attempts: bool = True
     threads: int = 1
@@ -162,6 +165,7 @@ class Options:
     def __post_init__(self) -> None:
         _check_range("seed", self.seed, 0, LARGEST_SEED)
         _check_range("chunk_words", self.chunk_words, 0, 2**16)
+        _check_range("rows_after", self.rows_after, 0, 2**32 - 1)
         _check_range("proof_after", self.proof_after, 0, NEVER)
         _check_range("pack_clocks", self.pack_clocks, 0, 2**32 - 1)
         _check_range("passing", self.passing, 0, 64)

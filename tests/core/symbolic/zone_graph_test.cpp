@@ -60,7 +60,7 @@ struct Keeping {
 
 void test_a_search_of_its_own(bool priorities) {
   ZoneGraph graph(two_processes(priorities), {});
-  PassedList passed(graph.program(), graph.operations(), 8, true);
+  PassedList passed(graph.program(), graph.operations(), {});
   std::vector<std::uint32_t> stack;
   int transitions = 0;
   graph.start(Keeping{graph, passed, stack});

@@ -4,7 +4,7 @@
 
 namespace tachk {
 
-ZoneView Merging::united(const PassedList& passed, std::uint32_t discrete, ZoneView zone, std::uint32_t first) {
+ZoneView Merging::united(PassedList& passed, std::uint32_t discrete, ZoneView zone, std::uint32_t first) {
   fresh_.clear();
   if (first == no_node || !trial_.asks()) return zone;
   const std::size_t looked = passed.unite(discrete, zone, first, united_.get(), fresh_);

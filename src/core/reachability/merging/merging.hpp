@@ -22,7 +22,7 @@ class Merging final {
   Merging(bool allowed, const ZoneOperations& operations) : trial_(allowed, Trial::short_first), united_(operations) {}
 
   // The union of the zone with as many as possible of those that wait in this discrete state, in nodes from `first` on.
-  ZoneView united(const PassedList& passed, std::uint32_t discrete, ZoneView zone, std::uint32_t first);
+  ZoneView united(PassedList& passed, std::uint32_t discrete, ZoneView zone, std::uint32_t first);
   // The node that has the zone returned last.
   void stored(std::uint32_t node);
 

@@ -1,0 +1,62 @@
+"""Whether rows of zones are held once each or not: the same states, runs and numbers, in less memory."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from random import Random
+
+import tachk
+from tachk.compiler.lower import lower
+from tachk.engines.options import Extrapolation, Limits, LocalTimes, Options, SearchOrder
+from tachk.engines.outcome import Outcome
+from tachk.engines.zone import explore
+from tachk.resources import data_root
+from tachk.testing.networks import Case, Shape, random_case
+
+WHOLE = Options(rows_after=2**32 - 1, local_times=LocalTimes.NEVER)
+SHAPES = (
+    Shape(groups=2, clocks=3, processes=3, locations=4),
+    Shape(groups=2, clocks=2, processes=2, locations=4, diagonals=True),
+    Shape(stopwatches=True, clocks=3, processes=4, locations=5),
+    Shape(clocks=3, processes=4, locations=5),
+)
+VARIANTS = (
+    WHOLE,
+    replace(WHOLE, order=SearchOrder.DFS, reclaim=False),
+    replace(WHOLE, shortest=True),
+    replace(WHOLE, extrapolation=Extrapolation.MAX, pack_clocks=0, width=32),
+    replace(WHOLE, subsumption=False),
+    replace(WHOLE, threads=2, threads_after=0),
+)
+
+
+def searched(case: Case, options: Options) -> Outcome:
+    program, goals = lower(case.network, case.predicates)
+    outcome = explore(program, goals, options, Limits(states=1_000))
+    return replace(outcome, statistics=replace(outcome.statistics, seconds=0.0, user_seconds=0.0, peak_bytes=0))
+
+
+def test_random_networks() -> None:
+    large = 0
+    for seed in range(80):
+        case = random_case(Random(seed), SHAPES[seed % len(SHAPES)])
+        options = VARIANTS[seed % len(VARIANTS)]
+        whole = searched(case, options)
+        for rows_after in (0, 1):
+            assert searched(case, replace(options, rows_after=rows_after)) == whole, f"seed {seed}"
+        large += whole.statistics.states_stored > 20
+    assert large > 20
+
+
+def bytes_a_state(model: str, query: str, size: int, options: Options) -> float:
+    loaded = tachk.load(data_root() / "models" / "classics" / model, N=size)
+    (verdict,) = loaded.verify(query, options=replace(options, symmetry=False, local_times=LocalTimes.NEVER))
+    return verdict.statistics.peak_bytes / verdict.statistics.states_stored
+
+
+def test_how_much_memory_a_state_takes() -> None:
+    fischer = ("fischer.ta", "E<> exists (p : pid_t) P(p).critical && id != p", 9)
+    csma_cd = ("csma_cd.ta", "E<> false", 9)
+    assert bytes_a_state(*fischer, Options()) < 60
+    assert bytes_a_state(*csma_cd, Options()) < 65
+    assert bytes_a_state(*csma_cd, WHOLE) > 150
