@@ -38,8 +38,8 @@ VARIANTS = (
 
 
 def told(outcome: Outcome) -> Outcome:
-    """All of it but how long it took."""
-    return replace(outcome, statistics=replace(outcome.statistics, seconds=0.0, user_seconds=0.0))
+    """All of it but how long it took, and how many threads."""
+    return replace(outcome, statistics=replace(outcome.statistics, seconds=0.0, user_seconds=0.0, threads=1))
 
 
 def searched(case: Case, options: Options, limits: Limits) -> Outcome:
@@ -59,6 +59,30 @@ def test_random_networks(block: int) -> None:
             assert searched(case, replace(options, threads=threads), limits) == alone, f"seed {seed}"
         large += alone.statistics.states_stored > 20
     assert large > 10
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+@pytest.mark.parametrize("query", ["A[] forall (p : pid_t) P(p).critical imply id == p", "A[] not deadlock"])
+def test_as_many_threads_work_as_are_asked_for(threads: int, query: str) -> None:
+    model = tachk.load(data_root() / "models" / "classics" / "fischer.ta", N=5)
+    for options in (
+        replace(ONE, threads=threads, symmetry=False),
+        replace(ONE, threads=threads, symmetry=False, shortest=True),
+        replace(ONE, threads=threads, order=SearchOrder.PROGRESS, drop_bystanders=False),
+    ):
+        (verdict,) = model.verify(query, options=options)
+        assert verdict.statistics.threads == threads
+
+
+def test_one_thread_works_where_others_could_not_help() -> None:
+    model = tachk.load(data_root() / "models" / "classics" / "fischer.ta", N=4)
+    for options in (
+        replace(ONE, threads=2, symmetry=False, threads_after=64, order=SearchOrder.DFS),
+        replace(ONE, threads=2, symmetry=False, passing=8),
+        replace(ONE, threads=2, symmetry=False, threads_after=10_000),
+    ):
+        (verdict,) = model.verify("A[] not deadlock", options=options)
+        assert verdict.statistics.threads == 1
 
 
 def test_random_networks_against_the_plain_oracle() -> None:
@@ -110,7 +134,7 @@ def test_a_hundred_repetitions_find_the_same_run() -> None:
             "E<> exists (p : pid_t) P(p).critical && id != p", "A[] not deadlock", options=how, trace=True
         )
         return [
-            (verdict.answer, verdict.trace, replace(verdict.statistics, seconds=0.0, user_seconds=0.0))
+            (verdict.answer, verdict.trace, replace(verdict.statistics, seconds=0.0, user_seconds=0.0, threads=1))
             for verdict in verdicts
         ]
 

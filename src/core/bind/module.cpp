@@ -135,6 +135,7 @@ NB_MODULE(_core, m) {
             return std::make_tuple(s.explored, s.stored, s.transitions, s.bytes);
           },
           "(explored, stored, transitions, bytes)")
+      .def("threads", &tachk::Explorer::threads, "The most threads that have worked for this search at the same time.")
       .def("discrete_states", &tachk::Explorer::discrete_states, "How many discrete states have been seen.")
       .def("reached", &tachk::Explorer::reached, nb::arg("goal"), "The node where a goal was reached first, or None.")
       .def("taken", &tachk::Explorer::taken, "The numbers of the edges that some action so far has taken, ascending.")

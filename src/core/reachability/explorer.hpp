@@ -65,6 +65,8 @@ class Explorer final {
   const Program& program() const { return graph_.program(); }
   const ZoneOperations& operations() const { return graph_.operations(); }
   Statistics statistics() const;
+  // The most threads that have worked for this search at the same time.
+  unsigned threads() const { return work_.ahead ? work_.ahead->threads() : 1; }
   // How many discrete states have been seen.
   std::uint32_t discrete_states() const { return passed_.discrete_states(); }
   // The node in which a goal was reached first.

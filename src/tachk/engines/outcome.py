@@ -25,6 +25,7 @@ class Statistics:
     exchanged: the same in words: ``P(1) to P(9) (9)``, for each group or ring.
     less_known: the variables of which a coarser network that was searched keeps less.
     local_times: whether each process had a time of its own.
+    threads: the most threads that worked for the search at the same time.
     """
 
     states_explored: int = 0
@@ -37,6 +38,7 @@ class Statistics:
     exchanged: tuple[str, ...] = ()
     less_known: tuple[str, ...] = ()
     local_times: bool = False
+    threads: int = 1
 
     def then(self, other: Statistics) -> Statistics:
         """The work of two searches, one after the other."""
@@ -51,6 +53,7 @@ class Statistics:
             self.exchanged or other.exchanged,
             self.less_known or other.less_known,
             self.local_times or other.local_times,
+            max(self.threads, other.threads),
         )
 
 

@@ -113,7 +113,8 @@ def _outcome(
     fault = fault_of(program, explorer) if status is _core.Status.FAULT else None
     outcomes = tuple(goal_outcome(program, explorer, number, goal, status) for number, goal in enumerate(goals))
     outcomes = _noted(goals, outcomes)
-    statistics = with_exchanges(replace(statistics_of(explorer, start), user_seconds=user_seconds() - user), program)
+    statistics = replace(statistics_of(explorer, start), user_seconds=user_seconds() - user, threads=explorer.threads())
+    statistics = with_exchanges(statistics, program)
     outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
     if options.extrapolation is not Extrapolation.LU:
         return outcome, []

@@ -67,6 +67,7 @@ def statistics_to_json(statistics: Statistics) -> dict[str, Json]:
         "exchanged": list(statistics.exchanged),
         "less_known": list(statistics.less_known),
         "local_times": statistics.local_times,
+        "threads": statistics.threads,
     }
 
 

@@ -30,6 +30,7 @@ void check_alike(const Program& program, Options options, Status last, const Lim
     options.threads = threads;
     Explorer explorer(program, options, limits);
     run(explorer, last, threads == 3 ? 37 : 5000);
+    CHECK(alone.threads() == 1 && explorer.threads() == threads);
     const Statistics one = alone.statistics();
     const Statistics other = explorer.statistics();
     CHECK(one.explored == other.explored);

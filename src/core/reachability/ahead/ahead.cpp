@@ -15,6 +15,7 @@ Ahead::Ahead(const ZoneGraph& graph, const PassedList& passed, bool subsumption,
 void Ahead::look(std::vector<std::uint32_t> nodes, const GoalWatch& goals, const std::vector<std::uint8_t>& taken) {
   constexpr std::size_t at_once = 16;
   if (!team_) team_.emplace(static_cast<unsigned>(finders_.size()));
+  threads_ = std::max(threads_, team_->members());
   nodes_ = std::move(nodes);
   places_.assign(nodes_.size(), {nobody, 0});
   next_ = 0;

@@ -40,6 +40,8 @@ class Ahead final {
 
   // Looks for the successors of these states, or of the first of them. Threads are started unless there are some.
   void look(std::vector<std::uint32_t> nodes, const GoalWatch& goals, const std::vector<std::uint8_t>& taken);
+  // The most threads that have looked at the same time.
+  unsigned threads() const { return threads_; }
   // Ends the threads until there is more to look for.
   void rest() { team_.reset(); }
 
@@ -60,6 +62,7 @@ class Ahead final {
   std::vector<std::unique_ptr<Finder>> finders_;
   std::vector<std::vector<Found*>> latest_;  // of each thread: the last one with a discrete state, by keys
   std::optional<Team> team_;
+  unsigned threads_ = 1;
   std::vector<std::uint32_t> nodes_;
   std::vector<Place> places_;        // of their expansions
   std::size_t next_ = 0;             // among them

@@ -19,6 +19,8 @@ class Team final {
   Team(const Team&) = delete;
   Team& operator=(const Team&) = delete;
 
+  unsigned members() const { return static_cast<unsigned>(others_.size()) + 1; }
+
   // Calls work(n) for each member, by a thread each, and returns when all are done. It must not throw.
   void share(const std::function<void(unsigned)>& work);
 
