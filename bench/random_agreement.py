@@ -7,6 +7,11 @@ diverges.
 Features are the fields of `tachk.testing.Shape`, for instance ``priorities=True clocks=2``. Without any, the shapes in
 `SHAPES` take turns. ``smt=N`` asks the second engine too, for runs of up to N steps. Ctrl-C ends it with what is
 known so far. Exit status 1 after a disagreement.
+
+    python bench/random_agreement.py COUNT SEED verdicts
+
+compares whole verdicts with and without each reduction, on small networks, many with interchangeable processes
+(`tachk.testing.verdict_agreement`). One reduction alone and one combination are tried on each; they take turns.
 """
 
 from __future__ import annotations
@@ -19,11 +24,14 @@ from dataclasses import replace
 from random import Random
 
 from tachk.model.expressions import BOOL, Constant
+from tachk.properties import reachability
+from tachk.properties.verdict import Answer
 from tachk.testing import Shape, random_case
 from tachk.testing.agreement import VARIANTS, Effort, compare
 from tachk.testing.endless.diverging_agreement import compare_diverging
 from tachk.testing.liveness_agreement import compare_obligation
 from tachk.testing.obligations import random_obligations
+from tachk.testing.verdict_agreement import compare_verdicts, random_questions, ways_of
 
 SHAPES = (
     Shape(),
@@ -50,6 +58,8 @@ _VARIANTS = 4
 
 def main(arguments: list[str]) -> int:
     count, seed = int(arguments[0]), int(arguments[1])
+    if arguments[2:] == ["verdicts"]:
+        return compare_reductions(range(seed, seed + count))
     features = dict(argument.split("=", 1) for argument in arguments[2:])
     unrolled = features.pop("smt", None)
     effort = replace(_EFFORT, unrolled=None if unrolled is None else int(unrolled))
@@ -87,6 +97,38 @@ def main(arguments: list[str]) -> int:
     for (name, status), times in sorted(conclusions.items()):
         print(f"{times:8} {status:12} {name}")
     print(f"{done} networks, {faults} with run-time errors, {wrong} disagreements, {time.monotonic() - started:.0f} s")
+    return 1 if wrong else 0
+
+
+def compare_reductions(seeds: range) -> int:
+    """Prints how often which verdicts were compared, and every disagreement."""
+    # What large networks are looked at for is looked at in small ones.
+    reachability.FIRST_LOOK = reachability.WORTH_CARRYING_OVER = 0
+    compared: Counter[tuple[str, str]] = Counter()
+    fewer: Counter[str] = Counter()
+    wrong, networks, runs, started = 0, Counter[str](), 0, time.monotonic()
+    try:
+        for seed in seeds:
+            questions = random_questions(seed)
+            found = compare_verdicts(questions, ways_of(seed))
+            networks[questions.kind] += 1
+            plain = found.verdicts["no reduction"]
+            for name, verdicts in found.verdicts.items():
+                for one, other in zip(plain, verdicts, strict=True):
+                    if Answer.UNKNOWN not in (one.answer, other.answer):
+                        compared[name, other.query.kind.value] += 1
+                        fewer[name] += other.statistics.states_stored < one.statistics.states_stored
+                    runs += other.trace is not None
+            for problem in found.problems:
+                wrong += 1
+                print(f"seed {seed}, {questions.kind}: {problem}", flush=True)
+    except KeyboardInterrupt:
+        pass  # what is known so far is told
+    for name in dict.fromkeys(name for name, _ in compared):
+        kinds = ", ".join(f"{kind} {times}" for (way, kind), times in sorted(compared.items()) if way == name)
+        print(f"{name:26} {fewer[name]:6} with fewer states of {kinds}")
+    print(f"{sum(networks.values())} networks ({', '.join(f'{n} {kind}' for kind, n in networks.items())}), ", end="")
+    print(f"{runs} runs replayed, {wrong} disagreements, {time.monotonic() - started:.0f} s")
     return 1 if wrong else 0
 
 

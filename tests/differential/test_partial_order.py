@@ -94,3 +94,71 @@ def test_sensors_that_report_at_once(code: int, status: Status) -> None:
     assert every.goals[0].status is some.goals[0].status is status
     if status is Status.UNREACHABLE:
         assert 2 * some.statistics.states_stored < every.statistics.states_stored
+
+
+OTHERS_COME_FIRST = {
+    "what the goal asks for holds for a moment": (
+        (
+            "process P() { init urgent location u { to v {} } location v {} }"
+            "process Q() { init urgent location a { to b {} } location b {} }"
+        ),
+        "p.u && q.b",
+    ),
+    "what a member reads is written by another": (
+        (
+            "int[0, 1] n;"
+            "process P() { init urgent location u { to v { guard n == 0; } to w { guard n == 1; } }"
+            " location v {} location w { to x {} } location x {} }"
+            "process Q() { init location a { to b { assign n = 1; } } location b {} }"
+        ),
+        "p.x",
+    ),
+    "a partner gets ready": (
+        (
+            "chan c;"
+            "process P() { init urgent location u { to v {} to w { sync c?; } } location v {} location w { to x {} }"
+            " location x {} }"
+            "process Q() { init location a { to b {} } location b { to d { sync c!; } } location d {} }"
+        ),
+        "p.x",
+    ),
+    "a committed location must not be entered too early": (
+        (
+            "int[0, 1] n;"
+            "process P() { init urgent location u { to c {} } committed location c { to v { guard n == 1; } }"
+            " location v {} }"
+            "process Q() { init location a { to b { assign n = 1; } } location b {} }"
+        ),
+        "p.v",
+    ),
+    "a member cannot always move": (
+        (
+            "int[0, 1] n; clock x, y;"
+            "process P() { init location s { invariant x <= 5; to u { assign n = 1; } }"
+            " urgent location u { to v { guard x >= 3; } } location v {} }"
+            "process Q() { init location a { to b { guard n == 1 && y <= 1; } } location b {} }"
+        ),
+        "q.b",
+    ),
+    "a broadcast comes before a member listens": (
+        (
+            "int[0, 1] n; broadcast chan all;"
+            "process P() { init urgent location u { to v {} }"
+            " location v { to w { sync all?; } to x { guard n == 1; } } location w {} location x {} }"
+            "process Q() { init location a { to b { sync all!; assign n = 1; } } location b {} }"
+        ),
+        "p.x",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", OTHERS_COME_FIRST)
+def test_others_may_come_first(name: str) -> None:
+    text, goal = OTHERS_COME_FIRST[name]
+    loaded = tachk.loads(f"{text} p = P(); q = Q(); system p, q; property found : E<> {goal};")
+    (query,) = loaded.properties
+    assert query.target is not None
+    program, goals = lower(loaded.network, [query.target])
+    for on in (False, True):
+        outcome = explore(program, goals, replace(ON, partial_order=on, order=SearchOrder.BFS))
+        assert outcome.goals[0].status is Status.REACHED, on

@@ -97,7 +97,7 @@ def _parts(network: Network, tasks: tuple[Task, ...], options: Options) -> list[
 
 _FIRST_TRY = 1_000_000
 """How many states of a network that can do more than the one in question may be stored: it may have more of them."""
-_FIRST_LOOK = 20_000
+FIRST_LOOK = 20_000
 """Where so many states are enough, less is not asked to be known."""
 WORTH_CARRYING_OVER = 5_000
 """So many states without bystanders make it worth while to look for the run with them along the one without."""
@@ -156,7 +156,7 @@ def _settle_with_less_known(
     """The verdicts about targets that are unreachable even if processes are not gone through by number, where that
     makes them interchangeable; and those that a short search finds."""
     started = time.monotonic()
-    if limits.states is not None and limits.states <= _FIRST_LOOK:
+    if limits.states is not None and limits.states <= FIRST_LOOK:
         return {}
     targets = [task.target for task in search.tasks]
     try:
@@ -169,7 +169,7 @@ def _settle_with_less_known(
         return {}
 
     def short_search(part: Search, order: SearchOrder) -> dict[int, Verdict]:
-        look = replace(limits.after(time.monotonic() - started), states=_FIRST_LOOK)
+        look = replace(limits.after(time.monotonic() - started), states=FIRST_LOOK)
         return _explore(model, part, replace(options, order=order), look, progress, trace)
 
     first = short_search(search, options.order)

@@ -12,7 +12,7 @@ from tachk.engines.program_image import encode
 from tachk.properties.verdict import Answer
 from tachk.records import dataclass
 
-ALWAYS, NEVER = Options(local_times=LocalTimes.ALWAYS), Options(local_times=LocalTimes.NEVER)
+ALWAYS, NEVER = (Options(local_times=each, drop_bystanders=False) for each in (LocalTimes.ALWAYS, LocalTimes.NEVER))
 
 LATE = "process Q() {{ clock y; init location A {{ invariant y <= 5; to B {{ guard y >= 4; {} }} }} location B {{}} }}"
 """A process that does something at time 4 or 5."""

@@ -1,0 +1,30 @@
+"""Whole verdicts with and without each reduction; `bench/random_agreement.py` does it for thousands of networks."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from tachk.properties import reachability
+from tachk.properties.verdict import Answer
+from tachk.testing.verdict_agreement import compare_verdicts, random_questions, ways_of
+
+
+@pytest.mark.parametrize("block", range(3))
+def test_no_reduction_changes_a_verdict(block: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reachability, "FIRST_LOOK", 0)
+    monkeypatch.setattr(reachability, "WORTH_CARRYING_OVER", 0)
+    decided: Counter[str] = Counter()
+    fewer = 0
+    for seed in range(20_000 + 10 * block, 20_010 + 10 * block):
+        found = compare_verdicts(random_questions(seed), ways_of(seed))
+        assert found.problems == (), f"seed {seed}"
+        for name, verdicts in found.verdicts.items():
+            decided[name] += sum(verdict.answer is not Answer.UNKNOWN for verdict in verdicts)
+        plain, default = (found.verdicts[name] for name in ("no reduction", "default"))
+        fewer += sum(
+            one.statistics.states_stored < other.statistics.states_stored
+            for one, other in zip(default, plain, strict=True)
+        )
+    assert decided["no reduction"] > 30 and decided["default"] > 30 and fewer > 5
