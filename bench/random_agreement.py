@@ -11,7 +11,8 @@ known so far. Exit status 1 after a disagreement.
     python bench/random_agreement.py COUNT SEED verdicts
 
 compares whole verdicts with and without each reduction, on small networks, many with interchangeable processes
-(`tachk.testing.verdict_agreement`). One reduction alone and one combination are tried on each; they take turns.
+(`tachk.testing.reductions.verdict_agreement`). One reduction alone and one combination are tried on each; they take
+turns.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from tachk.testing.agreement import VARIANTS, Effort, compare
 from tachk.testing.endless.diverging_agreement import compare_diverging
 from tachk.testing.liveness_agreement import compare_obligation
 from tachk.testing.obligations import random_obligations
-from tachk.testing.verdict_agreement import compare_verdicts, random_questions, ways_of
+from tachk.testing.reductions.verdict_agreement import compare_verdicts, random_questions, ways_of
 
 SHAPES = (
     Shape(),

@@ -8,7 +8,7 @@ import pytest
 
 from tachk.properties import reachability
 from tachk.properties.verdict import Answer
-from tachk.testing.verdict_agreement import compare_verdicts, random_questions, ways_of
+from tachk.testing.reductions.verdict_agreement import compare_verdicts, random_questions, ways_of
 
 
 @pytest.mark.parametrize("block", range(3))

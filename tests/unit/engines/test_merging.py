@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import tachk
-from tachk.engines.options import LocalTimes, Options, SearchOrder
+from tachk.engines.options import Extrapolation, LocalTimes, Options, SearchOrder
 from tachk.properties.verdict import Verdict
 from tachk.resources import data_root
 
@@ -74,6 +75,40 @@ def test_a_run_time_error_behind_a_union_has_a_run(two_orders: tachk.Model) -> N
     assert apart.statistics.states_stored == 7
 
 
+GOAL_NEARBY = """
+clock x, y;
+int n = 0;
+int left = 6;
+process P() {
+    init location I {
+        to D { }
+        to D { guard y >= 1 && y <= 3; assign x = 0; }
+    }
+    location D {
+        to T { }
+        to D { guard x >= 2 && x <= 5; assign x = 0; }
+    }
+    location T { to T { assign left = 6 / n; } }
+}
+p = P();
+system p;
+"""
+"""D is entered at once, and later in two ways that are united; the search comes to the error before it goes on."""
+
+
+def test_the_run_to_an_error_is_looked_for_beyond_goals() -> None:
+    found = tuple(
+        verdict(
+            tachk.loads(GOAL_NEARBY),
+            "E<> p.T && x < 1 && y >= 1",
+            replace(options(merging), extrapolation=Extrapolation.NONE),
+        )
+        for merging in (True, False)
+    )
+    assert [each.answer.value for each in found] == ["unknown", "holds"]
+    assert found[0].fault is not None and found[0].fault.run is not None
+
+
 def test_published_models_have_fewer_states() -> None:
     model = tachk.load(CLASSICS / "critical_region.ta", N=3)
     for name in ("exclusive", "can_be_safe", "can_fail", "in_time"):
@@ -85,14 +120,13 @@ def test_published_models_have_fewer_states() -> None:
 @pytest.mark.parametrize(
     ("query", "order"),
     [
-        ("sup{ First.Done && Second.Done }: x", SearchOrder.AUTO),
+        ("sup{ First.Done && Second.Done && Judge.Waiting }: x", SearchOrder.AUTO),
         ("A[] !(First.Done && Second.Done)", SearchOrder.DFS),
         ("A<> First.Done", SearchOrder.AUTO),
     ],
 )
-def test_nothing_is_united_where_more_matters_than_what_can_be_reached(
-    two_orders: tachk.Model, query: str, order: SearchOrder
-) -> None:
-    together, apart = (verdict(two_orders, query, options(merging, order)) for merging in (True, False))
+def test_nothing_is_united_where_more_matters_than_what_can_be_reached(query: str, order: SearchOrder) -> None:
+    model = tachk.loads(TWO_ORDERS.replace("6 / (done - 2)", "6 / done"))
+    together, apart = (verdict(model, query, options(merging, order)) for merging in (True, False))
     assert together.statistics.states_stored == apart.statistics.states_stored
     assert together.answer is apart.answer

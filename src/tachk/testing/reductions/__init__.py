@@ -1,0 +1,1 @@
+"""Whole verdicts with and without what saves states."""
