@@ -61,6 +61,17 @@ def test_random_networks(block: int) -> None:
     assert large > 10
 
 
+def test_zones_that_diagonals_split() -> None:
+    """A piece may be covered although the whole is not."""
+    several = 0
+    for seed in range(97, 136, 2):
+        case = random_case(Random(seed), Shape(diagonals=True, clocks=2, constant=3))
+        alone = searched(case, ONE, Limits(states=1_000))
+        assert searched(case, replace(ONE, threads=2), Limits(states=1_000)) == alone, f"seed {seed}"
+        several += alone.statistics.states_stored > 4
+    assert several > 8
+
+
 @pytest.mark.parametrize("threads", [1, 2, 3])
 @pytest.mark.parametrize("query", ["A[] forall (p : pid_t) P(p).critical imply id == p", "A[] not deadlock"])
 def test_as_many_threads_work_as_are_asked_for(threads: int, query: str) -> None:
