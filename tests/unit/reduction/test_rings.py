@@ -86,11 +86,17 @@ def test_run_time_errors_may_not_depend_on_the_order_of_processes() -> None:
     assert ring_sizes(text=text) == []
 
 
-def test_initial_values_belong_to_the_ring() -> None:
-    assert ring_sizes(text=TEXT.replace("fork[N];", "fork[N] = {1, 0, 0, 0};")) == []
-    assert ring_sizes(text=TEXT.replace("fork[N];", "fork[N] = {1, 0, 1, 0};")) == [2]
-    assert ring_sizes("assign token = me;", "", text=TEXT.replace("token = N;", "token = 0;")) == []
-    assert ring_sizes("assign next = me;", text=TEXT.replace("next = RIGHT;", "next = 0;")) == []
+def test_initial_values_need_not_go_round() -> None:
+    assert ring_sizes(text=TEXT.replace("fork[N];", "fork[N] = {1, 0, 0, 0};")) == [4]
+    assert ring_sizes("assign token = me;", "", text=TEXT.replace("token = N;", "token = 0;")) == [4]
+    assert ring_sizes("assign next = me;", text=TEXT.replace("next = RIGHT;", "next = 0;")) == [4]
+
+
+def test_constants_go_round() -> None:
+    unchanged = "guard first[next] == 0;"
+    assert ring_sizes(unchanged, text=TEXT.replace("chan to", "int[0, 1] first[N]; chan to")) == [4]
+    assert ring_sizes(unchanged, text=TEXT.replace("chan to", "int[0, 1] first[N] = {1, 0, 1, 0}; chan to")) == [2]
+    assert ring_sizes(unchanged, text=TEXT.replace("chan to", "int[0, 1] first[N] = {1, 0, 0, 0}; chan to")) == []
 
 
 @pytest.mark.parametrize(

@@ -1,14 +1,18 @@
 """Renamings of a network, and whether one maps the network onto itself.
 
 A renaming is a permutation of processes, variables and numbers of some kinds. It maps a network onto itself if the text
-of each process, renamed, is that of the process it is mapped to, up to the order of edges, and if initial values,
-ranges, priorities and what is asked for are mapped onto themselves. Then it maps runs to runs: an automorphism.
+of each process, renamed, is that of the process it is mapped to, up to the order of edges, and if constants, ranges,
+priorities and what is asked for are mapped onto themselves. Then it maps transitions to transitions: an automorphism.
+
+Initial values need not be mapped onto themselves. A state that is explored for others stands for those that exchanges
+make of it. Whatever is reached from it can be exchanged, step by step, into something that is reached from the initial
+state; and what is asked for is met by all that exchanges make of a state or by none.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 
 from tachk.compiler.fold import Known, fold
@@ -218,18 +222,21 @@ class Reading:
         if list(map(self.kinds.find, nodes)) != list(map(self.kinds.find, of_other)):
             return Refusal(f"`{variable.name}` and `{other.name}` hold different kinds of numbers", other.span)
         images = cell_images(self.kinds, tree, variable.type, renaming)
-        before, after = variable.initial or default_cells(variable.type), other.initial or default_cells(other.type)
-        for cell, image in enumerate(images):
-            if after[image] != renaming.value(self.kinds, nodes[cell], before[cell]):
-                if variable is other and len(images) == 1:
-                    return Refusal(f"`{other.name}` begins with {before[cell]}, the number of one of them", other.span)
-                return Refusal(f"the initial values of `{other.name}` tell them apart", other.span)
+        if self.is_constant(variable) or self.is_constant(other):
+            before, after = (each.initial or default_cells(each.type) for each in (variable, other))
+            for cell, image in enumerate(images):
+                if after[image] != renaming.value(self.kinds, nodes[cell], before[cell]):
+                    return Refusal(f"the values of `{other.name}` tell them apart", other.span)
         if variable.priorities or other.priorities:
             default = (self.network.default_priority,) * len(images)
-            before, after = variable.priorities or default, other.priorities or default
-            if any(after[image] != before[cell] for cell, image in enumerate(images)):
+            priority, others_priority = variable.priorities or default, other.priorities or default
+            if any(others_priority[image] != priority[cell] for cell, image in enumerate(images)):
                 return Refusal(f"the priorities of the channels `{other.name}` tell them apart", other.span)
         return None
+
+    def is_constant(self, variable: Variable) -> bool:
+        """Whether every transition finds the initial value in it."""
+        return variable in self.reader.known.values or self.network.resets(variable)
 
     def _text_objection(self, renaming: Renaming, moved: set[Atom]) -> Refusal | None:
         same, elsewhere = Renaming(), set(range(len(self.edges))) - set(renaming.processes)
@@ -238,7 +245,7 @@ class Reading:
                 for unit, image in zip(here, there, strict=True):
                     if self.image(unit.tokens, renaming) != self.image(image.tokens, same):
                         return Refusal("their texts differ in more than their own numbers and variables", image.span)
-        touched = {place for atom in moved for place in self._touched.get(atom, ()) if place[0] in elsewhere}
+        touched = {place for place in self._places(moved) if place[0] in elsewhere}
         edges: dict[int, list[Unit]] = {}
         for process, is_edge, number in sorted(touched):
             if is_edge:
@@ -256,6 +263,18 @@ class Reading:
                     name = self.network.processes[process].name
                     return Refusal(f"the process {name} tells them apart here", unit.span)
         return None
+
+    def _places(self, moved: Iterable[Atom]) -> Iterator[tuple[int, bool, int]]:
+        """Where something is mentioned: the process, whether by an edge or by a location, and its number."""
+        return (place for atom in moved for place in self._touched.get(atom, ()))
+
+    def edges_with(self, renaming: Renaming) -> dict[int, list[int]]:
+        """The edges that mention something a renaming moves, of each process that stays in its place."""
+        found: dict[int, set[int]] = {}
+        for process, is_edge, number in self._places(self._moved_atoms(renaming)):
+            if is_edge and process not in renaming.processes:
+                found.setdefault(process, set()).add(number)
+        return {process: sorted(numbers) for process, numbers in found.items()}
 
     def _predicate_objection(self, renaming: Renaming, moved: set[Atom]) -> Refusal | None:
         for parts, mentioning in self._asked:

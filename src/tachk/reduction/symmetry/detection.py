@@ -23,6 +23,7 @@ from tachk.records import dataclass
 from tachk.reduction.symmetry.automorphism import Reading, Renaming, Unit, read
 from tachk.reduction.symmetry.broadcasts import order_matters
 from tachk.reduction.symmetry.kinds import Refusal
+from tachk.reduction.symmetry.partners import numbers_of_partners
 from tachk.reduction.symmetry.rings import Ring, Team, find_ring, subsets
 from tachk.reduction.symmetry.terms import Number, Place, Shift, Token
 
@@ -295,19 +296,28 @@ def exchange_of(reading: Reading, one: Team, other: Team) -> Renaming | Refusal:
     """What has to be exchanged together with two teams, where the texts of their processes differ."""
     variables: dict[Variable, Variable] = {}
     values: dict[int, dict[int, int]] = {}
-    pairs = (pair for numbers in zip(one, other, strict=True) for pair in _pairs(reading, *numbers))
-    for token, another, span in pairs:
+    processes = dict(zip((*one, *other), (*other, *one), strict=True))
+
+    def exchanges(number: Number, another: Number) -> bool:
+        if number.value == another.value:
+            return True
+        root, shift = reading.kinds.find(number.node)
+        moved = values.setdefault(root, {})
+        here, there = number.value - shift, another.value - shift
+        return moved.setdefault(here, there) == there and moved.setdefault(there, here) == here
+
+    for token, another, span in (
+        pair for numbers in zip(one, other, strict=True) for pair in _pairs(reading, *numbers)
+    ):
         if isinstance(token, Number) and isinstance(another, Number):
-            if token.value == another.value:
-                continue
-            root, shift = reading.kinds.find(token.node)
-            moved = values.setdefault(root, {})
-            here, there = token.value - shift, another.value - shift
-            if moved.setdefault(here, there) != there or moved.setdefault(there, here) != here:
+            if not exchanges(token, another):
                 return Refusal("their numbers do not correspond one to one", span)
         elif isinstance(token, Variable) and isinstance(another, Variable) and token is not another:
             if variables.setdefault(token, another) is not another or variables.setdefault(another, token) is not token:
                 return Refusal(f"`{token.name}` and `{another.name}` do not correspond one to one", span)
         elif isinstance(token, Shift) and token != another:
             return Refusal("they compute with their numbers", span)
-    return Renaming(dict(zip((*one, *other), (*other, *one), strict=True)), variables, values)
+    for number, image, span in numbers_of_partners(reading, Renaming(processes, variables)):
+        if not exchanges(number, image):
+            return Refusal("the numbers that another process has for them do not correspond one to one", span)
+    return Renaming(processes, variables, values)

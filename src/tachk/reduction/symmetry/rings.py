@@ -18,6 +18,7 @@ from tachk.model.types import IntType, ScalarType
 from tachk.records import dataclass
 from tachk.reduction.symmetry.automorphism import Reading, Renaming
 from tachk.reduction.symmetry.kinds import Refusal
+from tachk.reduction.symmetry.partners import numbers_of_partners
 from tachk.reduction.symmetry.terms import Number, Shift, Token
 
 Team = tuple[int, ...]
@@ -87,12 +88,15 @@ def _rotation(reading: Reading, families: Sequence[Sequence[int]], step: int, pa
                     return Refusal(f"`{token.name}` and `{another.name}` do not correspond one to one", span)
             elif isinstance(token, Shift) and token != another:
                 return Refusal("they compute with their numbers", span)
+    for number, its_image, span in numbers_of_partners(reading, Renaming(processes, variables)):
+        if not goes_to(number.node, number.value, its_image.value):
+            return Refusal("the numbers that another process has for them do not correspond one to one", span)
     for variable, image in variables.items():
         node = reading.reader.tree_of(variable)
         if isinstance(node, int) and isinstance(variable.type, IntType | ScalarType):
             (before,), (after,) = (each.initial or default_cells(each.type) for each in (variable, image))
-            if not goes_to(node, before, after):
-                return Refusal(f"`{variable.name}` and `{image.name}` begin with different numbers", image.span)
+            if not goes_to(node, before, after) and reading.is_constant(variable):
+                return Refusal(f"`{variable.name}` and `{image.name}` have different numbers", image.span)
     moved = {one: other for one, other in variables.items() if one is not other}
     moved_values = {root: {one: other for one, other in of.items() if one != other} for root, of in values.items()}
     moved_values = {root: of for root, of in moved_values.items() if of}

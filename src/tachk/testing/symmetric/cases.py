@@ -2,7 +2,8 @@
 
 The models are text. Instances of one template know their numbers and use them as names: they are compared, stored in
 variables, arrays and queues, chosen, sent along channels. A share of the models has something that tells instances
-apart, which a search may not overlook: an order, a sum, an instance with another constant, an initial value.
+apart, which a search may not overlook: an order, a sum, an instance with another constant. Variables may begin with the
+numbers of some instances.
 """
 
 from __future__ import annotations
@@ -101,13 +102,16 @@ def random_symmetric_case(random: Random, breaking: float = 0.3) -> SymmetricCas
     )
     first = 1 if way == "initial" else 0
     helper = _helper(random)
+    last, queue = (", ".join(str(random.choice((0, 0, 0, 1, 2))) for _ in range(length)) for length in (size + 1, 3))
     system = "system P, Q;" if helper else "system P;"
     if way == "priority":
         system = "A = P(1); B = P(2);\nsystem A < B, Q;" if helper else "A = P(1); B = P(2);\nsystem A < B;"
     queries = tuple(random.sample(_QUERIES, 4))
     if way == "priority":
         queries = ("E<> count == 2", "A[] not deadlock", "E<> A.L1 && owner == 2", "E<> B.L2")
-    text = _TEXT.format(size=size, first=first, locations=locations, helper=helper, system=system)
+    text = _TEXT.format(
+        size=size, first=first, last=last, queue=queue, locations=locations, helper=helper, system=system
+    )
     return SymmetricCase(text, queries, broken)
 
 
@@ -169,8 +173,8 @@ const int N = {size};
 typedef int[1, N] id_t;
 int[0, N] owner = {first};
 int[0, 1] mark[N + 1];
-int[0, N] last[N + 1];
-int[0, N] queue[3];
+int[0, N] last[N + 1] = {{{last}}};
+int[0, N] queue[3] = {{{queue}}};
 int[0, 3] length = 0;
 int[0, 2] count = 0;
 chan call;
