@@ -108,9 +108,30 @@ void check(const Three& three, int count, int& united, int& apart) {
   }
 }
 
+// Where one clock is small in one zone and another one in the other, nothing bounds the hull.
+void check_unbounded() {
+  const Three three{4, {1, 2, 3}, select_operations(4, Width::narrow, true)};
+  ZoneBuffer all(three.ops);
+  three.ops.make_zero(all.get(), three.n);
+  for (const int clock : three.clocks) {
+    three.ops.up(all.get(), three.n, nullptr);
+    const ClockReset reset{static_cast<std::uint16_t>(clock), 0};
+    three.ops.reset(all.get(), three.n, &reset, 1);
+  }
+  three.ops.up(all.get(), three.n, nullptr);
+  ZoneBuffer one(three.ops);
+  ZoneBuffer other(three.ops);
+  one.assign(all.get());
+  other.assign(all.get());
+  add(three, one.get(), {1, 0, raw_bound(1, false)});
+  add(three, other.get(), {2, 0, raw_bound(1, false)});
+  CHECK(!three.ops.unite(one.get(), other.get(), three.n));
+}
+
 }  // namespace
 
 int main() {
+  check_unbounded();
   int united = 0;
   int apart = 0;
   check({4, {1, 2, 3}, select_operations(4, Width::narrow, true)}, 150, united, apart);

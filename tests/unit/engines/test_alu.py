@@ -33,6 +33,7 @@ def test_what_is_simulated_is_not_stored() -> None:
     [
         ("A[] deadlock imply exists (i : id_t) Client(i).begun >= EXPIRY", "holds"),
         ("sup{ Client(1).access }: Client(1).certificates", "holds"),
+        ("inf{ Client(1).access }: Client(2).begun", "holds"),
     ],
 )
 def test_all_is_stored_where_more_matters_than_what_can_be_reached(query: str, answer: str) -> None:

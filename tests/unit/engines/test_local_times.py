@@ -69,7 +69,7 @@ EXAMPLES = {
     "shared cell": Example(
         """int[0,1] n[2]; int[0,1] i = 1;
         process P() { clock x; init location A { to B { guard n[1] == 1 && x <= 3; } } location B {} }"""
-        + LATE.format("assign n[i] = 1;"),
+        + LATE.format("assign n[i] = 1, i = 1;"),
         "E<> p.B",
         False,
     ),
@@ -92,8 +92,9 @@ EXAMPLES = {
         process P() { clock x; init location A { to B { guard x >= 4; sync c!; assign n = 1; } } location B {} }
         process Q() {
             clock y;
-            init location A { to A { sync c?; } to B { guard n == 1 && y <= 3; } }
+            init location A { to C { sync c?; } to B { guard n == 1 && y <= 3; } }
             location B {}
+            location C {}
         }
         process R() { init location A { to A { sync c?; } } }""",
         "E<> q.B",

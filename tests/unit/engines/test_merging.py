@@ -75,6 +75,33 @@ def test_a_run_time_error_behind_a_union_has_a_run(two_orders: tachk.Model) -> N
     assert apart.statistics.states_stored == 7
 
 
+LATER = """
+clock x, y;
+process P() {
+    init location I {
+        to D { guard y >= 1 && y <= 3; assign x = 0; }
+        to M { guard y <= 5; }
+    }
+    location M { invariant y <= 5; to N { } }
+    location N { invariant y <= 5; to D { guard y >= 2; assign x = 0; } }
+    location D { to E { guard x >= 1 && x <= 2 && y >= 4 && y <= 5; } }
+    location E { }
+}
+p = P();
+system p;
+"""
+"""D is entered in two ways that could be united, but it has been explored before the second one is found."""
+
+
+def test_what_has_been_explored_is_not_united() -> None:
+    (together, apart) = (
+        verdict(tachk.loads(LATER), "E<> p.E && y < 4", replace(options(m), extrapolation=Extrapolation.NONE))
+        for m in (True, False)
+    )
+    assert together.statistics.states_stored == apart.statistics.states_stored
+    assert together.statistics.states_explored == apart.statistics.states_explored == 7
+
+
 GOAL_NEARBY = """
 clock x, y;
 int n = 0;
@@ -122,6 +149,7 @@ def test_published_models_have_fewer_states() -> None:
     [
         ("sup{ First.Done && Second.Done && Judge.Waiting }: x", SearchOrder.AUTO),
         ("A[] !(First.Done && Second.Done)", SearchOrder.DFS),
+        ("A[] !(First.Done && Second.Done && Judge.Waiting && left > 6)", SearchOrder.PROGRESS),
         ("A<> First.Done", SearchOrder.AUTO),
     ],
 )
