@@ -85,6 +85,12 @@ def test_as_many_threads_work_as_are_asked_for(threads: int, query: str) -> None
         assert verdict.statistics.threads == threads
 
 
+def test_several_threads_work_also_before_less_is_known() -> None:
+    model = tachk.load(data_root() / "models" / "classics" / "csma_cd.ta", N=4)
+    (verdict,) = model.verify(property="collision_noticed", options=replace(ONE, threads=2))
+    assert verdict.statistics.threads == 2 and verdict.statistics.less_known == ()
+
+
 def test_one_thread_works_where_others_could_not_help() -> None:
     model = tachk.load(data_root() / "models" / "classics" / "fischer.ta", N=4)
     for options in (
