@@ -108,7 +108,7 @@ void check(const Three& three, int count, int& united, int& apart) {
   }
 }
 
-// Where one clock is small in one zone and another one in the other, nothing bounds the hull.
+// One clock is small in one zone, and hardly smaller than an earlier one in the other: nothing bounds the hull.
 void check_unbounded() {
   const Three three{4, {1, 2, 3}, select_operations(4, Width::narrow, true)};
   ZoneBuffer all(three.ops);
@@ -123,8 +123,8 @@ void check_unbounded() {
   ZoneBuffer other(three.ops);
   one.assign(all.get());
   other.assign(all.get());
-  add(three, one.get(), {1, 0, raw_bound(1, false)});
-  add(three, other.get(), {2, 0, raw_bound(1, false)});
+  add(three, one.get(), {2, 0, raw_bound(1, false)});
+  add(three, other.get(), {1, 2, raw_bound(1, false)});
   CHECK(!three.ops.unite(one.get(), other.get(), three.n));
 }
 

@@ -120,6 +120,12 @@ def test_values_that_every_transition_finds_may_not(declared: str, edge: str) ->
     assert found(text=text) == ([2], ["the values of `mark` tell them apart"])
 
 
+def test_a_condition_may_not_hold_for_one_only() -> None:
+    """It is a constant for each of them, 1 or 0, which are not names."""
+    text = TEXT.replace("clock x;", "clock x; void first() { if (me == 1) count = 0; }") % ("assign first();", "")
+    assert found(text=text) == ([2], ["their texts differ in more than their own numbers and variables"])
+
+
 def test_ranges_may_not_hold_some_names_only() -> None:
     text = TEXT.replace("int[0, N] owner", "int[0, 2] owner") % ("guard owner == 0; assign owner = me;", "")
     assert found(text=text) == ([2], ["the range [0, 2] holds the number of one and not that of another"])

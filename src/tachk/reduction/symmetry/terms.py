@@ -137,7 +137,7 @@ class Reader:
     def _truth(self, expression: Expression, tokens: list[Token]) -> None:
         """An expression that counts as true if it is not 0."""
         tree = self._read(expression, tokens)
-        if isinstance(tree, int) and isinstance(expression.type, IntType | ScalarType):
+        if isinstance(tree, int) and isinstance(expression.type, IntType | BoolType | ScalarType):
             tokens.append(Number(tree, 0))
 
     def _result(self) -> int:
