@@ -98,7 +98,7 @@ class HashIndex {
   // Adds a record that `find` has not found.
   void insert(std::uint64_t hash, std::uint32_t number) {
     Segment& segment = segments_[hash >> segment_shift];
-    if (5 * (std::uint64_t{segment.used} + 1) > 4 * std::uint64_t{segment.size}) {
+    if (4 * (std::uint64_t{segment.used} + 1) > 3 * std::uint64_t{segment.size}) {
       Segment larger(segment.size + segment.size / 4);
       for (std::uint32_t place = 0; place < segment.size; ++place)
         if (segment.entries[place] != empty) larger.put(segment.entries[place]);

@@ -15,8 +15,8 @@ class RowStore {
  public:
   explicit RowStore(std::size_t row_bytes);
 
-  // The number of the row, for one more zone.
-  std::uint32_t intern(const std::byte* row);
+  // The numbers of rows that lie one behind the other, for one more zone.
+  void intern(const std::byte* rows, int count, std::uint32_t* numbers);
   // One zone fewer has the row. Its memory is used again once none has.
   void release(std::uint32_t number);
 
@@ -31,13 +31,16 @@ class RowStore {
 
  private:
   std::uint64_t hash(const std::byte* row) const;
+  bool equal(const std::byte* row, const std::byte* other) const;
+  std::uint32_t intern(const std::byte* row, std::uint64_t hash_value);
   std::uint32_t& count(std::uint32_t number) { return *reinterpret_cast<std::uint32_t*>(counts_[number]); }
 
-  std::size_t row_bytes_;  // a multiple of 8
+  std::size_t row_bytes_;  // a multiple of 16
   RecordPool rows_;
   RecordPool counts_;
   HashIndex index_;
   std::vector<std::uint32_t> free_;
+  std::vector<std::uint64_t> hashes_;  // of the rows that are being looked up
 };
 
 }  // namespace tachk

@@ -35,9 +35,7 @@ void ZoneShelf::put(std::uint32_t record, ConstZoneRef zone) {
     std::memcpy(records_[record], zone.bytes, operations_.bytes);
     return;
   }
-  auto* const numbers = reinterpret_cast<std::uint32_t*>(records_[record]);
-  for (int i = 0; i < dimension_; ++i)
-    numbers[i] = rows_->intern(zone.bytes + static_cast<std::size_t>(i) * operations_.row_bytes);
+  rows_->intern(zone.bytes, dimension_, reinterpret_cast<std::uint32_t*>(records_[record]));
 }
 
 void ZoneShelf::remove(std::uint32_t record) {
@@ -46,33 +44,6 @@ void ZoneShelf::remove(std::uint32_t record) {
     for (int i = 0; i < dimension_; ++i) rows_->release(numbers[i]);
   }
   free_.push_back(record);
-}
-
-bool ZoneShelf::equals(std::uint32_t record, ConstZoneRef zone) const {
-  return rows_ ? operations_.rows.equal(rows(record), zone, dimension_)
-               : std::memcmp(records_[record], zone.bytes, operations_.bytes) == 0;
-}
-
-bool ZoneShelf::covers(std::uint32_t record, ConstZoneRef inner, const ClockBounds* bounds) const {
-  if (bounds == nullptr)
-    return rows_ ? operations_.rows.include(rows(record), inner, dimension_)
-                 : operations_.includes(whole(record), inner, dimension_);
-  return rows_ ? operations_.rows.simulate(rows(record), inner, dimension_, *bounds)
-               : operations_.simulates(whole(record), inner, dimension_, *bounds);
-}
-
-bool ZoneShelf::is_covered(std::uint32_t record, ConstZoneRef outer, const ClockBounds* bounds) const {
-  if (bounds == nullptr)
-    return rows_ ? operations_.rows.lie_in(rows(record), outer, dimension_)
-                 : operations_.includes(outer, whole(record), dimension_);
-  return rows_ ? operations_.rows.are_simulated(rows(record), outer, dimension_, *bounds)
-               : operations_.simulates(outer, whole(record), dimension_, *bounds);
-}
-
-ConstZoneRef ZoneShelf::read(std::uint32_t record, ZoneRef buffer) const {
-  if (!rows_) return whole(record);
-  operations_.rows.assemble(buffer, rows(record), dimension_);
-  return buffer;
 }
 
 // Only called when no record is free.
@@ -87,11 +58,8 @@ void ZoneShelf::reconsider() {
   }
   RowStore rows(operations_.row_bytes);
   RecordPool lists(list_bytes(), least_block_bytes_);
-  for (std::uint32_t record = 0; record < zones; ++record) {
-    auto* const numbers = reinterpret_cast<std::uint32_t*>(lists[lists.append()]);
-    for (int i = 0; i < dimension_; ++i)
-      numbers[i] = rows.intern(records_[record] + static_cast<std::size_t>(i) * operations_.row_bytes);
-  }
+  for (std::uint32_t record = 0; record < zones; ++record)
+    rows.intern(records_[record], dimension_, reinterpret_cast<std::uint32_t*>(lists[lists.append()]));
   if (bytes_by(rows) > whole_bytes / 4 * 3) return;  // lists cost time, too
   records_ = std::move(lists);
   rows_ = std::move(rows);

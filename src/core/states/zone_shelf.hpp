@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <vector>
 
@@ -25,13 +26,32 @@ class ZoneShelf {
   std::uint32_t add(ConstZoneRef zone);
   void remove(std::uint32_t record);
 
-  bool equals(std::uint32_t record, ConstZoneRef zone) const;
+  bool equals(std::uint32_t record, ConstZoneRef zone) const {
+    return rows_ ? operations_.rows.equal(rows(record), zone, dimension_)
+                 : std::memcmp(records_[record], zone.bytes, operations_.bytes) == 0;
+  }
   // Whether the zone of a record contains this one; with `bounds` (may be null), simulates it.
-  bool covers(std::uint32_t record, ConstZoneRef inner, const ClockBounds* bounds) const;
+  bool covers(std::uint32_t record, ConstZoneRef inner, const ClockBounds* bounds) const {
+    if (bounds == nullptr)
+      return rows_ ? operations_.rows.include(rows(record), inner, dimension_)
+                   : operations_.includes(whole(record), inner, dimension_);
+    return rows_ ? operations_.rows.simulate(rows(record), inner, dimension_, *bounds)
+                 : operations_.simulates(whole(record), inner, dimension_, *bounds);
+  }
   // The other way round.
-  bool is_covered(std::uint32_t record, ConstZoneRef outer, const ClockBounds* bounds) const;
+  bool is_covered(std::uint32_t record, ConstZoneRef outer, const ClockBounds* bounds) const {
+    if (bounds == nullptr)
+      return rows_ ? operations_.rows.lie_in(rows(record), outer, dimension_)
+                   : operations_.includes(outer, whole(record), dimension_);
+    return rows_ ? operations_.rows.are_simulated(rows(record), outer, dimension_, *bounds)
+                 : operations_.simulates(outer, whole(record), dimension_, *bounds);
+  }
   // The zone itself, or a copy in `buffer`.
-  ConstZoneRef read(std::uint32_t record, ZoneRef buffer) const;
+  ConstZoneRef read(std::uint32_t record, ZoneRef buffer) const {
+    if (!rows_) return whole(record);
+    operations_.rows.assemble(buffer, rows(record), dimension_);
+    return buffer;
+  }
 
   bool by_rows() const { return rows_.has_value(); }
   std::size_t bytes() const;

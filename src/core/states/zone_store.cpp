@@ -9,7 +9,7 @@ constexpr std::size_t small_block = std::size_t{1} << 15;
 
 ZoneStore::ZoneStore(const ZoneOperations& operations, int dimension, const std::vector<ZoneOperations>& smaller,
                      std::uint32_t rows_after)
-    : uses_(sizeof(Use), small_block), places_(sizeof(Place), small_block) {
+    : has_one_(smaller.empty()), uses_(sizeof(Use), small_block), places_(sizeof(Place), small_block) {
   for (std::size_t each = 0; each < smaller.size(); ++each)
     shelves_.emplace_back(smaller[each], static_cast<int>(each), rows_after, small_block);
   shelves_.emplace_back(operations, dimension, rows_after, smaller.empty() ? std::size_t{1} << 18 : small_block);

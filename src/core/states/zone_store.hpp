@@ -65,7 +65,7 @@ class ZoneStore {
     std::uint32_t record;
   };
 
-  bool has_one() const { return shelves_.size() == 1; }
+  bool has_one() const { return has_one_; }
   ZoneShelf& shelf_of(int dimension) { return shelves_[has_one() ? 0 : static_cast<std::size_t>(dimension)]; }
   const ZoneShelf& shelf_of(int dimension) const {
     return shelves_[has_one() ? 0 : static_cast<std::size_t>(dimension)];
@@ -80,6 +80,7 @@ class ZoneStore {
   const Use& use(std::uint32_t number) const { return *reinterpret_cast<const Use*>(uses_[number]); }
   std::uint32_t add(ZoneView zone);
 
+  bool has_one_;                     // dimension
   std::vector<ZoneShelf> shelves_;   // one, whose records are the zones, or one for each dimension
   RecordPool uses_;                  // of each zone
   RecordPool places_;                // of each zone; only with several dimensions

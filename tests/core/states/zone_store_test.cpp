@@ -138,7 +138,7 @@ void test_rows_are_given_back() {
   for (std::uint64_t round = 0; round < 3; ++round) {
     for (std::uint64_t n = 0; n < 5000; ++n) {
       const std::uint64_t row[] = {n / 2, round};
-      numbers.push_back(rows.intern(reinterpret_cast<const std::byte*>(row)));
+      rows.intern(reinterpret_cast<const std::byte*>(row), 1, &numbers.emplace_back());
     }
     CHECK(rows.size() == 2500);
     const std::size_t bytes = rows.bytes();
