@@ -157,7 +157,7 @@ void test_zones(int dimension, Width width, int range, std::uint32_t steps, bool
     std::erase_if(plain, [&](const Member& member) {
       const bool smaller = includes(zone.get(), member.zone.get());
       CHECK(passed.covered(member.number) == smaller);
-      if (!smaller)
+      if (!smaller && (member.number + step) % 16 == 0)
         CHECK(std::memcmp(passed.zone(member.number, buffer).data.bytes, member.zone.get().bytes, operations.bytes) ==
               0);
       if (smaller) ++removals;
