@@ -7,7 +7,9 @@ import pytest
 
 import tachk
 from tachk import Limits
+from tachk.reduction.symmetry import detection
 from tachk.reduction.symmetry.detection import find_symmetry, look_for_symmetry
+from tachk.reduction.symmetry.kinds import Refusal
 from tachk.resources import data_root
 from tachk.testing.symmetric.cases import random_symmetric_case
 
@@ -197,6 +199,21 @@ def test_processes_of_a_foreign_file_are_exchanged_with_their_clocks(tmp_path: P
 )
 def test_a_query_that_names_processes_leaves_the_others(query: str, group: list[int]) -> None:
     assert found("guard owner == 0; assign owner = me;", "", query)[0] == group
+
+
+def test_processes_that_all_differ_take_no_longer_than_they_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = 0
+
+    def exchange_of(*given: object) -> Refusal:
+        nonlocal tried
+        tried += 1
+        return Refusal("they differ")
+
+    monkeypatch.setattr(detection, "exchange_of", exchange_of)
+    text = "process P(const int me) { init location L { to M { guard me > 0; } } location M; }\n"
+    text += "".join(f"P{n} = P({n + 1});\n" for n in range(40)) + f"system {', '.join(f'P{n}' for n in range(40))};"
+    assert found(text=text)[0] == []
+    assert detection.MOST_IN_VAIN <= tried < detection.MOST_IN_VAIN + 40
 
 
 def test_priorities_tell_processes_apart() -> None:

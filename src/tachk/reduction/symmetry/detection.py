@@ -27,6 +27,10 @@ from tachk.reduction.symmetry.partners import numbers_of_partners
 from tachk.reduction.symmetry.rings import Ring, Team, find_ring, subsets
 from tachk.reduction.symmetry.terms import Number, Place, Shift, Token
 
+MOST_IN_VAIN = 250
+"""So many exchanges of processes with the same shape are tried without success; then none of the others is exchanged.
+There may be as many as there are pairs."""
+
 
 @dataclass(frozen=True, slots=True)
 class Interchangeable:
@@ -278,8 +282,9 @@ def _classes(reading: Reading, teams: Sequence[Team]) -> tuple[list[Interchangea
     """The teams in classes of those that can be exchanged, and the first reason why there is more than one."""
     found: list[tuple[list[Team], list[Renaming]]] = []
     reason: Refusal | None = None
+    in_vain = 0
     for team in teams:
-        for numbers, exchanges in found:
+        for numbers, exchanges in found if in_vain < MOST_IN_VAIN else ():
             exchange = exchange_of(reading, numbers[0], team)
             refusal = exchange if isinstance(exchange, Refusal) else reading.objection(exchange)
             if refusal is None and isinstance(exchange, Renaming):
@@ -287,6 +292,7 @@ def _classes(reading: Reading, teams: Sequence[Team]) -> tuple[list[Interchangea
                 exchanges.append(exchange)
                 break
             reason = reason or refusal
+            in_vain += 1
         else:
             found.append(([team], []))
     return [Interchangeable(tuple(numbers), tuple(exchanges)) for numbers, exchanges in found], reason
