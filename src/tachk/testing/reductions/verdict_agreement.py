@@ -12,7 +12,7 @@ from itertools import chain
 from random import Random
 
 import tachk
-from tachk.diagnostics.diagnostic import InternalError
+from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.engines.options import Limits, LocalTimes, Options, SearchOrder
 from tachk.model.connectives import negation
 from tachk.model.expressions import Deadlock
@@ -152,8 +152,10 @@ def compare_verdicts(questions: Questions, ways: Mapping[str, Options], limits: 
     for name, options in {"no reduction": NO_REDUCTION, **ways}.items():
         try:
             found[name] = _verdicts(questions, options, limits)
-        except InternalError as error:
-            return Compared(found, (f"{name}: {error}",))
+        except UnsupportedError:  # without a reduction as with one: nothing is to be compared
+            return Compared({}, ())
+        except Exception as error:
+            return Compared(found, (f"{name}: {type(error).__name__}: {error}",))
     plain = found["no reduction"]
     return Compared(
         found, tuple(problem for name, verdicts in found.items() for problem in _contradictions(name, plain, verdicts))
