@@ -62,6 +62,11 @@ class Search:
     tasks: tuple[Task, ...]
     observer: Observer | None = None
 
+    @property
+    def explores_everything(self) -> bool:
+        """Whether nothing of the network may be left out, because it asks for deadlock."""
+        return self.analysis is Analysis.REACHABILITY and any(_asks_deadlock(task.target) for task in self.tasks)
+
     def without(self, numbers: Collection[int]) -> Search:
         """The search for the tasks with other numbers."""
         return replace(self, tasks=tuple(task for task in self.tasks if task.number not in numbers))
@@ -89,9 +94,13 @@ def _demands(task: Task) -> tuple[Analysis, frozenset[Variable], bool, bool, int
     target = task.target
     parts = list(walk(target))
     variables = {part.variable for part in parts if isinstance(part, Reference)}
-    asks_deadlock = any(isinstance(part, Deadlock) for part in parts)
+    asks_deadlock = _asks_deadlock(target)
     alone = None if task.query.observer is None else task.number
     return analysis, frozenset(filter(_has_clock, variables)), asks_deadlock, speaks_of_nothing(target), alone
+
+
+def _asks_deadlock(target: Expression) -> bool:
+    return any(isinstance(part, Deadlock) for part in walk(target))
 
 
 def _has_clock(variable: Variable) -> bool:

@@ -37,7 +37,8 @@ def in_order(
     processes: int,
     progress: VerifyProgress | None,
 ) -> dict[int, Verdict]:
-    """The verdicts of all searches: one after the other, and those that are left side by side once that is worth while.
+    """The verdicts of all searches: one after the other, and those that are left side by side once that is worth while;
+    first those that are likely to take longest.
 
     Args:
         processes: how many may run at the same time.
@@ -55,7 +56,8 @@ def in_order(
             from tachk.properties.scheduling.side_by_side import SideBySide
 
             begin = partial(shares.begin, processes=processes)
-            return verdicts | SideBySide(searches[number:], answer, begin, progress and tell).answered(processes)
+            rest = sorted(searches[number:], key=lambda search: not search.explores_everything)
+            return verdicts | SideBySide(rest, answer, begin, progress and tell).answered(processes)
         else:
             verdicts |= answer(search, shares.begin(search), progress and partial(tell, search))
     return verdicts
