@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import threading
+from contextlib import suppress
 from pathlib import Path
 from time import monotonic
 
@@ -117,9 +119,46 @@ def test_ctrl_c_ends_what_runs_and_begins_nothing() -> None:
             return none_begun(search.tasks, INTERRUPTED)
         return {}
 
+    before = signal.getsignal(signal.SIGINT)
     verdicts = answered(answer, processes=1)
     assert verdicts[0].answer is Answer.HOLDS
     assert [verdicts[number].reason for number in (1, 2, 3)] == [INTERRUPTED] * 3
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_a_program_in_the_background_does_not_hear_of_ctrl_c() -> None:
+    def answer(search: Search, limits: Limits, progress: Progress | None) -> dict[int, Verdict]:
+        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getppid(), signal.SIGINT)
+        return {task.number: found(task.query) for task in search.tasks}
+
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        verdicts = answered(answer)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert {verdict.answer for verdict in verdicts.values()} == {Answer.HOLDS}
+
+
+def test_ctrl_c_is_heard_where_another_thread_gets_it() -> None:
+    over = threading.Event()
+    elsewhere = threading.Thread(target=over.wait)
+    elsewhere.start()
+
+    def answer(search: Search, limits: Limits, progress: Progress | None) -> dict[int, Verdict]:
+        os.kill(os.getppid(), signal.SIGINT)
+        with suppress(KeyboardInterrupt):
+            signal.pause()
+        return none_begun(search.tasks, INTERRUPTED)
+
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # which leaves the other thread to get it
+    try:
+        verdicts = answered(answer, processes=1)
+    finally:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        over.set()
+        elsewhere.join()
+    assert {verdict.reason for verdict in verdicts.values()} == {INTERRUPTED}
 
 
 def test_a_search_whose_time_is_over_leaves_time_to_the_others(monkeypatch: pytest.MonkeyPatch) -> None:

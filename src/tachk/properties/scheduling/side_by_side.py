@@ -18,6 +18,7 @@ from tachk.diagnostics.diagnostic import InternalError
 from tachk.engines.options import Limits
 from tachk.engines.outcome import INTERRUPTED, Progress, Statistics
 from tachk.properties.plan import Search
+from tachk.properties.scheduling.interrupts import ignored, noted_interrupts
 from tachk.properties.unanswered import none_begun
 from tachk.properties.verdict import Verdict
 from tachk.records import dataclass
@@ -27,6 +28,9 @@ Answer = Callable[[Search, Limits, Progress | None], dict[int, Verdict]]
 
 Tell = Callable[[Search, Statistics], None]
 """What is told during a long search."""
+
+_LONGEST_SLEEP = 0.2
+"""Seconds until Ctrl-C is looked at, where the system gave it to a thread other than the one that waits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,15 +61,15 @@ class SideBySide:
         no further one begins, and those that run tell what they know. What a search raises is raised here.
         """
         try:
-            while self._running or self._left:
-                try:
+            with noted_interrupts() as interrupts:
+                while self._running or self._left:
                     self._begin(processes)
-                    for pipe in wait([one.pipe for one in self._running]):
+                    for pipe in wait([one.pipe for one in self._running], _LONGEST_SLEEP):
                         self._hear(next(one for one in self._running if one.pipe is pipe))
-                except KeyboardInterrupt:
-                    self._leave_out()
-                    for one in self._running:
-                        _interrupt(one.process)
+                    if interrupts.take():
+                        self._leave_out()
+                        for one in self._running:
+                            _interrupt(one.process)
         finally:
             for one in self._running:
                 _end(one)
@@ -119,11 +123,12 @@ def _begun(search: Search, answer: Answer, limits: Limits, telling: bool) -> _Ru
     context = get_context("fork")
     ours, theirs = context.Pipe(duplex=False)
     process = context.Process(target=_work, args=(theirs, os.getpid(), search, answer, limits, telling), daemon=True)
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # until the process knows what to do about it
+    # The process is interrupted only once it knows what to do about it.
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         process.start()
     finally:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
     theirs.close()
     return _Running(search, process, ours)
 
@@ -141,7 +146,8 @@ def _end(one: _Running) -> None:
 
 def _work(pipe: Connection, parent: int, search: Search, answer: Answer, limits: Limits, telling: bool) -> None:
     """What a process does."""
-    signal.signal(signal.SIGINT, _interrupted_once)
+    if not ignored():
+        signal.signal(signal.SIGINT, _interrupted_once)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 
     def tell(statistics: Statistics) -> None:
