@@ -13,12 +13,18 @@ from tachk.engines.options import LocalTimes
 from tachk.engines.outcome import Status
 from tachk.testing.symmetric.cases import random_symmetric_case
 from tachk.testing.symmetric.controllers import random_controller_case
+from tachk.testing.symmetric.registers import random_register_case
 from tachk.testing.symmetric.rings import random_ring_case
 
 LIMITS = Limits(states=1500)
 
 
-CASES = {"groups": random_symmetric_case, "rings": random_ring_case, "controllers": random_controller_case}
+CASES = {
+    "groups": random_symmetric_case,
+    "rings": random_ring_case,
+    "controllers": random_controller_case,
+    "registers": random_register_case,
+}
 
 
 @pytest.mark.parametrize("kind", CASES)

@@ -81,7 +81,7 @@ EDGE = "to A { guard next == N + 1; assign next = 1; }"
         ("init location A {", "init location A { to A { guard next == 2; sync all?; }", QUERY),
         ("sync call[me]?;", "guard next == me; sync call[me]?;", QUERY),
         ("guard next <= N;", "", QUERY),
-        ("assign next = next + 1;", "assign next = next + 1, marks[next] = 1;", QUERY),
+        ("assign next = next + 1;", "assign next = next + 1, count = (count + next) % 9;", QUERY),
         ("assign next = next + 1;", "assign next = count;", QUERY),
     ],
 )

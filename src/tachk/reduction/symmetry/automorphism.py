@@ -15,17 +15,18 @@ from collections import Counter
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 
-from tachk.compiler.fold import Known, fold
-from tachk.diagnostics.span import Span
+from tachk.compiler.fold import Known
 from tachk.model.cell_layout import default_cells
-from tachk.model.expressions import BOOL, Constant, Expression, Variable
-from tachk.model.network import Edge, Location, Network
+from tachk.model.expressions import Expression, Variable
+from tachk.model.network import Network
 from tachk.model.traversal import written_variables
 from tachk.model.types import ArrayType, Type, cell_count
 from tachk.records import dataclass
+from tachk.reduction.impossible import never_taken
 from tachk.reduction.symmetry.kinds import ArrayTree, Kinds, RecordTree, Refusal, Tree
 from tachk.reduction.symmetry.predicates import Junction, Term, flat, predicate_term
 from tachk.reduction.symmetry.terms import Number, Place, Reader, Token, cell_nodes
+from tachk.reduction.symmetry.units import Unit, read_edge, read_location
 
 Atom = Variable | Place | tuple[int, int]
 """What a renaming may move: a variable, a process, a number of a kind."""
@@ -49,21 +50,12 @@ class Renaming:
         return value if moved is None else moved.get(value - shift, value - shift) + shift
 
 
-@dataclass(frozen=True, slots=True)
-class Unit:
-    """A location or an edge, as a sequence of tokens."""
-
-    process: int
-    tokens: tuple[Token, ...]
-    span: Span
-
-
 @dataclass(slots=True)
 class Reading:
     """A network and what is asked of it, as terms.
 
     Attributes:
-        locations, edges: of each process.
+        locations, edges: of each process. Edges with the same outline stand side by side.
     """
 
     network: Network
@@ -84,7 +76,7 @@ class Reading:
         for process, (locations, edges) in enumerate(zip(self.locations, self.edges, strict=True)):
             for is_edge, units in ((False, locations), (True, edges)):
                 for number, unit in enumerate(units):
-                    for atom in set(self._atoms(unit.tokens)):
+                    for atom in set(self.atoms(unit.every_token)):
                         self._touched.setdefault(atom, []).append((process, is_edge, number))
         self._note_predicates()
         for variable, tree in self.reader.trees.items():
@@ -96,7 +88,7 @@ class Reading:
             parts = term.parts if isinstance(term, Junction) else (term,)
             mentioning: dict[Atom, list[int]] = {}
             for number, part in enumerate(parts):
-                for atom in set(self._atoms(flat([part]))):
+                for atom in set(self.atoms(flat([part]))):
                     mentioning.setdefault(atom, []).append(number)
             self._asked.append((parts, mentioning))
 
@@ -114,7 +106,7 @@ class Reading:
         asking._note_predicates()
         return asking
 
-    def _atoms(self, tokens: Iterable[Token]) -> Iterable[Atom]:
+    def atoms(self, tokens: Iterable[Token]) -> Iterable[Atom]:
         for token in tokens:
             if isinstance(token, Number):
                 root, shift = self.kinds.find(token.node)
@@ -137,6 +129,11 @@ class Reading:
             else:
                 image.append(token)
         return tuple(image)
+
+    def text(self, unit: Unit, renaming: Renaming) -> Hashable:
+        """The renamed text of a location or an edge; updates in any order have none."""
+        loose = (Counter(self.image(update.tokens, renaming) for update in updates) for updates in unit.loose)
+        return (self.image(unit.tokens, renaming), *(frozenset(counted.items()) for counted in loose))
 
     def _term_image(self, term: Term, renaming: Renaming) -> Hashable:
         if isinstance(term, Junction):
@@ -239,42 +236,52 @@ class Reading:
         return variable in self.reader.known.values or self.network.resets(variable)
 
     def _text_objection(self, renaming: Renaming, moved: set[Atom]) -> Refusal | None:
-        same, elsewhere = Renaming(), set(range(len(self.edges))) - set(renaming.processes)
         for one, other in renaming.processes.items():
-            for here, there in ((self.locations[one], self.locations[other]), (self.edges[one], self.edges[other])):
-                for unit, image in zip(here, there, strict=True):
-                    if self.image(unit.tokens, renaming) != self.image(image.tokens, same):
-                        return Refusal("their texts differ in more than their own numbers and variables", image.span)
-        touched = {place for place in self._places(moved) if place[0] in elsewhere}
+            locations = zip(self.locations[one], self.locations[other], strict=True)
+            odd = next((image for unit, image in locations if not self._becomes(unit, image, renaming)), None)
+            if odd is None:
+                number = self._without_image(self.edges[one], self.edges[other], renaming)
+                odd = None if number is None else self.edges[other][number]
+            if odd is not None:
+                return Refusal("their texts differ in more than their own numbers and variables", odd.span)
         edges: dict[int, list[Unit]] = {}
-        for process, is_edge, number in sorted(touched):
+        for process, is_edge, number in sorted(set(self._places(moved))):
+            if process in renaming.processes:
+                continue
             if is_edge:
                 edges.setdefault(process, []).append(self.edges[process][number])
                 continue
             unit = self.locations[process][number]
-            if self.image(unit.tokens, renaming) != self.image(unit.tokens, same):
+            if not self._becomes(unit, unit, renaming):
                 return Refusal(f"the process {self.network.processes[process].name} tells them apart here", unit.span)
         for process, units in edges.items():
-            present = Counter(self.image(unit.tokens, same) for unit in units)
-            for unit in units:
-                renamed = self.image(unit.tokens, renaming)
-                present[renamed] -= 1
-                if present[renamed] < 0:
-                    name = self.network.processes[process].name
-                    return Refusal(f"the process {name} tells them apart here", unit.span)
+            number = self._without_image(units, units, renaming)
+            if number is not None:
+                name = self.network.processes[process].name
+                return Refusal(f"the process {name} tells them apart here", units[number].span)
+        return None
+
+    def _becomes(self, unit: Unit, image: Unit, renaming: Renaming) -> bool:
+        return self.text(unit, renaming) == self.text(image, Renaming())
+
+    def _without_image(self, units: Sequence[Unit], images: Sequence[Unit], renaming: Renaming) -> int | None:
+        """The number of the first unit that becomes none of equally many images."""
+        same = Renaming()
+        present = Counter(self.text(image, same) for image in images)
+        for number, unit in enumerate(units):
+            renamed = self.text(unit, renaming)
+            present[renamed] -= 1
+            if present[renamed] < 0:
+                return number
         return None
 
     def _places(self, moved: Iterable[Atom]) -> Iterator[tuple[int, bool, int]]:
         """Where something is mentioned: the process, whether by an edge or by a location, and its number."""
         return (place for atom in moved for place in self._touched.get(atom, ()))
 
-    def edges_with(self, renaming: Renaming) -> dict[int, list[int]]:
-        """The edges that mention something a renaming moves, of each process that stays in its place."""
-        found: dict[int, set[int]] = {}
-        for process, is_edge, number in self._places(self._moved_atoms(renaming)):
-            if is_edge and process not in renaming.processes:
-                found.setdefault(process, set()).add(number)
-        return {process: sorted(numbers) for process, numbers in found.items()}
+    def edges_with(self, atoms: Iterable[Atom]) -> set[tuple[int, int]]:
+        """The edges that mention one of them: processes and numbers."""
+        return {(process, number) for process, is_edge, number in self._places(atoms) if is_edge}
 
     def _predicate_objection(self, renaming: Renaming, moved: set[Atom]) -> Refusal | None:
         for parts, mentioning in self._asked:
@@ -323,48 +330,20 @@ def cell_images(kinds: Kinds, tree: Tree, type_: Type, renaming: Renaming) -> li
             return [0]
 
 
-# ---- reading --------------------------------------------------------------------------------------------------------
-
-
 def read(network: Network, predicates: Iterable[Expression], known: Known) -> Reading:
     """The terms of a network and of what is asked of it."""
     reader = Reader(known)
     for variable in network.all_variables():
         reader.tree_of(variable)
+    never = never_taken(network, known)
+    outlines: dict[Hashable, int] = {}
+
+    def rank(unit: Unit) -> int:
+        return outlines.setdefault(unit.outline, len(outlines))
+
     locations, edges = [], []
     for number, process in enumerate(network.processes):
-        locations.append([_location(reader, number, each) for each in process.locations])
-        edges.append([_edge(reader, number, each) for each in process.edges if not _is_off(each, known)])
+        locations.append([read_location(reader, number, each) for each in process.locations])
+        taken = (edge for place, edge in enumerate(process.edges) if (number, place) not in never)
+        edges.append(sorted((read_edge(reader, number, each, rank) for each in taken), key=rank))
     return Reading(network, reader, locations, edges, [predicate_term(reader, each) for each in predicates])
-
-
-def _is_off(edge: Edge, known: Known) -> bool:
-    """Whether constants of the model switch an edge off."""
-    return edge.guard is not None and fold(edge.guard, known) == Constant(0, BOOL)
-
-
-def _location(reader: Reader, process: int, location: Location) -> Unit:
-    reader.begin()
-    tokens: list[Token] = [("location", location.urgent, location.committed, location.invariant is None)]
-    if location.invariant is not None:
-        reader.condition(location.invariant, tokens)
-    for clock, rate in location.rates:
-        tokens.append("rate")
-        reader.whole(clock, tokens)
-        reader.kinds.make_plain(reader.whole(rate, tokens), "a clock runs with it", rate.span)
-    return Unit(process, tuple(tokens), location.span)
-
-
-def _edge(reader: Reader, process: int, edge: Edge) -> Unit:
-    reader.begin()
-    tokens: list[Token] = [("edge", edge.source, edge.target, edge.guard is None, len(edge.updates))]
-    for variable in edge.selects:
-        reader.bind(variable, tokens)
-    if edge.guard is not None:
-        reader.condition(edge.guard, tokens)
-    if edge.synchronisation is not None:
-        tokens.append(("synchronisation", edge.synchronisation.direction))
-        reader.whole(edge.synchronisation.channel, tokens)
-    for update in edge.updates:
-        reader.whole(update, tokens)
-    return Unit(process, tuple(tokens), edge.spans[0])

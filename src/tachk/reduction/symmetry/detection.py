@@ -20,12 +20,12 @@ from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Network
 from tachk.model.remembered import by_network
 from tachk.records import dataclass
-from tachk.reduction.symmetry.automorphism import Reading, Renaming, Unit, read
+from tachk.reduction.symmetry.automorphism import Reading, Renaming, read
 from tachk.reduction.symmetry.broadcasts import order_matters
+from tachk.reduction.symmetry.correspondence import corresponding
 from tachk.reduction.symmetry.kinds import Refusal
-from tachk.reduction.symmetry.partners import numbers_of_partners
 from tachk.reduction.symmetry.rings import Ring, Team, find_ring, subsets
-from tachk.reduction.symmetry.terms import Number, Place, Shift, Token
+from tachk.reduction.symmetry.terms import Number, Shift, Token
 
 MOST_IN_VAIN = 250
 """So many exchanges of processes with the same shape are tried without success; then none of the others is exchanged.
@@ -193,7 +193,7 @@ def ring_of(reading: Reading, teams: Sequence[Team]) -> Ring | None:
     families = list(zip(*teams, strict=True))
     if any(_order_of_errors(reading, (family[0],)) for family in families):
         return None
-    ring = find_ring(reading, families, lambda one, other: _pairs(reading, one, other))
+    ring = find_ring(reading, families)
     if isinstance(ring, Refusal) or order_matters(reading.network, reading.reader.known, ring.members):
         return None
     return ring
@@ -215,8 +215,8 @@ def _candidates(reading: Reading) -> Iterable[list[int]]:
         shape = (
             process.initial,
             len(process.variables),
-            tuple(map(_shape, reading.locations[number])),
-            tuple(map(_shape, reading.edges[number])),
+            tuple(unit.outline for unit in reading.locations[number]),
+            tuple(unit.outline for unit in reading.edges[number]),
         )
         shapes.setdefault(shape, []).append(number)
     return (members for members in shapes.values() if len(members) > 1)
@@ -233,19 +233,7 @@ def numbers_of_processes(reading: Reading) -> set[frozenset[int]]:
 
 def _numbers(reading: Reading, process: int) -> list[int]:
     units = (*reading.locations[process], *reading.edges[process])
-    return [token.value for unit in units for token in unit.tokens if isinstance(token, Number)]
-
-
-def _shape(unit: Unit) -> Hashable:
-    return tuple(_outline(token) for token in unit.tokens)
-
-
-def _outline(token: Token) -> Hashable:
-    if isinstance(token, Variable):
-        return token.type
-    if isinstance(token, Number | Place | Shift):
-        return type(token).__name__
-    return token
+    return [token.value for unit in units for token in unit.every_token if isinstance(token, Number)]
 
 
 def _pairs(reading: Reading, one: int, other: int) -> Iterable[tuple[Token, Token, Span]]:
@@ -255,7 +243,7 @@ def _pairs(reading: Reading, one: int, other: int) -> Iterable[tuple[Token, Toke
         yield variable, another, another.span
     for here, there in ((reading.locations[one], reading.locations[other]), (reading.edges[one], reading.edges[other])):
         for unit, image in zip(here, there, strict=True):
-            for token, another_token in zip(unit.tokens, image.tokens, strict=True):
+            for token, another_token in zip(unit.every_token, image.every_token, strict=True):
                 yield token, another_token, image.span
 
 
@@ -312,9 +300,7 @@ def exchange_of(reading: Reading, one: Team, other: Team) -> Renaming | Refusal:
         here, there = number.value - shift, another.value - shift
         return moved.setdefault(here, there) == there and moved.setdefault(there, here) == here
 
-    for token, another, span in (
-        pair for numbers in zip(one, other, strict=True) for pair in _pairs(reading, *numbers)
-    ):
+    for token, another, span in corresponding(reading, processes):
         if isinstance(token, Number) and isinstance(another, Number):
             if not exchanges(token, another):
                 return Refusal("their numbers do not correspond one to one", span)
@@ -323,7 +309,4 @@ def exchange_of(reading: Reading, one: Team, other: Team) -> Renaming | Refusal:
                 return Refusal(f"`{token.name}` and `{another.name}` do not correspond one to one", span)
         elif isinstance(token, Shift) and token != another:
             return Refusal("they compute with their numbers", span)
-    for number, image, span in numbers_of_partners(reading, Renaming(processes, variables)):
-        if not exchanges(number, image):
-            return Refusal("the numbers that another process has for them do not correspond one to one", span)
     return Renaming(processes, variables, values)

@@ -7,27 +7,23 @@ the rotation maps the network, and what is asked of it, onto itself.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import TypeVar
 
-from tachk.diagnostics.span import Span
 from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import Variable
 from tachk.model.types import IntType, ScalarType
 from tachk.records import dataclass
 from tachk.reduction.symmetry.automorphism import Reading, Renaming
+from tachk.reduction.symmetry.correspondence import corresponding
 from tachk.reduction.symmetry.kinds import Refusal
-from tachk.reduction.symmetry.partners import numbers_of_partners
-from tachk.reduction.symmetry.terms import Number, Shift, Token
+from tachk.reduction.symmetry.terms import Number, Shift
 
 Team = tuple[int, ...]
 """The numbers of processes that are moved together."""
 
 T = TypeVar("T", bound=Hashable)
-
-Pairs = Callable[[int, int], Iterable[tuple[Token, Token, Span]]]
-"""What stands at the same places of two processes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,14 +40,14 @@ class Ring:
     rotation: Renaming
 
 
-def find_ring(reading: Reading, families: Sequence[Sequence[int]], pairs: Pairs) -> Ring | Refusal:
+def find_ring(reading: Reading, families: Sequence[Sequence[int]]) -> Ring | Refusal:
     """The largest ring in which equally many processes of some families stand, or why the whole of them is none."""
     size = len(families[0])
     reason: Refusal | None = None
     for step in range(1, size // 2 + 1):
         if size % step != 0:
             continue
-        rotation = _rotation(reading, families, step, pairs)
+        rotation = _rotation(reading, families, step)
         if isinstance(rotation, Renaming):
             refusal = reading.objection(rotation)
             if refusal is None:
@@ -66,7 +62,7 @@ def find_ring(reading: Reading, families: Sequence[Sequence[int]], pairs: Pairs)
     return reason or Refusal("there is only one of them")
 
 
-def _rotation(reading: Reading, families: Sequence[Sequence[int]], step: int, pairs: Pairs) -> Renaming | Refusal:
+def _rotation(reading: Reading, families: Sequence[Sequence[int]], step: int) -> Renaming | Refusal:
     """What moves each process of a family to the place of the one that comes some steps behind it."""
     processes = {
         number: family[(place + step) % len(family)] for family in families for place, number in enumerate(family)
@@ -78,19 +74,15 @@ def _rotation(reading: Reading, families: Sequence[Sequence[int]], step: int, pa
         root, shift = reading.kinds.find(node)
         return values.setdefault(root, {}).setdefault(value - shift, image - shift) == image - shift
 
-    for one, other in processes.items():
-        for token, another, span in pairs(one, other):
-            if isinstance(token, Number) and isinstance(another, Number):
-                if not goes_to(token.node, token.value, another.value):
-                    return Refusal("their numbers do not correspond one to one", span)
-            elif isinstance(token, Variable) and isinstance(another, Variable):
-                if variables.setdefault(token, another) is not another:
-                    return Refusal(f"`{token.name}` and `{another.name}` do not correspond one to one", span)
-            elif isinstance(token, Shift) and token != another:
-                return Refusal("they compute with their numbers", span)
-    for number, its_image, span in numbers_of_partners(reading, Renaming(processes, variables)):
-        if not goes_to(number.node, number.value, its_image.value):
-            return Refusal("the numbers that another process has for them do not correspond one to one", span)
+    for token, another, span in corresponding(reading, processes):
+        if isinstance(token, Number) and isinstance(another, Number):
+            if not goes_to(token.node, token.value, another.value):
+                return Refusal("their numbers do not correspond one to one", span)
+        elif isinstance(token, Variable) and isinstance(another, Variable):
+            if variables.setdefault(token, another) is not another:
+                return Refusal(f"`{token.name}` and `{another.name}` do not correspond one to one", span)
+        elif isinstance(token, Shift) and token != another:
+            return Refusal("they compute with their numbers", span)
     for variable, image in variables.items():
         node = reading.reader.tree_of(variable)
         if isinstance(node, int) and isinstance(variable.type, IntType | ScalarType):

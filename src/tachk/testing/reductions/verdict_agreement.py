@@ -23,7 +23,9 @@ from tachk.properties.verify import verify
 from tachk.testing.networks import Shape, random_case
 from tachk.testing.queries import elaborate_queries
 from tachk.testing.symmetric.cases import SymmetricCase, random_symmetric_case
+from tachk.testing.symmetric.controllers import random_controller_case
 from tachk.testing.symmetric.counted import random_counted_case
+from tachk.testing.symmetric.registers import random_register_case
 from tachk.testing.symmetric.rings import random_ring_case
 from tachk.words import QueryKind
 
@@ -98,16 +100,20 @@ class Compared:
 
 def random_questions(seed: int) -> Questions:
     """A small network with questions about single states, deadlocks and runs: of ten, four have interchangeable
-    processes, or almost, one a ring, and one a variable that goes through processes. Every second ten of them are asked
-    one by one."""
+    processes, or almost, in the ways of this package, one a ring, and one a variable that goes through processes. Every
+    second ten of them are asked one by one."""
     return replace(_questions(seed), one_by_one=seed // 10 % 2 == 1)
 
 
 def _questions(seed: int) -> Questions:
     random = Random(seed)
     match seed % 10:
-        case 0 | 1 | 2 | 3:
+        case 0 | 1:
             return _of_text("symmetric", random_symmetric_case(random), random)
+        case 2:
+            return _of_text("controller", random_controller_case(random), random)
+        case 3:
+            return _of_text("registers", random_register_case(random), random)
         case 4:
             return _of_text("ring", random_ring_case(random), random)
         case 5:
