@@ -216,6 +216,27 @@ def test_processes_that_all_differ_take_no_longer_than_they_are_many(monkeypatch
     assert detection.MOST_IN_VAIN <= tried < detection.MOST_IN_VAIN + 40
 
 
+def test_processes_in_which_different_constants_stand_are_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = 0
+    exchange_of = detection.exchange_of
+
+    def counted(*given: object) -> object:
+        nonlocal tried
+        tried += 1
+        return exchange_of(*given)
+
+    monkeypatch.setattr(detection, "exchange_of", counted)
+    processes = "".join(
+        f"process P{n}() {{ init location L {{ to L {{ sync to{n}!; }} }} }}\n"
+        f"process Q{n}() {{ init location L {{ to L {{ guard x > {n}; sync to{n}?; }} }} }}\n"
+        for n in range(9)
+    )
+    text = f"clock x;\nchan {', '.join(f'to{n}' for n in range(9))};\n{processes}"
+    text += f"system {', '.join(f'P{n}, Q{n}' for n in range(9))};"
+    assert found(text=text)[0] == []
+    assert tried <= 4
+
+
 def test_priorities_tell_processes_apart() -> None:
     text = "process P() { init location L { to M { } } location M; }\nA = P();\nB = P();\nC = P();\nsystem A, B < C;"
     assert found(text=text) == ([2], ["they have different priorities"])

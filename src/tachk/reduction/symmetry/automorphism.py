@@ -56,6 +56,7 @@ class Reading:
 
     Attributes:
         locations, edges: of each process. Edges with the same outline stand side by side.
+        colours: of processes (`tachk.reduction.symmetry.colours`).
     """
 
     network: Network
@@ -63,6 +64,7 @@ class Reading:
     locations: list[list[Unit]]
     edges: list[list[Unit]]
     predicates: list[Term]
+    colours: Sequence[int] = ()
     _touched: dict[Atom, list[tuple[int, bool, int]]] = field(default_factory=dict)
     _of_kind: dict[int, list[Variable]] = field(default_factory=dict)
     _asked: list[tuple[Sequence[Term], dict[Atom, list[int]]]] = field(default_factory=list)
@@ -134,6 +136,18 @@ class Reading:
         """The renamed text of a location or an edge; updates in any order have none."""
         loose = (Counter(self.image(update.tokens, renaming) for update in updates) for updates in unit.loose)
         return (self.image(unit.tokens, renaming), *(frozenset(counted.items()) for counted in loose))
+
+    def outline(self, token: Token) -> Hashable:
+        """What a token has in common with all that it may become."""
+        match token:
+            case Number(node, value):
+                return value if self.kinds.plain(self.kinds.find(node)[0]) is not None else "a name"
+            case Variable():
+                return token.type
+            case Place():
+                return "a process"
+            case _:
+                return token
 
     def _term_image(self, term: Term, renaming: Renaming) -> Hashable:
         if isinstance(term, Junction):

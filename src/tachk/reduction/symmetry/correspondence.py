@@ -138,12 +138,14 @@ class _Matching:
         if isinstance(token, Place):
             return Place(self.processes.get(token.process, token.process))
         atom = self._atom(token)
-        return _outline(token) if atom is None else self.images.get(atom, _kind(token))
+        return self.reading.outline(token) if atom is None else self.images.get(atom) or self.reading.outline(token)
 
     def _told(self, token: Token) -> Hashable:
         """The same of a token that is an image."""
+        if isinstance(token, Place):
+            return token
         atom = self._atom(token)
-        return _outline(token) if atom is None else atom if atom in self.sources else _kind(token)
+        return atom if atom in self.sources else self.reading.outline(token)
 
     def _atom(self, token: Token) -> Atom | None:
         """A variable, or a number that is a name."""
@@ -153,14 +155,6 @@ class _Matching:
             return None
         root, shift = self.reading.kinds.find(token.node)
         return (root, token.value - shift) if self.reading.kinds.plain(root) is None else None
-
-
-def _outline(token: Token) -> Hashable:
-    return token.value if isinstance(token, Number) else token
-
-
-def _kind(token: Token) -> Hashable:
-    return token.type if isinstance(token, Variable) else "a name"
 
 
 def _text(unit: Unit, told: Callable[[Token], Hashable]) -> Hashable:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import replace
-from itertools import combinations
+from itertools import chain, combinations
 from math import factorial, prod
 
 from tachk.compiler.failures import location_can_fail
@@ -22,13 +22,14 @@ from tachk.model.remembered import by_network
 from tachk.records import dataclass
 from tachk.reduction.symmetry.automorphism import Reading, Renaming, read
 from tachk.reduction.symmetry.broadcasts import order_matters
+from tachk.reduction.symmetry.colours import colours_of_processes
 from tachk.reduction.symmetry.correspondence import corresponding
 from tachk.reduction.symmetry.kinds import Refusal
 from tachk.reduction.symmetry.rings import Ring, Team, find_ring, subsets
 from tachk.reduction.symmetry.terms import Number, Shift, Token
 
-MOST_IN_VAIN = 250
-"""So many exchanges of processes with the same shape are tried without success; then none of the others is exchanged.
+MOST_IN_VAIN = 30
+"""So many exchanges in a row are tried without success; then none of the other processes of that shape is exchanged.
 There may be as many as there are pairs."""
 
 
@@ -106,6 +107,7 @@ def look_for_symmetry(network: Network, predicates: Sequence[Expression]) -> Sym
         for other in members[1:]:
             _align(reading, members[0], other)
     reading.settle()
+    reading.colours = colours_of_processes(reading)
     found = [_attempt(reading, [(member,) for member in members]) for members in candidates]
     open_ = [attempt for attempt in found if attempt.refusal is not None]
     for partners in _partnerships(open_):
@@ -193,6 +195,9 @@ def ring_of(reading: Reading, teams: Sequence[Team]) -> Ring | None:
     families = list(zip(*teams, strict=True))
     if any(_order_of_errors(reading, (family[0],)) for family in families):
         return None
+    colours = reading.colours
+    if any(len({colours[member] for member in family}) > 1 for family in families):
+        return None
     ring = find_ring(reading, families)
     if isinstance(ring, Refusal) or order_matters(reading.network, reading.reader.known, ring.members):
         return None
@@ -268,22 +273,36 @@ def _order_of_errors(reading: Reading, team: Team) -> Refusal | None:
 
 def _classes(reading: Reading, teams: Sequence[Team]) -> tuple[list[Interchangeable], Refusal | None]:
     """The teams in classes of those that can be exchanged, and the first reason why there is more than one."""
-    found: list[tuple[list[Team], list[Renaming]]] = []
+    colours = reading.colours
+    found: dict[Hashable, list[tuple[list[Team], list[Renaming]]]] = {}
     reason: Refusal | None = None
     in_vain = 0
     for team in teams:
-        for numbers, exchanges in found if in_vain < MOST_IN_VAIN else ():
-            exchange = exchange_of(reading, numbers[0], team)
-            refusal = exchange if isinstance(exchange, Refusal) else reading.objection(exchange)
-            if refusal is None and isinstance(exchange, Renaming):
+        alike = found.setdefault(tuple(colours[member] for member in team), [])
+        for numbers, exchanges in alike if in_vain < MOST_IN_VAIN else ():
+            exchange = _proved(reading, numbers[0], team)
+            if isinstance(exchange, Renaming):
                 numbers.append(team)
                 exchanges.append(exchange)
+                in_vain = 0
                 break
-            reason = reason or refusal
+            reason = reason or exchange
             in_vain += 1
         else:
-            found.append(([team], []))
-    return [Interchangeable(tuple(numbers), tuple(exchanges)) for numbers, exchanges in found], reason
+            alike.append(([team], []))
+    if len(found) > 1 and reason is None:
+        (one, _), (other, _) = (alike[0] for alike in list(found.values())[:2])
+        refusal = _proved(reading, one[0], other[0])
+        assert isinstance(refusal, Refusal)
+        reason = refusal
+    classes = chain.from_iterable(found.values())
+    return [Interchangeable(tuple(numbers), tuple(exchanges)) for numbers, exchanges in classes], reason
+
+
+def _proved(reading: Reading, one: Team, other: Team) -> Renaming | Refusal:
+    """The exchange of two teams, if it maps the network onto itself."""
+    exchange = exchange_of(reading, one, other)
+    return exchange if isinstance(exchange, Refusal) else reading.objection(exchange) or exchange
 
 
 def exchange_of(reading: Reading, one: Team, other: Team) -> Renaming | Refusal:
