@@ -124,3 +124,23 @@ system P, Q;
 def test_edges_without_a_partner_in_another_process_are_never_taken() -> None:
     network = tachk.loads(CHANNELS).network
     assert sorted(never_taken(network, known_values(network, []))) == [(0, 0), (0, 1), (0, 2), (0, 4), (0, 7)]
+
+
+def test_edges_of_a_controller_that_correspond_to_none() -> None:
+    """One is shorter than the others, and more of these serve one process than the other."""
+    text = """
+chan give1, give2;
+int[0, 3] a = 0;
+process P1() { init location A { to B { sync give1?; } } location B { } }
+process P2() { init location A { to B { sync give2?; } } location B { } }
+process C() {
+    init location A {
+        to A { guard a < 3; sync give1!; }
+        to A { guard a == 1 && a < 3; sync give1!; assign a = 1; }
+        to A { guard a == 1 && a < 3; sync give2!; assign a = 1; }
+        to A { guard a == 1 && a < 3; sync give2!; assign a = 1; }
+    }
+}
+system P1, P2, C;
+"""
+    assert not teams(text)

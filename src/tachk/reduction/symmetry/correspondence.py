@@ -14,7 +14,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
-from itertools import chain
 
 from tachk.diagnostics.span import Span
 from tachk.model.expressions import Variable
@@ -24,7 +23,7 @@ from tachk.reduction.symmetry.terms import Number, Place, Token
 from tachk.reduction.symmetry.units import Unit
 
 Alike = tuple[Sequence[Unit], Sequence[Unit]]
-"""Units, and equally many to which they correspond in some order."""
+"""Units, and others to which they correspond in some order: equally many of each outline."""
 
 
 def corresponding(reading: Reading, processes: Mapping[int, int]) -> Iterator[tuple[Token, Token, Span]]:
@@ -80,7 +79,7 @@ class _Matching:
 
     def told_apart(self, units: Sequence[Unit], images: Sequence[Unit]) -> Iterable[Alike]:
         """Units that correspond to each other in some order, as far as can be told; those without a counterpart
-        correspond in their order."""
+        correspond to one of the same outline."""
         if len(units) <= 1:
             return [(units, images)] if units else []
         classes: dict[Hashable, tuple[list[Unit], list[Unit]]] = {}
@@ -89,9 +88,12 @@ class _Matching:
         for image in images:
             classes.setdefault(_text(image, self._told), ([], []))[1].append(image)
         alike = [each for each in classes.values() if len(each[0]) == len(each[1])]
-        odd = [each for each in classes.values() if len(each[0]) != len(each[1])]
-        lonely = chain.from_iterable(each[0] for each in odd), chain.from_iterable(each[1] for each in odd)
-        return [*alike, *(([unit], [image]) for unit, image in zip(*lonely, strict=True))]
+        lonely: dict[Hashable, tuple[list[Unit], list[Unit]]] = {}
+        for own, its_images in classes.values():
+            if len(own) != len(its_images):
+                for side, one in (*((0, unit) for unit in own), *((1, image) for image in its_images)):
+                    lonely.setdefault(one.outline, ([], []))[side].append(one)
+        return [*alike, *(([unit], [image]) for each in lonely.values() for unit, image in zip(*each, strict=True))]
 
     def partners(self, left: Iterable[Alike]) -> list[Alike]:
         """Edges of processes that stay and mention something that moves, or that what is left mentions and of which
