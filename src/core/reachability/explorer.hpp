@@ -69,6 +69,7 @@ class Explorer final {
   unsigned threads() const { return work_.ahead ? work_.ahead->threads() : 1; }
   // How many discrete states have been seen.
   std::uint32_t discrete_states() const { return passed_.discrete_states(); }
+  bool has_merged() const { return merging_.any(); }
   // The node in which a goal was reached first.
   std::optional<std::uint32_t> reached(std::size_t goal) const;
   // The extreme value of a measure among the states stored so far.

@@ -35,6 +35,8 @@ struct Recogniser : OnlyStates {
   std::vector<Step>& steps;
   std::size_t previous = 0;
 
+  // The zone of a node that is not covered is known: the first that equals it will do.
+  bool admits(const Edges&) const { return states.empty() || passed.covered(node); }
   bool wants(const Successor& successor) const {
     return passed.equals(node, successor.slots) || passing.passes(successor);
   }
@@ -86,8 +88,9 @@ struct Matcher : OnlyStates {
   const SymbolicState& state;
   std::optional<Edges>& edges;
 
+  bool admits(const Edges&) const { return !edges; }
   bool wants(const Successor& successor) const {
-    return !edges && std::equal(successor.slots, successor.slots + graph.program().state_slots, state.slots.begin());
+    return std::equal(successor.slots, successor.slots + graph.program().state_slots, state.slots.begin());
   }
   void take(const Successor& successor) const {
     if (std::memcmp(state.zone.get().bytes, successor.zone.bytes, graph.operations().bytes) == 0)

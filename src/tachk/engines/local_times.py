@@ -82,7 +82,7 @@ def _chosen(
     if obstacle(image) is not None:
         return None
     if look:
-        if options.merging:  # which hides how many orders there are
+        if ordinary.has_merged():  # which hides how many orders there are
             ordinary = _core.Explorer(image, core_options(replace(options, merging=False)), core_limits(limits))
             if not _goes_on(ordinary):
                 return None
