@@ -115,7 +115,9 @@ class Options:
         proof_after: for `A<>` and `E[]`: how many states are explored depth first before a search breadth first looks
             for a short proof that there is no run; for `-->` it does so at once. 2**32 - 1: never.
         attempts: for `-->`: on the way to all states, up to one state for every eight is explored depth first, so that
-            a run is found early; off: runs are looked for once all states are reached.
+            a run is found early; off: runs are looked for once all states are reached. For `E<>` and `A[]` with the
+            order `AUTO`: once 20,000 states are stored, 1,500 are explored depth first in a search of their own; not
+            with `shortest`, nor where `deadlock` is asked for.
         threads: how many threads a search uses, at most 256; 0: as many as the machine has cores, up to eight. Whatever
             their number, the states, their order and the runs are the same. One thread searches depth first, over local
             times, with `passing` or `partial_order`, for certificates, and for runs that go on for ever.

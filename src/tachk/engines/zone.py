@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from tachk import _core
 from tachk.compiler.program import DeadlockLiteral, Goal, Program
+from tachk.engines import attempts
 from tachk.engines.core_search import (
     core_limits,
     core_options,
@@ -20,8 +21,9 @@ from tachk.engines.core_search import (
 from tachk.engines.exchanged import with_exchanges
 from tachk.engines.local_times import explore_locally
 from tachk.engines.options import Extrapolation, Limits, Options
-from tachk.engines.outcome import INTERRUPTED, GoalOutcome, Outcome, Progress, Status
+from tachk.engines.outcome import INTERRUPTED, GoalOutcome, Outcome, Progress, Statistics, Status
 from tachk.engines.program_image import encode
+from tachk.records import dataclass
 
 
 def explore(
@@ -69,7 +71,8 @@ def explore_everything(
     """
     never = Goal(())
     explorer = _explorer(program, [*goals, never], options, limits)
-    outcome, doubtful = _outcome(program, [*goals, never], explorer, options, limits, progress)
+    ran = _ran(program, [*goals, never], explorer, options, limits, progress)
+    outcome, doubtful = _told(program, [*goals, never], options, ran)
     outcome = replace(outcome, goals=outcome.goals[:-1])
     taken = frozenset((program.edges[n].process, program.edges[n].edge) for n in explorer.taken())
     if doubtful:
@@ -96,26 +99,57 @@ def _search(
     found = explore_locally(program, goals, explorer, options, limits, progress)
     if found is not None:
         return replace(found, goals=_noted(goals, found.goals)), []
-    return _outcome(program, goals, explorer, options, limits, progress)
+    return _told(program, goals, options, _ran(program, goals, explorer, options, limits, progress))
 
 
-def _outcome(
+@dataclass(frozen=True, slots=True)
+class _Ran:
+    """A search that has ended, with its last status and why that is not FINISHED."""
+
+    explorer: _core.Explorer
+    status: _core.Status
+    reason: str
+    statistics: Statistics
+
+
+def _ran(
     program: Program,
     goals: Sequence[Goal],
     explorer: _core.Explorer,
     options: Options,
     limits: Limits,
     progress: Progress | None,
-) -> tuple[Outcome, list[int]]:
-    """What comes of running an explorer; and the goals REACHED only seemingly."""
+) -> _Ran:
+    """Runs an explorer; or, if that reaches the goals, another one that goes depth first for a while."""
     start, user = time.perf_counter(), user_seconds()
-    status, reason = run_in_slices(explorer, start, limits, progress)
-    fault = fault_of(program, explorer) if status is _core.Status.FAULT else None
-    outcomes = tuple(goal_outcome(program, explorer, number, goal, status) for number, goal in enumerate(goals))
+
+    def statistics(search: _core.Explorer) -> Statistics:
+        used = user_seconds() - user
+        return replace(statistics_of(search, start), user_seconds=used, threads=search.threads())
+
+    status, reason = _core.Status.STATE_LIMIT, ""
+    if attempts.are_made(goals, options, limits):
+        stretch = attempts.Stretch(explorer, stored=attempts.STORED)
+        status, reason = run_in_slices(stretch, start, limits, progress)
+        if status is _core.Status.STATE_LIMIT:
+            first = statistics(explorer)
+            deep, reason = attempts.depth_first(program, goals, options, limits.after(first.seconds), progress)
+            if deep is not None:
+                both = first.then(replace(statistics(deep), seconds=0.0, user_seconds=0.0))
+                return _Ran(deep, _core.Status.FINISHED, "", both)
+    if status is _core.Status.STATE_LIMIT and not reason:
+        status, reason = run_in_slices(explorer, start, limits, progress)
+    return _Ran(explorer, status, reason, statistics(explorer))
+
+
+def _told(program: Program, goals: Sequence[Goal], options: Options, ran: _Ran) -> tuple[Outcome, list[int]]:
+    """What comes of a search; and the goals REACHED only seemingly."""
+    explorer = ran.explorer
+    fault = fault_of(program, explorer) if ran.status is _core.Status.FAULT else None
+    outcomes = tuple(goal_outcome(program, explorer, number, goal, ran.status) for number, goal in enumerate(goals))
     outcomes = _noted(goals, outcomes)
-    statistics = replace(statistics_of(explorer, start), user_seconds=user_seconds() - user, threads=explorer.threads())
-    statistics = with_exchanges(statistics, program)
-    outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
+    statistics = with_exchanges(ran.statistics, program)
+    outcome = Outcome(outcomes, statistics, ran.reason, fault, exact=not program.has_stopwatches)
     if options.extrapolation is not Extrapolation.LU:
         return outcome, []
     everybody = replace(program, interchangeable=())

@@ -1,0 +1,82 @@
+"""A search depth first beside one that is not: a run that nothing hinders is found fast, however many states there are.
+
+Once a search has stored many states, a second one looks for what is still looked for, depth first and not for long.
+What it does not find is no answer.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+from tachk import _core
+from tachk.compiler.program import DeadlockLiteral, Goal, Program
+from tachk.engines.core_search import RunningSearch, core_limits, core_options, run_in_slices
+from tachk.engines.options import Limits, Options, SearchOrder
+from tachk.engines.outcome import Progress
+from tachk.engines.program_image import encode
+
+STORED = 20_000
+"""Where fewer states are enough nothing is tried depth first: the runs that are found are longer."""
+EXPLORED = 1_500
+"""So many states are explored depth first, which is little beside what has been stored."""
+_STEP = 64
+
+
+class Stretch:
+    """A part of a search, which ends with the status STATE_LIMIT once so many states are stored, or explored."""
+
+    def __init__(self, search: RunningSearch, *, stored: int | None = None, explored: int | None = None) -> None:
+        self._search, self._stored, self._left = search, stored, explored
+        self._to_look = 0
+
+    def run(self, expansions: int) -> _core.Status:
+        while expansions > 0:
+            if self._left == 0 or self._is_full():
+                return _core.Status.STATE_LIMIT
+            step = min(self._to_look, expansions, *(() if self._left is None else (self._left,)))
+            status = self._search.run(step)
+            if status is not _core.Status.RUNNING:
+                return status
+            expansions -= step
+            self._to_look -= step
+            if self._left is not None:
+                self._left -= step
+        return _core.Status.RUNNING
+
+    def _is_full(self) -> bool:
+        """Looked at after every so many states, however the search is divided into calls."""
+        if self._to_look > 0:
+            return False
+        self._to_look = _STEP
+        return self._stored is not None and self.statistics()[1] >= self._stored
+
+    def statistics(self) -> tuple[int, int, int, int]:
+        return self._search.statistics()
+
+
+def are_made(goals: Sequence[Goal], options: Options, limits: Limits) -> bool:
+    """Whether a run that is found depth first would do for all goals.
+
+    Whether it ends in a deadlock depends on the abstraction, and is found out for one search only.
+    """
+    return (
+        options.attempts
+        and options.order is SearchOrder.AUTO
+        and not options.shortest
+        and (limits.states is None or limits.states > STORED)
+        and all(goal.disjuncts for goal in goals if goal.decides)
+        and all(each.deadlock is DeadlockLiteral.ABSENT for goal in goals for each in goal.disjuncts)
+    )
+
+
+def depth_first(
+    program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
+) -> tuple[_core.Explorer | None, str]:
+    """A search that has reached all goals that decide, or None; and why it was ended from outside, if it was."""
+    deep = replace(options, order=SearchOrder.DFS, threads=1)
+    explorer = _core.Explorer(encode(program, goals), core_options(deep), core_limits(limits))
+    status, reason = run_in_slices(Stretch(explorer, explored=EXPLORED), time.perf_counter(), limits, progress)
+    reached = all(explorer.reached(number) is not None for number, goal in enumerate(goals) if goal.decides)
+    return explorer if reached else None, reason if status is _core.Status.RUNNING else ""

@@ -1,0 +1,119 @@
+"""A search depth first beside the default one: what it finds, when it is made, and that it changes no verdict."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+import tachk
+from tachk import _core
+from tachk.engines import attempts
+from tachk.engines.options import Limits, LocalTimes, Options, SearchOrder
+from tachk.properties.verdict import Answer, Verdict
+from tachk.testing.reductions.verdict_agreement import BY_DEFAULT, compare_verdicts, random_questions
+
+# Seven processes that count for themselves: 8**7 states and more, of which each run to the last one passes 50.
+COUNTERS = """
+const int N = 7;
+typedef int[1, N] id_t;
+int[0, 7] count[N + 1];
+process P(const id_t me) {
+    init location going {
+        to going { guard count[me] < 7; assign count[me] = count[me] + 1; }
+        to done { guard count[me] == 7; }
+    }
+    location done { }
+}
+system P;
+"""
+REACHED = "E<> forall (i : id_t) count[i] == 7"
+NEVER = "E<> forall (i : id_t) P(i).done && count[i] < 7"
+ALL_STATES = Options(symmetry=False, local_times=LocalTimes.NEVER, drop_bystanders=False)
+
+
+def verdict(query: str, options: Options = ALL_STATES, limits: Limits | None = None) -> Verdict:
+    (found,) = tachk.loads(COUNTERS).verify(query, options=options, limits=limits)
+    return found
+
+
+def test_what_nothing_hinders_is_found_soon_after_many_states() -> None:
+    found = verdict(REACHED)
+    assert found.answer is Answer.HOLDS
+    assert attempts.STORED <= found.statistics.states_stored < attempts.STORED + 2000
+    assert found.trace is not None
+    more = Limits(states=3 * attempts.STORED)
+    assert verdict(REACHED, replace(ALL_STATES, attempts=False), more).answer is Answer.UNKNOWN
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        replace(ALL_STATES, order=SearchOrder.BFS),
+        replace(ALL_STATES, shortest=True),
+        replace(ALL_STATES, attempts=False),
+    ],
+    ids=["breadth first", "shortest", "off"],
+)
+def test_nothing_is_tried_where_the_order_is_asked_for(options: Options, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 100)
+    assert verdict(REACHED, options, Limits(states=2000)).answer is Answer.UNKNOWN
+
+
+@pytest.mark.parametrize("limits", [Limits(depth=20), Limits(states=1000)], ids=["depth", "states"])
+def test_limits_are_kept(limits: Limits, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 1000)
+    assert verdict(REACHED, limits=limits).answer is Answer.UNKNOWN
+    assert verdict(REACHED, limits=Limits(depth=60, states=2000)).answer is Answer.HOLDS
+
+
+def test_deadlocks_are_not_looked_for_depth_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 100)
+    assert verdict("E<> deadlock", limits=Limits(states=2000)).answer is Answer.UNKNOWN
+
+
+def test_what_is_not_found_depth_first_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 100)
+    monkeypatch.setattr(attempts, "EXPLORED", 10)
+    assert verdict(REACHED, limits=Limits(states=2000)).answer is Answer.UNKNOWN
+    assert verdict(NEVER, limits=Limits(states=2000)).answer is Answer.UNKNOWN
+
+
+def test_a_limit_on_time_ends_the_attempt(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 100)
+    monkeypatch.setattr(attempts, "EXPLORED", 10**9)
+    found = verdict(NEVER, limits=Limits(seconds=0.3))
+    assert (found.answer, found.reason) == (Answer.UNKNOWN, "time limit")
+
+
+class Counting:
+    """A search that stores two states for each that it explores, until it has explored 1,000."""
+
+    def __init__(self) -> None:
+        self.explored = 0
+
+    def run(self, expansions: int) -> _core.Status:
+        self.explored = min(self.explored + expansions, 1000)
+        return _core.Status.FINISHED if self.explored == 1000 else _core.Status.RUNNING
+
+    def statistics(self) -> tuple[int, int, int, int]:
+        return self.explored, 2 * self.explored, 0, 0
+
+
+@pytest.mark.parametrize("size", [1, 7, 64, 100, 10**6])
+def test_a_stretch_is_the_same_however_it_is_divided(size: int) -> None:
+    for bound, explored in [({"explored": 100}, 100), ({"stored": 300}, 192), ({"stored": 10**6}, 1000)]:
+        search = Counting()
+        stretch = attempts.Stretch(search, **bound)
+        while (status := stretch.run(size)) is _core.Status.RUNNING:
+            assert search.explored <= explored
+        assert search.explored == explored
+        assert status is (_core.Status.FINISHED if explored == 1000 else _core.Status.STATE_LIMIT)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_no_verdict_changes(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where attempts begin with the first states, and are short or long. Runs are replayed."""
+    monkeypatch.setattr(attempts, "STORED", 2)
+    monkeypatch.setattr(attempts, "EXPLORED", 3 if seed % 2 else 1000)
+    assert compare_verdicts(random_questions(seed), {"default": BY_DEFAULT}).problems == ()
