@@ -9,7 +9,7 @@ import pytest
 from tachk.certify.replay import replay
 from tachk.compiler.lower import lower
 from tachk.engines import reference, zone
-from tachk.engines.concretise import concretise
+from tachk.engines.exact.concretise import concretise
 from tachk.engines.options import Limits
 from tachk.engines.oracles import digitised
 from tachk.engines.outcome import Status

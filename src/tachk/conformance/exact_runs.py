@@ -15,7 +15,7 @@ from tachk.certify.replay import replay
 from tachk.compiler.program import Goal, Program
 from tachk.conformance.followers import Following
 from tachk.diagnostics.diagnostic import InternalError
-from tachk.engines.concretise import concretise
+from tachk.engines.exact.concretise import concretise
 from tachk.engines.exact.exact_run import Moments, exact_run
 from tachk.semantics.discrete import prepare
 from tachk.semantics.timed_trace import TimedTrace, Transition

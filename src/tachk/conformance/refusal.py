@@ -12,7 +12,7 @@ from math import isqrt
 from tachk.compiler.program import Program
 from tachk.conformance.followers import Following, follow
 from tachk.conformance.queues import Queues, around
-from tachk.engines.concretise import discrete_run
+from tachk.engines.exact.concretise import discrete_run
 from tachk.engines.exact.exact_run import end_of_path
 from tachk.model.expressions import Variable
 from tachk.model.network import Network

@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from tachk.engines.concretise import at_end, conditions, discrete_run, of_phase, reached, timed_trace
+from tachk.engines.exact.concretise import at_end, conditions, discrete_run, of_phase, reached, timed_trace
+from tachk.engines.exact.schedule import Moment, Requirement, any_solution, earliest
 from tachk.engines.outcome import AvoidingRun, Obligation, RunEnd
 from tachk.engines.periodic import repeating
-from tachk.engines.schedule import Moment, Requirement, any_solution, earliest
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.traversal import asks_deadlock

@@ -11,7 +11,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from tachk.engines.schedule import Moment, Phase, Requirement
+from tachk.engines.exact.schedule import Moment, Phase, Requirement
 from tachk.semantics.dbm import INFINITY, bound_value, is_strict
 from tachk.semantics.repetition import Sight
 

@@ -15,7 +15,7 @@ from dataclasses import field
 
 from tachk.compiler.fold import fold_place, known_cell, known_values
 from tachk.compiler.lower import Measured, lower, lower_measures
-from tachk.engines.concretise import concretise
+from tachk.engines.exact.concretise import concretise
 from tachk.engines.growth import grows_without_limit
 from tachk.engines.measuring import measure
 from tachk.engines.options import Limits, Options

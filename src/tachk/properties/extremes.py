@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from tachk.certify.replay import ReplayError, replay
 from tachk.diagnostics.diagnostic import InternalError
-from tachk.engines.concretise import concretise
+from tachk.engines.exact.concretise import concretise
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import TIME_LIMIT, Progress, Statistics
 from tachk.model.expressions import BOOL, Binary, Constant, Expression

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from tachk.diagnostics.diagnostic import Diagnostic
 from tachk.diagnostics.span import NOWHERE, Span
-from tachk.engines.concretise import concretise
+from tachk.engines.exact.concretise import concretise
 from tachk.engines.outcome import RunTimeFault
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.network import Network

@@ -10,7 +10,7 @@ from tachk.certify.replay import ReplayError, replay
 from tachk.compiler.lower import lower
 from tachk.compiler.program import Goal, Program
 from tachk.diagnostics.diagnostic import InternalError
-from tachk.engines.concretise import concretise
+from tachk.engines.exact.concretise import concretise
 from tachk.engines.guided_search import explore_along, states_along
 from tachk.engines.options import Limits, Options, SearchOrder
 from tachk.engines.outcome import (

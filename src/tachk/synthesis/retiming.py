@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tachk.certify.replay import ReplayError, replay
-from tachk.engines.concretise import concretise
+from tachk.engines.exact.concretise import concretise
 from tachk.engines.outcome import Statistics
 from tachk.model.network import Network
 from tachk.model.query import Query

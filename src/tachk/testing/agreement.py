@@ -10,7 +10,7 @@ from tachk.certify.replay import ReplayError, replay
 from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import InternalError, UnsupportedError
 from tachk.engines import reference, zone
-from tachk.engines.concretise import concretise
+from tachk.engines.exact.concretise import concretise
 from tachk.engines.options import BoundScope, Extrapolation, Limits, LocalTimes, Options, SearchOrder
 from tachk.engines.oracles import digitised
 from tachk.engines.outcome import Outcome, Status

@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from tachk.certify.replay import replay
-from tachk.engines.concretise import concretise
+from tachk.engines.exact.concretise import concretise
 from tachk.model.builder import NetworkBuilder, Term, deadlock
 from tachk.semantics.discrete import prepare
 from tachk.semantics.timed_trace import Participant, TimedTrace, Transition

@@ -15,7 +15,7 @@ from tachk.certify.replay import ReplayError, replay
 from tachk.compiler.lower import lower
 from tachk.compiler.program import Goal, Program
 from tachk.engines import zone
-from tachk.engines.concretise import requirements_of, timed_trace
+from tachk.engines.exact.concretise import requirements_of, timed_trace
 from tachk.engines.exact.exact_run import exact_run
 from tachk.engines.options import Limits
 from tachk.engines.outcome import GoalOutcome, Status

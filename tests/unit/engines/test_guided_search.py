@@ -7,7 +7,7 @@ import pytest
 import tachk
 from tachk.certify.replay import replay
 from tachk.compiler.lower import lower
-from tachk.engines.concretise import concretise
+from tachk.engines.exact.concretise import concretise
 from tachk.engines.guided_search import explore_along
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import INTERRUPTED, GoalOutcome, Outcome, Statistics, Status

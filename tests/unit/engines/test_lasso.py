@@ -11,7 +11,7 @@ import pytest
 
 from tachk.certify.replay import ReplayError
 from tachk.certify.replay_lasso import replay_lasso
-from tachk.engines.concretise import concretise
+from tachk.engines.exact.concretise import concretise
 from tachk.engines.lasso import lasso
 from tachk.engines.options import Limits
 from tachk.engines.oracles.liveness_reference import check_by_zones

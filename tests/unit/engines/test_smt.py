@@ -10,7 +10,7 @@ import pytest
 import tachk
 from tachk.certify.replay import replay
 from tachk.diagnostics.diagnostic import UnsupportedError
-from tachk.engines.concretise import concretise
+from tachk.engines.exact.concretise import concretise
 from tachk.engines.options import Limits
 from tachk.engines.outcome import Outcome, Status
 from tachk.engines.smt import proofs

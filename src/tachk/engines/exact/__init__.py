@@ -1,1 +1,1 @@
-"""Runs with exact times, made and judged by the core."""
+"""Runs with exact times, made of the paths of explorations, or made and judged by the core."""

@@ -1,4 +1,4 @@
-"""Runs with exact times along paths that are long: the twin of `tachk.engines.concretise` and `tachk.certify.replay`.
+"""Runs with exact times along long paths: the twin of `tachk.engines.exact.concretise` and `tachk.certify.replay`.
 
 Making and judging them are two pieces of C++. They share with the search the compiled program and the machine that
 evaluates expressions, and nothing else; each other they do not know.

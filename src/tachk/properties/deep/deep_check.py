@@ -11,7 +11,7 @@ from tachk.compiler.features import check_selections, check_supported
 from tachk.compiler.fold import Known, known_values
 from tachk.compiler.lower import lower
 from tachk.diagnostics.diagnostic import Diagnostic, InternalError, UnsupportedError
-from tachk.engines.concretise import concretise
+from tachk.engines.exact.concretise import concretise
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import TIME_LIMIT, GoalOutcome, Outcome, Progress, Statistics, Status
 from tachk.engines.zone import explore_everything

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from tachk.certify.replay import replay
-from tachk.engines.concretise import Paced, paced
+from tachk.engines.exact.concretise import Paced, paced
 from tachk.engines.options import Limits, Options, Pace
 from tachk.engines.outcome import INTERRUPTED, TIME_LIMIT, Progress
 from tachk.model.expressions import (

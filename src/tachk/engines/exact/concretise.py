@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from tachk.engines.schedule import Moment, Phase, Requirement, any_solution, earliest, extreme_solution
+from tachk.engines.exact.schedule import Moment, Phase, Requirement, any_solution, earliest, extreme_solution
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.traversal import asks_deadlock
