@@ -19,8 +19,13 @@ int widest_component(const Extent& least, const Extent& most) {
 
 Antichain::Antichain() : root_{{}, {}, std::make_unique<Group>()}, bytes_(root_.group->bytes()) {}
 
-void Antichain::add(const Extent& extent, std::uint32_t number) {
+void Antichain::add(const Extent& extent, std::uint32_t number, std::uint32_t first_waiting) {
   ++size_;
+  if (number >= first_waiting) {
+    if (waiting_.size() == waiting_.capacity())
+      waiting_.erase(waiting_.begin(), std::lower_bound(waiting_.begin(), waiting_.end(), first_waiting));
+    waiting_.push_back(number);
+  }
   newest_ = std::max(newest_, number);
   if (root_.group->empty()) root_.least = root_.most = extent;
   std::optional<Part> half = add_to(root_, {extent, number});

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "zones/extent.hpp"
@@ -18,7 +19,23 @@ class Antichain {
  public:
   Antichain();
 
-  void add(const Extent& extent, std::uint32_t number);
+  // The numbers of members rise. Those that are `first_waiting` or larger are remembered as waiting.
+  void add(const Extent& extent, std::uint32_t number, std::uint32_t first_waiting);
+
+  // Visits the members that wait, with numbers from `first` on, the newest first; and perhaps some that are removed.
+  template <class Visit>
+  void for_each_waiting(std::uint32_t first, Visit visit) const {
+    for (auto number = waiting_.rbegin(); number != waiting_.rend() && *number >= first; ++number) visit(*number);
+  }
+
+  // Gives each member a new extent.
+  template <class ExtentOf>
+  void measure_anew(ExtentOf extent_of) {
+    Antichain fresh;
+    for_each([&](std::uint32_t number) { fresh.add(extent_of(number), number, UINT32_MAX); });
+    fresh.waiting_ = std::move(waiting_);
+    *this = std::move(fresh);
+  }
 
   // Whether `accept(number)` is true of a member whose extent may include this one.
   template <class Accept>
@@ -44,7 +61,7 @@ class Antichain {
     for_each(*root_.group, visit);
   }
 
-  std::size_t bytes() const { return bytes_; }
+  std::size_t bytes() const { return bytes_ + waiting_.capacity() * sizeof(std::uint32_t); }
   std::size_t size() const { return size_; }
   // The largest number that any member has had.
   std::uint32_t newest() const { return newest_; }
@@ -132,6 +149,7 @@ class Antichain {
   std::size_t bytes_;
   std::size_t size_ = 0;
   std::uint32_t newest_ = 0;
+  std::vector<std::uint32_t> waiting_;  // in order; some at the front do not wait any more
 };
 
 }  // namespace tachk

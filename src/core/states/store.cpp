@@ -56,11 +56,15 @@ std::size_t PassedList::unite(std::uint32_t discrete, ZoneView zone, std::uint32
   std::size_t looked = 0;
   for (std::size_t before = SIZE_MAX; before != parts.size();) {  // a larger zone may unite with what a smaller did not
     before = parts.size();
-    for_each_member(head(discrete), [&](std::uint32_t number) {
-      if (number < first) return;
+    const auto look = [&](std::uint32_t number) {
+      if (number < first || covered(number)) return;
       ++looked;
       if (operations.unite(united, this->zone(number, buffer_).data, zone.dimension)) parts.push_back(number);
-    });
+    };
+    if (const std::uint32_t newest = head(discrete); is_long(newest))
+      chain(newest).for_each_waiting(first, look);
+    else
+      for (std::uint32_t number = newest; number != no_node; number = next(number)) look(number);
   }
   return looked;
 }
@@ -139,9 +143,7 @@ void PassedList::rescale(Raw largest_entry) {
   scale_ = choose_scale(scaled_, dimension_, largest_entry + largest_entry / 2);
   for (Antichain& members : chains_) {
     chain_bytes_ -= members.bytes();
-    Antichain fresh;
-    members.for_each([&](std::uint32_t number) { fresh.add(extent_of(zone(number, buffer_)), number); });
-    members = std::move(fresh);
+    members.measure_anew([&](std::uint32_t number) { return extent_of(zone(number, buffer_)); });
     chain_bytes_ += members.bytes();
   }
 }
@@ -154,7 +156,7 @@ void PassedList::add_to(Antichain& members, std::uint32_t number) {
     zone = this->zone(number, buffer_);  // where others have been meanwhile
   }
   chain_bytes_ -= members.bytes();
-  members.add(extent_of(zone), number);
+  members.add(extent_of(zone), number, first_waiting_);
   chain_bytes_ += members.bytes();
 }
 
@@ -168,13 +170,13 @@ void PassedList::append(std::uint32_t discrete, std::uint32_t number) {
       head = number;
       return;
     }
-    const std::uint32_t first = std::exchange(head, static_cast<std::uint32_t>(chains_.size()) | mark);
+    std::vector<std::uint32_t> members;  // the newest comes first
+    for (std::uint32_t member = head; member != no_node; member = next(member)) members.push_back(member);
+    head = static_cast<std::uint32_t>(chains_.size()) | mark;
     chain_bytes_ += chains_.emplace_back().bytes();
-    for (std::uint32_t member = first; member != no_node;) {
-      add_to(chains_.back(), member);
-      const std::uint32_t behind = next(member);
-      entry(member).link = discrete | mark;
-      member = behind;
+    for (auto member = members.rbegin(); member != members.rend(); ++member) {
+      add_to(chains_.back(), *member);
+      entry(*member).link = discrete | mark;
     }
   }
   add_to(chain(head), number);

@@ -48,6 +48,9 @@ class PassedList {
   std::uint32_t coverer(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds = nullptr) const;
   // Whether no state with this discrete part has been stored.
   bool is_new(std::uint32_t discrete) const { return head(discrete) == no_node; }
+  // The states with this number and larger ones wait, and are to be found by `unite`. To be told before any is added,
+  // and whenever it grows.
+  void wait_from(std::uint32_t first) { first_waiting_ = first; }
   // Unites a zone with those of this discrete state in nodes from `first` on, one after the other, where that makes a
   // zone which is larger. The union goes to `united`, the nodes are added to `parts`. How many zones were looked at.
   std::size_t unite(std::uint32_t discrete, ZoneView zone, std::uint32_t first, ZoneRef united,
@@ -161,11 +164,6 @@ class PassedList {
   bool is_protected(std::uint32_t number) const { return number - protected_first_ < protected_count_; }
   // Whether an antichain has a member with this zone, which has this number.
   bool holds(std::uint32_t head, ZoneView zone, std::uint32_t zone_number) const;
-  template <class Visit>
-  void for_each_member(std::uint32_t head, Visit visit) const {
-    if (is_long(head)) return chain(head).for_each(visit);
-    for (std::uint32_t number = head; number != no_node; number = next(number)) visit(number);
-  }
   void append(std::uint32_t discrete, std::uint32_t number);
   void add_to(Antichain& members, std::uint32_t number);
   Extent extent_of(ZoneView zone) const {
@@ -191,6 +189,7 @@ class PassedList {
   std::size_t chain_bytes_ = 0;
   std::uint32_t stored_ = 0;
   std::vector<std::uint32_t> covered_last_;
+  std::uint32_t first_waiting_ = UINT32_MAX;
   std::uint32_t protected_first_ = 0;
   std::uint32_t protected_count_ = 0;
 };

@@ -32,6 +32,17 @@ std::set<std::uint32_t> numbers(const Antichain& antichain) {
   return result;
 }
 
+// Those that wait come in falling order; removed ones may be among them.
+void check_waiting(const Antichain& antichain, const std::vector<std::pair<Extent, std::uint32_t>>& plain,
+                   std::uint32_t first) {
+  std::vector<std::uint32_t> visited;
+  antichain.for_each_waiting(first, [&](std::uint32_t number) { visited.push_back(number); });
+  CHECK(std::is_sorted(visited.rbegin(), visited.rend()));
+  CHECK(visited.empty() || visited.back() >= first);
+  const std::set<std::uint32_t> waiting(visited.begin(), visited.end());
+  for (const auto& [extent, number] : plain) CHECK(number < first || waiting.contains(number));
+}
+
 // Random points near a plane, where few dominate others, of which some components vary; each third number takes no part
 // in a comparison.
 void test_extents(int components, int range, std::uint32_t steps) {
@@ -40,6 +51,7 @@ void test_extents(int components, int range, std::uint32_t steps) {
   Antichain antichain;
   const std::size_t empty_bytes = antichain.bytes();
   std::size_t longest = 0;
+  std::uint32_t first_waiting = 0;
   for (std::uint32_t step = 0; step < steps; ++step) {
     Extent extent{};
     int rest = random.below(range / 40 + 2);
@@ -68,8 +80,11 @@ void test_extents(int components, int range, std::uint32_t steps) {
       return true;
     });
     CHECK(before - plain.size() == removed.size());
-    antichain.add(extent, step);
+    if (random.below(4) == 0) first_waiting += static_cast<std::uint32_t>(random.below(8));
+    first_waiting = std::min(first_waiting, step);
+    antichain.add(extent, step, first_waiting);
     plain.push_back({extent, step});
+    if (step % 16 == 0) check_waiting(antichain, plain, first_waiting);
     longest = std::max(longest, plain.size());
     CHECK(antichain.bytes() > empty_bytes + plain.size() * sizeof(Extent));
     if (step % 500 != 0) continue;
@@ -82,7 +97,7 @@ void test_extents(int components, int range, std::uint32_t steps) {
   std::fill_n(all.sums, Extent::count, INT16_MAX);
   antichain.remove_below(all, [](std::uint32_t) { return true; });
   CHECK(numbers(antichain).empty());
-  antichain.add(all, 7);
+  antichain.add(all, 7, UINT32_MAX);
   CHECK(numbers(antichain) == std::set<std::uint32_t>{7});
 }
 

@@ -6,6 +6,8 @@ namespace tachk {
 
 ZoneView Merging::united(PassedList& passed, std::uint32_t discrete, ZoneView zone, std::uint32_t first) {
   fresh_.clear();
+  if (!allowed_) return zone;
+  passed.wait_from(first);
   if (first == no_node || !trial_.asks()) return zone;
   const std::size_t looked = passed.unite(discrete, zone, first, united_.get(), fresh_);
   trial_.tell(!fresh_.empty(), looked);

@@ -19,7 +19,8 @@ namespace tachk {
 class Merging final {
  public:
   // Not `allowed`: nothing is united.
-  Merging(bool allowed, const ZoneOperations& operations) : trial_(allowed, Trial::short_first), united_(operations) {}
+  Merging(bool allowed, const ZoneOperations& operations)
+      : allowed_(allowed), trial_(allowed, Trial::short_first), united_(operations) {}
 
   // The union of the zone with as many as possible of those that wait in this discrete state, in nodes from `first` on.
   ZoneView united(PassedList& passed, std::uint32_t discrete, ZoneView zone, std::uint32_t first);
@@ -39,6 +40,7 @@ class Merging final {
     std::uint32_t node;
   };
 
+  bool allowed_;
   Trial trial_;
   ZoneBuffer united_;
   std::vector<std::uint32_t> fresh_;  // what the zone returned last has been made of, besides what was new
