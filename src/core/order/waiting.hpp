@@ -36,6 +36,8 @@ class Waiting final {
     for (const std::uint32_t other : covered) in_vain_ += other < cursor_;
   }
 
+  // Whether `begin` is to be called.
+  bool looks_at_slots() const { return by_progress_.has_value(); }
   // The state taken last is going to be expanded; its slots.
   void begin(const std::int32_t* slots) {
     if (by_progress_) by_progress_->begin(slots);

@@ -63,7 +63,8 @@ Explorer::Explorer(Program program, const Options& options, const Limits& limits
       work_{.taken = std::vector<std::uint8_t>(graph_.program().edges.size(), 0),
             .simulation = Trial(options_.alu && options_.subsumption && graph_.knows_simulation() &&
                                 looks_at_actions_only(graph_.program())),
-            .ahead = {}} {}
+            .ahead = {},
+            .pace = {}} {}
 
 // ---- the loop -------------------------------------------------------------------------------------------------------
 
@@ -132,9 +133,7 @@ std::uint32_t Explorer::next() {
 }
 
 void Explorer::expand(std::uint32_t number) {
-  passed_.unpack(number, source_.slots.data());
   node_ = number;
-  waiting_.begin(source_.slots.data());
   ++work_.explored;
   if (work_.ahead)
     if (const auto result = work_.ahead->result(number, goals_)) return take(number, *result);
@@ -142,6 +141,8 @@ void Explorer::expand(std::uint32_t number) {
 }
 
 void Explorer::expand_alone(std::uint32_t number) {
+  passed_.unpack(number, source_.slots.data());
+  waiting_.begin(source_.slots.data());
   graph_.unpack(passed_, number, source_);
   deadlocks_.begin(source_);
   passing_.begin(!deadlocks_.open());
@@ -203,34 +204,41 @@ void Explorer::enlist(std::uint32_t number, std::uint32_t parent, const Successo
 // ---- several threads ------------------------------------------------------------------------------------------------
 
 void Explorer::look_ahead(std::uint32_t node, std::uint64_t expansions) {
-  constexpr std::uint64_t most = 512;
+  const std::uint64_t most = std::clamp<std::uint32_t>(options_.threads_after / 8, 32, 512);
   const std::size_t fewest = std::clamp<std::size_t>(options_.threads_after, 1, 64);
   const bool none = options_.threads == 1 || options_.passing != 0 || options_.partial_order;
   if (none || passed_.size() < options_.threads_after) return;
-  if (work_.ahead && work_.ahead->result(node, goals_)) return;
+  if ((work_.ahead && work_.ahead->result(node, goals_)) || !work_.pace.several(work_.explored)) return;
   std::vector<std::uint32_t> nodes{node};
-  waiting_.foresee(std::min(expansions, most), nodes);
+  const std::uint64_t block = std::min(expansions, most);
+  waiting_.foresee(2 * block, nodes);
   std::erase_if(nodes, [this](std::uint32_t other) { return passed_.covered(other); });
   if (nodes.size() < fewest) return;
   if (!work_.ahead) work_.ahead.emplace(graph_, passed_, options_.subsumption, threads_of(options_));
-  work_.ahead->look(std::move(nodes), goals_, work_.taken);
+  work_.ahead->look(std::move(nodes), block + 1, goals_, work_.taken);
 }
 
 // Does what `expand_alone` does, in the same order.
 void Explorer::take(std::uint32_t number, const Ahead::Result& result) {
-  const auto& [finder, expansion] = result;
+  constexpr std::size_t soon = 4;
+  if (waiting_.looks_at_slots()) {
+    passed_.unpack(number, source_.slots.data());
+    waiting_.begin(source_.slots.data());
+  }
+  const auto& [harvest, expansion] = result;
   const std::uint64_t before = work_.transitions;
   std::size_t edge = expansion->first_edge;
   const auto count = [&](std::uint32_t transitions) {
     work_.transitions = before + transitions;
-    for (; edge < expansion->last_edge && finder->edge(edge).second <= transitions; ++edge)
-      work_.taken[finder->edge(edge).first] = 1;
+    for (; edge < expansion->last_edge && harvest->edges[edge].second <= transitions; ++edge)
+      work_.taken[harvest->edges[edge].first] = 1;
   };
   bool wanted = true;
   for (std::size_t n = expansion->first; n < expansion->last; ++n) {
-    Found& found = finder->found(n);
+    Found& found = harvest->found[n];
+    if (n + soon < harvest->found.size()) passed_.expect(harvest->found[n + soon].key, harvest->found[n + soon].hash);
     count(found.transitions);
-    take(*finder, found, wanted);
+    take(*harvest, found, wanted);
   }
   count(expansion->transitions);
   for (const std::size_t goal : expansion->stuck) goals_.settle(goal, number);
@@ -239,7 +247,7 @@ void Explorer::take(std::uint32_t number, const Ahead::Result& result) {
 }
 
 // What is known of a successor holds unless a state has been stored that was taken to be covered.
-void Explorer::take(const Finder& finder, Found& found, bool& wanted) {
+void Explorer::take(const Harvest& harvest, Found& found, bool& wanted) {
   const bool first = !found.further && options_.subsumption;
   const Found* coverer = first ? found.coverer : nullptr;
   if (coverer != nullptr && coverer->node != no_node && !passed_.covered(coverer->node)) {
@@ -247,7 +255,7 @@ void Explorer::take(const Finder& finder, Found& found, bool& wanted) {
     return;
   }
   std::int32_t* slots = source_.slots.data();
-  std::copy_n(finder.slots(found), graph_.program().state_slots, slots);
+  std::copy_n(harvest.slots(found.slots), graph_.program().state_slots, slots);
   std::uint32_t discrete = found.discrete;
   if (discrete == HashIndex::absent) {
     passed_.announce(slots, SlotSet::all());
@@ -255,17 +263,25 @@ void Explorer::take(const Finder& finder, Found& found, bool& wanted) {
   }
   const bool apart = found.apart && coverer == nullptr && work_.ahead->knows(discrete);
   constexpr std::uint32_t some_edge = 0;
-  if (first) {
-    const Successor successor{{&some_edge, 1}, slots, finder.zone(found.zone)};
-    wanted = !(apart ? simulates(discrete, successor) : covers(discrete, successor));
-  }
+  const Successor step{{&some_edge, 1}, slots, harvest.zone(found.zone)};
+  if (first) wanted = !(apart ? simulates(discrete, step) : covers(discrete, step));
   if (!wanted) return;
-  const Successor successor{{&some_edge, 1}, slots, finder.zone(found.abstract)};
-  const std::uint32_t before = passed_.size();
   if (coverer != nullptr) work_.ahead->doubt();
-  const bool alone = apart && (!work_.simulation.asking() || passed_.is_new(discrete));
-  found.node = before;
-  store(successor, discrete, found.meets, alone ? std::optional(found.hash) : std::nullopt);
+  const std::uint32_t before = passed_.size();
+  const auto store = [&](ConstZoneRef zone) {
+    const bool alone = apart && (!work_.simulation.asking() || passed_.is_new(discrete));
+    found.node = passed_.size();
+    this->store({{&some_edge, 1}, slots, zone}, discrete, found.meets,
+                alone ? std::optional(found.hash) : std::nullopt);
+  };
+  if (found.abstract != Found::none) {
+    store(harvest.zone(found.abstract));
+  } else if (graph_.representatives().active()) {
+    store(step.zone);
+  } else {
+    source_.zone.assign(step.zone);
+    graph_.abstract(slots, source_.zone, store);
+  }
   if (passed_.size() == before) found.node = no_node;
 }
 

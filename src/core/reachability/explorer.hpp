@@ -14,6 +14,7 @@
 #include "order/waiting.hpp"
 #include "program/program.hpp"
 #include "reachability/ahead/ahead.hpp"
+#include "reachability/ahead/pace.hpp"
 #include "reachability/deadlock_watch.hpp"
 #include "reachability/goals.hpp"
 #include "reachability/measures.hpp"
@@ -98,6 +99,7 @@ class Explorer final {
     std::vector<std::uint8_t> taken;  // of each edge, whether it has been
     Trial simulation;                 // of states by others
     std::optional<Ahead> ahead;       // where several threads look for successors
+    Pace pace;
   };
 
   Status search(std::uint64_t expansions);
@@ -108,7 +110,7 @@ class Explorer final {
   void look_ahead(std::uint32_t node, std::uint64_t expansions);
   void take(std::uint32_t node, const Ahead::Result& result);
   // `wanted`: whether an abstracted zone of the same successor before this one was; told of this one.
-  void take(const Finder& finder, Found& found, bool& wanted);
+  void take(const Harvest& harvest, Found& found, bool& wanted);
   bool covers(std::uint32_t discrete, const Successor& successor);
   bool simulates(std::uint32_t discrete, const Successor& successor);
   // `may_meet`: not if the state is known to meet no open goal. `apart`: the hash of its zone, if it is known that it

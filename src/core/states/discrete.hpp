@@ -76,6 +76,8 @@ class DiscreteStates {
   // The number of the announced state, or HashIndex::absent.
   std::uint32_t find(const Reader& reader) const;
 
+  void prefetch(std::uint64_t hash) const { index_.prefetch(hash); }
+
   // How many there are.
   std::uint32_t size() const { return records_.size(); }
 

@@ -87,6 +87,13 @@ class PassedList {
   bool would_cover(std::uint32_t discrete, ZoneView zone) const;
   std::uint64_t hash(ZoneView zone) const { return zones_.hash(zone); }
 
+  // A state with this key and a zone with this hash are going to be added: asks for the memory that this looks at
+  // first.
+  void expect(std::uint64_t key, std::uint64_t hash) const {
+    discretes_.prefetch(key);
+    zones_.prefetch(hash);
+  }
+
   // Whether a state with this discrete part has been added whose number is `first` or larger.
   bool has_since(std::uint32_t discrete, std::uint32_t first) const;
   // Adds a state of which it is known that it covers no stored one and no stored one covers it; the hash of its zone.
@@ -96,10 +103,7 @@ class PassedList {
   const std::vector<std::uint32_t>& covered_last() const { return covered_last_; }
 
   // From now on the nodes with numbers from `first` to `last`, without it, are not covered by others.
-  void protect(std::uint32_t first, std::uint32_t last) {
-    protected_first_ = first;
-    protected_count_ = last - first;
-  }
+  void protect(std::uint32_t first, std::uint32_t last) { protected_ = {first, last - first}; }
 
   std::uint32_t size() const { return nodes_.size(); }
   std::uint32_t stored() const { return stored_; }
@@ -161,7 +165,7 @@ class PassedList {
   }
   void cover(std::uint32_t number, std::uint32_t discrete);
   std::uint32_t append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent);
-  bool is_protected(std::uint32_t number) const { return number - protected_first_ < protected_count_; }
+  bool is_protected(std::uint32_t number) const { return number - protected_.first < protected_.count; }
   // Whether an antichain has a member with this zone, which has this number.
   bool holds(std::uint32_t head, ZoneView zone, std::uint32_t zone_number) const;
   void append(std::uint32_t discrete, std::uint32_t number);
@@ -190,8 +194,10 @@ class PassedList {
   std::uint32_t stored_ = 0;
   std::vector<std::uint32_t> covered_last_;
   std::uint32_t first_waiting_ = UINT32_MAX;
-  std::uint32_t protected_first_ = 0;
-  std::uint32_t protected_count_ = 0;
+  struct {
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;
+  } protected_;
 };
 
 }  // namespace tachk

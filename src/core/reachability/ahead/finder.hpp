@@ -1,12 +1,15 @@
 // What one thread finds: the successors of states, but for those that a stored state covers.
+//
+// A state is expanded, and then its successors are looked up among the stored states. The first part needs no stored
+// state but this one: so it may be done early, while another thread stores.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <exception>
-#include <utility>
+#include <span>
 #include <vector>
 
+#include "reachability/ahead/harvest.hpp"
 #include "reachability/deadlock_watch.hpp"
 #include "reachability/goals.hpp"
 #include "states/store.hpp"
@@ -14,77 +17,74 @@
 
 namespace tachk {
 
-// A successor that no stored state covered when it was found.
-struct Found {
-  std::uint32_t discrete;     // HashIndex::absent where that discrete state was not known
-  std::uint32_t slots;        // where its slots begin
-  std::uint32_t zone;         // as the step leads to it
-  std::uint32_t abstract;     // abstracted
-  std::uint32_t transitions;  // of the state, up to here
-  std::uint32_t finder;       // who found it
-  std::uint64_t key;          // equal for equal discrete states
-  std::uint64_t hash;         // of the abstracted zone as it is stored
-  bool further;               // one more abstracted zone of the successor before this one
-  bool meets;                 // it may meet a goal
-  // That it covers none of the stored states, nor of those found for earlier states, and none of these covers it.
-  bool apart;
-  const Found* coverer = nullptr;  // found for an earlier state, or earlier for this one; nullptr: none covers it
-  Found* before = nullptr;         // the one with the same discrete state that was found before
-  std::uint32_t node = no_node;    // its number, once it is stored
-};
-
 class Finder final {
  public:
   Finder(const ZoneGraph& graph, const PassedList& passed, bool subsumption, std::uint32_t number);
 
-  // Begins a block of states: no edge of `taken` need be told.
+  // Begins a block of states: no edge of `taken` need be told. What has been done early is kept unless goals have been
+  // settled since.
   void begin(const GoalWatch& goals, const std::vector<std::uint8_t>& taken);
-  void expand(std::uint32_t node);
+  // Expands a state; `position`: its place in the order of the block.
+  void expand(std::uint32_t node, std::uint32_t position);
   // Whether this is enough for one block.
-  bool full() const { return (zones_used_ + 1) * graph_.operations().bytes > most_bytes; }
+  bool full() const { return (now().zones() + 1) * graph_.operations().bytes > most_bytes; }
 
-  // What was found of a state.
-  struct Expansion {
-    std::size_t first = 0;  // of its successors
-    std::size_t last = 0;
-    std::size_t first_edge = 0;  // of those taken
-    std::size_t last_edge = 0;
-    std::uint32_t transitions = 0;
-    std::vector<std::size_t> stuck;  // goals that the state satisfies, being stuck or not as they ask
-    std::exception_ptr failure;      // behind all this
-  };
-  // In the order of the calls of `expand`.
-  const Expansion& expansion(std::size_t number) const { return expansions_[number]; }
-  std::size_t expansions() const { return expansions_.size(); }
-  Found& found(std::size_t number) { return found_[number]; }
-  const std::int32_t* slots(const Found& found) const { return slots_.data() + found.slots; }
-  ConstZoneRef zone(std::uint32_t number) const { return zones_[number].get(); }
-  // An edge that was taken, and by which of the transitions of its state.
-  std::pair<std::uint32_t, std::uint32_t> edge(std::size_t number) const { return edges_[number]; }
+  // Notes states of the next block, as long as nobody stores any. Then they may be expanded early, one at a time: false
+  // if none is left.
+  void note(std::span<const std::uint32_t> nodes);
+  bool expand_early();
+  // Those that have been expanded early, in order. Each is to be looked up in place of `expand`.
+  std::span<const std::uint32_t> early() const { return {early_.nodes.data(), early_.done}; }
+  void look_up(std::size_t early, std::uint32_t position);
+
+  Harvest& harvest() { return now(); }
+  const Harvest& harvest() const { return now(); }
 
  private:
   struct Receiving;
+  struct Stepping;
+  // The last successor found of a discrete state, among those that share a place.
+  struct Latest {
+    std::uint32_t found = Found::none;
+    std::uint32_t position = 0;
+  };
+  // States of the next block, and how many of them have been expanded; what was found is in the next harvest.
+  struct Early {
+    std::vector<std::uint32_t> nodes;
+    std::vector<SymbolicState> sources;  // at least as many
+    std::size_t done = 0;
+    std::vector<Expansion> expansions;
+  };
   static constexpr std::size_t most_bytes = std::size_t{1} << 22;
+  static constexpr std::size_t places = std::size_t{1} << 12;
 
-  std::uint32_t keep(ConstZoneRef zone);
+  Harvest& now() { return harvests_[now_]; }
+  const Harvest& now() const { return harvests_[now_]; }
+  Harvest& next() { return harvests_[1 - now_]; }
+  // One that was found before for the same discrete state, covers the zone, and comes before the present one.
+  std::uint32_t own_coverer(const Found& found) const;
   void look(Found& found, const Successor& successor);
+  // Notes the edges of a transition.
+  void count(std::span<const std::uint32_t> edges, Expansion& expansion, Harvest& harvest) const;
+  template <class R>
+  void expand(SymbolicState& source, std::uint32_t node, Harvest& harvest, Expansion& expansion, R&& receiver);
 
   const PassedList& passed_;
   bool subsumption_;
+  bool whole_;  // zones have one abstraction each
   std::uint32_t number_;
   ZoneGraph graph_;
   GoalWatch goals_;
+  std::uint64_t goals_then_ = 0;
   DeadlockWatch deadlocks_;
   DiscreteStates::Reader reader_;
   SymbolicState source_;
-  const std::vector<std::uint8_t>* taken_ = nullptr;
-  std::size_t zones_used_ = 0;
-  // What was found.
-  std::vector<ZoneBuffer> zones_;
-  std::vector<std::int32_t> slots_;
-  std::vector<Found> found_;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges_;
-  std::vector<Expansion> expansions_;
+  std::vector<std::uint8_t> taken_;
+  Harvest harvests_[2];
+  std::size_t now_ = 0;
+  std::uint32_t position_ = 0;  // of the state whose successors are looked up
+  std::vector<Latest> latest_;  // by keys
+  Early early_;
 };
 
 }  // namespace tachk

@@ -1,8 +1,27 @@
 #include "reachability/ahead/team.hpp"
 
 #include <system_error>
+#include <utility>
 
 namespace tachk {
+namespace {
+
+void pause() {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#endif
+}
+
+}  // namespace
+
+void await_change(const std::atomic<std::uint32_t>& number, std::uint32_t from) {
+  constexpr int looks = 4000;
+  for (int look = 0; look < looks; ++look) {
+    if (number.load(std::memory_order_acquire) != from) return;
+    pause();
+  }
+  number.wait(from);
+}
 
 Team::Team(unsigned members) {
   others_.reserve(members);
@@ -13,27 +32,37 @@ Team::Team(unsigned members) {
 }
 
 Team::~Team() {
+  finish();
   over_ = true;
   ++round_;
   round_.notify_all();
   for (std::thread& other : others_) other.join();
 }
 
-void Team::share(const std::function<void(unsigned)>& work) {
-  work_ = &work;
+void Team::begin(std::function<void(unsigned)> work) {
+  finish();
+  work_ = std::move(work);
   busy_ = static_cast<std::uint32_t>(others_.size());
   ++round_;
   round_.notify_all();
-  work(0);
-  for (std::uint32_t busy = busy_; busy != 0; busy = busy_) busy_.wait(busy);
+}
+
+void Team::finish() {
+  for (std::uint32_t busy = busy_; busy != 0; busy = busy_) await_change(busy_, busy);
+}
+
+void Team::share(std::function<void(unsigned)> work) {
+  begin(std::move(work));
+  work_(0);
+  finish();
 }
 
 void Team::serve(unsigned member) {
   for (std::uint32_t round = 0;;) {
-    round_.wait(round);
+    await_change(round_, round);
     ++round;
     if (over_) return;
-    (*work_)(member);
+    work_(member);
     if (--busy_ == 0) busy_.notify_one();
   }
 }

@@ -22,16 +22,22 @@ class Team final {
   unsigned members() const { return static_cast<unsigned>(others_.size()) + 1; }
 
   // Calls work(n) for each member, by a thread each, and returns when all are done. It must not throw.
-  void share(const std::function<void(unsigned)>& work);
+  void share(std::function<void(unsigned)> work);
+  // Calls work(n) for each member but 0, and does not wait for them; `finish` does, and so does the next call.
+  void begin(std::function<void(unsigned)> work);
+  void finish();
 
  private:
   void serve(unsigned member);
 
-  const std::function<void(unsigned)>* work_ = nullptr;
+  std::function<void(unsigned)> work_;
   std::atomic<std::uint32_t> round_{0};
   std::atomic<std::uint32_t> busy_{0};
   bool over_ = false;
   std::vector<std::thread> others_;
 };
+
+// Waits until a number is no longer the given one: most often that takes less time than to fall asleep.
+void await_change(const std::atomic<std::uint32_t>& number, std::uint32_t from);
 
 }  // namespace tachk
