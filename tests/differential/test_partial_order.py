@@ -96,6 +96,44 @@ def test_sensors_that_report_at_once(code: int, status: Status) -> None:
         assert 2 * some.statistics.states_stored < every.statistics.states_stored
 
 
+ROUNDS = """
+const int N = 10;
+typedef int[0, N - 1] id_t;
+int[0, 2] seen[N];
+process Sensor(const id_t i) {
+    clock x;
+    init location asleep { invariant x <= 20 * i + 10; to sending { guard x >= 20 * i + 10; } }
+    location sending {
+        invariant x <= 20 * i + 15;
+        to sent { assign seen[i] = 1; }
+        to sent { guard x >= 20 * i + 12; assign seen[i] = 2; }
+    }
+    location sent { invariant x <= 800; to asleep { guard x >= 800; assign x = 0, seen[i] = 0; } }
+}
+system Sensor;
+property none : E<> false;
+property some : E<> seen[0] == 1 && seen[9] == 2 && Sensor(5).sent;
+property two : E<> seen[0] == 1 && seen[9] == 1 && Sensor(9).asleep;
+property again : E<> Sensor(3).asleep && Sensor(6).sent;
+"""
+"""All sensors begin the next round at the same time, in any of N! orders."""
+
+
+@pytest.mark.parametrize(
+    ("name", "status"),
+    [("none", Status.UNREACHABLE), ("some", Status.REACHED), ("two", Status.UNREACHABLE), ("again", Status.REACHED)],
+)
+def test_sensors_whose_round_ends_at_once(name: str, status: Status) -> None:
+    loaded = tachk.loads(ROUNDS)
+    (query,) = (each for each in loaded.properties if each.name == name)
+    assert query.target is not None
+    program, goals = lower(loaded.network, [query.target])
+    every, some = (explore(program, goals, replace(ON, partial_order=on, alu=False)) for on in (False, True))
+    assert every.goals[0].status is some.goals[0].status is status
+    if name == "none":
+        assert 4 * some.statistics.states_stored < every.statistics.states_stored
+
+
 OTHERS_COME_FIRST = {
     "what the goal asks for holds for a moment": (
         (
@@ -148,6 +186,41 @@ OTHERS_COME_FIRST = {
             "process Q() { init location a { to b { sync all!; assign n = 1; } } location b {} }"
         ),
         "p.x",
+    ),
+    "what the goal asks for holds for a moment, when time has run out": (
+        (
+            "clock x;"
+            "process P() { init location u { invariant x <= 3; to v { guard x >= 3; } } location v {} }"
+            "process Q() { init location a { to b { guard x >= 3; } } location b {} }"
+        ),
+        "p.u && q.b",
+    ),
+    "another process lets time go on": (
+        (
+            "clock x, y;"
+            "process P() { init location u { invariant x <= 3; to v { guard x >= 3; } to w { guard y >= 5; } }"
+            " location v {} location w {} }"
+            "process Q() { init location a { to b { guard x >= 2; assign x = 0; } } location b {} }"
+        ),
+        "p.w",
+    ),
+    "time has nearly run out": (
+        (
+            "clock x, z;"
+            "process P() { init location s { invariant x <= 2; to u { guard x >= 2; } }"
+            " location u { invariant x <= 3; to v { assign z = 0; } } location v { invariant z <= 0; } }"
+            "process Q() { init location a { to b { guard x <= 2; } } location b { to c { guard x >= 3; } }"
+            " location c {} }"
+        ),
+        "q.c",
+    ),
+    "time has not run out in all of the zone": (
+        (
+            "clock x, y; int[0, 1] n;"
+            "process P() { init location u { invariant x <= 3; to v { guard x >= 1; assign n = 1; } } location v {} }"
+            "process Q() { init location a { to b { guard n == 0 && y <= 2; } } location b {} }"
+        ),
+        "q.b",
     ),
 }
 

@@ -137,6 +137,7 @@ NB_MODULE(_core, m) {
           "(explored, stored, transitions, bytes)")
       .def("threads", &tachk::Explorer::threads, "The most threads that have worked for this search at the same time.")
       .def("discrete_states", &tachk::Explorer::discrete_states, "How many discrete states have been seen.")
+      .def("reduced_states", &tachk::Explorer::reduced_states, "How many states were expanded with some actions only.")
       .def("has_merged", &tachk::Explorer::has_merged, "Whether zones have been united.")
       .def("reached", &tachk::Explorer::reached, nb::arg("goal"), "The node where a goal was reached first, or None.")
       .def("taken", &tachk::Explorer::taken, "The numbers of the edges that some action so far has taken, ascending.")

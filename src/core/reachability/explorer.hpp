@@ -71,6 +71,8 @@ class Explorer final {
   // How many discrete states have been seen.
   std::uint32_t discrete_states() const { return passed_.discrete_states(); }
   bool has_merged() const { return merging_.any(); }
+  // How many states have been expanded with some of their actions only.
+  std::uint64_t reduced_states() const { return partial_order_.reduced_states(); }
   // The node in which a goal was reached first.
   std::optional<std::uint32_t> reached(std::size_t goal) const;
   // The extreme value of a measure among the states stored so far.

@@ -6,14 +6,14 @@
 namespace tachk {
 
 PartialOrder::PartialOrder(ZoneGraph& graph, bool wanted)
-    : graph_(graph), sets_(graph.program(), graph.semantics(), wanted) {
+    : graph_(graph), sets_(graph.program(), graph.semantics(), graph.operations(), wanted) {
   for (const Edge& edge : graph.program().edges) process_of_.push_back(static_cast<std::uint8_t>(edge.process));
 }
 
 void PartialOrder::begin(std::uint32_t node, const SymbolicState& source) {
   node_ = node;
   source_ = &source;
-  members_ = sets_.enough(source.slots.data());
+  members_ = sets_.enough(source.slots.data(), source.zone.get());
   part_ = Part::none;
   goes_on_ = sure_ = false;
 }
@@ -28,6 +28,7 @@ bool PartialOrder::next() {
       return true;
     case Part::members:
       part_ = goes_on_ ? Part::all : Part::others;
+      reduced_states_ += goes_on_;
       if (goes_on_) return false;
       reduced_[node_] = false;
       return true;

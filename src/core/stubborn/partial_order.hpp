@@ -30,6 +30,8 @@ class PartialOrder final {
     if (part_ == Part::members) sure_ = is_sure(guarded, effect);
   }
   void leads_to(std::uint32_t node) { goes_on_ = goes_on_ || (asks() && !puts_off(node)); }
+  // How many states have been expanded with some of their actions only.
+  std::uint64_t reduced_states() const { return reduced_states_; }
   // Whether it matters which node that is.
   bool asks() const { return part_ == Part::members && sure_; }
 
@@ -45,6 +47,7 @@ class PartialOrder final {
 
   StubbornSets sets_;
   std::vector<bool> reduced_;  // of each node
+  std::uint64_t reduced_states_ = 0;
   std::uint32_t node_ = 0;
   std::vector<std::uint8_t> process_of_;  // of each edge
   const SymbolicState* source_ = nullptr;

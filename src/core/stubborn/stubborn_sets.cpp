@@ -11,6 +11,9 @@ namespace {
 constexpr std::size_t most_processes = 64;
 constexpr std::size_t most_locations = 2048;
 
+// Whether a condition sets a clock a bound that it may reach.
+bool sets_a_bound(const Atom& atom) { return atom.left != 0 && atom.right == 0 && (atom.raw & raw_zero) != 0; }
+
 }  // namespace
 
 bool StubbornSets::is_location(const Test& test) const {
@@ -26,8 +29,9 @@ struct StubbornSets::Place {
   CodeAccesses in_future;          // of the last, likewise
 };
 
-StubbornSets::StubbornSets(const Program& program, const Semantics& semantics, bool wanted)
-    : program_(program), semantics_(semantics) {
+StubbornSets::StubbornSets(const Program& program, const Semantics& semantics, const ZoneOperations& operations,
+                           bool wanted)
+    : program_(program), semantics_(semantics), operations_(operations) {
   if (!wanted || !applies()) return;
   locations_ = semantics_.location_count();
   find_dependencies(describe());
@@ -36,17 +40,18 @@ StubbornSets::StubbornSets(const Program& program, const Semantics& semantics, b
 // Priorities and stopwatches are left out, and so is everything that asks for all states.
 bool StubbornSets::applies() const {
   const bool stops = std::any_of(program_.processes.begin(), program_.processes.end(), [](const Process& process) {
-    return std::any_of(process.locations.begin(), process.locations.end(),
-                       [](const Location& location) { return location.urgent || location.committed; });
+    return std::any_of(process.locations.begin(), process.locations.end(), [](const Location& location) {
+      const std::vector<Atom>& atoms = location.invariant.atoms;
+      return location.urgent || location.committed || std::any_of(atoms.begin(), atoms.end(), sets_a_bound);
+    });
   });
-  const bool asks_all = std::any_of(program_.goals.begin(), program_.goals.end(), [](const Goal& goal) {
-    return goal.disjuncts.empty() || std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(), [](const Disjunct& one) {
-             return one.deadlock != DeadlockLiteral::absent;
-           });
+  const bool asks_deadlock = std::any_of(program_.goals.begin(), program_.goals.end(), [](const Goal& goal) {
+    return std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(),
+                       [](const Disjunct& one) { return one.deadlock != DeadlockLiteral::absent; });
   });
-  return stops && !asks_all && !program_.has_priorities && !program_.has_stopwatches && program_.diagonals.empty() &&
-         program_.goals.size() > 0 && program_.measures.empty() && program_.processes.size() <= most_processes &&
-         semantics_.location_count() <= most_locations;
+  return stops && !asks_deadlock && !program_.has_priorities && !program_.has_stopwatches &&
+         program_.diagonals.empty() && program_.goals.size() > 0 && program_.measures.empty() &&
+         program_.processes.size() <= most_processes && semantics_.location_count() <= most_locations;
 }
 
 std::vector<StubbornSets::Place> StubbornSets::describe() const {
@@ -132,13 +137,21 @@ void StubbornSets::find_dependencies(const std::vector<Place>& places) {
   }
 }
 
-StubbornSets::Members StubbornSets::enough(const std::int32_t* slots) const {
+bool StubbornSets::has_ended(const Location& here, ConstZoneRef zone) const {
+  return here.has_invariant &&
+         std::any_of(here.invariant.atoms.begin(), here.invariant.atoms.end(), [&](const Atom& atom) {
+           const Raw least = raw_bound(-raw_value(atom.raw), false);
+           return sets_a_bound(atom) && operations_.entry(zone, program_.dimension(), 0, atom.left) <= least;
+         });
+}
+
+StubbornSets::Members StubbornSets::enough(const std::int32_t* slots, ConstZoneRef zone) const {
   if (dependent_.empty()) return 0;
   Members urgent = 0, committed = 0;
   for (std::size_t process = 0; process < program_.processes.size(); ++process) {
     const Location& here = semantics_.location(process, slots);
     if (here.committed) committed |= Members{1} << process;
-    if (here.urgent) urgent |= Members{1} << process;
+    if (here.urgent || has_ended(here, zone)) urgent |= Members{1} << process;
   }
   Members best = 0;
   for (Members left = committed != 0 ? committed : urgent; left != 0; left &= left - 1) {

@@ -1,12 +1,13 @@
 // Which actions suffice where time cannot pass: stubborn sets for timed systems (Bønneland, Jensen, Larsen, Muñiz, Srba
 // 2018), by processes.
 //
-// A set of processes is enough in a state if one of them is in a committed location, or in an urgent one while none is
-// committed, and each process outside of the set is *independent* of it: what the members do from their present
-// locations and what the process may do from now on share no channel, and neither writes what the other one reads or
-// writes, clocks and invariants included. Until a member moves, time stands still, and whatever happens meanwhile can
-// as well happen after any action of members. No goal reads what they write. The set only says which actions to take
-// first: whoever uses it must see to it that the others are not put off for ever (Explorer does).
+// A set of processes is enough in a state if one of them stops time, and each process outside of the set is
+// *independent* of it. A process stops time in a committed location, or, while none is committed, in an urgent one or
+// where a clock has reached the bound that its invariant sets. Two processes are independent if what the member does
+// from its present location and what the other one may do from now on share no channel, and neither writes what the
+// other one reads or writes, clocks and invariants included. Until a member moves, time stands still, and whatever
+// happens meanwhile can as well happen after any action of members. No goal reads what they write. The set only says
+// which actions to take first: whoever uses it must see to it that the others are not put off for ever (PartialOrder).
 #pragma once
 
 #include <cstddef>
@@ -24,16 +25,18 @@ class StubbornSets final {
   using Members = std::uint64_t;
 
   // `wanted`: off, none is enough.
-  StubbornSets(const Program& program, const Semantics& semantics, bool wanted);
+  StubbornSets(const Program& program, const Semantics& semantics, const ZoneOperations& operations, bool wanted);
 
-  // A set that is enough in a discrete state and not all of what can move, the smallest one found; 0 if there is none.
-  Members enough(const std::int32_t* slots) const;
+  // A set that is enough in a state and not all of what can move, the smallest one found; 0 if there is none.
+  Members enough(const std::int32_t* slots, ConstZoneRef zone) const;
 
  private:
   struct Place;  // a location of a process
   std::vector<Place> describe() const;
   void find_dependencies(const std::vector<Place>& places);
   bool applies() const;
+  // Whether no time can pass in any valuation of the zone because of the invariant of a location.
+  bool has_ended(const Location& here, ConstZoneRef zone) const;
   // Whether a test asks where a process is.
   bool is_location(const Test& test) const;
   // The smallest set with this process that is enough; 0 if there is none.
@@ -46,6 +49,7 @@ class StubbornSets final {
 
   const Program& program_;
   const Semantics& semantics_;
+  const ZoneOperations& operations_;
   std::size_t locations_ = 0;
   std::vector<bool> dependent_;  // empty: the sets are of no use here
   std::vector<bool> seen_;       // of each location: what is done from it may change whether a goal is met

@@ -1,7 +1,7 @@
-"""A search depth first beside one that is not: a run that nothing hinders is found fast, however many states there are.
+"""Short searches beside one that has stored many states.
 
-Once a search has stored many states, a second one looks for what is still looked for, depth first and not for long.
-What it does not find is no answer.
+One looks depth first: a run that nothing hinders is found fast, however many states there are. What it does not find is
+no answer. The other one takes one order of independent actions where time cannot pass: it answers if few states remain.
 """
 
 from __future__ import annotations
@@ -21,6 +21,9 @@ STORED = 20_000
 """Where fewer states are enough nothing is tried depth first: the runs that are found are longer."""
 EXPLORED = 1_500
 """So many states are explored depth first, which is little beside what has been stored."""
+EXPLORED_IN_ONE_ORDER = 5_000
+FIRST_IN_ONE_ORDER = 256
+"""After so many states it is looked at whether one order of actions was enough in a quarter of them."""
 _STEP = 64
 
 
@@ -57,24 +60,42 @@ class Stretch:
 
 
 def are_made(goals: Sequence[Goal], options: Options, limits: Limits) -> bool:
-    """Whether a run that is found depth first would do for all goals.
+    """Whether other searches may answer for all goals.
 
-    Whether it ends in a deadlock depends on the abstraction, and is found out for one search only.
+    Whether a run ends in a deadlock depends on the abstraction, and is found out for one search only.
     """
     return (
         options.attempts
         and options.order is SearchOrder.AUTO
         and not options.shortest
         and (limits.states is None or limits.states > STORED)
-        and all(goal.disjuncts for goal in goals if goal.decides)
         and all(each.deadlock is DeadlockLiteral.ABSENT for goal in goals for each in goal.disjuncts)
     )
+
+
+def in_one_order(
+    program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
+) -> tuple[_core.Explorer | None, str]:
+    """A search that has decided all goals, or None; and why it was ended from outside, if it was."""
+    if program.interchangeable or options.partial_order or limits.depth is not None:
+        return None, ""
+    one = replace(options, partial_order=True, threads=1)
+    explorer = _core.Explorer(encode(program, goals), core_options(one), core_limits(limits))
+    start = time.perf_counter()
+    status, reason = run_in_slices(Stretch(explorer, explored=FIRST_IN_ONE_ORDER), start, limits, progress)
+    if status is _core.Status.STATE_LIMIT and 4 * explorer.reduced_states() >= FIRST_IN_ONE_ORDER:
+        left = limits.after(time.perf_counter() - start)
+        stretch = Stretch(explorer, explored=EXPLORED_IN_ONE_ORDER - FIRST_IN_ONE_ORDER)
+        status, reason = run_in_slices(stretch, time.perf_counter(), left, progress)
+    return explorer if status is _core.Status.FINISHED else None, reason if status is _core.Status.RUNNING else ""
 
 
 def depth_first(
     program: Program, goals: Sequence[Goal], options: Options, limits: Limits, progress: Progress | None
 ) -> tuple[_core.Explorer | None, str]:
     """A search that has reached all goals that decide, or None; and why it was ended from outside, if it was."""
+    if not all(goal.disjuncts for goal in goals if goal.decides):
+        return None, ""
     deep = replace(options, order=SearchOrder.DFS, threads=1)
     explorer = _core.Explorer(encode(program, goals), core_options(deep), core_limits(limits))
     status, reason = run_in_slices(Stretch(explorer, explored=EXPLORED), time.perf_counter(), limits, progress)

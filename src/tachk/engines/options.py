@@ -104,9 +104,10 @@ class Options:
         passing: states in which one process is in a committed location are passed through without being stored, up to
             so many in a row; 0: all are stored. It takes less memory; those that are reached in several ways are
             explored again. Not with `shortest`, with a limit on depth, or while `deadlock` is asked for.
-        partial_order: where time cannot pass, one order of independent actions is explored, not each of them. Not with
-            `shortest`, `passing`, a limit on depth, priorities, clocks that stop, interchangeable processes, or where
-            `deadlock` or extreme values are asked for.
+        partial_order: where time cannot pass, because of an urgent or committed location or an invariant, one order of
+            independent actions is explored, not each of them; off: only in an attempt (see there). Not with `shortest`,
+            `passing`, a limit on depth, priorities, clocks that stop, interchangeable processes, or where `deadlock` or
+            extreme values are asked for.
         chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
         rows_after: from how many different zones on their rows are held once each, if that takes less memory; 0:
             always.
@@ -116,8 +117,9 @@ class Options:
             for a short proof that there is no run; for `-->` it does so at once. 2**32 - 1: never.
         attempts: for `-->`: on the way to all states, up to one state for every eight is explored depth first, so that
             a run is found early; off: runs are looked for once all states are reached. For `E<>` and `A[]` with the
-            order `AUTO`: once 20,000 states are stored, 1,500 are explored depth first in a search of their own; not
-            with `shortest`, nor where `deadlock` is asked for.
+            order `AUTO`: once 20,000 states are stored, up to 5,000 are explored as with `partial_order`, if that is of
+            use in a quarter of the first 256, and then 1,500 depth first, each in a search of its own; not with
+            `shortest`, nor where `deadlock` is asked for.
         threads: how many threads a search uses, at most 256; 0: as many as the machine has cores, up to eight. Whatever
             their number, the states, their order and the runs are the same. One thread searches depth first, over local
             times, with `passing` or `partial_order`, for certificates, and for runs that go on for ever.

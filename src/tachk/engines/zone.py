@@ -70,6 +70,7 @@ def explore_everything(
     that counts: one that decides doubtful goals comes after it.
     """
     never = Goal(())
+    options = replace(options, attempts=False, partial_order=False)
     explorer = _explorer(program, [*goals, never], options, limits)
     ran = _ran(program, [*goals, never], explorer, options, limits, progress)
     outcome, doubtful = _told(program, [*goals, never], options, ran)
@@ -120,7 +121,7 @@ def _ran(
     limits: Limits,
     progress: Progress | None,
 ) -> _Ran:
-    """Runs an explorer; or, if that reaches the goals, another one that goes depth first for a while."""
+    """Runs an explorer; or, if that decides the goals, another one for a while."""
     start, user = time.perf_counter(), user_seconds()
 
     def statistics(search: _core.Explorer) -> Statistics:
@@ -131,12 +132,16 @@ def _ran(
     if attempts.are_made(goals, options, limits):
         stretch = attempts.Stretch(explorer, stored=attempts.STORED)
         status, reason = run_in_slices(stretch, start, limits, progress)
-        if status is _core.Status.STATE_LIMIT:
+        others = (attempts.in_one_order, attempts.depth_first) if status is _core.Status.STATE_LIMIT else ()
+        reason = "" if others else reason
+        for attempt in others:
+            if reason:
+                break
             first = statistics(explorer)
-            deep, reason = attempts.depth_first(program, goals, options, limits.after(first.seconds), progress)
-            if deep is not None:
-                both = first.then(replace(statistics(deep), seconds=0.0, user_seconds=0.0))
-                return _Ran(deep, _core.Status.FINISHED, "", both)
+            other, reason = attempt(program, goals, options, limits.after(first.seconds), progress)
+            if other is not None:
+                both = first.then(replace(statistics(other), seconds=0.0, user_seconds=0.0))
+                return _Ran(other, _core.Status.FINISHED, "", both)
     if status is _core.Status.STATE_LIMIT and not reason:
         status, reason = run_in_slices(explorer, start, limits, progress)
     return _Ran(explorer, status, reason, statistics(explorer))

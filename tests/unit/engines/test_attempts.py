@@ -1,4 +1,4 @@
-"""A search depth first beside the default one: what it finds, when it is made, and that it changes no verdict."""
+"""Short searches beside the default one: what they find, when they are made, and that they change no verdict."""
 
 from __future__ import annotations
 
@@ -84,6 +84,42 @@ def test_a_limit_on_time_ends_the_attempt(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(attempts, "EXPLORED", 10**9)
     found = verdict(NEVER, limits=Limits(seconds=0.3))
     assert (found.answer, found.reason) == (Answer.UNKNOWN, "time limit")
+
+
+# Twelve alarms that ring at the same time, each for itself.
+ALARMS = """
+const int N = 12;
+typedef int[1, N] id_t;
+int[0, 1] rung[N + 1];
+process P(const id_t me) {
+    clock x;
+    init location waiting { invariant x <= 9 + me - me; to ringing { guard x >= 9; assign rung[me] = RUNG; } }
+    location ringing { }
+}
+system P;
+"""
+
+
+def alarms(options: Options = ALL_STATES, limits: Limits | None = None, rung: str = "1") -> Verdict:
+    (found,) = tachk.loads(ALARMS.replace("RUNG", rung)).verify("E<> false", options=options, limits=limits)
+    return found
+
+
+def test_one_order_is_enough_where_time_cannot_pass(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 500)
+    assert alarms(limits=Limits(states=1000)).answer is Answer.FAILS
+    assert alarms(replace(ALL_STATES, attempts=False), Limits(states=1000)).answer is Answer.UNKNOWN
+    assert alarms(replace(ALL_STATES, attempts=False), Limits(states=5000)).statistics.states_stored == 2**12
+    monkeypatch.setattr(attempts, "FIRST_IN_ONE_ORDER", 4)
+    monkeypatch.setattr(attempts, "EXPLORED_IN_ONE_ORDER", 8)
+    assert alarms(limits=Limits(states=1000)).answer is Answer.UNKNOWN
+
+
+def test_run_time_errors_are_met_in_one_order_and_in_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 500)
+    for options in (ALL_STATES, replace(ALL_STATES, attempts=False)):
+        found = alarms(options, rung="me == N ? 2 : 1")
+        assert (found.answer, found.reason) == (Answer.UNKNOWN, "run-time error")
 
 
 class Counting:
