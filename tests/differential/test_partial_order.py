@@ -235,3 +235,19 @@ def test_others_may_come_first(name: str) -> None:
     for on in (False, True):
         outcome = explore(program, goals, replace(ON, partial_order=on, order=SearchOrder.BFS))
         assert outcome.goals[0].status is Status.REACHED, on
+
+
+def test_a_run_is_told_past_an_error_that_was_put_off() -> None:
+    """The error of p is met in the second state only, and is on the way again when the run to that state is told."""
+    loaded = tachk.loads(
+        "int[0, 3] n;"
+        "process P() { init location a { to b { assign n = n + 5; } } location b {} }"
+        "process Q() { init urgent location u { to v {} } urgent location v { to w {} } location w {} }"
+        "p = P(); q = Q(); system p, q; property found : E<> q.w;"
+    )
+    (query,) = loaded.properties
+    assert query.target is not None
+    program, goals = lower(loaded.network, [query.target])
+    fault = explore(program, goals, replace(ON, order=SearchOrder.BFS)).fault
+    assert fault is not None
+    assert len(fault.path) == 1

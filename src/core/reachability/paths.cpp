@@ -34,9 +34,19 @@ struct Recogniser : OnlyStates {
   std::vector<SymbolicState>& states;
   std::vector<Step>& steps;
   std::size_t previous = 0;
+  std::vector<Edges> failing = {};  // actions that are a run-time error
 
   // The zone of a node that is not covered is known: the first that equals it will do.
-  bool admits(const Edges&) const { return states.empty() || passed.covered(node); }
+  bool admits(const Edges& edges) const {
+    return (states.empty() || passed.covered(node)) &&
+           std::find(failing.begin(), failing.end(), edges) == failing.end();
+  }
+  // Whether there is more to find now that an action has failed: the search may not have taken that one.
+  bool leaves_out(const Edges& edges) {
+    if (std::find(failing.begin(), failing.end(), edges) != failing.end()) return false;
+    failing.push_back(edges);
+    return true;
+  }
   bool wants(const Successor& successor) const {
     return passed.equals(node, successor.slots) || passing.passes(successor);
   }
@@ -182,16 +192,21 @@ Path path_to(ZoneGraph& graph, PassedList& passed, std::uint32_t most_passing, s
     passing.begin(false);
     if (layers.size() == 1) graph.start(Recogniser{{}, graph, passed, passing, child, next, steps});
     for (std::size_t number = 0; number < states.size(); ++number) {
-      const Recogniser recogniser{{}, graph, passed, passing, child, next, steps, number};
-      // Whether a state was passed through depended on the goals open at the time: any may have been.
-      passing.begin(true);
-      try {
-        graph.expand(states[number], recogniser);
-        while (passing.next(source)) graph.expand(source, recogniser);
-      } catch (const ModelFault&) {
-        // The search stopped at this fault, in an action behind the one looked for.
-      } catch (const ConstantOverflow&) {
-        // As above.
+      Recogniser recogniser{{}, graph, passed, passing, child, next, steps, number};
+      for (bool goes_on = true; goes_on;) {
+        goes_on = false;
+        // Whether a state was passed through depended on the goals open at the time: any may have been.
+        passing.begin(true);
+        try {
+          graph.expand(states[number], recogniser);
+          while (passing.next(source)) graph.expand(source, recogniser);
+        } catch (const ActionFault& fault) {
+          goes_on = next.empty() && recogniser.leaves_out(fault.edges);
+        } catch (const ModelFault&) {
+          // The search stopped at this fault, in an action behind the one looked for.
+        } catch (const ConstantOverflow&) {
+          // As above.
+        }
       }
     }
     states.swap(next);
