@@ -10,6 +10,7 @@ import tachk
 from tachk import _core
 from tachk.engines import attempts
 from tachk.engines.options import Limits, LocalTimes, Options, SearchOrder
+from tachk.engines.outcome import INTERRUPTED
 from tachk.properties.verdict import Answer, Verdict
 from tachk.testing.reductions.verdict_agreement import BY_DEFAULT, compare_verdicts, random_questions
 
@@ -84,6 +85,14 @@ def test_a_limit_on_time_ends_the_attempt(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(attempts, "EXPLORED", 10**9)
     found = verdict(NEVER, limits=Limits(seconds=0.3))
     assert (found.answer, found.reason) == (Answer.UNKNOWN, "time limit")
+
+
+@pytest.mark.parametrize("attempt", ["in_one_order", "depth_first"])
+def test_ctrl_c_in_an_attempt_ends_the_search(attempt: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "STORED", 100)
+    monkeypatch.setattr(attempts, attempt, lambda *_: (None, INTERRUPTED))
+    found = verdict(NEVER, limits=Limits(states=2000))
+    assert (found.answer, found.reason) == (Answer.UNKNOWN, INTERRUPTED)
 
 
 # Twelve alarms that ring at the same time, each for itself.
