@@ -72,6 +72,22 @@ def test_zones_that_diagonals_split() -> None:
     assert several > 8
 
 
+@pytest.mark.parametrize("chunk_words", [0, 1, 8])
+def test_large_discrete_states(chunk_words: int) -> None:
+    """They are held in parts, of which a successor has most."""
+    model = tachk.load(data_root() / "models" / "micro_xrce_dds" / "publication.ta")
+    one, two = (
+        model.verify(
+            "E<> false",
+            options=replace(ONE, threads=threads, chunk_words=chunk_words, drop_bystanders=False),
+            limits=Limits(states=3_000),
+        )[0].statistics
+        for threads in (1, 2)
+    )
+    assert replace(two, seconds=0.0, user_seconds=0.0, threads=1) == replace(one, seconds=0.0, user_seconds=0.0)
+    assert two.threads == 2 and two.states_stored > 2_500
+
+
 @pytest.mark.parametrize("threads", [1, 2, 3])
 @pytest.mark.parametrize("query", ["A[] forall (p : pid_t) P(p).critical imply id == p", "A[] not deadlock"])
 def test_as_many_threads_work_as_are_asked_for(threads: int, query: str) -> None:
