@@ -70,17 +70,20 @@ void Ahead::find(const GoalWatch& goals, const std::vector<std::uint8_t>& taken)
 void Ahead::find(unsigned member, std::atomic<std::size_t>& next) {
   constexpr std::size_t at_once = 16;
   Finder& finder = *finders_[member];
-  const auto placed = [&](std::size_t position) {
-    block_.places[position] = {member, static_cast<std::uint32_t>(finder.harvest().expansions.size())};
-    return static_cast<std::uint32_t>(position);
-  };
+  const auto place = [&] { return Place{member, static_cast<std::uint32_t>(finder.harvest().expansions.size())}; };
   for (std::size_t n = 0; n < block_.nodes.size(); ++n)
-    if (block_.early[n].finder == member) finder.look_up(block_.early[n].expansion, placed(n));
+    if (block_.early[n].finder == member) {
+      block_.places[n] = place();
+      finder.look_up(block_.early[n].expansion);
+    }
   while (!finder.full()) {
     const std::size_t first = next.fetch_add(at_once);
     const std::size_t last = std::min(first + at_once, block_.nodes.size());
     for (std::size_t n = first; n < last; ++n)
-      if (block_.early[n].finder == nobody) finder.expand(block_.nodes[n], placed(n));
+      if (block_.early[n].finder == nobody) {
+        block_.places[n] = place();
+        finder.expand(block_.nodes[n]);
+      }
     if (first >= block_.nodes.size()) break;
   }
 }

@@ -24,7 +24,7 @@ void Finder::begin(const GoalWatch& goals, const std::vector<std::uint8_t>& take
   goals_.follow(goals);
   goals_then_ = goals.changes();
   taken_ = taken;
-  std::fill(latest_.begin(), latest_.end(), Latest{});
+  std::fill(latest_.begin(), latest_.end(), Found::none);
 }
 
 // Keeps the successors that no stored state covers.
@@ -71,7 +71,7 @@ struct Finder::Receiving {
         std::memcmp(harvest.zone(found.zone).bytes, successor.zone.bytes, finder.graph_.operations().bytes) == 0;
     found.abstract = same ? found.zone : harvest.keep(successor.zone, finder.graph_.operations());
     finder.look(found, successor);
-    finder.latest_[found.key % places] = {static_cast<std::uint32_t>(harvest.found.size()), finder.position_};
+    finder.latest_[found.key % places] = static_cast<std::uint32_t>(harvest.found.size());
     harvest.found.push_back(found);
     found.further = true;
   }
@@ -103,10 +103,10 @@ void Finder::count(std::span<const std::uint32_t> edges, Expansion& expansion, H
 }
 
 std::uint32_t Finder::own_coverer(const Found& found) const {
-  const Latest& latest = latest_[found.key % places];
-  if (latest.found == Found::none || latest.position > position_) return Found::none;
+  const std::uint32_t latest = latest_[found.key % places];
+  if (latest == Found::none) return Found::none;
   const Harvest& harvest = now();
-  const Found& other = harvest.found[latest.found];
+  const Found& other = harvest.found[latest];
   if (other.key != found.key || other.discrete != found.discrete) return Found::none;
   const std::int32_t* slots = harvest.slots(found.slots);
   if (found.discrete == HashIndex::absent &&
@@ -114,7 +114,7 @@ std::uint32_t Finder::own_coverer(const Found& found) const {
     return Found::none;
   const bool covers = graph_.operations().includes(harvest.zone(other.abstract), harvest.zone(found.zone),
                                                    graph_.program().dimension());
-  return covers ? latest.found : Found::none;
+  return covers ? latest : Found::none;
 }
 
 void Finder::look(Found& found, const Successor& successor) {
@@ -144,8 +144,7 @@ void Finder::expand(SymbolicState& source, std::uint32_t node, Harvest& harvest,
   expansion.last_edge = harvest.edges.size();
 }
 
-void Finder::expand(std::uint32_t node, std::uint32_t position) {
-  position_ = position;
+void Finder::expand(std::uint32_t node) {
   Expansion& expansion = now().expansions.emplace_back();
   expansion.first = now().found.size();
   passed_.unpack(node, source_.slots.data(), reader_);
@@ -178,8 +177,7 @@ bool Finder::expand_early() {
   return true;
 }
 
-void Finder::look_up(std::size_t early, std::uint32_t position) {
-  position_ = position;
+void Finder::look_up(std::size_t early) {
   Expansion& expansion = now().expansions.emplace_back(std::move(early_.expansions[early]));
   const std::size_t last = expansion.last;
   const std::uint32_t transitions = expansion.transitions;

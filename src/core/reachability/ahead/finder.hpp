@@ -24,8 +24,7 @@ class Finder final {
   // Begins a block of states: no edge of `taken` need be told. What has been done early is kept unless goals have been
   // settled since.
   void begin(const GoalWatch& goals, const std::vector<std::uint8_t>& taken);
-  // Expands a state; `position`: its place in the order of the block.
-  void expand(std::uint32_t node, std::uint32_t position);
+  void expand(std::uint32_t node);
   // Whether this is enough for one block.
   bool full() const { return (now().zones() + 1) * graph_.operations().bytes > most_bytes; }
 
@@ -35,7 +34,7 @@ class Finder final {
   bool expand_early();
   // Those that have been expanded early, in order. Each is to be looked up in place of `expand`.
   std::span<const std::uint32_t> early() const { return {early_.nodes.data(), early_.done}; }
-  void look_up(std::size_t early, std::uint32_t position);
+  void look_up(std::size_t early);
 
   Harvest& harvest() { return now(); }
   const Harvest& harvest() const { return now(); }
@@ -43,11 +42,6 @@ class Finder final {
  private:
   struct Receiving;
   struct Stepping;
-  // The last successor found of a discrete state, among those that share a place.
-  struct Latest {
-    std::uint32_t found = Found::none;
-    std::uint32_t position = 0;
-  };
   // States of the next block, and how many of them have been expanded; what was found is in the next harvest.
   struct Early {
     std::vector<std::uint32_t> nodes;
@@ -61,7 +55,8 @@ class Finder final {
   Harvest& now() { return harvests_[now_]; }
   const Harvest& now() const { return harvests_[now_]; }
   Harvest& next() { return harvests_[1 - now_]; }
-  // One that was found before for the same discrete state, covers the zone, and comes before the present one.
+  // One that was found before for the same discrete state and covers the zone. It may belong to a state that comes
+  // later; then it is not stored yet when the search asks for it, and does not count.
   std::uint32_t own_coverer(const Found& found) const;
   void look(Found& found, const Successor& successor);
   // Notes the edges of a transition.
@@ -82,8 +77,7 @@ class Finder final {
   std::vector<std::uint8_t> taken_;
   Harvest harvests_[2];
   std::size_t now_ = 0;
-  std::uint32_t position_ = 0;  // of the state whose successors are looked up
-  std::vector<Latest> latest_;  // by keys
+  std::vector<std::uint32_t> latest_;  // the last found of a discrete state, among those that share a place; by keys
   Early early_;
 };
 

@@ -28,7 +28,7 @@ struct Found {
   bool meets = true;          // it may meet a goal
   // That it covers none of the stored states, nor of those found for earlier states, and none of these covers it.
   bool apart = false;
-  std::uint32_t own_coverer = none;  // one of the same harvest; of an earlier state, or earlier of this one
+  std::uint32_t own_coverer = none;  // one of the same harvest
   const Found* coverer = nullptr;    // that one, or one of another harvest; nullptr: none covers it
   Found* before = nullptr;           // the one with the same discrete state that was found before
   std::uint32_t node = no_node;      // its number, once it is stored
