@@ -197,19 +197,20 @@ OTHERS_COME_FIRST = {
     ),
     "another process lets time go on": (
         (
-            "clock x, y;"
-            "process P() { init location u { invariant x <= 3; to v { guard x >= 3; } to w { guard y >= 5; } }"
-            " location v {} location w {} }"
-            "process Q() { init location a { to b { guard x >= 2; assign x = 0; } } location b {} }"
+            "clock x, y; int[0, 1] n;"
+            "process P() { init location s { invariant x <= 3; to u { guard x >= 3; assign n = 1; } }"
+            " location u { invariant x <= 3; to v {} to w { guard y >= 5; } } location v {}"
+            " location w { to z {} } location z {} }"
+            "process Q() { init location a { to b { guard n == 1; assign x = 0; } } location b {} }"
         ),
-        "p.w",
+        "p.z",
     ),
     "time has nearly run out": (
         (
-            "clock x, z;"
-            "process P() { init location s { invariant x <= 2; to u { guard x >= 2; } }"
+            "clock x, z; int[0, 1] n;"
+            "process P() { init location s { invariant x <= 2; to u { guard x >= 2; assign n = 1; } }"
             " location u { invariant x <= 3; to v { assign z = 0; } } location v { invariant z <= 0; } }"
-            "process Q() { init location a { to b { guard x <= 2; } } location b { to c { guard x >= 3; } }"
+            "process Q() { init location a { to b { guard n == 1 && x <= 2; } } location b { to c { guard x >= 3; } }"
             " location c {} }"
         ),
         "q.c",
