@@ -18,10 +18,11 @@ from tachk.engines.outcome import Progress
 from tachk.engines.program_image import encode
 
 STORED = 20_000
-"""Where fewer states are enough nothing is tried depth first: the runs that are found are longer."""
+"""Where fewer states are enough nothing else is tried: the runs that are found depth first are longer."""
 EXPLORED = 1_500
 """So many states are explored depth first, which is little beside what has been stored."""
 EXPLORED_IN_ONE_ORDER = 5_000
+"""So many states are explored with one order of actions at most."""
 FIRST_IN_ONE_ORDER = 256
 """After so many states it is looked at whether one order of actions was enough in a quarter of them."""
 _STEP = 64

@@ -37,7 +37,6 @@ void Ahead::look(std::vector<std::uint32_t> nodes, std::size_t block, const Goal
   sift_and_go_on(std::move(further));
 }
 
-// What has been expanded early has a place already.
 std::size_t Ahead::place_early() {
   block_.early.assign(block_.nodes.size(), {nobody, 0});
   std::size_t done = 0;

@@ -73,6 +73,7 @@ class Ahead final {
 
   // The others end what they do early.
   void interrupt();
+  // Finds what has been expanded early in the block; how many states the others have expanded.
   std::size_t place_early();
   void find(const GoalWatch& goals, const std::vector<std::uint8_t>& taken);
   void find(unsigned member, std::atomic<std::size_t>& next);
