@@ -34,7 +34,7 @@ from tachk.model.expressions import (
     VariableKind,
 )
 from tachk.model.network import Network
-from tachk.model.remembered import by_network
+from tachk.model.remembered import MOST_RESULTS, by_network, by_part
 from tachk.model.traversal import process_expressions, walk, written_variables
 from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarType, Type, cell_count, kinds_of_cells
 from tachk.operators import COMPARISONS, BinaryOperator, OperandError, UnaryOperator, wrapped
@@ -61,17 +61,33 @@ class Known:
 def known_values(network: Network, predicates: Sequence[Expression]) -> Known:
     """The integer variables of a network that neither it nor the predicates ever write."""
     constants, written = _constants(network), written_variables(predicates)
-    return Known({v: cells for v, cells in constants.items() if v not in written} if written else constants)
+    if not written:
+        return constants
+    return Known({v: cells for v, cells in constants.values.items() if v not in written})
 
 
 @by_network
-def _constants(network: Network) -> Mapping[Variable, tuple[int, ...]]:
-    written = written_variables(list(network_expressions(network)))
-    return {
-        v: v.initial or default_cells(v.type)
-        for v in network.all_variables()
-        if v not in written and all(map(is_integer, kinds_of_cells(v.type)))
-    }
+def _constants(network: Network) -> Known:
+    written = written_variables(network_expressions(network))
+    return _shared(
+        Known(
+            {
+                v: v.initial or default_cells(v.type)
+                for v in network.all_variables()
+                if v not in written and all(map(is_integer, kinds_of_cells(v.type)))
+            }
+        )
+    )
+
+
+_recent: list[Known] = []
+
+
+def _shared(known: Known) -> Known:
+    """One object for what is known of several networks, by which the parts that they share are found faster."""
+    if known not in _recent:
+        _recent[:] = [*_recent[-MOST_RESULTS + 1 :], known]
+    return _recent[_recent.index(known)]
 
 
 def network_expressions(network: Network) -> Iterator[Expression]:
@@ -157,20 +173,31 @@ def known_cell(place: Expression) -> tuple[Variable, int] | None:
     return None
 
 
+@by_part
 def fold(expression: Expression, known: Known) -> Expression:
     """An equal expression in which everything that is known is a constant."""
+    return _fold(expression, known)
+
+
+@by_part
+def fold_place(place: Expression, known: Known) -> Expression:
+    """The same place, with its indices and conditions folded."""
+    return _fold_place(place, known)
+
+
+def _fold(expression: Expression, known: Known) -> Expression:
     check_time()
     match expression:
         case Constant() | LocationTest() | Deadlock():
             return expression
         case Reference() | Index() | Field():
-            return _fold_read(fold_place(expression, known), known)
+            return _fold_read(_fold_place(expression, known), known)
         case Aggregate(items):
-            return replace(expression, items=tuple(fold(i, known) for i in items))
+            return replace(expression, items=tuple(_fold(i, known) for i in items))
         case Comma(items):
-            return replace(expression, items=tuple(fold(i, known) for i in items))
+            return replace(expression, items=tuple(_fold(i, known) for i in items))
         case Unary(operator, operand):
-            inner = fold(operand, known)
+            inner = _fold(operand, known)
             if not isinstance(inner, Constant):
                 return replace(expression, operand=inner)
             match operator:
@@ -183,43 +210,44 @@ def fold(expression: Expression, known: Known) -> Expression:
         case Binary():
             return _fold_binary(expression, known)
         case Conditional(condition, then, otherwise):
-            test = fold(condition, known)
+            test = _fold(condition, known)
             if isinstance(test, Constant):
-                return fold(then if test.value else otherwise, known)
-            return replace(expression, condition=test, then=fold(then, known), otherwise=fold(otherwise, known))
+                return _fold(then if test.value else otherwise, known)
+            return replace(expression, condition=test, then=_fold(then, known), otherwise=_fold(otherwise, known))
         case Quantifier(kind, _, body):
-            inner = fold(body, known)
+            inner = _fold(body, known)
             if isinstance(inner, Constant) and kind is not QuantifierKind.SUM:
                 return truth(inner)
             return replace(expression, body=inner)
         case Assign(target, value):
-            return replace(expression, target=fold_place(target, known), value=fold(value, known))
+            return replace(expression, target=_fold_place(target, known), value=_fold(value, known))
         case Increment(target):
-            return replace(expression, target=fold_place(target, known))
+            return replace(expression, target=_fold_place(target, known))
         case Call(function, arguments):
             pairs = zip(function.parameters, arguments, strict=True)
             return replace(
                 expression,
-                arguments=tuple(fold_place(a, known) if p.reference else fold(a, known) for p, a in pairs),
+                arguments=tuple(_fold_place(a, known) if p.reference else _fold(a, known) for p, a in pairs),
             )
 
 
-def fold_place(place: Expression, known: Known) -> Expression:
-    """The same place, with its indices and conditions folded."""
+def _fold_place(place: Expression, known: Known) -> Expression:
     match place:
         case Index(base, index):
-            return replace(place, base=fold_place(base, known), index=fold(index, known))
+            return replace(place, base=_fold_place(base, known), index=_fold(index, known))
         case Field(base):
-            return replace(place, base=fold_place(base, known))
+            return replace(place, base=_fold_place(base, known))
         case Conditional(condition, then, otherwise):
-            test = fold(condition, known)
+            test = _fold(condition, known)
             if isinstance(test, Constant):
-                return fold_place(then if test.value else otherwise, known)
-            return replace(place, condition=test, then=fold_place(then, known), otherwise=fold_place(otherwise, known))
+                return _fold_place(then if test.value else otherwise, known)
+            return replace(
+                place, condition=test, then=_fold_place(then, known), otherwise=_fold_place(otherwise, known)
+            )
         case Reference():
             return place
         case _:
-            return fold(place, known)
+            return _fold(place, known)
 
 
 def _fold_read(place: Expression, known: Known) -> Expression:
@@ -235,8 +263,8 @@ def _fold_read(place: Expression, known: Known) -> Expression:
 
 def _fold_binary(expression: Binary, known: Known) -> Expression:
     operator = expression.operator
-    left = fold(expression.left, known)
-    right = fold(expression.right, known)
+    left = _fold(expression.left, known)
+    right = _fold(expression.right, known)
     if operator is BinaryOperator.IMPLY and isinstance(left, Constant):
         operator, left = BinaryOperator.OR, negate(left)
     if isinstance(left, Constant):

@@ -1,6 +1,6 @@
-"""What depends on a network is worked out once for each of the networks that came last.
+"""What depends on a network, or on a part of one, is worked out once for each of those that came last.
 
-Networks are told apart by their identity: to compare two of them would cost as much as most of what is asked.
+They are told apart by their identity: to compare two of them would cost as much as most of what is asked.
 """
 
 from __future__ import annotations
@@ -14,6 +14,10 @@ from tachk.model.network import Network
 MOST_RESULTS = 16
 """Results of one function that are remembered."""
 
+MOST_PARTS = 20_000
+"""Parts of networks for which a result of one function is remembered."""
+
+Part = TypeVar("Part")
 Asked = TypeVarTuple("Asked")
 Result = TypeVar("Result")
 
@@ -35,6 +39,28 @@ def by_network(function: Callable[[Network, *Asked], Result]) -> Callable[[Netwo
                 known.pop(next(iter(known)), None)
             known[key] = entry
         found: Result = entry[1]
+        return found
+
+    return remembered
+
+
+def by_part(function: Callable[[Part, *Asked], Result]) -> Callable[[Part, *Asked], Result]:
+    """A function of a part of a network, such as an expression, and of what is known about the network, with the last
+    result for each part. Networks that have most of their parts in common share what is worked out for them.
+
+    The results are shared: nobody may change them. Nothing that went wrong is remembered.
+    """
+    known: dict[int, tuple[Part, tuple[Any, ...], Any]] = {}
+
+    @wraps(function)
+    def remembered(part: Part, /, *asked: *Asked) -> Result:
+        entry = known.get(id(part))
+        if entry is None or entry[1] != asked:
+            entry = part, asked, function(part, *asked)  # the part is kept, so that no other gets its identity
+            if len(known) >= MOST_PARTS:
+                known.clear()
+            known[id(part)] = entry
+        found: Result = entry[2]
         return found
 
     return remembered

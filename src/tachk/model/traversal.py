@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from operator import attrgetter
 from typing import Any
 
@@ -36,6 +36,7 @@ from tachk.model.expressions import (
     While,
 )
 from tachk.model.network import Process
+from tachk.model.remembered import by_part
 from tachk.model.types import ClockType
 from tachk.operators import COMPARISONS
 from tachk.time_limit import check_time
@@ -194,16 +195,21 @@ def clock_in(expression: Expression) -> Expression | None:
     return next((node for node in nodes if isinstance(node.type, ClockType)), None)
 
 
-def written_variables(expressions: Sequence[Expression]) -> set[Variable]:
+def written_variables(expressions: Iterable[Expression]) -> set[Variable]:
     """The variables that evaluating the expressions may change, functions included.
 
     A variable passed for a reference parameter counts only if the function changes that parameter.
     """
-    bodies = [e for f in called_functions(expressions) for e in statement_expressions(f.body)]
+    return set().union(*map(_written, expressions))
+
+
+@by_part
+def _written(expression: Expression) -> frozenset[Variable]:
+    bodies = [e for f in called_functions([expression]) for e in statement_expressions(f.body)]
     written: set[Variable] = set()
     calls: list[Call] = []
-    for expression in (*expressions, *bodies):
-        for node in walk(expression):
+    for outer in (expression, *bodies):
+        for node in walk(outer):
             if isinstance(node, Assign | Increment):
                 written.update(roots(node.target))
             elif isinstance(node, Call):
@@ -216,7 +222,7 @@ def written_variables(expressions: Sequence[Expression]) -> set[Variable]:
                 if parameter.reference and parameter in written:
                     written.update(roots(argument))
         changed = len(written) > before
-    return written
+    return frozenset(written)
 
 
 def process_expressions(process: Process) -> Iterator[Expression]:

@@ -7,7 +7,7 @@ not two different elements of it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 
 from tachk.compiler.fold import Known, fold
 from tachk.model.expressions import (
@@ -29,6 +29,7 @@ from tachk.model.expressions import (
     Unary,
     Variable,
 )
+from tachk.model.remembered import by_part
 from tachk.model.traversal import called_functions, children, statement_expressions, walk
 
 Cell = tuple[Variable, int | None]
@@ -79,11 +80,22 @@ def places(place: Expression, known: Known) -> Iterator[Cell]:
             return
 
 
-def mentioned_cells(expressions: Sequence[Expression], known: Known) -> tuple[set[int], set[Cell]]:
+def mentioned_cells(expressions: Iterable[Expression], known: Known) -> tuple[set[int], set[Cell]]:
     """The processes whose locations are tested and the cells that occur, functions included."""
     processes: set[int] = set()
     cells: set[Cell] = set()
-    pending = _with_bodies(expressions)
+    for expression in expressions:
+        its_processes, its_cells = _mentioned(expression, known)
+        processes |= its_processes
+        cells |= its_cells
+    return processes, cells
+
+
+@by_part
+def _mentioned(expression: Expression, known: Known) -> tuple[frozenset[int], frozenset[Cell]]:
+    processes: set[int] = set()
+    cells: set[Cell] = set()
+    pending = _with_bodies(expression)
     while pending:
         match pending.pop():
             case LocationTest(process):
@@ -95,18 +107,23 @@ def mentioned_cells(expressions: Sequence[Expression], known: Known) -> tuple[se
                 cells.add((variable, None))
             case node:
                 pending.extend(children(node))
-    return processes, cells
+    return frozenset(processes), frozenset(cells)
 
 
-def written_cells(expressions: Sequence[Expression], known: Known) -> set[Cell]:
+def written_cells(expressions: Iterable[Expression], known: Known) -> set[Cell]:
     """The cells that evaluating the expressions may change, functions included.
 
     A variable passed for a reference parameter counts only if the function changes that parameter.
     """
+    return set().union(*(_written(expression, known) for expression in expressions))
+
+
+@by_part
+def _written(expression: Expression, known: Known) -> frozenset[Cell]:
     written: set[Cell] = set()
     calls: list[Call] = []
-    for expression in _with_bodies(expressions):
-        for node in walk(expression):
+    for outer in _with_bodies(expression):
+        for node in walk(outer):
             if isinstance(node, Assign | Increment):
                 written.update(places(node.target, known))
             elif isinstance(node, Call):
@@ -120,9 +137,9 @@ def written_cells(expressions: Sequence[Expression], known: Known) -> set[Cell]:
                 if parameter.reference and parameter in variables:
                     written.update(places(argument, known))
         changed = len(written) > before
-    return written
+    return frozenset(written)
 
 
-def _with_bodies(expressions: Sequence[Expression]) -> list[Expression]:
-    bodies = [e for f in called_functions(expressions) for e in statement_expressions(f.body)]
-    return [*expressions, *bodies]
+def _with_bodies(expression: Expression) -> list[Expression]:
+    bodies = (e for f in called_functions([expression]) for e in statement_expressions(f.body))
+    return [expression, *bodies]

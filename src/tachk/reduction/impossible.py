@@ -13,7 +13,7 @@ from dataclasses import replace
 from tachk.compiler.failures import edge_can_fail
 from tachk.compiler.fold import Known, fold, known_values, negate
 from tachk.model.expressions import BOOL, Binary, Block, Call, Constant, Expression, Function, Return, Unary, Variable
-from tachk.model.network import Edge, Network
+from tachk.model.network import Edge, Network, Process
 from tachk.model.remembered import by_network
 from tachk.model.traversal import roots
 from tachk.model.types import BoolType, ChannelType
@@ -57,18 +57,14 @@ def opened(condition: Expression, known: Known) -> Expression:
 
 
 def _only(network: Network, possible: Collection[tuple[int, int]]) -> Network:
-    return replace(
-        network,
-        processes=tuple(
-            replace(
-                process,
-                edges=tuple(
-                    edge if (number, place) in possible else _never(edge) for place, edge in enumerate(process.edges)
-                ),
-            )
-            for number, process in enumerate(network.processes)
-        ),
-    )
+    return replace(network, processes=tuple(_left(p, number, possible) for number, p in enumerate(network.processes)))
+
+
+def _left(process: Process, number: int, possible: Collection[tuple[int, int]]) -> Process:
+    if all((number, place) in possible for place in range(len(process.edges))):
+        return process
+    edges = enumerate(process.edges)
+    return replace(process, edges=tuple(edge if (number, place) in possible else _never(edge) for place, edge in edges))
 
 
 def _never(edge: Edge) -> Edge:
