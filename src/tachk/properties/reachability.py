@@ -158,11 +158,13 @@ def _settle_with_less_known(
     started = time.monotonic()
     if limits.states is not None and limits.states <= FIRST_LOOK:
         return {}
-    targets = [task.target for task in search.tasks]
+    network, targets = model.network, [task.target for task in search.tasks]
     try:
         with time_limit(limits.seconds):
-            triggers = triggers_of(search.tasks, model.network)
-            less = with_less_known(model.network, [*targets, *(trigger.condition for trigger in triggers)])
+            triggers = triggers_of(search.tasks, network)
+            mentioned = [*targets, *(trigger.condition for trigger in triggers)]
+            reduced = without_spectators(network, mentioned) if options.hold_spectators else network
+            less = with_less_known(reduced, mentioned)
     except OutOfTimeError:
         return {}
     if less is None:
@@ -177,9 +179,10 @@ def _settle_with_less_known(
     rest = search.without(decided)
     if not rest.tasks or _is_interrupted(decided):
         return decided
-    coarser = _Coarser(less.network, less_known=tuple(variable.name for variable in less.variables))
+    names = tuple(variable.name for variable in less.variables)
+    coarser = _Coarser(less.network, unexamined=unexamined(network, reduced), less_known=names)
     left = limits.after(time.monotonic() - started)
-    settled, _ = _settle_in(lambda _: coarser, model.network, rest, options, left, progress)
+    settled, _ = _settle_in(lambda _: coarser, network, rest, options, left, progress)
     decided |= settled
     rest = search.without(decided)
     if rest.tasks and options.order is SearchOrder.AUTO and not options.shortest:

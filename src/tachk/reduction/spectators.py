@@ -7,11 +7,12 @@ reads: every run of the others is possible with it and without it. Its own run-t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from tachk.model.expressions import Expression, LocationTest, Reference, Variable
 from tachk.model.network import Location, Network, Process
+from tachk.model.remembered import by_network, by_part
 from tachk.model.traversal import (
     asks_deadlock,
     called_functions,
@@ -34,6 +35,11 @@ def without_spectators(network: Network, targets: Sequence[Expression]) -> Netwo
     processes or channels have priorities: there every possible action counts. Nor is it where a target speaks of
     nothing, as that is how to ask for the whole state space.
     """
+    return _without_spectators(network, tuple(targets))
+
+
+@by_network
+def _without_spectators(network: Network, targets: tuple[Expression, ...]) -> Network:
     still = spectators(network, targets)
     if not still:
         return network
@@ -129,15 +135,20 @@ def is_broadcast(channel: Expression) -> bool:
     return isinstance(channel.type, ChannelType) and channel.type.broadcast
 
 
-def mentioned(expressions: Sequence[Expression]) -> tuple[set[int], set[Variable]]:
+def mentioned(expressions: Iterable[Expression]) -> tuple[set[int], set[Variable]]:
     """The processes whose locations are tested and the variables that occur, functions included."""
-    bodies = [e for f in called_functions(expressions) for e in statement_expressions(f.body)]
     processes: set[int] = set()
     variables: set[Variable] = set()
-    for expression in (*expressions, *bodies):
-        for node in walk(expression):
-            if isinstance(node, LocationTest):
-                processes.add(node.process)
-            elif isinstance(node, Reference):
-                variables.add(node.variable)
+    for expression in expressions:
+        its_processes, its_variables = _mentioned(expression)
+        processes |= its_processes
+        variables |= its_variables
     return processes, variables
+
+
+@by_part
+def _mentioned(expression: Expression) -> tuple[frozenset[int], frozenset[Variable]]:
+    bodies = [e for f in called_functions([expression]) for e in statement_expressions(f.body)]
+    nodes = [node for outer in (expression, *bodies) for node in walk(outer)]
+    processes = frozenset(node.process for node in nodes if isinstance(node, LocationTest))
+    return processes, frozenset(node.variable for node in nodes if isinstance(node, Reference))

@@ -12,7 +12,7 @@ state; and what is asked for is met by all that exchanges make of a state or by 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 
 from tachk.compiler.fold import Known
@@ -22,7 +22,6 @@ from tachk.model.network import Network
 from tachk.model.traversal import written_variables
 from tachk.model.types import ArrayType, Type, cell_count
 from tachk.records import dataclass
-from tachk.reduction.impossible import never_taken
 from tachk.reduction.symmetry.kinds import ArrayTree, Kinds, RecordTree, Refusal, Tree
 from tachk.reduction.symmetry.predicates import Junction, Term, flat, predicate_term
 from tachk.reduction.symmetry.terms import Number, Place, Reader, Token, cell_nodes
@@ -56,7 +55,7 @@ class Reading:
 
     Attributes:
         locations, edges: of each process. Edges with the same outline stand side by side.
-        colours: of processes (`tachk.reduction.symmetry.colours`).
+        colours: of processes (`tachk.reduction.symmetry.colours`), once they are asked for.
     """
 
     network: Network
@@ -64,7 +63,7 @@ class Reading:
     locations: list[list[Unit]]
     edges: list[list[Unit]]
     predicates: list[Term]
-    colours: Sequence[int] = ()
+    colours: Sequence[int] | None = None
     _touched: dict[Atom, list[tuple[int, bool, int]]] = field(default_factory=dict)
     _of_kind: dict[int, list[Variable]] = field(default_factory=dict)
     _asked: list[tuple[Sequence[Term], dict[Atom, list[int]]]] = field(default_factory=list)
@@ -344,12 +343,17 @@ def cell_images(kinds: Kinds, tree: Tree, type_: Type, renaming: Renaming) -> li
             return [0]
 
 
-def read(network: Network, predicates: Iterable[Expression], known: Known) -> Reading:
-    """The terms of a network and of what is asked of it."""
+def read(
+    network: Network, predicates: Iterable[Expression], known: Known, never: Container[tuple[int, int]]
+) -> Reading:
+    """The terms of a network and of what is asked of it.
+
+    Args:
+        never: edges that are never taken, by process and number.
+    """
     reader = Reader(known)
     for variable in network.all_variables():
         reader.tree_of(variable)
-    never = never_taken(network, known)
     outlines: dict[Hashable, int] = {}
 
     def rank(unit: Unit) -> int:

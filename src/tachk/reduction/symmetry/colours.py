@@ -22,6 +22,12 @@ _Mention = tuple[Hashable, Atom]
 
 def colours_of_processes(reading: Reading) -> Sequence[int]:
     """A number for each process; those of different numbers never become each other."""
+    if reading.colours is None:
+        reading.colours = _refined(reading)
+    return reading.colours
+
+
+def _refined(reading: Reading) -> Sequence[int]:
     lines = [
         [
             *((("location", place, _text(reading, unit)), _mentions(reading, unit)) for place, unit in enumerate(here)),

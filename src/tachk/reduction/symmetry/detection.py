@@ -8,7 +8,7 @@ permutations. Processes that cannot be exchanged may still form a ring (`tachk.r
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain, combinations
 from math import factorial, prod
@@ -20,12 +20,14 @@ from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Network
 from tachk.model.remembered import by_network
 from tachk.records import dataclass
+from tachk.reduction.impossible import never_taken
 from tachk.reduction.symmetry.automorphism import Reading, Renaming, read
 from tachk.reduction.symmetry.broadcasts import order_matters
 from tachk.reduction.symmetry.colours import colours_of_processes
 from tachk.reduction.symmetry.correspondence import corresponding
 from tachk.reduction.symmetry.kinds import Refusal
 from tachk.reduction.symmetry.rings import Ring, Team, find_ring, subsets
+from tachk.reduction.symmetry.sketch import sketch_of
 from tachk.reduction.symmetry.terms import Number, Shift, Token
 
 MOST_IN_VAIN = 30
@@ -48,6 +50,19 @@ class Interchangeable:
 
 
 @dataclass(frozen=True, slots=True)
+class Apart:
+    """Two teams that cannot be exchanged.
+
+    Attributes:
+        refusal: why not; None if their colours tell, so that a reason is only looked for where somebody asks.
+    """
+
+    one: Team
+    other: Team
+    refusal: Refusal | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Difference:
     """Why two processes with the same text up to numbers and variables cannot be exchanged."""
 
@@ -64,13 +79,14 @@ class Symmetry:
     Attributes:
         groups: of two processes at least.
         rings: of processes that are not in groups.
-        differences: one for each template with several instances that are not all interchangeable, nor in a ring.
+        apart: for each template with several instances that are not all interchangeable, nor in a ring, two of them
+            that are not.
         reading: what the renamings of the groups and rings speak of.
     """
 
     groups: tuple[Interchangeable, ...]
     rings: tuple[Ring, ...]
-    differences: tuple[Difference, ...]
+    apart: tuple[Apart, ...]
     reading: Reading
 
     @property
@@ -78,6 +94,16 @@ class Symmetry:
         """What maps the network onto itself."""
         yield from (exchange for group in self.groups for exchange in group.exchanges)
         yield from (ring.rotation for ring in self.rings)
+
+    @property
+    def differences(self) -> Iterable[Difference]:
+        """Why the processes that are apart are."""
+        processes = self.reading.network.processes
+        for apart in self.apart:
+            refusal = apart.refusal or _proved(self.reading, apart.one, apart.other)
+            assert isinstance(refusal, Refusal)
+            first, second = processes[apart.one[0]], processes[apart.other[0]]
+            yield Difference(first.template, first.name, second.name, refusal)
 
 
 def find_symmetry(network: Network, predicates: Sequence[Expression]) -> Symmetry:
@@ -101,15 +127,16 @@ def _found(network: Network, predicates: tuple[Expression, ...]) -> Symmetry:
 def look_for_symmetry(network: Network, predicates: Sequence[Expression]) -> Symmetry:
     """As `find_symmetry`, without anything that is known of the network."""
     known = known_values(network, predicates)
-    reading = read(network, predicates, known)
+    sketch = sketch_of(network)
+    never = sketch.never if known is sketch.known else never_taken(network, known)
+    reading = read(network, predicates, known, never)
     candidates = list(_candidates(reading))
     for members in candidates:
         for other in members[1:]:
             _align(reading, members[0], other)
     reading.settle()
-    reading.colours = colours_of_processes(reading)
     found = [_attempt(reading, [(member,) for member in members]) for members in candidates]
-    open_ = [attempt for attempt in found if attempt.refusal is not None]
+    open_ = [attempt for attempt in found if attempt.apart is not None]
     for partners in _partnerships(open_):
         joined = _attempt(reading, list(zip(*(sum(each.teams, ()) for each in partners), strict=True)))
         if joined.reach > max(each.reach for each in partners):
@@ -117,8 +144,8 @@ def look_for_symmetry(network: Network, predicates: Sequence[Expression]) -> Sym
             break
     rings, found = _with_rings(reading, found)
     groups = tuple(group for attempt in found for group in attempt.groups)
-    differences = tuple(_difference(network, attempt) for attempt in found if attempt.refusal)
-    return Symmetry(groups, tuple(rings), differences, reading)
+    apart = tuple(attempt.apart for attempt in found if attempt.apart is not None)
+    return Symmetry(groups, tuple(rings), apart, reading)
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,12 +153,12 @@ class _Attempt:
     """What has become of teams that might be interchangeable.
 
     Attributes:
-        refusal: why they are not all; None if they are.
+        apart: two that are not; None if all are.
     """
 
     teams: list[Team]
     groups: list[Interchangeable]
-    refusal: Refusal | None
+    apart: Apart | None
 
     @property
     def reach(self) -> int:
@@ -147,16 +174,17 @@ class _Attempt:
 def _attempt(reading: Reading, teams: list[Team]) -> _Attempt:
     refusal = _order_of_errors(reading, teams[0])
     if refusal is not None:
-        return _Attempt(teams, [], refusal)
-    classes, refusal = _classes(reading, teams)
+        return _Attempt(teams, [], Apart(teams[0], teams[1], refusal))
+    classes, apart = _classes(reading, teams)
     groups = []
     for each in classes:
         if len(each.members) > 1:
             refused = order_matters(reading.network, reading.reader.known, each.members)
-            refusal = refusal or refused
             if refused is None:
                 groups.append(each)
-    return _Attempt(teams, groups, refusal)
+            else:
+                apart = apart or Apart(each.members[0], each.members[1], refused)
+    return _Attempt(teams, groups, apart)
 
 
 def _partnerships(attempts: Sequence[_Attempt]) -> Iterable[tuple[_Attempt, ...]]:
@@ -175,9 +203,9 @@ def _with_rings(reading: Reading, attempts: list[_Attempt]) -> tuple[list[Ring],
     """The rings of teams that are not all interchangeable, where those leave fewer states, and the other attempts."""
     rings: list[Ring] = []
     gone: list[_Attempt] = []
-    sizes = {len(attempt.teams) for attempt in attempts if attempt.refusal is not None}
+    sizes = {len(attempt.teams) for attempt in attempts if attempt.apart is not None}
     for size in sorted(sizes):
-        equal = [attempt for attempt in attempts if attempt.refusal is not None and len(attempt.teams) == size]
+        equal = [attempt for attempt in attempts if attempt.apart is not None and len(attempt.teams) == size]
         for some in subsets(equal):
             if any(attempt in gone for attempt in some):
                 continue
@@ -195,19 +223,12 @@ def ring_of(reading: Reading, teams: Sequence[Team]) -> Ring | None:
     families = list(zip(*teams, strict=True))
     if any(_order_of_errors(reading, (family[0],)) for family in families):
         return None
-    colours = reading.colours
-    if any(len({colours[member] for member in family}) > 1 for family in families):
+    if any(len({colours[member] for member in family}) > 1 for colours in _colours(reading) for family in families):
         return None
     ring = find_ring(reading, families)
     if isinstance(ring, Refusal) or order_matters(reading.network, reading.reader.known, ring.members):
         return None
     return ring
-
-
-def _difference(network: Network, attempt: _Attempt) -> Difference:
-    assert attempt.refusal is not None
-    first, second = (network.processes[team[0]] for team in attempt.teams[:2])
-    return Difference(first.template, first.name, second.name, attempt.refusal)
 
 
 def _candidates(reading: Reading) -> Iterable[list[int]]:
@@ -271,32 +292,50 @@ def _order_of_errors(reading: Reading, team: Team) -> Refusal | None:
     return None
 
 
-def _classes(reading: Reading, teams: Sequence[Team]) -> tuple[list[Interchangeable], Refusal | None]:
-    """The teams in classes of those that can be exchanged, and the first reason why there is more than one."""
-    colours = reading.colours
+def _classes(reading: Reading, teams: Sequence[Team]) -> tuple[list[Interchangeable], Apart | None]:
+    """The teams in classes of those that can be exchanged, and two that are in different ones if there are several.
+
+    Colours that take longer to find are looked for once an exchange has been tried in vain.
+    """
+    for colours in _colours(reading):
+        classes, apart = _exchanged(reading, teams, colours, MOST_IN_VAIN if colours is reading.colours else 1)
+        if apart is None or apart.refusal is None:
+            break
+    return classes, apart
+
+
+def _colours(reading: Reading) -> Iterator[Sequence[int]]:
+    """What tells processes apart, as long as nothing better is known first what is found fast."""
+    sketch = sketch_of(reading.network)
+    if reading.colours is None and reading.reader.known is sketch.known:
+        yield sketch.colours
+    yield colours_of_processes(reading)
+
+
+def _exchanged(
+    reading: Reading, teams: Sequence[Team], colours: Sequence[int], most_in_vain: int
+) -> tuple[list[Interchangeable], Apart | None]:
     found: dict[Hashable, list[tuple[list[Team], list[Renaming]]]] = {}
-    reason: Refusal | None = None
+    apart: Apart | None = None
     in_vain = 0
     for team in teams:
         alike = found.setdefault(tuple(colours[member] for member in team), [])
-        for numbers, exchanges in alike if in_vain < MOST_IN_VAIN else ():
+        for numbers, exchanges in alike if in_vain < most_in_vain else ():
             exchange = _proved(reading, numbers[0], team)
             if isinstance(exchange, Renaming):
                 numbers.append(team)
                 exchanges.append(exchange)
                 in_vain = 0
                 break
-            reason = reason or exchange
+            apart = apart or Apart(numbers[0], team, exchange)
             in_vain += 1
         else:
             alike.append(([team], []))
-    if len(found) > 1 and reason is None:
+    if len(found) > 1 and apart is None:
         (one, _), (other, _) = (alike[0] for alike in list(found.values())[:2])
-        refusal = _proved(reading, one[0], other[0])
-        assert isinstance(refusal, Refusal)
-        reason = refusal
+        apart = Apart(one[0], other[0])
     classes = chain.from_iterable(found.values())
-    return [Interchangeable(tuple(numbers), tuple(exchanges)) for numbers, exchanges in classes], reason
+    return [Interchangeable(tuple(numbers), tuple(exchanges)) for numbers, exchanges in classes], apart
 
 
 def _proved(reading: Reading, one: Team, other: Team) -> Renaming | Refusal:

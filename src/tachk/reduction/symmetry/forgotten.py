@@ -43,7 +43,7 @@ def with_less_known(network: Network, targets: Sequence[Expression]) -> Coarser 
     if every_action_counts(network, targets):
         return None
     symmetry = find_symmetry(network, targets)
-    if not symmetry.differences:
+    if not symmetry.apart:
         return None
     before = sum(len(group.members) for group in symmetry.groups)
     for numbers in sorted(numbers_of_processes(symmetry.reading), key=lambda each: (-len(each), min(each))):

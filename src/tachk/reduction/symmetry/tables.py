@@ -16,12 +16,13 @@ from tachk.reduction.symmetry.automorphism import Reading, Renaming, cell_images
 from tachk.reduction.symmetry.detection import Interchangeable, Symmetry, find_symmetry, ring_of
 from tachk.reduction.symmetry.kinds import Refusal
 from tachk.reduction.symmetry.rings import Ring, Team, orbits
+from tachk.reduction.symmetry.sketch import sketch_of
 from tachk.reduction.symmetry.terms import cell_nodes
 
 
 def with_symmetry(program: Program, network: Network, predicates: Sequence[Expression]) -> Program:
     """The program of a network with what is interchangeable in it, where its goals are those of the predicates."""
-    if not repeats(network):
+    if not sketch_of(network).repeats:
         return program
     tables = [table for _, table in tables_of(network, find_symmetry(network, predicates))]
     return replace(program, interchangeable=tuple(table for table in tables if isinstance(table, Table)))
@@ -51,7 +52,7 @@ def in_equal_parts(network: Network, targets: Sequence[Expression]) -> list[list
     """The numbers of targets in sets that leave the same processes interchangeable: those that name processes would
     make a search for the others larger. One set where nothing is interchangeable at all."""
     numbers = list(range(len(targets)))
-    if len(targets) < 2 or not repeats(network) or not _moved(network, []):
+    if len(targets) < 2 or not sketch_of(network).repeats or not _moved(network, []):
         return [numbers]
     parts: dict[frozenset[tuple[Team, ...]], list[int]] = {}
     for number in numbers:
@@ -62,12 +63,6 @@ def in_equal_parts(network: Network, targets: Sequence[Expression]) -> list[list
 def _moved(network: Network, predicates: Sequence[Expression]) -> frozenset[tuple[Team, ...]]:
     symmetry = find_symmetry(network, predicates)
     return frozenset([*(group.members for group in symmetry.groups), *(ring.members for ring in symmetry.rings)])
-
-
-def repeats(network: Network) -> bool:
-    """Whether two processes may have the same text: a quick look."""
-    shapes = [(len(p.locations), len(p.edges), len(p.variables), p.initial) for p in network.processes if p.edges]
-    return len(set(shapes)) < len(shapes)
 
 
 def _table(reading: Reading, layout: CellLayout, group: Interchangeable) -> Table | Refusal:

@@ -1,0 +1,142 @@
+"""A quick look at a network: which processes cannot become each other, by the variables that their edges mention.
+
+Colours of processes, variables and elements of arrays are refined as in `tachk.reduction.symmetry.colours`, but nothing
+is asked of other numbers nor of the order in which things stand. So most networks without interchangeable processes are
+recognised before anything is read in full. What an edge mentions is looked for once in networks that share processes.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Hashable, Iterable, Iterator, Sequence
+
+from tachk.compiler.fold import Known, fold, fold_place, known_values
+from tachk.model.expressions import Call, Constant, Expression, Function, Index, Reference, Variable, VariableKind
+from tachk.model.network import Edge, Location, Network, Process
+from tachk.model.remembered import by_network, by_part
+from tachk.model.traversal import statement_expressions, walk
+from tachk.records import dataclass
+from tachk.reduction.impossible import never_taken
+
+
+@dataclass(frozen=True, slots=True)
+class Sketch:
+    """Attributes:
+    known: the constants of the network.
+    never: the edges that are never taken, by process and number.
+    colours: a number for each process; those of different numbers never become each other, nor do those without edges.
+    """
+
+    known: Known
+    never: frozenset[tuple[int, int]]
+    colours: Sequence[int]
+
+    @property
+    def repeats(self) -> bool:
+        """Whether two processes with edges have the same colour."""
+        return len(set(self.colours)) < len(self.colours)
+
+
+_Mention = tuple[Variable, int | None]
+"""Of a variable; of an array also the element, by its index where that is a constant."""
+_Mentions = tuple[tuple[Hashable, tuple[_Mention, ...]], ...]
+"""Locations and edges, with what each of them mentions."""
+
+
+@by_network
+def sketch_of(network: Network) -> Sketch:
+    known = known_values(network, ())
+    never = never_taken(network, known)
+    lines: list[_Mentions] = []
+    for number, process in enumerate(network.processes):
+        edges = enumerate(_edges(process, known))
+        lines.append((*_locations(process, known), *(line for place, line in edges if (number, place) not in never)))
+    return Sketch(known, never, _refined(network, lines))
+
+
+def _refined(network: Network, lines: Sequence[_Mentions]) -> list[int]:
+    processes = _numbers(
+        (
+            process.initial,
+            tuple(v.type for v in process.variables),
+            frozenset(Counter(shape for shape, _ in own).items()),
+        )
+        if process.edges
+        else number
+        for number, (process, own) in enumerate(zip(network.processes, lines, strict=True))
+    )
+    things = list(dict.fromkeys(mention for own in lines for _, mentioned in own for mention in mentioned))
+    colours = dict(zip(things, _numbers((each[0].type, each[1] is None) for each in things), strict=True))
+    while len(set(processes)) < len(processes):
+        places: dict[_Mention, Counter[Hashable]] = {each: Counter() for each in things}
+        for process, own in zip(processes, lines, strict=True):
+            for shape, mentioned in own:
+                for each in mentioned:
+                    places[each][process, shape] += 1
+        divided = _numbers((colours[each], frozenset(counted.items())) for each, counted in places.items())
+        before = len(set(processes)), len(set(colours.values()))
+        colours = dict(zip(things, divided, strict=True))
+        seen = (
+            [(shape, tuple(sorted(colours[each] for each in mentioned))) for shape, mentioned in own] for own in lines
+        )
+        processes = _numbers(
+            (process, frozenset(Counter(own).items())) for process, own in zip(processes, seen, strict=True)
+        )
+        if before == (len(set(processes)), len(set(divided))):
+            break
+    return processes
+
+
+def _numbers(things: Iterable[Hashable]) -> list[int]:
+    """The same number for those that are equal."""
+    found: dict[Hashable, int] = {}
+    return [found.setdefault(thing, len(found)) for thing in things]
+
+
+@by_part
+def _locations(process: Process, known: Known) -> _Mentions:
+    return tuple(
+        (("location", number), _mentioned(_of_location(location, known), known))
+        for number, location in enumerate(process.locations)
+    )
+
+
+@by_part
+def _edges(process: Process, known: Known) -> _Mentions:
+    return tuple(((edge.source, edge.target), _mentioned(_of_edge(edge, known), known)) for edge in process.edges)
+
+
+def _of_location(location: Location, known: Known) -> Iterator[Expression]:
+    if location.invariant is not None:
+        yield fold(location.invariant, known)
+    for pair in location.rates:
+        yield from (fold_place(each, known) for each in pair)
+
+
+def _of_edge(edge: Edge, known: Known) -> Iterator[Expression]:
+    if edge.guard is not None:
+        yield fold(edge.guard, known)
+    if edge.synchronisation is not None:
+        yield fold_place(edge.synchronisation.channel, known)
+    yield from (fold_place(update, known) for update in edge.updates)
+
+
+def _mentioned(expressions: Iterable[Expression], known: Known) -> tuple[_Mention, ...]:
+    """What is mentioned, functions included, where no call has its own variables."""
+    found: dict[_Mention, None] = {}
+    for node in (node for expression in expressions for node in walk(expression)):
+        match node:
+            case Reference(variable) if variable.kind not in (VariableKind.BOUND, VariableKind.FRAME):
+                found[variable, None] = None
+            case Index(Reference(variable), Constant(index)) if variable.kind is not VariableKind.FRAME:
+                found[variable, index] = None
+            case Call(function):
+                found |= dict.fromkeys(_of_function(function, known))
+            case _:
+                pass
+    return tuple(found)
+
+
+@by_part
+def _of_function(function: Function, known: Known) -> tuple[_Mention, ...]:
+    return _mentioned((fold_place(each, known) for each in statement_expressions(function.body)), known)

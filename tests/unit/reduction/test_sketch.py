@@ -1,0 +1,88 @@
+"""A quick look tells apart only what a full one tells apart, too."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from random import Random
+
+import pytest
+
+import tachk
+from tachk.model.network import Network
+from tachk.reduction.symmetry import detection
+from tachk.reduction.symmetry.detection import Symmetry, look_for_symmetry
+from tachk.reduction.symmetry.sketch import Sketch, sketch_of
+from tachk.testing.symmetric.cases import SymmetricCase, random_symmetric_case
+from tachk.testing.symmetric.controllers import random_controller_case
+from tachk.testing.symmetric.registers import random_register_case
+from tachk.testing.symmetric.rings import random_ring_case
+
+
+def _members(symmetry: Symmetry) -> list[object]:
+    return [*(group.members for group in symmetry.groups), *(ring.members for ring in symmetry.rings)]
+
+
+def _without_colours(network: Network) -> Sketch:
+    return replace(sketch_of(network), colours=[0] * len(network.processes))
+
+
+@pytest.mark.parametrize(
+    "random_case", [random_symmetric_case, random_controller_case, random_register_case, random_ring_case]
+)
+def test_the_same_is_found_without_it(
+    random_case: Callable[[Random], SymmetricCase], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = 0
+    for seed in range(60):
+        network = tachk.loads(random_case(Random(seed)).text).network
+        quick = _members(look_for_symmetry(network, []))
+        with monkeypatch.context() as patched:
+            patched.setattr(detection, "sketch_of", _without_colours)
+            assert quick == _members(look_for_symmetry(network, [])), f"seed {seed}"
+        found += bool(quick)
+        assert sketch_of(network).repeats or not quick
+    assert found > 20
+
+
+def _repeats(first: str, second: str, declarations: str = "") -> bool:
+    processes = f"process P() {{ {first} }}\nprocess Q() {{ {second} }}"
+    return sketch_of(tachk.loads(f"{declarations}\n{processes}\nsystem P, Q;").network).repeats
+
+
+def _loop(words: str) -> str:
+    return f"init location L {{ to L {{ {words} }} }}"
+
+
+def test_what_is_used_in_the_same_way_is_not_told_apart() -> None:
+    assert _repeats(_loop("assign a = 1;"), _loop("assign b = 1;"), "bool a, b;")
+    assert _repeats(_loop("assign a[0] = 1;"), _loop("assign a[1] = 1;"), "bool a[2];")
+
+
+def test_what_only_one_of_them_mentions_tells_them_apart() -> None:
+    assert not _repeats(_loop("assign a = 1;"), _loop("assign b = 1;"), "bool a; int b;")
+    assert not _repeats(
+        _loop("guard a; assign a = 1;"), _loop("assign a = 1;") + " location M { to M { guard a; } }", "bool a;"
+    )
+    assert not _repeats(_loop("assign a[0] = 1;"), _loop("guard a[0]; assign a[1] = 1;"), "bool a[2];")
+
+
+def test_functions_are_looked_into() -> None:
+    assert not _repeats(
+        f"void set() {{ a = 1; }} {_loop('assign set();')}",
+        f"void set() {{ b = 1; }} {_loop('assign set();')}",
+        "bool a; int b;",
+    )
+
+
+def test_what_is_known_is_not_mentioned() -> None:
+    text = (
+        "const int K = 1;\nint x;\nprocess P(const int me) { init location L { to L { guard me == K || me == 2; } } }\n"
+    )
+    assert sketch_of(tachk.loads(f"{text}A = P(1);\nB = P(2);\nsystem A, B;").network).repeats
+
+
+def test_edges_that_are_never_taken_do_not_count() -> None:
+    text = "bool x;\nprocess P(const int me) { init location L { to L { guard me > 1; assign x = 1; } to L { } } }\n"
+    two, one = (sketch_of(tachk.loads(f"{text}A = P({a});\nB = P(1);\nsystem A, B;").network) for a in (0, 2))
+    assert two.repeats and not one.repeats
