@@ -55,19 +55,23 @@ bool LocalZones::meet(LocalEntry* zone, std::span<const std::uint32_t> agents) {
 
 // Takes the ways through one point where they are shorter: to it as in `to_`, and on as in `from`.
 void LocalZones::shorten(LocalEntry* zone, const LocalEntry* from) {
-  // A sum with a weak bound is one less, with a strict one it loses what the other has. What is beyond infinity never
-  // is the minimum.
-  constexpr LocalEntry beyond = infinity + infinity / 2;
-  for (std::size_t k = 0; k < size_; ++k) {
-    weak_[k] = from[k] == infinity ? beyond : from[k] - 1;
-    strict_[k] = from[k] == infinity ? beyond : from[k] - (from[k] & 1);
-  }
+  prepare(from, size_);
   for (std::size_t r = 0; r < size_; ++r) {
     const LocalEntry to = to_[r];
     if (to == infinity) continue;
     LocalEntry* row = zone + r * size_;
     const LocalEntry* on = (to & 1) != 0 ? weak_.data() : strict_.data();
     for (std::size_t k = 0; k < size_; ++k) row[k] = std::min(row[k], to + on[k]);
+  }
+}
+
+void LocalZones::prepare(const LocalEntry* bounds, std::size_t count) {
+  // A sum with a weak bound is one less, with a strict one it loses what the other has. What is beyond infinity never
+  // is the minimum.
+  constexpr LocalEntry beyond = infinity + infinity / 2;
+  for (std::size_t k = 0; k < count; ++k) {
+    weak_[k] = bounds[k] == infinity ? beyond : bounds[k] - 1;
+    strict_[k] = bounds[k] == infinity ? beyond : bounds[k] - (bounds[k] & 1);
   }
 }
 
@@ -99,30 +103,37 @@ void LocalZones::elapse(LocalEntry* zone, std::uint32_t agent) const {
   row[agent] = zero;
 }
 
-bool LocalZones::synchronised(const LocalEntry* zone, LocalEntry* clocks) const {
+bool LocalZones::synchronised(const LocalEntry* zone, LocalEntry* clocks) {
   // One time takes the place of all: the shortest way from it and to it is the shortest one from and to any of them. A
   // way through it twice is never shorter, or two agents could not have the same time.
+  int apart = 0;
   for (std::size_t p = 0; p < agents_; ++p)
-    for (std::size_t q = 0; q < agents_; ++q)
-      if (zone[p * size_ + q] < zero) return false;
+    for (std::size_t q = 0; q < agents_; ++q) apart |= static_cast<int>(zone[p * size_ + q] < zero);
+  if (apart != 0) return false;
   const std::size_t dimension = of_clock_.size();
-  clocks[0] = zero;
-  for (std::size_t x = 1; x < dimension; ++x) {
-    LocalEntry upper = infinity;  // of t - x, the value of the clock
-    LocalEntry lower = infinity;  // of x - t
-    for (std::size_t p = 0; p < agents_; ++p) {
-      upper = std::min(upper, zone[p * size_ + row_of(x)]);
-      lower = std::min(lower, zone[row_of(x) * size_ + p]);
-    }
-    clocks[x * dimension] = upper;
-    clocks[x] = lower;
+  const std::size_t count = dimension - 1;
+  LocalEntry* upper = from_.data();  // of t - x, the value of each clock
+  std::fill_n(upper, count, infinity);
+  for (std::size_t p = 0; p < agents_; ++p) {
+    const LocalEntry* values = zone + p * size_ + agents_;
+    for (std::size_t x = 0; x < count; ++x) upper[x] = std::min(upper[x], values[x]);
   }
-  for (std::size_t x = 1; x < dimension; ++x)
-    for (std::size_t y = 1; y < dimension; ++y) {
-      // The value of x minus that of y is the zero of y minus that of x.
-      const LocalEntry direct = zone[row_of(y) * size_ + row_of(x)];
-      clocks[x * dimension + y] = std::min(direct, sum(clocks[y], clocks[x * dimension]));
-    }
+  clocks[0] = zero;
+  for (std::size_t x = 0; x < count; ++x) clocks[(x + 1) * dimension] = upper[x];
+  prepare(upper, count);
+  for (std::size_t y = 0; y < count; ++y) {
+    const LocalEntry* row = zone + (agents_ + y) * size_;
+    const LocalEntry lower = *std::min_element(row, row + agents_);  // of y - t
+    clocks[y + 1] = lower;
+    // The value of x minus that of y is the zero of y minus that of x.
+    const LocalEntry* direct = row + agents_;
+    LocalEntry* column = clocks + dimension + y + 1;
+    const LocalEntry* on = (lower & 1) != 0 ? weak_.data() : strict_.data();
+    if (lower == infinity)
+      for (std::size_t x = 0; x < count; ++x) column[x * dimension] = direct[x];
+    else
+      for (std::size_t x = 0; x < count; ++x) column[x * dimension] = std::min(direct[x], lower + on[x]);
+  }
   return true;
 }
 
@@ -135,8 +146,12 @@ void LocalZones::rename(LocalEntry* target, const LocalEntry* zone, std::span<co
 }
 
 bool LocalZones::is_legal(const LocalEntry* zone) const {
-  return std::all_of(zone, zone + size(),
-                     [](LocalEntry entry) { return entry == infinity || (entry < legal && entry > -legal); });
+  int illegal = 0;  // gathered without branches, so that the compiler uses vectors
+  for (std::size_t k = 0; k < size(); ++k) {
+    const LocalEntry entry = zone[k] == infinity ? 0 : zone[k];
+    illegal |= static_cast<int>(entry >= legal) | static_cast<int>(entry <= -legal);
+  }
+  return illegal == 0;
 }
 
 }  // namespace tachk

@@ -41,7 +41,7 @@ class LocalZones {
   void elapse(LocalEntry* zone, std::uint32_t agent) const;
   // The values of the clocks where all agents have the same time, as an ordinary canonical zone: a row for the
   // reference clock and for each clock, without padding. False if there are none.
-  bool synchronised(const LocalEntry* zone, LocalEntry* clocks) const;
+  bool synchronised(const LocalEntry* zone, LocalEntry* clocks);
   // The zone with its agents and clocks renamed, each by the number of the one that takes its place.
   void rename(LocalEntry* target, const LocalEntry* zone, std::span<const std::uint32_t> agents,
               std::span<const std::uint16_t> clocks) const;
@@ -51,6 +51,8 @@ class LocalZones {
  private:
   bool tighten(LocalEntry* zone, std::size_t i, std::size_t j, LocalEntry bound);
   void shorten(LocalEntry* zone, const LocalEntry* from);
+  // Sets `weak_` and `strict_`: what is added to a weak and to a strict bound for its sum with each of these.
+  void prepare(const LocalEntry* bounds, std::size_t count);
   std::size_t row_of(std::size_t clock) const { return agents_ + clock - 1; }
 
   std::size_t agents_;
