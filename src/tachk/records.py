@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from dataclasses import dataclass
 else:
     import dataclasses
-    from collections.abc import Callable, Iterator
+    import types
+    from collections.abc import Callable
 
     _FIELDS = "__dataclass_fields__"
     _MISSING = dataclasses.MISSING
@@ -42,22 +43,31 @@ else:
 
         def decorate(plain: type) -> type:
             fields = _fields(plain)
-            cls = _with_slots(plain, fields) if slots else plain
-            setattr(cls, _FIELDS, fields)
-            cls.__dataclass_params__ = _Parameters
-            cls.__match_args__ = tuple(each.name for each in fields.values() if each.init and not each.kw_only)
-            cls.__doc__ = cls.__doc__ or cls.__name__
+            made: list[type] = []
+            members = {
+                _FIELDS: fields,
+                "__dataclass_params__": _Parameters,
+                "__match_args__": tuple(each.name for each in fields.values() if each.init and not each.kw_only),
+                "__doc__": plain.__doc__ or plain.__name__,
+                "__signature__": _Signature(),
+            }
             names = ["__init__", "__repr__", *(["__eq__"] if eq else ()), *(["__hash__"] if eq and frozen else ())]
             for name in names:
                 if name not in plain.__dict__ or (name == "__hash__" and plain.__hash__ is None):
-                    setattr(cls, name, _placeholder(cls, name, frozen))
+                    members[name] = _placeholder(plain, made, name, frozen)
             if eq and not frozen and "__hash__" not in plain.__dict__:
-                cls.__hash__ = None
+                members["__hash__"] = None
             if frozen:
-                cls.__setattr__, cls.__delattr__ = _assign, _delete
+                members |= {"__setattr__": _assign, "__delattr__": _delete}
             if frozen and slots:
-                cls.__getstate__, cls.__setstate__ = _state, _restore
-            cls.__signature__ = _Signature()
+                members |= {"__getstate__": _state, "__setstate__": _restore}
+            if slots:
+                cls = _with_slots(plain, fields, members)
+            else:
+                cls = plain
+                for name, member in members.items():
+                    setattr(cls, name, member)
+            made.append(cls)
             return cls
 
         return decorate
@@ -81,51 +91,53 @@ else:
             fields[name] = each
         return fields
 
-    def _with_slots(plain: type, fields: dict[str, dataclasses.Field]) -> type:
-        """The same class with slots for its fields; a class cannot get them after it was made."""
+    def _with_slots(plain: type, fields: dict[str, dataclasses.Field], more: dict[str, object]) -> type:
+        """The same class with slots for its fields and with more members; a class cannot get slots after it was made,
+        and what it has from the beginning costs less than what it gets later."""
         there = {slot for base in plain.__mro__[1:-1] for slot in base.__dict__.get("__slots__", ())}
         left_out = {*fields, "__dict__", "__weakref__"}
-        members = {name: value for name, value in plain.__dict__.items() if name not in left_out}
+        members = {name: value for name, value in plain.__dict__.items() if name not in left_out} | more
         members["__slots__"] = tuple(name for name in fields if name not in there)
         cls = type(plain)(plain.__name__, plain.__bases__, members)
         cls.__qualname__ = plain.__qualname__
         return cls
 
-    def _placeholder(cls: type, name: str, frozen: bool) -> Callable[..., object]:
-        """A method that puts the real one in its place and calls it."""
+    def _placeholder(plain: type, made: list[type], name: str, frozen: bool) -> Callable[..., object]:
+        """A method that puts the real one in its place, in the class that will be made of this one, and calls it."""
 
         def method(self: object, *arguments: object, **named: object) -> object:
+            (cls,) = made
             compiled = _compiled(cls, name, frozen)
             setattr(cls, name, compiled)
             return compiled(self, *arguments, **named)
 
         method.__name__ = name
-        method.__qualname__ = f"{cls.__qualname__}.{name}"
-        method.__module__ = cls.__module__
+        method.__qualname__ = f"{plain.__qualname__}.{name}"
+        method.__module__ = plain.__module__
         method.is_placeholder = True
         return method
 
     def _compiled(cls: type, name: str, frozen: bool) -> Callable[..., object]:
         """One method, as the standard decorator would write it."""
         fields = dataclasses.fields(cls)
-        known = {"assign": object.__setattr__, "made": _FACTORY}
         match name:
             case "__init__":
-                lines = _init_lines(cls, fields, frozen, known)
+                method = _init(cls, fields, frozen)
             case "__repr__":
                 shown = ", ".join(f"{each.name}={{self.{each.name}!r}}" for each in fields if each.repr)
-                lines = ["(self):", f"return f'{{self.__class__.__qualname__}}({shown})'"]
+                text = f"def __repr__(self): return f'{{self.__class__.__qualname__}}({shown})'"
+                method = _function(_code(text), (), {})
             case "__eq__":
+                compared = tuple(each.name for each in fields if each.compare)
                 mine, others = (
-                    "".join(f"{whose}.{each.name}," for each in fields if each.compare) for whose in ("self", "other")
+                    "".join(f"{whose}.{_P}{n}," for n in range(len(compared))) for whose in ("self", "other")
                 )
-                lines = ["(self, other):", "if other.__class__ is not self.__class__: return NotImplemented"]
-                lines.append(f"return ({mine}) == ({others})")
+                text = "def __eq__(self, other):\n if other.__class__ is not self.__class__: return NotImplemented"
+                method = _function(_code(f"{text}\n return ({mine}) == ({others})"), compared, {})
             case _:
-                hashed = [each for each in fields if (each.compare if each.hash is None else each.hash)]
-                lines = ["(self):", "return hash((" + "".join(f"self.{each.name}," for each in hashed) + "))"]
-        exec(f"def {name}" + "\n ".join(lines), known)
-        method = known[name]
+                hashed = tuple(each.name for each in fields if (each.compare if each.hash is None else each.hash))
+                values = "".join(f"self.{_P}{n}," for n in range(len(hashed)))
+                method = _function(_code(f"def __hash__(self): return hash(({values}))"), hashed, {})
         if name == "__repr__":
             from reprlib import recursive_repr
 
@@ -134,30 +146,67 @@ else:
         method.__module__ = cls.__module__
         return method
 
-    def _init_lines(
-        cls: type, fields: tuple[dataclasses.Field, ...], frozen: bool, known: dict[str, object]
-    ) -> Iterator[str]:
-        """The lines of ``__init__``; what they need is added to what is known there."""
-        parameters = []
-        body = []
-        for each in sorted(fields, key=lambda each: each.kw_only):
-            default, factory = f"default_{each.name}", f"factory_{each.name}"
-            known[default], known[factory] = each.default, each.default_factory
-            if each.kw_only and "*" not in parameters:
-                parameters.append("*")
-            value = each.name if each.init else default
+    _P = "p_"
+    """Begins the names that stand for those of fields in texts, each with a number. So methods of many classes have the
+    same text, which is compiled once; compiling took a tenth of the start of the program."""
+
+    _codes: dict[str, types.CodeType] = {}
+
+    def _code(text: str) -> types.CodeType:
+        """That of the function that a text defines."""
+        code = _codes.get(text)
+        if code is None:
+            made: dict[str, types.FunctionType] = {}
+            exec(text, made)
+            code = _codes[text] = made[text[len("def ") : text.index("(")]].__code__
+        return code
+
+    def _function(code: types.CodeType, names: tuple[str, ...], known: dict[str, object]) -> types.FunctionType:
+        """The function with the names of fields in their places, and with what is known to it."""
+        places = {f"{_P}{number}": name for number, name in enumerate(names)}
+
+        def renamed(things: tuple[object, ...]) -> tuple[object, ...]:
+            return tuple(places.get(each, each) if each.__class__ is str else each for each in things)
+
+        code = code.replace(
+            co_varnames=renamed(code.co_varnames),
+            co_names=renamed(code.co_names),
+            co_consts=renamed(code.co_consts),
+        )
+        return types.FunctionType(code, known, code.co_name)
+
+    def _init(cls: type, fields: tuple[dataclasses.Field, ...], frozen: bool) -> types.FunctionType:
+        fields = tuple(sorted(fields, key=lambda each: each.kw_only))
+        known: dict[str, object] = {"assign": object.__setattr__, "made": _FACTORY}
+        parameters, body = [], []
+        defaults, named = [], {}
+        for number, each in enumerate(fields):
+            name, factory = f"{_P}{number}", f"factory_{number}"
+            value = name
+            default = each.default
             if each.default_factory is not _MISSING:
-                known[default] = _FACTORY
-                value = f"{factory}() if {each.name} is made else {each.name}" if each.init else f"{factory}()"
-            has_default = each.default is not _MISSING or each.default_factory is not _MISSING
+                known[factory], default = each.default_factory, _FACTORY
+                value = f"{factory}() if {name} is made else {name}" if each.init else f"{factory}()"
+            elif not each.init:
+                known[f"default_{number}"], value = default, f"default_{number}"
             if each.init:
-                parameters.append(f"{each.name}={default}" if has_default else each.name)
-            if each.init or has_default:
-                body.append(f"assign(self, {each.name!r}, {value})" if frozen else f"self.{each.name} = {value}")
+                if each.kw_only and "*" not in parameters:
+                    parameters.append("*")
+                parameters.append(name)
+                if default is not _MISSING and each.kw_only:
+                    named[each.name] = default
+                elif default is not _MISSING:
+                    defaults.append(default)
+                elif defaults and not each.kw_only:
+                    raise TypeError(f"non-default argument {each.name!r} follows default argument")
+            if each.init or default is not _MISSING:
+                body.append(f"assign(self, {name!r}, {value})" if frozen else f"self.{name} = {value}")
         if hasattr(cls, "__post_init__"):
             body.append("self.__post_init__()")
-        yield f"(self, {', '.join(parameters)}):"
-        yield from body or ["pass"]
+        text = f"def __init__(self, {', '.join(parameters)}):\n " + "\n ".join(body or ["pass"])
+        method = _function(_code(text), tuple(each.name for each in fields), known)
+        method.__defaults__, method.__kwdefaults__ = tuple(defaults) or None, named or None
+        return method
 
     class _Signature:
         """``__signature__`` of a class whose ``__init__`` may not be compiled yet."""

@@ -38,4 +38,5 @@ def end_program(command: Callable[[], int | None]) -> NoReturn:
         end_by(getattr(signal, "SIGPIPE", signal.SIGTERM))
     if status == ExitStatus.INTERRUPTED:
         end_by(signal.SIGINT)
+    gc.freeze()  # or Python looks through everything once more for what it could free
     sys.exit(status)
