@@ -13,6 +13,7 @@ from tachk.diagnostics.suggestion import closest
 MODEL_SUFFIXES = (".ta", ".xta", ".xml", ".tck")
 QUERY_SUFFIXES = (".q",)
 
+_PATH_QUERY = re.compile(r"\s*[AE]\s*(\[\]|<>)")
 _QUERY_OPERATOR = re.compile(r"[AE]\s*(\[\]|<>)|-->|\b(sup|inf|bounds)\b|[\s{}()<>=!&|]")
 _RANGE = re.compile(r"\s*-?\w+\s*(\.\.\.?|:)\s*-?\w+\s*((:|\.\.)\s*-?\w+\s*)?|-?\w+\s*(,\s*-?\w+\s*)+")
 """How other programs write several values."""
@@ -30,6 +31,8 @@ def split_models_and_queries(arguments: Sequence[str]) -> tuple[tuple[str, ...],
     for argument in arguments:
         if _is_model(argument):
             models.append(argument)
+        elif _PATH_QUERY.match(argument):
+            queries.append(argument)
         else:
             from tachk.syntax.sentences.parser import with_full_stop
 
