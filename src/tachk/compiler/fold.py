@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field, replace
-from typing import assert_never
+from operator import is_
+from typing import Any, TypeVar, assert_never
 
 from tachk.model.cell_layout import default_cells
 from tachk.model.connectives import negation
@@ -40,6 +41,8 @@ from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarTy
 from tachk.operators import COMPARISONS, BinaryOperator, OperandError, UnaryOperator, wrapped
 from tachk.records import dataclass
 from tachk.time_limit import check_time
+
+Node = TypeVar("Node", bound=Expression)
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,13 +196,13 @@ def _fold(expression: Expression, known: Known) -> Expression:
         case Reference() | Index() | Field():
             return _fold_read(_fold_place(expression, known), known)
         case Aggregate(items):
-            return replace(expression, items=tuple(_fold(i, known) for i in items))
+            return _with(expression, items=tuple(_fold(i, known) for i in items))
         case Comma(items):
-            return replace(expression, items=tuple(_fold(i, known) for i in items))
+            return _with(expression, items=tuple(_fold(i, known) for i in items))
         case Unary(operator, operand):
             inner = _fold(operand, known)
             if not isinstance(inner, Constant):
-                return replace(expression, operand=inner)
+                return _with(expression, operand=inner)
             match operator:
                 case UnaryOperator.NOT:
                     return negate(inner)
@@ -213,19 +216,19 @@ def _fold(expression: Expression, known: Known) -> Expression:
             test = _fold(condition, known)
             if isinstance(test, Constant):
                 return _fold(then if test.value else otherwise, known)
-            return replace(expression, condition=test, then=_fold(then, known), otherwise=_fold(otherwise, known))
+            return _with(expression, condition=test, then=_fold(then, known), otherwise=_fold(otherwise, known))
         case Quantifier(kind, _, body):
             inner = _fold(body, known)
             if isinstance(inner, Constant) and kind is not QuantifierKind.SUM:
                 return truth(inner)
-            return replace(expression, body=inner)
+            return _with(expression, body=inner)
         case Assign(target, value):
-            return replace(expression, target=_fold_place(target, known), value=_fold(value, known))
+            return _with(expression, target=_fold_place(target, known), value=_fold(value, known))
         case Increment(target):
-            return replace(expression, target=_fold_place(target, known))
+            return _with(expression, target=_fold_place(target, known))
         case Call(function, arguments):
             pairs = zip(function.parameters, arguments, strict=True)
-            return replace(
+            return _with(
                 expression,
                 arguments=tuple(_fold_place(a, known) if p.reference else _fold(a, known) for p, a in pairs),
             )
@@ -234,20 +237,28 @@ def _fold(expression: Expression, known: Known) -> Expression:
 def _fold_place(place: Expression, known: Known) -> Expression:
     match place:
         case Index(base, index):
-            return replace(place, base=_fold_place(base, known), index=_fold(index, known))
+            return _with(place, base=_fold_place(base, known), index=_fold(index, known))
         case Field(base):
-            return replace(place, base=_fold_place(base, known))
+            return _with(place, base=_fold_place(base, known))
         case Conditional(condition, then, otherwise):
             test = _fold(condition, known)
             if isinstance(test, Constant):
                 return _fold_place(then if test.value else otherwise, known)
-            return replace(
-                place, condition=test, then=_fold_place(then, known), otherwise=_fold_place(otherwise, known)
-            )
+            return _with(place, condition=test, then=_fold_place(then, known), otherwise=_fold_place(otherwise, known))
         case Reference():
             return place
         case _:
             return _fold(place, known)
+
+
+def _with(expression: Node, **parts: Any) -> Node:
+    """The expression with these parts; the same object where it has them already, as what is known of parts of
+    networks is remembered by object."""
+    for name, part in parts.items():
+        old = getattr(expression, name)
+        if part is not old and not (isinstance(part, tuple) and all(map(is_, part, old))):
+            return replace(expression, **parts)
+    return expression
 
 
 def _fold_read(place: Expression, known: Known) -> Expression:
@@ -288,4 +299,4 @@ def _fold_binary(expression: Binary, known: Known) -> Expression:
                 return negate(left)
             if cannot_fail(left):
                 return Constant(1, BOOL, expression.span)
-    return replace(expression, operator=operator, left=left, right=right)
+    return _with(expression, operator=operator, left=left, right=right)

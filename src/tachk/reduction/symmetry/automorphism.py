@@ -180,9 +180,9 @@ class Reading:
 
     def _kinds_objection(self, renaming: Renaming) -> Refusal | None:
         for root in renaming.values:
-            plain = self.kinds.plain(root)
-            if plain is not None:
-                return Refusal(f"the model {plain.reason}" if _is_verb(plain.reason) else plain.reason, plain.span)
+            refusal = self.no_name(root)
+            if refusal is not None:
+                return refusal
         for limit in self.kinds.ranges:
             root, shift = self.kinds.find(limit.node)
             for value, image in renaming.values.get(root, {}).items():
@@ -198,6 +198,13 @@ class Reading:
             if renaming.value(self.kinds, default.node, default.low) != default.low:
                 return Refusal(f"a variable begins with {default.low}, the number of one of them", default.span)
         return None
+
+    def no_name(self, root: int) -> Refusal | None:
+        """Why numbers of a kind are not exchanged; None if they may be."""
+        plain = self.kinds.plain(root)
+        if plain is None:
+            return None
+        return Refusal(f"the model {plain.reason}" if _is_verb(plain.reason) else plain.reason, plain.span)
 
     def _process_objection(self, renaming: Renaming) -> Refusal | None:
         processes = self.network.processes

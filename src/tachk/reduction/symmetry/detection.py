@@ -350,18 +350,21 @@ def exchange_of(reading: Reading, one: Team, other: Team) -> Renaming | Refusal:
     values: dict[int, dict[int, int]] = {}
     processes = dict(zip((*one, *other), (*other, *one), strict=True))
 
-    def exchanges(number: Number, another: Number) -> bool:
+    def hinders(number: Number, another: Number, span: Span) -> Refusal | None:
         if number.value == another.value:
-            return True
+            return None
         root, shift = reading.kinds.find(number.node)
         moved = values.setdefault(root, {})
         here, there = number.value - shift, another.value - shift
-        return moved.setdefault(here, there) == there and moved.setdefault(there, here) == here
+        if moved.setdefault(here, there) != there or moved.setdefault(there, here) != here:
+            return Refusal("their numbers do not correspond one to one", span)
+        return reading.no_name(root)
 
     for token, another, span in corresponding(reading, processes):
         if isinstance(token, Number) and isinstance(another, Number):
-            if not exchanges(token, another):
-                return Refusal("their numbers do not correspond one to one", span)
+            refusal = hinders(token, another, span)
+            if refusal is not None:
+                return refusal
         elif isinstance(token, Variable) and isinstance(another, Variable) and token is not another:
             if variables.setdefault(token, another) is not another or variables.setdefault(another, token) is not token:
                 return Refusal(f"`{token.name}` and `{another.name}` do not correspond one to one", span)
