@@ -3,6 +3,36 @@
 #include <algorithm>
 
 namespace tachk {
+namespace {
+
+using Processes = std::vector<std::uint32_t>;
+
+void make_set(Processes& processes) {
+  std::sort(processes.begin(), processes.end());
+  processes.erase(std::unique(processes.begin(), processes.end()), processes.end());
+}
+
+// Of each channel the processes with an edge that may receive from it.
+std::vector<Processes> receivers_of_channels(const Program& program) {
+  std::vector<Processes> receivers(program.channels.size());
+  for (const Edge& edge : program.edges)
+    for (std::uint32_t n = 0; !edge.internal() && !edge.sends && n < edge.channels; ++n)
+      receivers[static_cast<std::size_t>(edge.channel) + n].push_back(edge.process);
+  std::for_each(receivers.begin(), receivers.end(), make_set);
+  return receivers;
+}
+
+Processes partners_of(const Edge& sender, const std::vector<Processes>& receivers) {
+  Processes partners;
+  for (std::uint32_t n = 0; n < sender.channels; ++n)
+    for (const std::uint32_t process : receivers[static_cast<std::size_t>(sender.channel) + n])
+      if (process != sender.process) partners.push_back(process);
+  if (sender.channels > 1) make_set(partners);
+  return partners;
+}
+
+}  // namespace
+
 Semantics::Semantics(const Program& program, const ZoneOperations& operations)
     : program_(program),
       operations_(operations),
@@ -18,10 +48,14 @@ Semantics::Semantics(const Program& program, const ZoneOperations& operations)
     }
   }
   outgoing_.resize(count);
+  const std::vector<Processes> receivers = receivers_of_channels(program);
   for (std::uint32_t number = 0; number < program.edges.size(); ++number) {
     const Edge& edge = program.edges[number];
     Outgoing& out = outgoing_[location_number(edge.process, edge.source)];
-    (edge.internal() ? out.internal : edge.sends ? out.sends : out.receives).push_back(number);
+    if (!edge.internal() && edge.sends)
+      out.sends.push_back({number, partners_of(edge, receivers)});
+    else
+      (edge.internal() ? out.internal : out.receives).push_back(number);
     const auto first = static_cast<std::uint32_t>(guard_tests_.size());
     for (const Test& test : edge.guard.tests) guard_tests_.emplace_back(test);
     integer_guards_.push_back({first, static_cast<std::uint32_t>(guard_tests_.size()), edge.guard.code});
@@ -179,18 +213,16 @@ bool Semantics::time_passes(std::int32_t* slots) {
       if (location(p, slots).urgent || location(p, slots).committed) return false;
   if (!has_urgent_channels_) return true;
   for (std::size_t p = 0; p < processes; ++p) {
-    for (const std::uint32_t number : outgoing(p, slots).sends) {
+    for (const auto& [number, partners] : outgoing(p, slots).sends) {
       const Edge& sender = program_.edges[number];
       if (!may_be_urgent(sender) || !offers(number, slots)) continue;
       const std::int32_t channel = channel_of(sender, slots);
       const Channel& kind = program_.channels[static_cast<std::size_t>(channel)];
       if (!kind.urgent) continue;
       if (kind.broadcast) return false;
-      for (std::size_t q = 0; q < processes; ++q) {
-        if (q == p) continue;
+      for (const std::uint32_t q : partners)
         for (const std::uint32_t other : outgoing(q, slots).receives)
           if (may_hear(other, channel, slots) && names(program_.edges[other], channel, slots)) return false;
-      }
     }
   }
   return true;

@@ -94,9 +94,13 @@ class Semantics {
   std::size_t location_count() const { return outgoing_.size(); }
 
  private:
+  struct Sender {
+    std::uint32_t edge;
+    std::vector<std::uint32_t> partners;  // the other processes with an edge that may receive what it sends
+  };
   struct Outgoing {
     std::vector<std::uint32_t> internal;
-    std::vector<std::uint32_t> sends;
+    std::vector<Sender> sends;
     std::vector<std::uint32_t> receives;
   };
   // A test without a branch: whether the slot lies in [low, low + span], or outside of it.
@@ -141,8 +145,8 @@ class Semantics {
     return guard.code == no_code || machine_.value(guard.code, slots) != 0;
   }
   template <class Visit>
-  void broadcast(std::size_t receiver, std::int32_t channel, bool committed, bool participates, std::int32_t* slots,
-                 ConstZoneRef zone, std::size_t level, Visit&& visit);
+  void broadcast(std::span<const std::uint32_t> receivers, std::int32_t channel, bool committed, bool participates,
+                 std::int32_t* slots, ConstZoneRef zone, std::size_t level, Visit&& visit);
   template <class Visit>
   void stay_out(const std::vector<std::vector<Atom>>& guards, std::size_t next, ConstZoneRef zone, std::size_t level,
                 Visit&& visit);
@@ -190,7 +194,7 @@ void Semantics::for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& 
         if (const ConstZoneRef rest = guarded(edge, slots, zone, 0)) visit(std::as_const(action_), rest);
       }
     }
-    for (const std::uint32_t number : out.sends) {
+    for (const auto& [number, partners] : out.sends) {
       const Edge& sender = program_.edges[number];
       if (!offers(number, slots)) continue;
       action_.edges.assign(1, number);
@@ -199,12 +203,12 @@ void Semantics::for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& 
       if (!sent) continue;
       const std::int32_t channel = channel_of(sender, slots);
       if (program_.channels[static_cast<std::size_t>(channel)].broadcast) {
-        broadcast(0, channel, committed, from_committed, slots, sent, 1, visit);
+        broadcast(partners, channel, committed, from_committed, slots, sent, 1, visit);
         continue;
       }
       const std::size_t sender_atoms = action_.guard.size();
-      for (std::size_t q = 0; q < processes; ++q) {
-        if (q == p || (committed && !from_committed && !location(q, slots).committed)) continue;
+      for (const std::uint32_t q : partners) {
+        if (committed && !from_committed && !location(q, slots).committed) continue;
         for (const std::uint32_t other : outgoing(q, slots).receives) {
           if (!may_hear(other, channel, slots)) continue;
           const Edge& partner = program_.edges[other];
@@ -219,18 +223,18 @@ void Semantics::for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& 
   }
 }
 
-// Extends the broadcast action by the receivers in process `receiver` and behind it. A process with an enabled
-// receiving edge must take part; where that depends on clocks the valuations are split. `zone` is what the guards so
-// far leave, so combinations that exclude each other are given up at once. `participates`: a participant leaves a
-// committed location.
+// Extends the broadcast action by those of the receivers, which are processes, that take part. A process with an
+// enabled receiving edge must take part; where that depends on clocks the valuations are split. `zone` is what the
+// guards so far leave, so combinations that exclude each other are given up at once. `participates`: a participant
+// leaves a committed location.
 template <class Visit>
-void Semantics::broadcast(std::size_t receiver, std::int32_t channel, bool committed, bool participates,
-                          std::int32_t* slots, ConstZoneRef zone, std::size_t level, Visit&& visit) {
-  const std::size_t sender = program_.edges[action_.edges.front()].process;
+void Semantics::broadcast(std::span<const std::uint32_t> receivers, std::int32_t channel, bool committed,
+                          bool participates, std::int32_t* slots, ConstZoneRef zone, std::size_t level, Visit&& visit) {
   const std::size_t first = listeners_.size();
   bool must_join = false;  // some listener asks nothing of the clocks
-  for (; receiver < program_.processes.size() && listeners_.size() == first; ++receiver) {
-    if (receiver == sender) continue;
+  std::uint32_t receiver = 0;
+  for (; !receivers.empty() && listeners_.size() == first; receivers = receivers.subspan(1)) {
+    receiver = receivers.front();
     for (const std::uint32_t number : outgoing(receiver, slots).receives) {
       if (!may_hear(number, channel, slots)) continue;
       const Edge& listener = program_.edges[number];
@@ -245,7 +249,7 @@ void Semantics::broadcast(std::size_t receiver, std::int32_t channel, bool commi
     return;
   }
   const std::size_t atoms = action_.guard.size();
-  const bool joined = participates || location(receiver - 1, slots).committed;
+  const bool joined = participates || location(receiver, slots).committed;
   std::vector<std::vector<Atom>> guards;
   for (std::size_t n = first; n < last; ++n) {
     const std::uint32_t number = listeners_[n];
@@ -253,13 +257,13 @@ void Semantics::broadcast(std::size_t receiver, std::int32_t channel, bool commi
     const ConstZoneRef rest = guarded(program_.edges[number], slots, zone, level);
     if (!must_join)
       guards.emplace_back(action_.guard.begin() + static_cast<std::ptrdiff_t>(atoms), action_.guard.end());
-    if (rest) broadcast(receiver, channel, committed, joined, slots, rest, level + 1, visit);
+    if (rest) broadcast(receivers, channel, committed, joined, slots, rest, level + 1, visit);
     action_.edges.pop_back();
     action_.guard.resize(atoms);
   }
   if (!must_join)
     stay_out(guards, 0, zone, level, [&](ConstZoneRef rest, std::size_t next_level) {
-      broadcast(receiver, channel, committed, participates, slots, rest, next_level, visit);
+      broadcast(receivers, channel, committed, participates, slots, rest, next_level, visit);
     });
   listeners_.resize(first);
 }
