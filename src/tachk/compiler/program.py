@@ -174,7 +174,7 @@ class Interchangeable:
 
     Attributes:
         slots: of each member those that belong to it, the corresponding ones in the same order; its location first.
-        clocks: of each member likewise.
+        clocks, channels: of each member likewise.
         names: the slots that may hold names of members, each with the number of the table that tells which.
         tables: each with the name of each member.
         cyclic: the members can only be moved on, all by the same number of places, the last ones to the front.
@@ -182,6 +182,7 @@ class Interchangeable:
 
     slots: tuple[tuple[int, ...], ...]
     clocks: tuple[tuple[int, ...], ...]
+    channels: tuple[tuple[int, ...], ...]
     names: tuple[tuple[int, int], ...]
     tables: tuple[tuple[int, ...], ...]
     cyclic: bool = False

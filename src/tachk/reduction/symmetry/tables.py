@@ -88,15 +88,18 @@ def _table(reading: Reading, layout: CellLayout, group: Interchangeable) -> Tabl
     def is_number(cell: int) -> bool:
         return not isinstance(layout.types[cell], ClockType | ChannelType)
 
+    def numbers(type_: type) -> tuple[tuple[int, ...], ...]:
+        return tuple(
+            tuple(layout.initial[cell] for cell in cells if isinstance(layout.types[cell], type_)) for cells in belongs
+        )
+
     return Table(
         slots=tuple(
             (*team, *(before + cell for cell in cells if is_number(cell)))
             for team, cells in zip(group.members, belongs, strict=True)
         ),
-        clocks=tuple(
-            tuple(layout.initial[cell] for cell in cells if isinstance(layout.types[cell], ClockType))
-            for cells in belongs
-        ),
+        clocks=numbers(ClockType),
+        channels=numbers(ChannelType),
         names=tuple((before + cell, table) for cell, table in names),
         tables=tables,
     )
@@ -107,16 +110,20 @@ def _ring_table(reading: Reading, layout: CellLayout, ring: Ring) -> Table:
     before = len(reading.network.processes)
     slots: list[list[int]] = list(orbits(ring.rotation.processes))
     clocks: list[list[int]] = []
+    channels: list[list[int]] = []
     for orbit in orbits(_cell_moves(reading, layout, ring.rotation)):
         if isinstance(layout.types[orbit[0]], ClockType):
             clocks.append([layout.initial[cell] for cell in orbit])
-        elif not isinstance(layout.types[orbit[0]], ChannelType):
+        elif isinstance(layout.types[orbit[0]], ChannelType):
+            channels.append([layout.initial[cell] for cell in orbit])
+        else:
             slots.append([before + cell for cell in orbit])
     numbers = {root: list(orbits(moved)) for root, moved in ring.rotation.values.items()}
     names, tables = _named_cells(reading, layout, numbers)
     return Table(
         slots=tuple(zip(*slots, strict=True)),
         clocks=tuple(zip(*clocks, strict=True)) or ((),) * len(ring.members),
+        channels=tuple(zip(*channels, strict=True)) or ((),) * len(ring.members),
         names=tuple((before + cell, table) for cell, table in names),
         tables=tables,
         cyclic=True,
