@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from itertools import product
+from itertools import pairwise, product
 from typing import Any
 
 from tachk.certify.exchanges import Exchange, Group, MalformedGroupError, exchange
@@ -190,7 +190,7 @@ class Automorphisms:
             same = self._corresponds((process, number), *questions, whole, _is_image_of_limits)
             if len(kinds) > 1 or not same:
                 return f"{one.name} and {other.name} differ in the location {location.name}"
-            for participant in self.model.instances[process][number]:
+            for participant in filter(self._is_possible, self.model.instances[process][number]):
                 candidates = self.model.instances[image][number]
                 nearest = sorted(candidates, key=partial(_distance, participant))
                 if not any(self._becomes(participant, candidate, whole) for candidate in nearest):
@@ -236,6 +236,10 @@ class Automorphisms:
                 ("effect", one), partial(self._effect, one), partial(self._effect, other), whole, self._is_image
             )
         )
+
+    def _is_possible(self, participant: Participant) -> bool:
+        leaves = self._of(("offer", participant), partial(_offer, self.model, participant))
+        return any(leaf.answer is FAULT or leaf.answer[0] for leaf in leaves)
 
     def _hears(self, participant: Participant) -> frozenset[int]:
         if participant not in self._heard:
@@ -398,7 +402,7 @@ def _images_of_values(values: Values, moved: Mapping[int, int]) -> list[Values]:
     if not isinstance(values, range):
         return [tuple(sorted(moved.get(one, one) for one in values))]
     borders = sorted({values[0], *inside, *(one + 1 for one in inside), values[-1] + 1})
-    pieces = [range(low, high) for low, high in zip(borders, borders[1:], strict=False)]
+    pieces = [range(low, high) for low, high in pairwise(borders)]
     return [(moved[piece[0]],) if piece[0] in inside else piece for piece in pieces]
 
 
@@ -426,7 +430,8 @@ def _limits(location: Location, scratch: Environment) -> Any:
 
 def _is_image_of_limits(leaf: Leaf, image: Leaf, whole: Exchange) -> bool:
     (limits, rates), (its_limits, its_rates) = leaf.answer, image.answer
-    return _exchanged(limits, whole) == its_limits and {(whole.clock(c), rate) for c, rate in rates} == its_rates
+    its_own = {(whole.clock(clock), rate) for clock, rate in rates}
+    return bool(_exchanged(limits, whole) == its_limits and its_own == its_rates)
 
 
 def _offer(model: PreparedNetwork, participant: Participant, scratch: Environment) -> Offer:
@@ -441,7 +446,7 @@ def _offer(model: PreparedNetwork, participant: Participant, scratch: Environmen
 
 def _is_image_of_offer(leaf: Leaf, image: Leaf, whole: Exchange) -> bool:
     (guard, channel), (its_guard, its_channel) = leaf.answer, image.answer
-    return _exchanged(guard, whole) == its_guard and whole.channels.get(channel, channel) == its_channel
+    return bool(_exchanged(guard, whole) == its_guard and whole.channels.get(channel, channel) == its_channel)
 
 
 def _is_image_of_truth(leaf: Leaf, image: Leaf, whole: Exchange) -> bool:
