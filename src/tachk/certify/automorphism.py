@@ -24,13 +24,11 @@ from functools import partial
 from itertools import pairwise, product
 from typing import Any
 
+from tachk.certify.behaviour import Behaviour, Question, name_of
 from tachk.certify.exchanges import Exchange, Group, MalformedGroupError, exchange
-from tachk.certify.junctions import Atom, Junction, Part, Sets, atoms, part_of, sets
-from tachk.certify.leaves import FAULT, Case, Leaf, Leaves, UndecidedError, Unknown, Values, content
-from tachk.model.evaluate import Environment, clock_number, evaluate, execute
+from tachk.certify.junctions import Atom, Junction, Part, Sets, atoms, part_of
+from tachk.certify.leaves import FAULT, Case, Leaf, UndecidedError, Unknown, Values, content
 from tachk.model.expressions import Expression, LocationTest, Reference, Variable
-from tachk.model.fault import EvaluationFault
-from tachk.model.network import Location
 from tachk.model.traversal import (
     called_functions,
     process_expressions,
@@ -39,27 +37,8 @@ from tachk.model.traversal import (
     written_variables,
 )
 from tachk.model.types import cell_count
-from tachk.records import dataclass
-from tachk.semantics.constraints import conditional_constraints
-from tachk.semantics.discrete import PreparedNetwork, bind_selects, channel_named, may_hear
+from tachk.semantics.discrete import PreparedNetwork
 from tachk.semantics.timed_trace import Participant
-
-Question = Callable[[Environment], Any]
-Offer = tuple[Sets, Any]
-"""The clock constraints of a guard, and the channel."""
-
-
-@dataclass(frozen=True, slots=True)
-class Effect:
-    """What updates do, apart from what they leave as it is.
-
-    Attributes:
-        cells: by slot, the new number, known or not.
-        clocks: by clock.
-    """
-
-    cells: Mapping[int, Any]
-    clocks: Mapping[int, Any]
 
 
 class Automorphisms:
@@ -67,9 +46,8 @@ class Automorphisms:
 
     def __init__(self, model: PreparedNetwork, predicates: Sequence[Expression]) -> None:
         self.model, self.predicates = model, predicates
-        self.leaves = Leaves(model)
-        self._known: dict[Any, list[Leaf]] = {}
-        self._heard: dict[Participant, frozenset[int]] = {}
+        self.behaviour = Behaviour(model)
+        self.leaves = self.behaviour.leaves
         self._asked: list[Part] = []
         self._supports: dict[Part, frozenset[int]] = {}
 
@@ -98,7 +76,10 @@ class Automorphisms:
         order; and a predicate that is an error is neither true nor false."""
         for process in range(self.leaves.processes):
             for number, location in enumerate(self.model.network.processes[process].locations):
-                if any(leaf.answer is FAULT for leaf in self._of((process, number), partial(_limits, location))):
+                if any(
+                    leaf.answer is FAULT
+                    for leaf in self.behaviour.of((process, number), self.behaviour.limits(process, number))
+                ):
                     raise UndecidedError
         self._asked = [self._taken_apart(predicate) for predicate in self.predicates]
         if not all(map(self._has_no_error, self._asked)):
@@ -109,14 +90,8 @@ class Automorphisms:
         return part if self._has_no_error(part) else Atom(predicate, True, ())
 
     def _has_no_error(self, part: Part) -> bool:
-        leaves = (leaf for atom in atoms(part) for leaf in self._of(atom, atom.truth))
+        leaves = (leaf for atom in atoms(part) for leaf in self.behaviour.of(atom, atom.truth))
         return not any(leaf.answer is FAULT or any(some != all_ for some, all_ in leaf.answer) for leaf in leaves)
-
-    def _of(self, key: Any, question: Question) -> list[Leaf]:
-        """The cases of a question that has a name."""
-        if key not in self._known:
-            self._known[key] = list(self.leaves.of(question, {}))
-        return self._known[key]
 
     # ---- one exchange ------------------------------------------------------------------------------------------------
 
@@ -186,11 +161,11 @@ class Automorphisms:
             return f"{one.name} and {other.name} have different locations or priorities"
         for number, (location, its_image) in enumerate(zip(one.locations, other.locations, strict=True)):
             kinds = {(each.urgent, each.committed) for each in (location, its_image)}
-            questions = partial(_limits, location), partial(_limits, its_image)
+            questions = self.behaviour.limits(process, number), self.behaviour.limits(image, number)
             same = self._corresponds((process, number), *questions, whole, _is_image_of_limits)
             if len(kinds) > 1 or not same:
                 return f"{one.name} and {other.name} differ in the location {location.name}"
-            for participant in filter(self._is_possible, self.model.instances[process][number]):
+            for participant in filter(self.behaviour.is_possible, self.model.instances[process][number]):
                 candidates = self.model.instances[image][number]
                 nearest = sorted(candidates, key=partial(_distance, participant))
                 if not any(self._becomes(participant, candidate, whole) for candidate in nearest):
@@ -220,32 +195,22 @@ class Automorphisms:
     def _becomes(self, one: Participant, other: Participant, whole: Exchange) -> bool:
         edge, image = self.model.edge(one), self.model.edge(other)
         directions = [each.synchronisation and each.synchronisation.direction for each in (edge, image)]
-        heard = frozenset(whole.channels.get(channel, channel) for channel in self._hears(one))
+        heard = frozenset(whole.channels.get(channel, channel) for channel in self.behaviour.hears(one))
         return (
             edge.target == image.target
             and directions[0] == directions[1]
-            and heard == self._hears(other)
+            and heard == self.behaviour.hears(other)
             and self._corresponds(
                 ("offer", one),
-                partial(_offer, self.model, one),
-                partial(_offer, self.model, other),
+                self.behaviour.offer(one),
+                self.behaviour.offer(other),
                 whole,
                 _is_image_of_offer,
             )
             and self._corresponds(
-                ("effect", one), partial(self._effect, one), partial(self._effect, other), whole, self._is_image
+                ("effect", one), self.behaviour.effect(one), self.behaviour.effect(other), whole, self._is_image
             )
         )
-
-    def _is_possible(self, participant: Participant) -> bool:
-        leaves = self._of(("offer", participant), partial(_offer, self.model, participant))
-        return any(leaf.answer is FAULT or leaf.answer[0] for leaf in leaves)
-
-    def _hears(self, participant: Participant) -> frozenset[int]:
-        if participant not in self._heard:
-            channels = range(len(self.model.channels))
-            self._heard[participant] = frozenset(c for c in channels if may_hear(self.model, participant, c))
-        return self._heard[participant]
 
     def _of_predicates(self, whole: Exchange) -> str | None:
         if all(self._part_becomes(part, part, whole) for part in self._asked):
@@ -272,7 +237,7 @@ class Automorphisms:
     def _support(self, part: Part) -> frozenset[int]:
         """The slots on which a part depends as it is evaluated."""
         if part not in self._supports:
-            leaves = (leaf for atom in atoms(part) for leaf in self._of(atom, atom.truth))
+            leaves = (leaf for atom in atoms(part) for leaf in self.behaviour.of(atom, atom.truth))
             self._supports[part] = frozenset(slot for leaf in leaves for slot in leaf.case)
         return self._supports[part]
 
@@ -289,7 +254,7 @@ class Automorphisms:
         """Whether in each case the answer to a question, exchanged, is what the other question has in the image."""
         return all(
             self._agree(leaf, image, whole, agree)
-            for leaf in self._of(key, question)
+            for leaf in self.behaviour.of(key, question)
             for case in _images(leaf.case, whole)
             for image in self.leaves.of(of_image, case)
         )
@@ -298,16 +263,6 @@ class Automorphisms:
         if leaf.answer is FAULT or image.answer is FAULT:
             return leaf.answer is image.answer
         return agree(leaf, image, whole)
-
-    def _effect(self, participant: Participant, scratch: Environment) -> Effect:
-        before, first = list(scratch.values), self.leaves.processes
-        bind_selects(self.model, participant, scratch)
-        execute(self.model.edge(participant).updates, scratch)
-        pairs = zip(before, scratch.values, strict=True)
-        cells = {first + cell: new for cell, (old, new) in enumerate(pairs) if _name(old) != _name(new)}
-        if not self.leaves.constants.keys().isdisjoint(cells):
-            raise UndecidedError
-        return Effect(cells, dict(scratch.resets))
 
     def _is_image(self, leaf: Leaf, image: Leaf, whole: Exchange) -> bool:
         effect, its_image = leaf.answer, image.answer
@@ -336,13 +291,18 @@ class Automorphisms:
         here = whole.values.get(value.slot, {})
         if any(here.get(one, one) != there.get(one, one) for one in {*here, *there} if one in value.values):
             raise UndecidedError
-        return _name(self._before(image, whole.slot(value.slot)))
+        return name_of(self._before(image, whole.slot(value.slot)))
 
     # ---- the order of receivers ----------------------------------------------------------------------------------
 
     def _of_broadcasts(self, whole: Exchange) -> str | None:
         receivers = [
-            [(one, heard) for of_location in by_location for one in of_location if (heard := self._broadcasts(one))]
+            [
+                (one, heard)
+                for of_location in by_location
+                for one in of_location
+                if (heard := self.behaviour.broadcasts(one))
+            ]
             for by_location in self.model.instances
         ]
         for first, own in enumerate(receivers):
@@ -350,39 +310,9 @@ class Automorphisms:
                 if whole.slot(first) < whole.slot(second):
                     continue
                 for (one, heard), (other, also) in product(own, receivers[second]):
-                    if not heard.isdisjoint(also) and not self._commute(one, other):
+                    if not heard.isdisjoint(also) and not self.behaviour.commute(one, other):
                         return "the order of those that hear a broadcast matters"
         return None
-
-    def _broadcasts(self, participant: Participant) -> frozenset[int]:
-        return frozenset(c for c in self._hears(participant) if self.model.channels[c][0].broadcast)
-
-    def _commute(self, one: Participant, other: Participant) -> bool:
-        reads, writes = self._touched(one)
-        others_reads, others_writes = self._touched(other)
-        both = writes.keys() & others_writes.keys()
-        return (
-            reads.isdisjoint(others_writes)
-            and others_reads.isdisjoint(writes)
-            and all(len(writes[each] | others_writes[each]) == 1 for each in both)
-        )
-
-    def _touched(self, participant: Participant) -> tuple[set[Any], dict[Any, set[Any]]]:
-        """The slots that updates depend on, and what they write: of each slot or clock the names of its new values,
-        one if that is always the same number."""
-        reads: set[Any] = set()
-        writes: dict[Any, set[Any]] = {}
-        for leaf in self._of(("effect", participant), partial(self._effect, participant)):
-            reads.update(leaf.case)
-            if leaf.answer is FAULT:
-                continue
-            effect = leaf.answer
-            for place, value in (*effect.cells.items(), *((("clock", c), v) for c, v in effect.clocks.items())):
-                writes.setdefault(place, set()).add(_name(value))
-                if isinstance(value, Unknown):
-                    reads.add(value.slot)
-                    writes[place].add(("number of", participant))
-        return reads, writes
 
 
 _STAY = Exchange({}, {}, {}, {})
@@ -406,11 +336,6 @@ def _images_of_values(values: Values, moved: Mapping[int, int]) -> list[Values]:
     return [(moved[piece[0]],) if piece[0] in inside else piece for piece in pieces]
 
 
-def _name(value: Any) -> Any:
-    """What two numbers have in common that are the same."""
-    return ("slot", value.slot) if isinstance(value, Unknown) else ("number", int(value))
-
-
 def _distance(one: Participant, other: Participant) -> tuple[bool, bool]:
     return one.edge != other.edge, one.selects != other.selects
 
@@ -422,26 +347,10 @@ def _exchanged(condition: Sets, whole: Exchange) -> Sets:
     return frozenset(frozenset((whole.clock(i), whole.clock(j), raw) for i, j, raw in part) for part in condition)
 
 
-def _limits(location: Location, scratch: Environment) -> Any:
-    """The clock constraints of an invariant, and the rates of clocks."""
-    rates = frozenset((clock_number(clock, scratch), int(evaluate(rate, scratch))) for clock, rate in location.rates)
-    return sets(conditional_constraints(location.invariant, scratch)), rates
-
-
 def _is_image_of_limits(leaf: Leaf, image: Leaf, whole: Exchange) -> bool:
     (limits, rates), (its_limits, its_rates) = leaf.answer, image.answer
     its_own = {(whole.clock(clock), rate) for clock, rate in rates}
     return bool(_exchanged(limits, whole) == its_limits and its_own == its_rates)
-
-
-def _offer(model: PreparedNetwork, participant: Participant, scratch: Environment) -> Offer:
-    """Where the guard of an edge holds, and the channel that it names there, which may be an error."""
-    bind_selects(model, participant, scratch)
-    guard = conditional_constraints(model.edge(participant).guard, scratch)
-    try:
-        return sets(guard), channel_named(model, participant, scratch) if guard else None
-    except EvaluationFault:
-        return sets(guard), FAULT
 
 
 def _is_image_of_offer(leaf: Leaf, image: Leaf, whole: Exchange) -> bool:
