@@ -75,11 +75,9 @@ class Automorphisms:
         """Invariants are looked at one after the other as long as they hold, so that an error in one would show an
         order; and a predicate that is an error is neither true nor false."""
         for process in range(self.leaves.processes):
-            for number, location in enumerate(self.model.network.processes[process].locations):
-                if any(
-                    leaf.answer is FAULT
-                    for leaf in self.behaviour.of((process, number), self.behaviour.limits(process, number))
-                ):
+            for number in range(len(self.model.network.processes[process].locations)):
+                leaves = self.behaviour.of((process, number), self.behaviour.limits(process, number))
+                if any(leaf.answer is FAULT for leaf in leaves):
                     raise UndecidedError
         self._asked = [self._taken_apart(predicate) for predicate in self.predicates]
         if not all(map(self._has_no_error, self._asked)):
