@@ -3,6 +3,8 @@
 // be in ranked elements, from which each run meets the first goal: successors have smaller ranks or satisfy it, and
 // nothing can stay in one for ever (Wimmer, Herbreteau and van de Pol 2020). If the first goal is empty, that says that
 // the second one is not reached, for nothing has ranks then. If there is no second goal, the initial state has a rank.
+// Each state stands for all that exchanges of what is interchangeable in the program make of it: the union of these
+// sets is what is closed. The set is a proof only if each exchange maps the program and the goals onto themselves.
 // tachk.certify.closed_set is the same check in Python, which does without the compiler as well.
 #pragma once
 
@@ -13,6 +15,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "certificates/arrangements.hpp"
 #include "certificates/network.hpp"
 
 namespace tachk::certificates {
@@ -100,12 +103,14 @@ class ClosedSet final {
   }
   // By one zone of the set, as a rule, else by several together: of the rank 0, or ranked ones below a rank.
   bool covers(const Situation& there, const Zone& zone, std::int64_t below) {
-    const auto found = numbers_.find(key(there.slots, below > 0));
-    if (found == numbers_.end()) return zone.empty();
-    Zones rest{zone};
-    for (std::size_t e = first_[found->second]; e < first_[found->second + 1] && !rest.empty(); ++e)
-      if (below == 0 || elements_[e].rank < below) rest = without(rest, shapes_[elements_[e].shape].constraints);
-    return rest.empty();
+    return zone.empty() || arrangements_.covered(there.slots, zone, [&](const auto& slots, const Zone& arranged) {
+      Zones rest{arranged};
+      const auto found = numbers_.find(key(slots, below > 0));
+      if (found == numbers_.end()) return rest;
+      for (std::size_t e = first_[found->second]; e < first_[found->second + 1] && !rest.empty(); ++e)
+        if (below == 0 || elements_[e].rank < below) rest = without(rest, shapes_[elements_[e].shape].constraints);
+      return rest;
+    });
   }
 
   // Up to where something is asked of what waits in elements, and of what they lead to.
@@ -174,6 +179,7 @@ class ClosedSet final {
 
   Network network_;
   const Program& program_ = network_.program;
+  const Arrangements arrangements_{program_.interchangeable};
   const Goal never_;
   const std::vector<std::int32_t> initial_;
   std::vector<Shape> shapes_;

@@ -16,13 +16,14 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from tachk.certify.exchanges import Group
 from tachk.records import dataclass
 from tachk.semantics.dbm import INFINITY, Zone, constrain_all, universe
 from tachk.semantics.timed_trace import DiscreteState, Transition
 
 Numbers = NDArray[np.int64]
 
-MAGIC = b"tachk certificate 2\n"
+MAGIC = b"tachk certificate 3\n"
 _LARGEST_HEADER = 1 << 24
 _LARGEST_BLOCK = 1 << 28
 
@@ -66,6 +67,7 @@ class Header:
         constants: the constants of the model that may be set from outside.
         width: how many numbers a discrete state has: the location of each process, then the content of each cell.
         clocks: the names of the clocks; number 0 is the reference clock, which is always 0, and has no name here.
+        groups: what can be exchanged: a state stands for all that exchanges make of it.
     """
 
     kind: Kind
@@ -75,6 +77,7 @@ class Header:
     constants: Mapping[str, int]
     width: int
     clocks: tuple[str, ...]
+    groups: tuple[Group, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,6 +220,7 @@ class CertificateWriter:
                 "constants": dict(header.constants),
                 "width": header.width,
                 "clocks": list(header.clocks),
+                "groups": [group.to_json() for group in header.groups],
             },
             ensure_ascii=False,
         ).encode()
@@ -392,6 +396,7 @@ def _header(text: bytes) -> Header:
             {str(name): int(value) for name, value in given["constants"].items()},
             int(given["width"]),
             tuple(map(str, given["clocks"])),
+            tuple(map(Group.from_json, given["groups"])),
         )
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise MalformedCertificateError(f"its header cannot be read: {error}") from None

@@ -23,6 +23,7 @@ from dataclasses import replace
 import numpy as np
 
 from tachk.certify import zone_arrays
+from tachk.certify.arrangements import uncovered
 from tachk.certify.certificate import CertificateReader, MalformedCertificateError, Numbers, Objection
 from tachk.certify.zone_arrays import Pieces, Truths, inside, joined, outside, released
 from tachk.model.expressions import Expression
@@ -50,6 +51,7 @@ class ClosedSet:
         self, model: PreparedNetwork, certificate: CertificateReader, goal: Expression | None, begins: Expression | None
     ) -> None:
         self.model, self.goal, self.begins = model, goal, begins
+        self.groups = certificate.header.groups
         self.found: tuple[int, Objection] | None = None
         self.asks_deadlock = any(asks_deadlock(one) for one in (goal, begins) if one is not None)
         self.states = ManyStates(model)
@@ -174,14 +176,21 @@ class ClosedSet:
         """What the set does not cover of what pieces become by waiting. They begin with any rank, or else come from an
         element and must be in those of smaller ranks; what comes from the rank 0 must be in those of the rank 0."""
 
-        def counts(other: Numbers, origin: Numbers) -> Truths:
-            smaller: Truths = self.ranks[other] < np.maximum(self.ranks[origin], 1)
-            return smaller
+        def without(pieces: Pieces, origin: Numbers) -> Pieces:
+            def counts(other: Numbers, place: Numbers) -> Truths:
+                smaller: Truths = self.ranks[other] < np.maximum(self.ranks[origin[place]], 1)
+                return smaller
+
+            return pieces.without(self.elements, None if begins or self.goal is None else counts)
 
         there = (pieces.row >= 0) & ~self.invalid[pieces.row]
         waited = self._waiting(pieces.take(there))
-        uncovered = waited.without(self.elements, None if begins or self.goal is None else counts)
-        return joined([uncovered, pieces.take(~there)])
+        if self.groups:
+            states = self.states.states[waited.row].astype(np.int64)
+            left = uncovered(self.groups, states, waited, self.states.known, without)
+        else:
+            left = without(waited, np.arange(len(self.elements.row)))
+        return joined([left, pieces.take(~there)])
 
     def _limited(self, pieces: Pieces) -> Pieces:
         """The parts that the invariants allow."""

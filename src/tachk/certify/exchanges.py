@@ -7,6 +7,7 @@ Whether an exchange maps the model onto itself is not decided here: `tachk.certi
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
 from tachk.records import dataclass
 
@@ -63,6 +64,25 @@ class Group:
             found.setdefault(slot, []).append(table)
         return found
 
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "slots": self.slots,
+            "clocks": self.clocks,
+            "channels": self.channels,
+            "names": self.names,
+            "tables": self.tables,
+            "cyclic": self.cyclic,
+        }
+
+    @classmethod
+    def from_json(cls, given: Mapping[str, Any]) -> Group:
+        """The inverse of `to_json`. Raises TypeError, KeyError and ValueError for something else."""
+        parts = [given[name] for name in ("slots", "clocks", "channels", "names", "tables")]
+        slots, clocks, channels, names, tables = (tuple(tuple(map(_whole, own)) for own in part) for part in parts)
+        return cls(
+            slots, clocks, channels, tuple((slot, table) for slot, table in names), tables, bool(given["cyclic"])
+        )
+
     def generators(self) -> Iterator[Sequence[int]]:
         """The places of the members in arrangements that generate all: the next one each, and two exchanged."""
         yield [*range(1, self.size), 0]
@@ -107,6 +127,12 @@ def exchange(group: Group, places: Sequence[int]) -> Exchange:
         names = group.tables[table]
         values.setdefault(slot, {}).update((names[member], names[place]) for member, place in enumerate(places))
     return Exchange(slots, clocks, channels, values)
+
+
+def _whole(number: object) -> int:
+    if type(number) is not int or abs(number) >= 1 << 31:
+        raise ValueError("a number is none")
+    return number
 
 
 def _are_distinct(numbers: Iterable[int]) -> bool:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
 
+from tachk.certify.automorphism import Automorphisms
 from tachk.certify.certificate import (
     Block,
     CertificateReader,
@@ -18,19 +19,25 @@ from tachk.certify.certificate import (
     Shapes,
 )
 from tachk.certify.closed_set import ClosedSet
+from tachk.certify.exchanges import Group, MalformedGroupError
 from tachk.certify.widening import widened
 from tachk.compiler.lower import lower, lower_obligation
+from tachk.compiler.program import Interchangeable as Table
+from tachk.compiler.program import Program
 from tachk.diagnostics.diagnostic import InternalError
 from tachk.engines.closed_set import check_closed_natively, check_descent_natively
 from tachk.engines.cover import Cover, find_cover, find_descent
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import Progress
+from tachk.model.expressions import Expression
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.traversal import asks_deadlock
 from tachk.properties import liveness, reachability
 from tachk.properties.observed import observed
 from tachk.properties.verdict import Verdict
+from tachk.reduction.symmetry.detection import find_symmetry
+from tachk.reduction.symmetry.tables import repeats, tables_of
 from tachk.semantics.discrete import prepare
 
 
@@ -96,22 +103,57 @@ def find_proof(
         model: the digest of the network.
     """
     whole = observed(network, query.observer)
+    objection: Objection | None = None
+    for groups in dict.fromkeys((_exchanges(whole, query) if options.symmetry else (), ())):
+        cover = _cover(whole, query, groups, options, limits, progress)
+        if isinstance(cover, str):
+            return cover
+        header = _header(network, model, query, groups)
+        objection = _native_check(whole, query, header)(map(Shapes().columns, cover.blocks()))
+        if objection is None:
+            return Proof(header, cover)
+    assert objection is not None
+    raise InternalError(f"the certificate made for {query.text!r} is not accepted: {objection.reason}")
+
+
+def _cover(
+    network: Network,
+    query: Query,
+    groups: Sequence[Group],
+    options: Options,
+    limits: Limits,
+    progress: Progress | None,
+) -> Cover | str:
+    """What the search finds, which goes through one state for all that exchanges make of it."""
     if query.target is None:
-        cover = _descent(whole, query, options, limits, progress)
-    else:
-        program, (goal,) = lower(whole, [query.target])
-        cover = find_cover(program, goal, options, limits, progress)
-    if isinstance(cover, str):
-        return cover
+        return _descent(network, query, options, limits, progress)
+    program, (goal,) = lower(network, [query.target])
+    return find_cover(_with_groups(program, groups), goal, options, limits, progress)
+
+
+def _exchanges(network: Network, query: Query) -> tuple[Group, ...]:
+    """What is interchangeable, as far as it can be proved without what the search believes."""
+    if query.target is None or not repeats(network):
+        return ()
+    predicates = [query.target]
+    tables = [table for _, table in tables_of(network, find_symmetry(network, predicates)) if isinstance(table, Table)]
+    groups = (Group(each.slots, each.clocks, each.channels, each.names, each.tables, each.cyclic) for each in tables)
+    proving = Automorphisms(prepare(network), predicates)
+    return tuple(group for group in groups if proving.objection(group) is None)
+
+
+def _with_groups(program: Program, groups: Iterable[Group]) -> Program:
+    tables = (Table(each.slots, each.clocks, each.channels, each.names, each.tables, each.cyclic) for each in groups)
+    return replace(program, interchangeable=tuple(tables))
+
+
+def _header(network: Network, model: str, query: Query, groups: tuple[Group, ...]) -> Header:
+    whole = observed(network, query.observer)
     layout = prepare(whole).layout
     clocks = tuple(layout.names[cell] for cell in layout.clock_cells)
     width = len(whole.processes) + len(layout.initial)
     kind = Kind.INEVITABLE if query.target is None else Kind.UNREACHABLE
-    header = Header(kind, query.name, query.text, model, dict(network.constants), width, clocks)
-    objection = _check_natively(whole, query, width, len(clocks), map(Shapes().columns, cover.blocks()))
-    if objection is not None:
-        raise InternalError(f"the certificate made for {query.text!r} is not accepted: {objection.reason}")
-    return Proof(header, cover)
+    return Header(kind, query.name, query.text, model, dict(network.constants), width, clocks, groups)
 
 
 _LEAST_ZONES, _MOST_ZONES = 20, 20_000
@@ -125,31 +167,28 @@ def widened_proof(network: Network, query: Query, proof: Proof, stored: int) -> 
     different = sum(len(columns.constraints) for columns in proof.columns())
     if not _LEAST_ZONES <= proof.zones <= _MOST_ZONES or 4 * different <= stored:
         return proof
-    check = _native_check(observed(network, query.observer), query, width, clocks)
+    check = _native_check(observed(network, query.observer), query, proof.header)
     block = widened(proof.blocks(), width, clocks + 1, stored // 4, lambda columns: check([columns]) is None)
     return replace(proof, cover=Cover(len(block.zones), len(block.constraints), lambda: iter([block])))
 
 
-def _check_natively(
-    network: Network, query: Query, width: int, clocks: int, blocks: Iterable[Columns]
-) -> Objection | None:
-    """What the native checker says of symbolic states of so many locations and cells, and clocks.
+def _native_check(network: Network, query: Query, header: Header) -> Callable[[Iterable[Columns]], Objection | None]:
+    """What the native checker says of symbolic states of so many locations and cells, and clocks, if their groups are
+    believed.
 
     Raises MalformedCertificateError.
     """
-    return _native_check(network, query, width, clocks)(blocks)
-
-
-def _native_check(
-    network: Network, query: Query, width: int, clocks: int
-) -> Callable[[Iterable[Columns]], Objection | None]:
-    predicates = [one for one in (query.target, query.avoided, query.begins) if one is not None]
-    program, goals = lower(network, predicates)
-    if width != program.state_slots or clocks != program.clocks:
+    program, goals = lower(network, _predicates(query))
+    if header.width != program.state_slots or len(header.clocks) != program.clocks:
         raise MalformedCertificateError("it has other processes, variables or clocks than the model")
+    program = _with_groups(program, header.groups)
     if query.target is None:
         return partial(check_descent_natively, program, goals)
     return partial(check_closed_natively, program, goals[0])
+
+
+def _predicates(query: Query) -> list[Expression]:
+    return [one for one in (query.target, query.avoided, query.begins) if one is not None]
 
 
 def _descent(
@@ -178,10 +217,35 @@ def check_proof(network: Network, query: Query, certificate: CertificateReader, 
         raise MalformedCertificateError("it is a proof of another kind than the query needs")
     if query.target is None and query.avoided is None:
         raise MalformedCertificateError("the query is of a kind that has no proofs")
+    header = certificate.header
+    objection = _objection_to_groups(whole, query, certificate)
+    if objection is not None:
+        return objection
     match checker:
         case Checker.PYTHON:
             begins = query.begins if query.target is None else query.target
             return ClosedSet(prepare(whole), certificate, query.avoided, begins).objection()
         case Checker.NATIVE:
-            header = certificate.header
-            return _check_natively(whole, query, header.width, len(header.clocks), certificate.columns())
+            return _native_check(whole, query, header)(certificate.columns())
+
+
+def _objection_to_groups(network: Network, query: Query, certificate: CertificateReader) -> Objection | None:
+    """That exchanges are none of the model; None if they map it, and what is asked of it, onto itself.
+
+    Raises MalformedCertificateError.
+    """
+    if not certificate.header.groups:
+        return None
+    proving = Automorphisms(prepare(network), _predicates(query))
+    try:
+        reasons = [proving.objection(group) for group in certificate.header.groups]
+    except MalformedGroupError as error:
+        raise MalformedCertificateError(str(error)) from None
+    reason = next(filter(None, reasons), None)
+    if reason is not None:
+        return Objection(f"what it exchanges is not interchangeable: {reason}")
+    for columns in certificate.columns():
+        discretes = columns.discretes(certificate.header.width)
+        if any((discretes[:, slot] != value).any() for slot, value in proving.constants.items()):
+            raise MalformedCertificateError("a discrete state has another value in what nothing changes")
+    return None

@@ -118,10 +118,17 @@ class ManyStates:
 
     def numbers(self, states: NDArray[np.signedinteger]) -> Numbers:
         """The numbers of discrete states, with the mark behind the cells; new ones get the next numbers."""
-        keys, known = states.astype(self._type).tobytes(), self._numbers
+        known = self._numbers
+        return np.array([known.setdefault(key, len(known)) for key in self._keys(states)], np.int64)
+
+    def known(self, states: NDArray[np.signedinteger]) -> Numbers:
+        """As `numbers`, but -1 for those that have none."""
+        return np.array([self._numbers.get(key, -1) for key in self._keys(states)], np.int64)
+
+    def _keys(self, states: NDArray[np.signedinteger]) -> Iterator[bytes]:
+        keys = states.astype(self._type).tobytes()
         size = self._type.itemsize * states.shape[1]
-        pieces = (keys[n : n + size] for n in range(0, len(keys), size))
-        return np.array([known.setdefault(key, len(known)) for key in pieces], np.int64)
+        return (keys[n : n + size] for n in range(0, len(keys), size))
 
     def settle(self) -> Numbers:
         """Looks at the states that are new since the last time: what they say of time. Returns their numbers."""

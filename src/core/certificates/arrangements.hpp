@@ -1,0 +1,158 @@
+// Symbolic states with the members of groups in other places. A set that holds states up to exchanges covers what
+// exchanges lead into it. Which exchanges are tried is a guess: members are sorted by what is known of them, as the
+// search for certificates does; those of a ring come to every place. Whatever is tried is sound, because each exchange
+// maps the program onto itself, which whoever gives groups must have proved. tachk.certify.arrangements is the same in
+// Python.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "certificates/zones.hpp"
+#include "program/program.hpp"
+
+namespace tachk::certificates {
+
+class Arrangements final {
+ public:
+  using Slots = std::vector<std::int32_t>;
+
+  explicit Arrangements(const std::vector<Interchangeable>& groups) : groups_(groups) {
+    for (const Interchangeable& group : groups) {
+      Tables& own = tables_.emplace_back(group.slots.front().size());
+      for (const Interchangeable::Name& name : group.names)
+        for (std::size_t role = 0; role < own.size(); ++role)
+          if (group.slots.front()[role] == name.slot) own[role].push_back(name.table);
+    }
+  }
+
+  // Whether nothing is left of a zone in a discrete state, if `without(slots, zone)` is what is not covered of one, and
+  // the rest is arranged in other ways.
+  template <class Without>
+  bool covered(const Slots& slots, const Zone& zone, Without&& without) const {
+    if (groups_.empty()) return without(slots, zone).empty();
+    std::vector<std::pair<Slots, Zone>> left{{slots, zone}};
+    std::vector<std::size_t> turns(groups_.size(), 0);
+    while (true) {
+      std::vector<std::pair<Slots, Zone>> rest;
+      for (auto& [where, what] : left) {
+        for (std::size_t group = 0; group < groups_.size(); ++group)
+          if (!groups_[group].cyclic) place(groups_[group], sorted(group, where, what), where, what);
+        for (Zone& piece : without(where, what)) rest.emplace_back(where, std::move(piece));
+      }
+      left = std::move(rest);
+      bool turned = false;
+      for (std::size_t group = 0; group < groups_.size() && !turned && !left.empty(); ++group) {
+        if (!groups_[group].cyclic) continue;
+        for (auto& [where, what] : left) place(groups_[group], moved_on(groups_[group].slots.size()), where, what);
+        turns[group] = (turns[group] + 1) % groups_[group].slots.size();
+        turned = turns[group] > 0;
+      }
+      if (!turned) return left.empty();
+    }
+  }
+
+ private:
+  using Order = std::vector<std::size_t>;  // which member comes to each place
+  using Facts = std::vector<std::int64_t>;
+  using Tables = std::vector<std::vector<std::uint32_t>>;  // of the slots of a member, those of which they hold names
+
+  static Order moved_on(std::size_t members) {
+    Order order(members);
+    for (std::size_t place = 0; place < members; ++place) order[place] = (place + members - 1) % members;
+    return order;
+  }
+
+  static void place(const Interchangeable& group, const Order& order, Slots& slots, Zone& zone) {
+    const Slots before = slots;
+    std::vector<std::size_t> source(zone.n);
+    std::iota(source.begin(), source.end(), std::size_t{0});
+    for (std::size_t place = 0; place < order.size(); ++place) {
+      for (std::size_t role = 0; role < group.slots[place].size(); ++role)
+        slots[group.slots[place][role]] = before[group.slots[order[place]][role]];
+      for (std::size_t role = 0; role < group.clocks[place].size(); ++role)
+        source[group.clocks[place][role]] = group.clocks[order[place]][role];
+    }
+    for (const Interchangeable::Name& name : group.names) {
+      const std::vector<std::int32_t>& table = group.tables[name.table];
+      const auto named =
+          static_cast<std::size_t>(std::find(table.begin(), table.end(), slots[name.slot]) - table.begin());
+      if (named == table.size()) continue;
+      const auto comes = std::find(order.begin(), order.end(), named) - order.begin();
+      slots[name.slot] = table[static_cast<std::size_t>(comes)];
+    }
+    Zone moved = zone;
+    for (std::size_t i = 0; i < zone.n; ++i)
+      for (std::size_t j = 0; j < zone.n; ++j) moved.at(i, j) = zone.at(source[i], source[j]);
+    zone = std::move(moved);
+  }
+
+  static constexpr std::int64_t behind = std::int64_t{1} << 40;  // larger than all numbers in states
+
+  Order sorted(std::size_t number, const Slots& slots, const Zone& zone) const {
+    const Interchangeable& group = groups_[number];
+    std::vector<Facts> facts(group.slots.size());
+    for (std::size_t member = 0; member < facts.size(); ++member) facts[member] = plain(number, member, slots);
+    for (std::size_t member = 0; member < facts.size(); ++member) {
+      facts[member].push_back(first_named(group, member, slots));
+      add_names(number, member, slots, facts[member]);
+      for (const std::uint16_t clock : group.clocks[member]) add_sums(zone, clock, facts[member]);
+    }
+    Order order(facts.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t one, std::size_t other) { return facts[one] < facts[other]; });
+    return order;
+  }
+  Facts plain(std::size_t number, std::size_t member, const Slots& slots) const {
+    Facts facts;
+    const auto& own = groups_[number].slots[member];
+    for (std::size_t role = 0; role < own.size(); ++role)
+      if (tables_[number][role].empty()) facts.push_back(slots[own[role]]);
+    return facts;
+  }
+  // Which slot outside of the members names one first.
+  static std::int64_t first_named(const Interchangeable& group, std::size_t member, const Slots& slots) {
+    std::int64_t place = 0;
+    for (const Interchangeable::Name& name : group.names) {
+      const auto holds = [&](const auto& own) { return std::find(own.begin(), own.end(), name.slot) != own.end(); };
+      if (std::any_of(group.slots.begin(), group.slots.end(), holds)) continue;
+      if (slots[name.slot] == group.tables[name.table][member]) return place;
+      ++place;
+    }
+    return behind;
+  }
+  // Whom a member names: itself, another one, nobody.
+  void add_names(std::size_t number, std::size_t member, const Slots& slots, Facts& facts) const {
+    const Interchangeable& group = groups_[number];
+    for (std::size_t role = tables_[number].size(); role-- > 0;) {
+      if (tables_[number][role].empty()) continue;
+      std::int64_t held = slots[group.slots[member][role]];
+      for (const std::uint32_t table : tables_[number][role]) {
+        const auto& names = group.tables[table];
+        const auto named = std::find(names.begin(), names.end(), slots[group.slots[member][role]]) - names.begin();
+        if (named < static_cast<std::ptrdiff_t>(names.size()))
+          held = named == static_cast<std::ptrdiff_t>(member) ? -behind : behind;
+      }
+      facts.push_back(held);
+    }
+  }
+  // The sums of the bounds of a clock against the others, and of the others against it.
+  static void add_sums(const Zone& zone, std::size_t clock, Facts& facts) {
+    std::int64_t row = 0, column = 0;
+    for (std::size_t other = 0; other < zone.n; ++other) {
+      row += std::clamp(zone.at(clock, other), -behind, behind);
+      column += std::clamp(zone.at(other, clock), -behind, behind);
+    }
+    facts.push_back(row);
+    facts.push_back(column);
+  }
+
+  const std::vector<Interchangeable>& groups_;
+  std::vector<Tables> tables_;
+};
+
+}  // namespace tachk::certificates
