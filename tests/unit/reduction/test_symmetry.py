@@ -142,6 +142,34 @@ def test_run_time_errors_may_not_depend_on_the_order_of_processes() -> None:
     assert found(text=text) == ([], ["an invariant or a rate may be a run-time error"])
 
 
+BETWEEN = """
+int[0, 1] n = 1, m = 0;
+process P(const int[0, 1] me) {
+    init location I { to L { guard n == 1; assign n = 0; } }
+    location L { invariant m == 1; }
+}
+process Q() {
+    clock x;
+    init location K { invariant 10 / n > 1; to M { guard n == 2; assign m = 1; } }
+    location M;
+}
+First = P(0); Second = P(1); Other = Q();
+"""
+
+
+@pytest.mark.parametrize(
+    ("order", "sizes", "answer"),
+    [("First, Other, Second", [], "unknown"), ("First, Second, Other", [2], "fails")],
+)
+def test_a_run_time_error_of_another_one_may_not_depend_on_it_either(order: str, sizes: list[int], answer: str) -> None:
+    """The invariant of the other one is looked at where that of the first one before it is not yet false."""
+    text = f"{BETWEEN} system {order};"
+    assert found(text=text)[0] == sizes
+    for options in (tachk.Options(), tachk.Options(symmetry=False)):
+        (verdict,) = tachk.loads(text).verify("E<> m == 1 && Other.x > 3 && n == 0", options=options)
+        assert (verdict.answer.value, verdict.fault is not None) == (answer, answer == "unknown")
+
+
 def test_priorities_of_channels_tell_processes_apart() -> None:
     text = TEXT.replace("broadcast chan all;", "broadcast chan all; chan priority to[2] < default;")
     text %= ("sync to[me]?;", "select k : id_t; sync to[k]!;")

@@ -172,7 +172,7 @@ class _Attempt:
 
 
 def _attempt(reading: Reading, teams: list[Team]) -> _Attempt:
-    refusal = _order_of_errors(reading, teams[0])
+    refusal = _order_of_errors(reading, teams)
     if refusal is not None:
         return _Attempt(teams, [], Apart(teams[0], teams[1], refusal))
     classes, apart = _classes(reading, teams)
@@ -221,7 +221,7 @@ def _with_rings(reading: Reading, attempts: list[_Attempt]) -> tuple[list[Ring],
 def ring_of(reading: Reading, teams: Sequence[Team]) -> Ring | None:
     """A ring in which teams stand in their order, if there is one."""
     families = list(zip(*teams, strict=True))
-    if any(_order_of_errors(reading, (family[0],)) for family in families):
+    if _order_of_errors(reading, teams):
         return None
     if any(len({colours[member] for member in family}) > 1 for colours in _colours(reading) for family in families):
         return None
@@ -283,10 +283,13 @@ def _align(reading: Reading, one: int, other: int) -> None:
             reader.kinds.unite_trees(reader.tree_of(token), reader.tree_of(another), span)
 
 
-def _order_of_errors(reading: Reading, team: Team) -> Refusal | None:
-    """Invariants are looked at process by process: where one may be a run-time error their order can be noticed."""
-    for member in team:
-        for location in reading.network.processes[member].locations:
+def _order_of_errors(reading: Reading, teams: Sequence[Team]) -> Refusal | None:
+    """Invariants are looked at process by process up to one that is false: where one of these processes, or of those
+    that stand between them, may be a run-time error their order can be noticed."""
+    members = {member for team in teams for member in team}
+    between = set(range(min(members), max(members))) - members
+    for number in (*teams[0], *sorted(between)):
+        for location in reading.network.processes[number].locations:
             if location_can_fail(location, reading.reader.known):
                 return Refusal("an invariant or a rate may be a run-time error", location.span)
     return None
