@@ -22,6 +22,7 @@ class Arrangements final {
 
   explicit Arrangements(const std::vector<Interchangeable>& groups) : groups_(groups) {
     for (const Interchangeable& group : groups) {
+      if (!group.cyclic) ways_ = 2;
       Tables& own = tables_.emplace_back(group.slots.front().size());
       for (const Interchangeable::Name& name : group.names)
         for (std::size_t role = 0; role < own.size(); ++role)
@@ -37,21 +38,24 @@ class Arrangements final {
     std::vector<std::pair<Slots, Zone>> left{{slots, zone}};
     std::vector<std::size_t> turns(groups_.size(), 0);
     while (true) {
-      std::vector<std::pair<Slots, Zone>> rest;
-      for (auto& [where, what] : left) {
-        for (std::size_t group = 0; group < groups_.size(); ++group)
-          if (!groups_[group].cyclic) place(groups_[group], sorted(group, where, what), where, what);
-        for (Zone& piece : without(where, what)) rest.emplace_back(where, std::move(piece));
+      for (int way = 0; way < ways_; ++way) {
+        std::vector<std::pair<Slots, Zone>> rest;
+        for (auto& [where, what] : left) {
+          for (std::size_t group = 0; group < groups_.size(); ++group)
+            if (!groups_[group].cyclic) place(groups_[group], sorted(group, where, what, way == 1), where, what);
+          for (Zone& piece : without(where, what)) rest.emplace_back(where, std::move(piece));
+        }
+        left = std::move(rest);
+        if (left.empty()) return true;
       }
-      left = std::move(rest);
       bool turned = false;
-      for (std::size_t group = 0; group < groups_.size() && !turned && !left.empty(); ++group) {
+      for (std::size_t group = 0; group < groups_.size() && !turned; ++group) {
         if (!groups_[group].cyclic) continue;
         for (auto& [where, what] : left) place(groups_[group], moved_on(groups_[group].slots.size()), where, what);
         turns[group] = (turns[group] + 1) % groups_[group].slots.size();
         turned = turns[group] > 0;
       }
-      if (!turned) return left.empty();
+      if (!turned) return false;
     }
   }
 
@@ -92,14 +96,14 @@ class Arrangements final {
 
   static constexpr std::int64_t behind = std::int64_t{1} << 40;  // larger than all numbers in states
 
-  Order sorted(std::size_t number, const Slots& slots, const Zone& zone) const {
+  Order sorted(std::size_t number, const Slots& slots, const Zone& zone, bool columns_first) const {
     const Interchangeable& group = groups_[number];
     std::vector<Facts> facts(group.slots.size());
     for (std::size_t member = 0; member < facts.size(); ++member) facts[member] = plain(number, member, slots);
     for (std::size_t member = 0; member < facts.size(); ++member) {
       facts[member].push_back(first_named(group, member, slots));
       add_names(number, member, slots, facts[member]);
-      for (const std::uint16_t clock : group.clocks[member]) add_sums(zone, clock, facts[member]);
+      for (const std::uint16_t clock : group.clocks[member]) add_sums(zone, clock, columns_first, facts[member]);
     }
     Order order(facts.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -140,18 +144,20 @@ class Arrangements final {
       facts.push_back(held);
     }
   }
-  // The sums of the bounds of a clock against the others, and of the others against it.
-  static void add_sums(const Zone& zone, std::size_t clock, Facts& facts) {
+  // The sums of the bounds of a clock against the others, and of the others against it: either may come first, for an
+  // abstraction may leave a difference in one of them only.
+  static void add_sums(const Zone& zone, std::size_t clock, bool columns_first, Facts& facts) {
     std::int64_t row = 0, column = 0;
     for (std::size_t other = 0; other < zone.n; ++other) {
       row += std::clamp(zone.at(clock, other), -behind, behind);
       column += std::clamp(zone.at(other, clock), -behind, behind);
     }
-    facts.push_back(row);
-    facts.push_back(column);
+    facts.push_back(columns_first ? column : row);
+    facts.push_back(columns_first ? row : column);
   }
 
   const std::vector<Interchangeable>& groups_;
+  int ways_ = 1;  // in which members are sorted
   std::vector<Tables> tables_;
 };
 

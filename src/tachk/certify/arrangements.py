@@ -22,6 +22,9 @@ _LARGEST = 1 << 40
 _BEHIND = 1 << 40
 """Larger than all numbers in states."""
 
+_WAYS = 2
+"""In so many ways members are sorted."""
+
 Find = Callable[[Numbers], Numbers]
 """The numbers of discrete states, -1 for those that there are not."""
 Without = Callable[[Pieces, Numbers], Pieces]
@@ -57,11 +60,20 @@ class Arranged:
         """With the members of a ring moved on by one place."""
         return self.placed(group, np.tile(np.roll(np.arange(group.size), 1), (len(self.states), 1)))
 
-    def sorted(self, group: Group) -> Arranged:
+    def sorted(self, group: Group, way: int) -> Arranged:
         """With the members of a group in an order that does not depend on where they were, as far as it is known what
-        tells them apart."""
-        own = [*_contents(group, self.states), *_sums(group, self.zones)]
-        return self.placed(group, np.lexsort(own[::-1], axis=-1)) if own else self
+        tells them apart: in one of the `_WAYS`."""
+        own = [*_contents(group, self.states), *_sums(group, self.zones, way)]
+        return self.placed(group, np.lexsort(own[::-1], axis=-1))
+
+    def pieces(self, find: Find) -> Pieces:
+        """These, with their places as origins."""
+        places = np.arange(len(self.origin))
+        return joined([Pieces(self.zones, places, find(self.states), places)])
+
+    def rest(self, left: Pieces) -> Arranged:
+        """What is left of them."""
+        return Arranged(self.states[left.origin], left.table[left.zone], self.origin[left.origin])
 
 
 def uncovered(groups: Sequence[Group], states: Numbers, pieces: Pieces, find: Find, without: Without) -> Pieces:
@@ -69,20 +81,19 @@ def uncovered(groups: Sequence[Group], states: Numbers, pieces: Pieces, find: Fi
     left = Arranged(states, pieces.table[pieces.zone], pieces.origin)
     rings = [group for group in groups if group.cyclic]
     turns = [0] * len(rings)
-    while True:
-        for group in groups:
-            left = left if group.cyclic else left.sorted(group)
-        places = np.arange(len(left.origin))
-        tried = joined([Pieces(left.zones, places, find(left.states), places)])
-        rest = without(tried, left.origin)
-        left = Arranged(left.states[rest.origin], rest.table[rest.zone], left.origin[rest.origin])
+    while len(left.origin):
+        for way in range(_WAYS if len(rings) < len(groups) else 1):
+            for group in groups:
+                left = left if group.cyclic else left.sorted(group, way)
+            left = left.rest(without(left.pieces(find), left.origin))
         for number, group in enumerate(rings):
             left, turns[number] = left.turned(group), (turns[number] + 1) % group.size
             if turns[number]:
                 break
-        if not any(turns) or not len(left.origin):
-            places = np.arange(len(left.origin))
-            return Pieces(left.zones, places, places * 0 - 1, left.origin)
+        if not any(turns):
+            break
+    places = np.arange(len(left.origin))
+    return Pieces(left.zones, places, places * 0 - 1, left.origin)
 
 
 def _named(group: Group, states: Numbers, slot: int, table: int) -> tuple[NDArray[np.bool_], Numbers]:
@@ -115,10 +126,11 @@ def _contents(group: Group, states: Numbers) -> Iterator[Numbers]:
             yield held
 
 
-def _sums(group: Group, zones: Numbers) -> Iterator[Numbers]:
-    """The sums of the bounds of clocks against the others, and of the others against them."""
+def _sums(group: Group, zones: Numbers, way: int) -> Iterator[Numbers]:
+    """The sums of the bounds of clocks against the others, and of the others against them: either may come first, for
+    an abstraction may leave a difference in one of them only."""
     bounds = np.clip(zones, -_LARGEST, _LARGEST)
-    rows, columns = bounds.sum(axis=2), bounds.sum(axis=1)
+    sums = bounds.sum(axis=2), bounds.sum(axis=1)
     for role in zip(*group.clocks, strict=True):
-        yield rows[:, role]
-        yield columns[:, role]
+        yield sums[way][:, role]
+        yield sums[1 - way][:, role]

@@ -218,34 +218,47 @@ def check_proof(network: Network, query: Query, certificate: CertificateReader, 
     if query.target is None and query.avoided is None:
         raise MalformedCertificateError("the query is of a kind that has no proofs")
     header = certificate.header
-    objection = _objection_to_groups(whole, query, certificate)
-    if objection is not None:
-        return objection
     match checker:
         case Checker.PYTHON:
             begins = query.begins if query.target is None else query.target
-            return ClosedSet(prepare(whole), certificate, query.avoided, begins).objection()
+            return (
+                _objection_to_groups(whole, query, header, certificate.columns)
+                or ClosedSet(prepare(whole), certificate, query.avoided, begins).objection()
+            )
         case Checker.NATIVE:
-            return _native_check(whole, query, header)(certificate.columns())
+            return check_natively(whole, query, header, certificate.columns)
 
 
-def _objection_to_groups(network: Network, query: Query, certificate: CertificateReader) -> Objection | None:
+def check_natively(
+    network: Network, query: Query, header: Header, columns: Callable[[], Iterable[Columns]]
+) -> Objection | None:
+    """What the native checker says of the blocks of a certificate about a network with observer.
+
+    Raises MalformedCertificateError.
+    """
+    check = _native_check(network, query, header)
+    return _objection_to_groups(network, query, header, columns) or check(columns())
+
+
+def _objection_to_groups(
+    network: Network, query: Query, header: Header, columns: Callable[[], Iterable[Columns]]
+) -> Objection | None:
     """That exchanges are none of the model; None if they map it, and what is asked of it, onto itself.
 
     Raises MalformedCertificateError.
     """
-    if not certificate.header.groups:
+    if not header.groups:
         return None
     proving = Automorphisms(prepare(network), _predicates(query))
     try:
-        reasons = [proving.objection(group) for group in certificate.header.groups]
+        reasons = [proving.objection(group) for group in header.groups]
     except MalformedGroupError as error:
         raise MalformedCertificateError(str(error)) from None
     reason = next(filter(None, reasons), None)
     if reason is not None:
         return Objection(f"what it exchanges is not interchangeable: {reason}")
-    for columns in certificate.columns():
-        discretes = columns.discretes(certificate.header.width)
+    for block in columns():
+        discretes = block.discretes(header.width)
         if any((discretes[:, slot] != value).any() for slot, value in proving.constants.items()):
             raise MalformedCertificateError("a discrete state has another value in what nothing changes")
     return None

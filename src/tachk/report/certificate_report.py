@@ -6,11 +6,13 @@ from collections.abc import Iterable
 from typing import Any
 
 from tachk.certify.certificate import CertificateReader, Objection, zone_at
+from tachk.engines.exchanged import members_in_words
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.certificates import Checker
 from tachk.properties.observed import observed
 from tachk.records import dataclass
+from tachk.report.reductions_text import for_all
 from tachk.report.run.trace_view import Names
 from tachk.report.run.zone_view import ZoneState, constraint_texts, event_text
 from tachk.semantics.dbm import Zone
@@ -66,6 +68,11 @@ class Judgement:
             return ""
         return event_text(self._names().event(found.discrete, found.transition))
 
+    def exchanged(self) -> list[str]:
+        """The groups of which one state stands for all."""
+        names = [process.name for process in observed(self.network, self.query.observer).processes]
+        return [members_in_words(group.slots, group.cyclic, names) for group in self.certificate.header.groups]
+
     def _names(self) -> Names:
         return Names(observed(self.network, self.query.observer))
 
@@ -83,6 +90,8 @@ def judgement_lines(judgements: Iterable[Judgement]) -> Iterable[str]:
         by = f" by the {judged.checker.value} checker" if judged.checker is not None else ""
         if judged.accepted:
             yield f"    accepted{by}: it {judged.proved}, by {size}"
+            for members in judged.exchanged():
+                yield f"    {for_all(members)}"
             continue
         yield f"    rejected{by}: {judged.reason}"
         if (state := judged.state()) is not None:
@@ -111,6 +120,7 @@ def _json(judged: Judgement) -> dict[str, Any]:
         "proves": judged.proved if judged.accepted else None,
         "discrete_states": judged.certificate.groups,
         "zones": judged.certificate.zones,
+        "exchanged": judged.exchanged(),
         "seconds": judged.seconds,
         "reason": judged.reason or None,
         "state": None

@@ -18,11 +18,15 @@ def reduction_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
         yield line if len(names) == len(verdicts) else f"{', '.join(names)}: {line}"
 
 
+def for_all(members: str) -> str:
+    """Of which states one has been searched or told, where members are those of a group."""
+    ring = members.removesuffix(" in a ring")
+    return f"one state stands for all {'exchanges of' if ring == members else 'rotations of'} {ring}"
+
+
 def _told(statistics: Statistics) -> Iterator[str]:
     for members in statistics.exchanged:
-        ring = members.removesuffix(" in a ring")
-        what = "exchanges of" if ring == members else "rotations of"
-        yield f"one state stands for all {what} {ring}"
+        yield for_all(members)
     if statistics.less_known:
         names = ", ".join(statistics.less_known)
         yield f"the order in which {names} goes through processes was left open, which can only add states"

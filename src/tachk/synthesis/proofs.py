@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from tachk.certify.certificate import MalformedCertificateError
-from tachk.compiler.lower import lower
-from tachk.engines.closed_set import check_closed_natively
 from tachk.engines.options import Limits, Options
 from tachk.engines.outcome import Statistics
 from tachk.formats.network_json.digest import digest
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.properties.certificates import Proof, find_proof, is_provable
+from tachk.properties.certificates import Proof, check_natively, find_proof, is_provable
 from tachk.properties.observed import observed
 from tachk.properties.reachability import answers_of
 from tachk.properties.verdict import Verdict
@@ -36,11 +34,8 @@ def proof_again(network: Network, query: Query, proof: Proof) -> tuple[Verdict, 
     if query.target is None:
         return None
     check_initial_state(prepare(network))
-    program, (goal,) = lower(observed(network, query.observer), [query.target])
-    if proof.header.width != program.state_slots or len(proof.header.clocks) != program.clocks:
-        return None
     try:
-        if check_closed_natively(program, goal, proof.columns()) is not None:
+        if check_natively(observed(network, query.observer), query, proof.header, proof.columns) is not None:
             return None
     except MalformedCertificateError:
         return None

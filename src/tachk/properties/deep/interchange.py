@@ -29,7 +29,7 @@ def interchange_parts(network: Network) -> tuple[Part, ...]:
             first, second = (network.processes[team[0]] for team in each.members[:2])
             refused.append(Difference(first.template, first.name, second.name, table))
         else:
-            told.append(members_in_words(table, [process.name for process in network.processes]))
+            told.append(members_in_words(table.slots, table.cyclic, [process.name for process in network.processes]))
     told += _differences(refused)
     return (Part(_QUESTION, "; ".join(told)),) if told else ()
 
