@@ -96,24 +96,33 @@ def find_proof(
     """A certificate of a provable answer, or the reason why there is none.
 
     The search is made anew, in the whole network: what a verdict leaves out, such as processes that cannot influence
-    the answer, a checker would have to believe. The proof has been checked by the native checker.
+    the answer, a checker would have to believe. Exchanges of interchangeable processes are used if a checker can prove
+    them by itself, and if they save something. The proof has been checked by the native checker.
 
     Args:
         network: without observer.
         model: the digest of the network.
     """
     whole = observed(network, query.observer)
-    objection: Objection | None = None
-    for groups in dict.fromkeys((_exchanges(whole, query) if options.symmetry else (), ())):
-        cover = _cover(whole, query, groups, options, limits, progress)
-        if isinstance(cover, str):
-            return cover
-        header = _header(network, model, query, groups)
-        objection = _native_check(whole, query, header)(map(Shapes().columns, cover.blocks()))
-        if objection is None:
-            return Proof(header, cover)
-    assert objection is not None
-    raise InternalError(f"the certificate made for {query.text!r} is not accepted: {objection.reason}")
+    groups = _exchanges(whole, query) if options.symmetry else ()
+    cover = _cover(whole, query, groups, options, limits, progress)
+    header = _header(network, model, query, groups)
+    if groups and not isinstance(cover, str):
+        accepted = _objection(whole, query, header, cover) is None
+        enough = replace(limits, states=2 * cover.zones) if accepted else limits
+        plain = _cover(whole, query, (), options, enough, progress)
+        if not accepted or (not isinstance(plain, str) and plain.zones <= cover.zones):
+            cover, header = plain, replace(header, groups=())
+    if isinstance(cover, str):
+        return cover
+    objection = _objection(whole, query, header, cover)
+    if objection is not None:
+        raise InternalError(f"the certificate made for {query.text!r} is not accepted: {objection.reason}")
+    return Proof(header, cover)
+
+
+def _objection(network: Network, query: Query, header: Header, cover: Cover) -> Objection | None:
+    return _native_check(network, query, header)(map(Shapes().columns, cover.blocks()))
 
 
 def _cover(

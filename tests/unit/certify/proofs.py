@@ -6,6 +6,7 @@ import io
 from collections.abc import Iterator
 
 from tachk.certify.certificate import Block, CertificateReader, CertificateWriter, Objection, read_certificates
+from tachk.engines.options import Options
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.properties.certificates import Checker, Proof, check_proof, find_proof
@@ -14,8 +15,12 @@ from tachk.resources import data_root
 MODELS = data_root() / "models"
 
 
-def proved(network: Network, query: Query) -> Proof:
-    proof = find_proof(network, "digest", query)
+PLAIN = Options(symmetry=False)
+"""A certificate tells all states then, not one for all that exchanges make of it."""
+
+
+def proved(network: Network, query: Query, options: Options = Options()) -> Proof:
+    proof = find_proof(network, "digest", query, options)
     assert isinstance(proof, Proof), proof
     return proof
 

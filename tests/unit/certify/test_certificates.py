@@ -41,7 +41,7 @@ from tachk.properties.verify import verify
 from tachk.report.certificate_report import Judgement, judgement_lines, judgements_to_json
 from tachk.testing.networks import Shape, random_case
 from tachk.words import QueryKind
-from tests.unit.certify.proofs import MODELS, judged, proved, written
+from tests.unit.certify.proofs import MODELS, PLAIN, judged, proved, written
 
 SCHEMA = Path(__file__).parents[3] / "docs" / "schema" / "certify.schema.json"
 
@@ -279,7 +279,7 @@ def blocks_without(proof: Proof, group: int) -> Iterator[Block]:
 
 def test_every_element_is_needed() -> None:
     network, query = fischer()
-    proof = proved(network, query)
+    proof = proved(network, query, PLAIN)
     for group in range(proof.states):
         found = judged(network, query, written(proof, blocks_without(proof, group)))
         assert found is not None
@@ -290,7 +290,7 @@ def test_every_element_is_needed() -> None:
 @pytest.mark.parametrize("change", [-1, -2])
 def test_a_bound_may_not_be_tighter_not_even_strict(change: int) -> None:
     network, query = fischer()
-    proof = proved(network, query)
+    proof = proved(network, query, PLAIN)
     (block,) = proof.blocks()
     assert len(block.bounds) == 4
     for number in range(len(block.bounds)):
@@ -310,7 +310,7 @@ def test_a_set_that_meets_the_predicate_is_rejected() -> None:
 def test_a_closed_set_proves_nothing_about_a_state_that_is_in_it() -> None:
     loaded = tachk.load(MODELS / "classics" / "fischer.ta", N=2)
     mutual_exclusion, enter, *_ = loaded.properties
-    certificate = written(proved(loaded.network, mutual_exclusion))
+    certificate = written(proved(loaded.network, mutual_exclusion, PLAIN))
     found = judged(loaded.network, enter, certificate)
     assert found is not None and found.reason == "some state of the zone is one that must not be reached"
 
@@ -501,7 +501,7 @@ def test_both_checkers_judge_mutations_alike() -> None:
 
 def test_a_zone_is_written_once_however_many_states_have_it() -> None:
     network, query = fischer(N=4)
-    proof = proved(network, query)
+    proof = proved(network, query, PLAIN)
     told = list(map(Shapes().columns, proof.blocks()))
     assert sum(len(columns.constraints) for columns in told) * 4 < proof.zones
     for block, read in zip(proof.blocks(), written(proof).blocks(), strict=True):
