@@ -95,7 +95,7 @@ class Automorphisms:
 
     def _objection(self, given: Exchange) -> str | None:
         self._check_places(given)
-        whole = self._with_own_cells(given)
+        whole = self.with_own_cells(given)
         return (
             self._of_cells(whole)
             or next(filter(None, (self._of_process(p, whole) for p in range(self.leaves.processes))), None)
@@ -116,8 +116,8 @@ class Automorphisms:
         if any(channel >= len(layout.channel_cells) for channel in given.channels):
             raise MalformedGroupError("it has numbers of channels that are none")
 
-    def _with_own_cells(self, given: Exchange) -> Exchange:
-        """With the cells that hold the numbers of clocks and channels, which go with these."""
+    def with_own_cells(self, given: Exchange) -> Exchange:
+        """An exchange with the cells that hold the numbers of clocks and channels, which go with these."""
         layout, first = self.model.layout, self.leaves.processes
         slots, values = dict(given.slots), dict(given.values)
         for moved, cells, number in ((given.clocks, layout.clock_cells, 1), (given.channels, layout.channel_cells, 0)):

@@ -1,0 +1,79 @@
+"""Exchanges that the checker of certificates takes for automorphisms, by what is possible in single states; and
+certificates with exchanges, by both checkers and by the search without."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+
+import tachk
+from tachk.certify.automorphism import Automorphisms
+from tachk.certify.exchanges import Group, MalformedGroupError, exchange
+from tachk.compiler.lower import lower
+from tachk.engines.options import Limits, Options
+from tachk.properties.certificates import Proof, find_proof, is_provable
+from tachk.reduction.symmetry.tables import with_symmetry
+from tachk.semantics.discrete import prepare
+from tachk.testing.symmetric.cases import random_symmetric_case
+from tachk.testing.symmetric.controllers import random_controller_case
+from tachk.testing.symmetric.exchanged_states import is_kept, mutated, random_state
+from tachk.testing.symmetric.registers import random_register_case
+from tachk.testing.symmetric.rings import random_ring_case
+from tests.unit.certify.proofs import PLAIN, judged, proved, written
+
+CASES = {
+    "groups": random_symmetric_case,
+    "rings": random_ring_case,
+    "controllers": random_controller_case,
+    "registers": random_register_case,
+}
+STATES = 15
+SHORT = Limits(states=1_500)
+
+
+@pytest.mark.parametrize("kind", CASES)
+def test_what_is_accepted_keeps_what_is_possible(kind: str) -> None:
+    accepted = refused = 0
+    for seed in range(8):
+        random = Random(f"{kind}{seed}")
+        model = tachk.loads(CASES[kind](random).text)
+        prepared = prepare(model.network)
+        proving = Automorphisms(prepared, [])
+        processes, layout = len(model.network.processes), prepared.layout
+        pinned = {processes + cell for cell in (*layout.clock_cells, *layout.channel_cells)}
+        slots = [slot for slot in range(processes + len(layout.initial)) if slot not in pinned]
+        program = with_symmetry(lower(model.network, [])[0], model.network, [])
+        for table in program.interchangeable:
+            group = Group(table.slots, table.clocks, table.channels, table.names, table.tables, table.cyclic)
+            for _ in range(4):
+                try:
+                    reason = proving.objection(group)
+                    accepted, refused = accepted + (reason is None), refused + (reason is not None)
+                    for places in group.generators() if reason is None else ():
+                        given = proving.with_own_cells(exchange(group, places))
+                        for _ in range(STATES):
+                            state = random_state(prepared, proving.constants, random)
+                            assert is_kept(prepared, [], state, given), (seed, group, state)
+                except MalformedGroupError:
+                    pass
+                group = mutated(group, random, slots, prepared.dimension - 1, len(prepared.channels))
+    assert accepted and refused
+
+
+@pytest.mark.parametrize("kind", CASES)
+def test_certificates_with_exchanges_prove_what_those_without_do(kind: str) -> None:
+    """Each proof is accepted by both checkers; and what is not so is not proved, with or without."""
+    with_exchanges = 0
+    for seed in range(12):
+        case = CASES[kind](Random(f"{kind}{seed}"))
+        model = tachk.loads(case.text)
+        for verdict in model.verify(*case.queries, options=Options(symmetry=False), limits=SHORT):
+            found = find_proof(model.network, "digest", verdict.query, limits=SHORT)
+            if not isinstance(found, Proof):
+                continue
+            assert is_provable(verdict) or verdict.reason, (seed, verdict.query.text)
+            with_exchanges += bool(found.header.groups)
+            assert judged(model.network, verdict.query, written(found)) is None
+            assert judged(model.network, verdict.query, written(proved(model.network, verdict.query, PLAIN))) is None
+    assert with_exchanges
