@@ -67,8 +67,8 @@ class Automorphisms:
                 reason = self._objection(exchange(group, places))
                 if reason is not None:
                     return reason
-        except UndecidedError:
-            return "there are too many cases"
+        except UndecidedError as error:
+            return str(error)
         return None
 
     def _evaluate_without_error(self) -> None:
@@ -78,10 +78,10 @@ class Automorphisms:
             for number in range(len(self.model.network.processes[process].locations)):
                 leaves = self.behaviour.of((process, number), self.behaviour.limits(process, number))
                 if any(leaf.answer is FAULT for leaf in leaves):
-                    raise UndecidedError
+                    raise UndecidedError("an invariant or a rate may be a run-time error")
         self._asked = [self._taken_apart(predicate) for predicate in self.predicates]
         if not all(map(self._has_no_error, self._asked)):
-            raise UndecidedError
+            raise UndecidedError("what is asked for may be a run-time error")
 
     def _taken_apart(self, predicate: Expression) -> Part:
         part = part_of(predicate)
@@ -288,7 +288,7 @@ class Automorphisms:
             return "number", there.get(value, value)
         here = whole.values.get(value.slot, {})
         if any(here.get(one, one) != there.get(one, one) for one in {*here, *there} if one in value.values):
-            raise UndecidedError
+            raise UndecidedError("a name is copied to what holds other names, or none")
         return name_of(self._before(image, whole.slot(value.slot)))
 
     # ---- the order of receivers ----------------------------------------------------------------------------------

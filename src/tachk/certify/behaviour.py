@@ -70,7 +70,7 @@ class Behaviour:
         pairs = zip(before, scratch.values, strict=True)
         cells = {first + cell: new for cell, (old, new) in enumerate(pairs) if name_of(old) != name_of(new)}
         if not self.leaves.constants.keys().isdisjoint(cells):
-            raise UndecidedError
+            raise UndecidedError("a constant is written")
         return Effect(cells, dict(scratch.resets))
 
     def is_possible(self, participant: Participant) -> bool:

@@ -34,7 +34,10 @@ _FEW = 64
 
 
 class UndecidedError(Exception):
-    """There are too many cases, or something cannot be divided into cases."""
+    """There are too many cases, or something cannot be divided into cases; ``str()`` says what."""
+
+    def __init__(self, reason: str = "there are too many cases") -> None:
+        super().__init__(reason)
 
 
 class _Fork(Exception):

@@ -213,7 +213,7 @@ DIFFERENT = {
     ),
     "an invariant that may be an error": (
         {"of_c": "} location N { invariant 1 / owner > 0;"},
-        "there are too many cases",
+        "an invariant or a rate may be a run-time error",
     ),
 }
 
@@ -293,13 +293,42 @@ def test_what_is_asked_for_must_not_tell_them_apart() -> None:
         "E<> a + b > 3": None,
         "E<> a > b": "what is asked for tells them apart",
         "E<> deadlock && A.M == B.M": None,
-        "E<> 1 / a > 0 && 1 / b > 0": "there are too many cases",
+        "E<> 1 / a > 0 && 1 / b > 0": "what is asked for may be a run-time error",
     }
     for text, reason in asked.items():
         (verdict,) = loaded.verify(text, limits=Limits(states=1))
         assert verdict.query.target is not None
         found = Automorphisms(model, [verdict.query.target]).objection(group_of(model, BOTH, "owner", (1, 2)))
         assert found == reason, text
+
+
+MANY = """
+int[0, 100] who = 0, number = 0, count = 0;
+process P(const int[1, 3] me) {{
+    init location M {{ to M {{ guard who < {least} && who != me; assign {update}; }} to N {{ assign who = me; }} }}
+    location N;
+}}
+system P;
+"""
+
+
+@pytest.mark.parametrize(
+    ("least", "update", "reason"),
+    [
+        ("1", "who = me", None),
+        ("2", "who = me", "P(1) and P(2) differ in an edge from M"),
+        ("50", "who = me", None),
+        ("50", "number = who", "a name is copied to what holds other names, or none"),
+        ("50", "number = count", None),
+        ("50", "number = (count + who) % 101", "P(1) and P(2) differ in an edge from M"),
+        ("50", "count = who > 60 ? 1 : 0", None),
+        ("50", "count = who == 2 ? 1 : 0", "P(1) and P(2) differ in an edge from M"),
+    ],
+)
+def test_names_in_a_large_range(least: str, update: str, reason: str | None) -> None:
+    model = prepare(tachk.loads(MANY.format(least=least, update=update)).network)
+    members = tuple(f"P({me})" for me in (1, 2, 3))
+    assert Automorphisms(model, []).objection(group_of(model, members, "who", (1, 2, 3))) == reason
 
 
 def test_groups_that_describe_no_exchanges_are_malformed() -> None:
