@@ -1,7 +1,8 @@
 """Certificates that have been tampered with, before both checkers: `python -m bench.tampered_certificates N SEED`.
 
-Each is a certificate of a random network or of Fischer's protocol in which one to three bounds, discrete states, ranks
-or elements have been changed, exchanged or left out. It is offered for what it proved, and for something false about
+Each is a certificate of a random network, of a random model with interchangeable processes or of Fischer's protocol in
+which one to three bounds, discrete states, ranks, elements or numbers of what is interchangeable have been changed,
+exchanged or left out. It is offered for what it proved, and for something false about
 the same network (a state that can be reached, or an obligation that some run does not meet) or, of Fischer's protocol,
 about the variant that is wrong. Whatever is false must be rejected. What is accepted for something true is confirmed by
 a third reading, the symbolic semantics of single states: it is still a proof. Exit status 1 if anything false is
@@ -14,9 +15,9 @@ import io
 import sys
 import time
 from collections import Counter, defaultdict
-from collections.abc import Iterator
-from dataclasses import dataclass
-from itertools import groupby
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby, permutations, product
 from random import Random
 
 import numpy as np
@@ -26,11 +27,13 @@ from tachk.certify.certificate import (
     Block,
     CertificateReader,
     CertificateWriter,
+    Header,
     Kind,
     MalformedCertificateError,
     read_certificates,
     starts,
 )
+from tachk.certify.exchanges import Group, exchange
 from tachk.engines.options import Limits
 from tachk.model.network import Network
 from tachk.model.query import Query
@@ -44,6 +47,10 @@ from tachk.semantics.discrete import prepare
 from tachk.semantics.symbolic import elapse, fire, initial_situation, intersections, situation, where
 from tachk.semantics.timed_trace import DiscreteState
 from tachk.testing.networks import Shape, random_case
+from tachk.testing.symmetric.cases import random_symmetric_case
+from tachk.testing.symmetric.controllers import random_controller_case
+from tachk.testing.symmetric.registers import random_register_case
+from tachk.testing.symmetric.rings import random_ring_case
 from tachk.words import QueryKind
 
 SHAPES = (
@@ -104,8 +111,11 @@ def main(arguments: list[str]) -> int:
 def _claims(seed: int) -> Iterator[Claim]:
     path = data_root() / "models/classics/fischer.ta"
     for number in range(sys.maxsize):
+        if number % 4 == 2:
+            yield from _claims_of(_interchangeable(Random(seed + number)))
+            continue
         if number % 4 == 0:
-            right, wrong = (tachk.load(path, N=2 + number // 4 % 2, **constants) for constants in ({}, {"WAIT": 9}))
+            right, wrong = (tachk.load(path, N=2 + number // 4 % 3, **constants) for constants in ({}, {"WAIT": 9}))
             queries = right.properties[:1]
             networks = ((wrong.network, queries[0]),)
             found = find_proof(right.network, "digest", queries[0])
@@ -121,10 +131,23 @@ def _claims(seed: int) -> Iterator[Claim]:
             Query("answered", QueryKind.LEADS_TO, first, (second,)),
         ]
         verdicts = [verify(case.network, [query], limits=_LIMITS, trace=False)[0] for query in asked]
-        for verdict in verdicts:
-            proof = find_proof(case.network, "digest", verdict.query, limits=_LIMITS) if is_provable(verdict) else ""
-            if isinstance(proof, Proof) and 0 < proof.zones <= _LARGEST:
-                yield Claim(case.network, verdict.query, proof, _false(case.network, verdict.query, verdicts))
+        yield from _claims_of((case.network, verdicts))
+
+
+def _claims_of(found: tuple[Network, list[tachk.Verdict]]) -> Iterator[Claim]:
+    network, verdicts = found
+    for verdict in verdicts:
+        proof = find_proof(network, "digest", verdict.query, limits=_LIMITS) if is_provable(verdict) else ""
+        if isinstance(proof, Proof) and 0 < proof.zones <= _LARGEST:
+            yield Claim(network, verdict.query, proof, _false(network, verdict.query, verdicts))
+
+
+def _interchangeable(random: Random) -> tuple[Network, list[tachk.Verdict]]:
+    case = random.choice((random_symmetric_case, random_ring_case, random_controller_case, random_register_case))(
+        random
+    )
+    model = tachk.loads(case.text)
+    return model.network, list(model.verify(*case.queries, limits=_LIMITS, trace=False))
 
 
 def _false(network: Network, query: Query, verdicts: list[tachk.Verdict]) -> tuple[tuple[Network, Query], ...]:
@@ -161,8 +184,57 @@ def _tampered(proof: Proof, random: Random) -> bytes:
         _change(elements, random, proof.header.kind)
     elements.sort(key=lambda element: (element.discrete, element.rank > 0))
     stream = io.BytesIO()
-    CertificateWriter(stream).write(proof.header, [_block(elements, proof.header.width)] if elements else [])
+    header = proof.header if random.random() < 0.7 else _with_other_groups(proof.header, random)
+    CertificateWriter(stream).write(header, [_block(elements, proof.header.width)] if elements else [])
     return stream.getvalue()
+
+
+def _with_other_groups(header: Header, random: Random) -> Header:
+    """A number of what is interchangeable changed, or something of it left out."""
+    if not header.groups:
+        return header
+    groups = [group.to_json() for group in header.groups]
+    told = random.choice(groups)
+    name = random.choice(("slots", "clocks", "channels", "names", "tables", "cyclic"))
+    if name == "cyclic":
+        told[name] = not told[name]
+        return replace(header, groups=tuple(map(Group.from_json, groups)))
+    part = [list(own) for own in told[name]]
+    filled = [own for own in part if own]
+    if filled and random.random() < 0.5:
+        own = random.choice(filled)
+        place = random.randrange(len(own))
+        own[place] = max(own[place] + random.choice((-2, -1, 1, 2)), 0)
+    elif filled and name == "names":
+        part.pop(random.randrange(len(part)))
+    elif filled and name != "tables":
+        place = random.randrange(len(part[0]))
+        part = [own[:place] + own[place + 1 :] for own in part]
+    else:
+        random.shuffle(part)
+    told[name] = part
+    return replace(header, groups=tuple(map(Group.from_json, groups)))
+
+
+def _everything(elements: list[Element], groups: Sequence[Group], dimension: int) -> Iterator[Element]:
+    """All that exchanges make of elements."""
+    arrangements = [
+        [[(m + turn) % g.size for m in range(g.size)] for turn in range(g.size)]
+        if g.cyclic
+        else permutations(range(g.size))
+        for g in groups
+    ]
+    for chosen in product(*arrangements):
+        exchanges = [exchange(group, places) for group, places in zip(groups, chosen, strict=True)]
+        for element in elements:
+            for each in exchanges:
+                discrete = list(element.discrete)
+                for slot, value in enumerate(element.discrete):
+                    discrete[each.slot(slot)] = each.value(slot, value)
+                told = [(divmod(place, dimension), bound) for place, bound in element.told]
+                moved = [(each.clock(i) * dimension + each.clock(j), bound) for (i, j), bound in told]
+                element = Element(discrete, element.rank, moved)
+            yield element
 
 
 def _elements(certificate: Proof | CertificateReader) -> list[Element]:
@@ -234,7 +306,7 @@ def _is_closed(network: Network, query: Query, certificate: CertificateReader) -
     dimension = len(certificate.header.clocks) + 1
     processes = len(network.processes)
     zones: dict[DiscreteState, list[Zone]] = defaultdict(list)
-    for element in _elements(certificate):
+    for element in _everything(_elements(certificate), certificate.header.groups, dimension):
         discrete = DiscreteState(tuple(element.discrete[:processes]), tuple(element.discrete[processes:]))
         told = [(*divmod(place, dimension), bound) for place, bound in element.told]
         found = dbm.constrain_all(dbm.universe(dimension), told)
