@@ -63,7 +63,8 @@ struct ActionFault : ModelFault {
 //   possible(guarded, effect)  the action breaks no integer part of an invariant; `guarded`: where its guard holds
 //   expect(effect)             the zone of a successor is going to be computed
 //   enters(entry, invariant)   optional: whether the step goes on from here, where no time has passed yet; if not, the
-//                              receiver has dealt with it
+//                              receiver has dealt with it. Processes are not sorted yet, so that a receiver that takes
+//                              parts of what it is given here is only for programs without interchangeable ones
 //   wants(successor)           whether this successor is of interest; its zone is not abstracted yet, because most
 //                              successors end here
 //   take(successor)            the successor, abstracted
@@ -241,6 +242,8 @@ void ZoneGraph::follow(std::span<const std::uint32_t> edges, ConstZoneRef guarde
 template <Receiver R>
 void ZoneGraph::follow_sorted(std::span<const std::uint32_t> edges, Effect& effect, R& receiver) {
   std::int32_t* slots = effect.slots.data();
+  if constexpr (requires { receiver.enters(Successor{}, effect.invariant); })
+    if (!receiver.enters(Successor{edges, slots, target_.get()}, effect.invariant)) return;
   within(edges, [&] { return delay(effect), true; });
   abstraction_.apply(slots, target_, [](ConstZoneRef) {});
   representatives_.sort(slots, target_);

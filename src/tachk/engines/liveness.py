@@ -17,6 +17,7 @@ from tachk.engines.core_search import (
     transitions_of,
     user_seconds,
 )
+from tachk.engines.exchanged import with_exchanges
 from tachk.engines.options import Extrapolation, Limits, Options
 from tachk.engines.outcome import AvoidingRun, LivenessOutcome, LivenessStatus, Progress, RunEnd
 from tachk.engines.program_image import encode
@@ -33,6 +34,11 @@ def find_avoiding_run(
     """Look for a run that never meets ``avoided``: from the initial state, or from any reachable state of ``begins``
     that is none of ``avoided``.
 
+    Where processes of the program are interchangeable, which must leave both predicates as they are and is only for
+    predicates that do not depend on clocks, one state stands for all that exchanges make of it. A loop that leads to an
+    exchange of where it began can be gone round again, exchanged, and comes back to where it began after some rounds.
+    If there is no run, that is the answer; a run is looked for again among all states, to be told of them.
+
     The clock bounds of the program must count the constants of both predicates as lower and as upper bounds, so that
     a zone is never widened across the border of one. Ctrl-C ends the search with the reason INTERRUPTED.
 
@@ -40,6 +46,20 @@ def find_avoiding_run(
     can do. They do not keep runs that get stuck, because a widened valuation may be able to do less. Such a run is
     tried without extrapolation; if it proves not to be one, a search with MAX decides.
     """
+    if not program.interchangeable:
+        return _avoiding_run(program, avoided, begins, options, limits, progress)
+    first = _avoiding_run(program, avoided, begins, options, limits, progress)
+    if first.status is LivenessStatus.NONE or (first.status is LivenessStatus.UNDECIDED and first.fault is None):
+        return replace(first, statistics=with_exchanges(first.statistics, program))
+    everybody, left = replace(program, interchangeable=()), limits.after(first.statistics.seconds)
+    second = _avoiding_run(everybody, avoided, begins, options, left, progress)
+    return replace(second, statistics=first.statistics.then(second.statistics))
+
+
+def _avoiding_run(
+    program: Program, avoided: Goal, begins: Goal | None, options: Options, limits: Limits, progress: Progress | None
+) -> LivenessOutcome:
+    """As `find_avoiding_run`, by one search; where processes are interchangeable a run is one up to exchanges."""
     goals = [avoided] if begins is None else [avoided, begins]
     if options.extrapolation is Extrapolation.LU and any(
         disjunct.deadlock is not DeadlockLiteral.ABSENT for goal in goals for disjunct in goal.disjuncts

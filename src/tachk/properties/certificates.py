@@ -32,7 +32,7 @@ from tachk.engines.outcome import Progress
 from tachk.model.expressions import Expression
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.model.traversal import asks_deadlock
+from tachk.model.traversal import asks_deadlock, clock_in
 from tachk.properties import liveness, reachability
 from tachk.properties.observed import observed
 from tachk.properties.verdict import Verdict
@@ -135,16 +135,18 @@ def _cover(
 ) -> Cover | str:
     """What the search finds, which goes through one state for all that exchanges make of it."""
     if query.target is None:
-        return _descent(network, query, options, limits, progress)
+        return _descent(network, query, groups, options, limits, progress)
     program, (goal,) = lower(network, [query.target])
     return find_cover(_with_groups(program, groups), goal, options, limits, progress)
 
 
 def _exchanges(network: Network, query: Query) -> tuple[Group, ...]:
-    """What is interchangeable, as far as it can be proved without what the search believes."""
-    if query.target is None or not repeats(network):
+    """What is interchangeable, as far as it can be proved without what the search believes, and the search can do with
+    it."""
+    predicates = _predicates(query)
+    by_clocks = query.target is None and any(asks_deadlock(one) or clock_in(one) is not None for one in predicates)
+    if by_clocks or not repeats(network):
         return ()
-    predicates = [query.target]
     tables = [table for _, table in tables_of(network, find_symmetry(network, predicates)) if isinstance(table, Table)]
     groups = (Group(each.slots, each.clocks, each.channels, each.names, each.tables, each.cyclic) for each in tables)
     proving = Automorphisms(prepare(network), predicates)
@@ -201,7 +203,12 @@ def _predicates(query: Query) -> list[Expression]:
 
 
 def _descent(
-    network: Network, query: Query, options: Options, limits: Limits, progress: Progress | None
+    network: Network,
+    query: Query,
+    groups: Sequence[Group],
+    options: Options,
+    limits: Limits,
+    progress: Progress | None,
 ) -> Cover | str:
     avoided, begins = query.avoided, query.begins
     assert avoided is not None
@@ -213,6 +220,7 @@ def _descent(
     if stops and any(asks_deadlock(one) for one in (avoided, begins) if one is not None):
         return "there are no certificates of what runs meet where clocks stop and `deadlock` is asked for"
     program, goal, trigger = lower_obligation(network, avoided, begins)
+    program = _with_groups(program, groups)
     return find_descent(program, [goal] if trigger is None else [goal, trigger], options, limits, progress)
 
 

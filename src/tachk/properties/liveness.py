@@ -27,6 +27,7 @@ from tachk.model.connectives import either
 from tachk.model.expressions import BOOL, Constant, Expression, LocationTest
 from tachk.model.network import Network
 from tachk.model.query import Query
+from tachk.model.traversal import asks_deadlock, clock_in
 from tachk.properties.deep.unobtrusive import without_unobtrusive
 from tachk.properties.fault_explanation import explain
 from tachk.properties.plan import Search, Task
@@ -36,6 +37,7 @@ from tachk.properties.vacuity import never_begins
 from tachk.properties.verdict import Answer, Verdict
 from tachk.records import dataclass
 from tachk.reduction.beats import DoubledNetwork, with_beats
+from tachk.reduction.symmetry.tables import with_symmetry
 from tachk.semantics.clock_constants import clock_constants
 from tachk.semantics.discrete import PreparedNetwork, prepare
 from tachk.semantics.timed_trace import TimedTrace
@@ -129,6 +131,9 @@ def _searched(
     assert avoided is not None
     with time_limit(limits.seconds):
         program, goal, trigger = lower_obligation(model.network, avoided, begins)
+        asked = [one for one in (avoided, begins) if one is not None]
+        if options.symmetry and not any(asks_deadlock(one) or clock_in(one) is not None for one in asked):
+            program = with_symmetry(program, model.network, asked)
     left = limits.after(time.monotonic() - started)
     first = find_avoiding_run(program, goal, trigger, options, left, progress)
     obligation = Obligation(avoided, begins, query.again, query.ends)
