@@ -11,7 +11,7 @@ import tachk
 from tachk.certify.automorphism import Automorphisms
 from tachk.certify.exchanges import Group, MalformedGroupError, exchange
 from tachk.compiler.lower import lower
-from tachk.engines.options import Limits, Options
+from tachk.engines.options import NEVER, Limits, Options
 from tachk.properties.certificates import Proof, find_proof, is_provable
 from tachk.reduction.symmetry.tables import with_symmetry
 from tachk.semantics.discrete import prepare
@@ -77,3 +77,39 @@ def test_certificates_with_exchanges_prove_what_those_without_do(kind: str) -> N
             assert judged(model.network, verdict.query, written(found)) is None
             assert judged(model.network, verdict.query, written(proved(model.network, verdict.query, PLAIN))) is None
     assert with_exchanges
+
+
+EVENTUALLY = (
+    "A<> exists (i : id_t) P(i).L1",
+    "E[] forall (i : id_t) P(i).L0",
+    "(exists (i : id_t) P(i).L1) --> (exists (i : id_t) P(i).L0)",
+    "count == 1 --> count == 0",
+    "A<> count == 2",
+    "P(1).L1 --> P(1).L0",
+    "E[] count < 2",
+    "A<> exists (i : id_t) P(i).L1 && P(i).x > 1",
+)
+"""Asked of groups and rings, whose processes have the same names."""
+
+
+@pytest.mark.parametrize("kind", ["groups", "rings"])
+@pytest.mark.parametrize("block", range(2))
+def test_what_each_run_meets(kind: str, block: int) -> None:
+    """Sorted or not, depth first or by a short proof: the same answers, runs that replay, and proofs."""
+    with_exchanges = proofs = 0
+    for seed in range(10 * block, 10 * block + 10):
+        model = tachk.loads(CASES[kind](Random(f"met{seed}")).text)
+        queries = Random(seed).sample(EVENTUALLY, 3)
+        ways = (Options(), Options(proof_after=NEVER), Options(proof_after=0, attempts=False), Options(symmetry=False))
+        found = [list(model.verify(*queries, options=way, limits=SHORT)) for way in ways]
+        for *sorted_, plain in zip(*found, strict=True):
+            for verdict in sorted_:
+                with_exchanges += verdict.statistics.interchangeable > 0
+                if not plain.reason.endswith("limit") and not verdict.reason.endswith("limit"):
+                    told = verdict.answer, verdict.fault is None
+                    assert told == (plain.answer, plain.fault is None), (seed, verdict.query.text)
+            proof = find_proof(model.network, "digest", plain.query, limits=SHORT) if is_provable(plain) else ""
+            if isinstance(proof, Proof) and proof.header.groups:
+                proofs += 1
+                assert judged(model.network, plain.query, written(proof)) is None
+    assert with_exchanges and proofs

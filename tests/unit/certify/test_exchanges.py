@@ -260,6 +260,17 @@ def test_all_that_belongs_to_a_member_must_move_with_it(gone: str) -> None:
     assert objection({}, members) is not None
 
 
+def test_edges_may_hear_corresponding_channels_only() -> None:
+    """Which ones an edge may hear decides where its guard is asked, which may be an error."""
+    hears = {"of_a": "to M { sync d[1]?; }", "of_b": "to M { sync d[a - a + 2]?; }"}
+    sends = "to M { select k : int[0, 2]; sync d[k]!; }"
+    text = text_of({"channels": "chan ua, ub, d[3];", **hears, "of_c": sends})
+    members = BOTH[0] + " d[1]", BOTH[1] + " d[2]"
+    for index, reason in (("a - a + 2", WITHIN + "M"), ("2", None)):
+        model = prepare(tachk.loads(text.replace("a - a + 2", index)).network)
+        assert Automorphisms(model, []).objection(group_of(model, members, "owner", (1, 2))) == reason
+
+
 def test_names_must_move_with_their_members() -> None:
     assert objection({}, named="") is not None
 
@@ -270,6 +281,13 @@ def test_cells_that_are_exchanged_have_the_same_range() -> None:
     assert (
         Automorphisms(model, []).objection(group_of(model, BOTH, "owner", (1, 2))) == "the range of b tells them apart"
     )
+
+
+def test_what_nothing_writes_must_have_the_images_of_its_values() -> None:
+    for values, reason in (("0, 7, 7", None), ("0, 7, 8", "the values of c[2] tell them apart")):
+        model = prepare(tachk.loads(text_of({}).replace("clock z;", f"clock z; int c[3] = {{{values}}};")).network)
+        members = BOTH[0] + " c[1]", BOTH[1] + " c[2]"
+        assert Automorphisms(model, []).objection(group_of(model, members, "owner", (1, 2))) == reason
 
 
 def test_a_range_must_hold_the_names_of_all_or_of_none() -> None:
