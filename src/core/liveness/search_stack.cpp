@@ -3,12 +3,18 @@
 #include <cstring>
 
 namespace tachk {
+namespace {
+
+// Of a record that holds zones of fewer clocks, too, whose rows may be read in larger vectors than those of the others.
+std::size_t aligned(std::size_t bytes) { return (bytes + 31) / 32 * 32; }
+
+}  // namespace
 
 SearchStack::SearchStack(const ZoneGraph& graph)
     : operations_(graph.operations()),
       smaller_(graph.smaller_operations()),
       dimension_(graph.program().dimension()),
-      zones_(graph.operations().bytes) {}
+      zones_(aligned(graph.operations().bytes)) {}
 
 std::vector<std::uint32_t> SearchStack::path() const {
   std::vector<std::uint32_t> path;

@@ -24,6 +24,12 @@ def test_what_holds_of_many_processes(query: str, most: int, options: Options) -
     assert verdict.answer.value == "holds" and verdict.statistics.interchangeable > 0
 
 
+def test_zones_of_few_clocks_in_records_for_many() -> None:
+    """With 21 clocks a whole zone has 1,008 bytes; rows of fewer clocks are read 32 bytes at a time."""
+    (verdict,) = tachk.load(FISCHER, N=20).verify("P(1).request --> P(1).waiting", limits=Limits(states=20_000))
+    assert verdict.answer.value == "holds"
+
+
 TAKING_TURNS = """
 int[0, 3] last = 0;
 process P(const int[1, 3] me) {
