@@ -30,34 +30,27 @@ class Arrangements final {
     }
   }
 
-  // Whether nothing is left of a zone in a discrete state, if `without(slots, zone)` is what is not covered of one, and
-  // the rest is arranged in other ways.
-  template <class Without>
-  bool covered(const Slots& slots, const Zone& zone, Without&& without) const {
-    if (groups_.empty()) return without(slots, zone).empty();
-    std::vector<std::pair<Slots, Zone>> left{{slots, zone}};
+  // Whether `covers(slots, zone)` is true of some arrangement of a symbolic state.
+  template <class Covers>
+  bool some(Slots slots, Zone zone, Covers&& covers) const {
     std::vector<std::size_t> turns(groups_.size(), 0);
     while (true) {
       for (int way = 0; way < ways_; ++way) {
-        std::vector<std::pair<Slots, Zone>> rest;
-        for (auto& [where, what] : left) {
-          for (std::size_t group = 0; group < groups_.size(); ++group)
-            if (!groups_[group].cyclic) place(groups_[group], sorted(group, where, what, way == 1), where, what);
-          for (Zone& piece : without(where, what)) rest.emplace_back(where, std::move(piece));
-        }
-        left = std::move(rest);
-        if (left.empty()) return true;
+        for (std::size_t group = 0; group < groups_.size(); ++group)
+          if (!groups_[group].cyclic) place(groups_[group], sorted(group, slots, zone, way == 1), slots, zone);
+        if (covers(slots, zone)) return true;
       }
       bool turned = false;
       for (std::size_t group = 0; group < groups_.size() && !turned; ++group) {
         if (!groups_[group].cyclic) continue;
-        for (auto& [where, what] : left) place(groups_[group], moved_on(groups_[group].slots.size()), where, what);
+        place(groups_[group], moved_on(groups_[group].slots.size()), slots, zone);
         turns[group] = (turns[group] + 1) % groups_[group].slots.size();
         turned = turns[group] > 0;
       }
       if (!turned) return false;
     }
   }
+  bool none() const { return groups_.empty(); }
 
  private:
   using Order = std::vector<std::size_t>;  // which member comes to each place

@@ -8,6 +8,7 @@
 // tachk.certify.closed_set is the same check in Python, which does without the compiler as well.
 #pragma once
 
+#include <algorithm>
 #include <cstdlib>
 #include <limits>
 #include <optional>
@@ -102,15 +103,25 @@ class ClosedSet final {
     return key_;
   }
   // By one zone of the set, as a rule, else by several together: of the rank 0, or ranked ones below a rank.
-  bool covers(const Situation& there, const Zone& zone, std::int64_t below) {
-    return zone.empty() || arrangements_.covered(there.slots, zone, [&](const auto& slots, const Zone& arranged) {
-      Zones rest{arranged};
-      const auto found = numbers_.find(key(slots, below > 0));
-      if (found == numbers_.end()) return rest;
-      for (std::size_t e = first_[found->second]; e < first_[found->second + 1] && !rest.empty(); ++e)
-        if (below == 0 || elements_[e].rank < below) rest = without(rest, shapes_[elements_[e].shape].constraints);
-      return rest;
-    });
+  bool covers(const std::vector<std::int32_t>& slots, const Zone& zone, std::int64_t below) {
+    const auto found = numbers_.find(key(slots, below > 0));
+    if (found == numbers_.end()) return zone.empty();
+    const auto first = elements_.begin() + static_cast<std::ptrdiff_t>(first_[found->second]);
+    const auto last = elements_.begin() + static_cast<std::ptrdiff_t>(first_[found->second + 1]);
+    const auto counts = [below](const Element& element) { return below == 0 || element.rank < below; };
+    const auto alone = [&](const Element& element) {
+      return counts(element) && zone.lies_in(shapes_[element.shape].constraints);
+    };
+    if (std::any_of(first, last, alone)) return true;
+    Zones rest{zone};
+    for (auto element = first; element != last && !rest.empty(); ++element)
+      if (counts(*element)) rest = without(rest, shapes_[element->shape].constraints);
+    return rest.empty();
+  }
+  bool covers_some_arrangement(const Situation& there, const Zone& zone, std::int64_t below) {
+    if (arrangements_.none()) return covers(there.slots, zone, below);
+    return arrangements_.some(there.slots, zone,
+                              [&](const auto& slots, const Zone& arranged) { return covers(slots, arranged, below); });
   }
 
   // Up to where something is asked of what waits in elements, and of what they lead to.
@@ -120,7 +131,7 @@ class ClosedSet final {
   void require(Situation& there, const Zone& zone, std::int64_t below, const char* otherwise) {
     if (zone.empty()) return;
     for (const Zone& part : network_.avoiding(goal(below), there, zone))
-      if (!covers(there, part, below)) throw otherwise;
+      if (!covers_some_arrangement(there, part, below)) throw otherwise;
   }
   // Time cannot pass for ever before the goal is met, and some step stays possible.
   void check_ends(const Zone& zone) {

@@ -71,13 +71,13 @@ class Arranged:
         places = np.arange(len(self.origin))
         return joined([Pieces(self.zones, places, find(self.states), places)])
 
-    def rest(self, left: Pieces) -> Arranged:
-        """What is left of them."""
-        return Arranged(self.states[left.origin], left.table[left.zone], self.origin[left.origin])
+    def of(self, places: Numbers) -> Arranged:
+        """Some of them."""
+        return Arranged(self.states[places], self.zones[places], self.origin[places])
 
 
 def uncovered(groups: Sequence[Group], states: Numbers, pieces: Pieces, find: Find, without: Without) -> Pieces:
-    """What a set does not cover of pieces, whose discrete states are rows, nor of what exchanges make of them."""
+    """The pieces that a set does not cover, whose discrete states are rows, nor what exchanges make of them."""
     left = Arranged(states, pieces.table[pieces.zone], pieces.origin)
     rings = [group for group in groups if group.cyclic]
     turns = [0] * len(rings)
@@ -85,7 +85,7 @@ def uncovered(groups: Sequence[Group], states: Numbers, pieces: Pieces, find: Fi
         for way in range(_WAYS if len(rings) < len(groups) else 1):
             for group in groups:
                 left = left if group.cyclic else left.sorted(group, way)
-            left = left.rest(without(left.pieces(find), left.origin))
+            left = left.of(np.unique(without(left.pieces(find), left.origin).origin))
         for number, group in enumerate(rings):
             left, turns[number] = left.turned(group), (turns[number] + 1) % group.size
             if turns[number]:

@@ -181,7 +181,8 @@ class ClosedSet:
                 smaller: Truths = self.ranks[other] < np.maximum(self.ranks[origin[place]], 1)
                 return smaller
 
-            return pieces.without(self.elements, None if begins or self.goal is None else counts)
+            asked = None if begins or self.goal is None else counts
+            return pieces.beyond(self.elements, asked).without(self.elements, asked)
 
         there = (pieces.row >= 0) & ~self.invalid[pieces.row]
         waited = self._waiting(pieces.take(there))

@@ -129,6 +129,19 @@ class Pieces:
         piece, other = others._pairs(self.row)
         return self.take(piece).become(inside, others.table, others.zone[other])
 
+    def beyond(self, others: Pieces, counts: Callable[[Numbers, Numbers], Truths] | None = None) -> Pieces:
+        """Those that lie within no single one of the others; as `without`."""
+        left, done, number = self, [self.take(slice(0))], 0
+        while len(left.row):
+            other = np.searchsorted(others.row, left.row) + number
+            some = other < np.searchsorted(others.row, left.row, "right")
+            done.append(left.take(~some))
+            left, other, number = left.take(some), other[some], number + 1
+            used = np.ones(len(other), bool) if counts is None else counts(other, left.origin)
+            bounds = others.table[others.zone[other]]
+            left = left.take(~(used & (left.table[left.zone] <= bounds).all(axis=(1, 2))))
+        return joined(done)
+
     def without(self, others: Pieces, counts: Callable[[Numbers, Numbers], Truths] | None = None) -> Pieces:
         """What is outside of all others of their discrete states, which are in the order of these, as far as they count
         for pieces of their origins."""
