@@ -125,7 +125,10 @@ class ClosedSet final {
   }
 
   // Up to where something is asked of what waits in elements, and of what they lead to.
-  const Goal& goal(std::int64_t rank) const { return rank > 0 ? program_.goals[0] : never_; }
+  const Goal& goal(std::int64_t rank) const {
+    static const Goal never;
+    return rank > 0 ? program_.goals[0] : never;
+  }
 
   // A zone is in the set with what it becomes by waiting, as far as the goal is not met before.
   void require(Situation& there, const Zone& zone, std::int64_t below, const char* otherwise) {
@@ -191,7 +194,6 @@ class ClosedSet final {
   Network network_;
   const Program& program_ = network_.program;
   const Arrangements arrangements_{program_.interchangeable};
-  const Goal never_;
   const std::vector<std::int32_t> initial_;
   std::vector<Shape> shapes_;
   std::vector<Element> elements_;      // one state after the other
