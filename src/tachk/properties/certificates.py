@@ -37,7 +37,8 @@ from tachk.properties import liveness, reachability
 from tachk.properties.observed import observed
 from tachk.properties.verdict import Verdict
 from tachk.reduction.symmetry.detection import find_symmetry
-from tachk.reduction.symmetry.tables import repeats, tables_of
+from tachk.reduction.symmetry.sketch import sketch_of
+from tachk.reduction.symmetry.tables import tables_of
 from tachk.semantics.discrete import prepare
 
 
@@ -145,7 +146,7 @@ def _exchanges(network: Network, query: Query) -> tuple[Group, ...]:
     it."""
     predicates = _predicates(query)
     by_clocks = query.target is None and any(asks_deadlock(one) or clock_in(one) is not None for one in predicates)
-    if by_clocks or not repeats(network):
+    if by_clocks or not sketch_of(network).repeats:
         return ()
     tables = [table for _, table in tables_of(network, find_symmetry(network, predicates)) if isinstance(table, Table)]
     groups = (Group(each.slots, each.clocks, each.channels, each.names, each.tables, each.cyclic) for each in tables)
