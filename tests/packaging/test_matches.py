@@ -76,6 +76,7 @@ REASONS = {
         "frontend/expressions/places.is_place",
         "frontend/expressions/typed_expressions._member",
         "frontend/expressions/typing.same_shape",
+        "model/clock_sums.clock_sum",
         "monitoring/line_compiler._computed",
         "monitoring/line_compiler._constant",
     },

@@ -237,12 +237,13 @@ void Network::hold_back_lower_priorities() {
 }
 
 Zone Step::possible() const {
-  std::vector<std::int64_t> value(guarded.n, -1);
-  for (const ClockReset& reset : resets) value[reset.clock] = reset.value;
   Zone zone = guarded;
   for (Atom atom : target.limits) {
-    if (value[atom.left] >= 0) atom.raw -= 2 * value[std::exchange(atom.left, std::uint16_t{0})];
-    if (value[atom.right] >= 0) atom.raw += 2 * value[std::exchange(atom.right, std::uint16_t{0})];
+    // What the constraint asks before the clocks are set, the last one first.
+    for (auto reset = resets.rbegin(); reset != resets.rend(); ++reset) {
+      if (atom.left == reset->clock) atom = {reset->source, atom.right, atom.raw - 2 * Raw{reset->value}};
+      if (atom.right == reset->clock) atom = {atom.left, reset->source, atom.raw + 2 * Raw{reset->value}};
+    }
     zone.tighten(atom);
   }
   return zone;

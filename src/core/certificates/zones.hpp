@@ -60,8 +60,9 @@ struct Zone {
   }
   void reset(const ClockReset& reset) {
     const std::size_t x = reset.clock;
-    for (std::size_t j = 0; j < n; ++j) at(x, j) = sum(raw_bound(reset.value, false), at(0, j));
-    for (std::size_t j = 0; j < n; ++j) at(j, x) = sum(at(j, 0), raw_bound(-Raw{reset.value}, false));
+    const std::size_t y = reset.source;
+    for (std::size_t j = 0; j < n; ++j) at(x, j) = sum(raw_bound(reset.value, false), at(y, j));
+    for (std::size_t j = 0; j < n; ++j) at(j, x) = sum(at(j, y), raw_bound(-Raw{reset.value}, false));
     at(x, x) = raw_zero;
   }
   void close() {  // Floyd and Warshall

@@ -47,6 +47,7 @@ struct Resource {
 const char* global_obstacle(const Program& program) {
   if (program.has_priorities) return "there are priorities";
   if (program.has_stopwatches) return "clocks are stopped";
+  if (program.copies_clocks) return "clocks are set to the values of others";
   if (!program.diagonals.empty()) return "clocks are compared with one another";
   if (!program.measures.empty()) return "values are measured";
   for (const Process& process : program.processes)

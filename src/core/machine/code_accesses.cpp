@@ -104,11 +104,11 @@ struct CodeAccesses::Interpretation {
          slot < slots.high + count && slot < static_cast<std::int64_t>(found.program_.slots.size()); ++slot)
       store(slot, slots.low == slots.high && count == 1 ? value : anything);
   }
-  void set_clock(Interval clock) {
+  void add_clocks(Interval clock, Cells& cells) const {
     const std::int64_t last = found.program_.numbered_clocks();
     for (std::int64_t n = clock.known() ? std::max<std::int64_t>(clock.low, 0) : 0;
          n <= last && (!clock.known() || n <= clock.high); ++n)
-      found.writes.add_clock(static_cast<std::size_t>(found.program_.renumbered(n)));
+      cells.add_clock(static_cast<std::size_t>(found.program_.renumbered(n)));
   }
   static Interval pop(Stack& stack) {
     const Interval top = stack.back();
@@ -180,8 +180,19 @@ void CodeAccesses::Interpretation::step(std::int32_t position, Stack stack) {
       break;
     case Opcode::reset:
       stack.pop_back();
-      set_clock(pop(stack));
+      add_clocks(pop(stack), found.writes);
       break;
+    case Opcode::copy_clock:
+      add_clocks(pop(stack), found.reads);
+      add_clocks(pop(stack), found.writes);
+      break;
+    case Opcode::advance_clock: {
+      stack.pop_back();
+      const Interval clock = pop(stack);
+      add_clocks(clock, found.reads);
+      add_clocks(clock, found.writes);
+      break;
+    }
     case Opcode::floating:  // operands are numbers of slots, as a rule
       found.reads.add_everything();
       stack.resize(stack.size() - 2);
@@ -239,7 +250,10 @@ void CodeAccesses::add(const Condition& condition) {
 
 void CodeAccesses::add(const Update& update) {
   for (const Update::Store& store : update.stores) writes.add_slots(store.slot, store.slot);
-  for (const ClockReset& reset : update.resets) writes.add_clock(reset.clock);
+  for (const ClockReset& reset : update.resets) {
+    reads.add_clock(reset.source);
+    writes.add_clock(reset.clock);
+  }
   add(update.code);
 }
 

@@ -69,6 +69,11 @@ std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vect
     if (first + static_cast<std::size_t>(instruction->extra[0]) > slots.size()) fault(FaultKind::index);
     return first;
   };
+  const auto clock_to_set = [&](std::int32_t clock) {
+    if (resets == nullptr || clock < 1 || clock > program_.numbered_clocks())
+      throw std::logic_error("a clock is set outside an update");
+    return static_cast<std::uint16_t>(program_.renumbered(clock));
+  };
   const auto in_range = [&](std::int32_t number) {
     return number >= instruction->extra[0] && number <= instruction->extra[1];
   };
@@ -131,18 +136,24 @@ std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vect
         give(std::equal(first, first + instruction->extra[0], memory + cells_at(right())));
         break;
       }
-      case Operation::reset: {
+      case Operation::reset:
+      case Operation::advance_clock: {
         const std::int32_t time = right();
-        const std::int32_t clock = left();
+        const std::uint16_t number = clock_to_set(left());
         if (time < 0) fault(FaultKind::negative_clock);
-        if (resets == nullptr || clock < 1 || clock > program_.numbered_clocks())
-          throw std::logic_error("reset outside an update");
-        const auto number = static_cast<std::uint16_t>(program_.renumbered(clock));
         if (number != 0) {
           const std::int64_t units = in_units(time);
           if (units > largest_reset_) fault(FaultKind::bound);
-          resets->push_back({number, static_cast<std::int32_t>(units)});
+          const std::uint16_t source = instruction->operation == Operation::reset ? 0 : number;
+          resets->push_back({number, static_cast<std::int32_t>(units), source});
         }
+        ++instruction;
+        break;
+      }
+      case Operation::copy_clock: {
+        const std::uint16_t source = clock_to_set(right());
+        const std::uint16_t number = clock_to_set(left());
+        if (number != 0 && number != source) resets->push_back({number, 0, source});
         ++instruction;
         break;
       }

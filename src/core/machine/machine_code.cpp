@@ -24,6 +24,8 @@ StackEffect effect_of(Opcode opcode) {
       return {1, 1, 0};
     case Opcode::store_indirect:
     case Opcode::reset:
+    case Opcode::copy_clock:
+    case Opcode::advance_clock:
       return {0, 2, 0};
     case Opcode::index:
       return {3, 2, 1};
@@ -250,9 +252,14 @@ class Translation {
         compute(Operation::equal_cells, left, right).extra[0] = operand(position, 0);
         break;
       }
-      case Opcode::reset: {
+      case Opcode::reset:
+      case Opcode::copy_clock:
+      case Opcode::advance_clock: {
         const Operand value = pop();
-        emit(Operation::reset, pop(), value);
+        emit(here == Opcode::reset        ? Operation::reset
+             : here == Opcode::copy_clock ? Operation::copy_clock
+                                          : Operation::advance_clock,
+             pop(), value);
         break;
       }
       case Opcode::duplicate:

@@ -23,6 +23,8 @@ enum class Operation : std::uint8_t {
   copy,          // extra[0] slots from the one with the number right to the one with the number left
   equal_cells,   // target = whether extra[0] slots from left on equal those from right on
   reset,         // the clock left = right
+  copy_clock,    // the clock left = the clock right
+  advance_clock,  // the clock left = itself and right
   add,
   subtract,
   multiply,

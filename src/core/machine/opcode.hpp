@@ -22,6 +22,8 @@ enum class Opcode : std::int32_t {
   swap = 12,
   over = 13,
   table = 14,
+  copy_clock = 15,
+  advance_clock = 16,
   add = 20,
   subtract = 21,
   multiply = 22,

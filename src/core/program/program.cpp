@@ -75,6 +75,7 @@ class Decoder {
     });
     program_.has_priorities = in_.flag();
     program_.has_stopwatches = in_.flag();
+    program_.copies_clocks = in_.flag();
     note(in_.number());
     program_.computed_unit = in_.wide();
     if (program_.computed_unit < 0) throw std::invalid_argument("negative unit in image");
@@ -144,7 +145,7 @@ class Decoder {
       const std::uint16_t c = clock();
       const std::int32_t value = in_.number();
       note(value);
-      return ClockReset{c, value};
+      return ClockReset{c, value, clock()};
     });
     result.code = code();
     return result;
@@ -294,6 +295,7 @@ Program without_idle_clocks(Program program) {
   for (Edge& edge : program.edges) {
     renumber_condition(edge.guard);
     renumber_each(edge.update.resets);
+    for (ClockReset& reset : edge.update.resets) reset.source = numbers[reset.source];
   }
   for (Goal& goal : program.goals)
     for (Disjunct& disjunct : goal.disjuncts) renumber_condition(disjunct.condition);

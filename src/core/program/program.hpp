@@ -212,6 +212,7 @@ struct Program {
   std::vector<Interchangeable> interchangeable;
   bool has_priorities = false;
   bool has_stopwatches = false;
+  bool copies_clocks = false;
   Raw largest_constant = 0;        // in any atom, reset or bound
   std::int64_t computed_unit = 0;  // divides every time that code computes; 0 if that is always 0
   std::int64_t time_unit = 1;      // what 1 stands for wherever times are not computed by code

@@ -40,7 +40,7 @@ class Judge {
   const std::int64_t unit_;
   Reading reading_;
   std::int64_t now_ = 0;
-  std::vector<std::int64_t> zero_;  // when each clock was, or would have been, 0
+  std::vector<Wide> zero_;  // when each clock was, or would have been, 0
   std::vector<Atom> asked_;
   std::vector<ClockReset> resets_;
   std::vector<std::vector<std::uint32_t>> listeners_;  // of each channel, the processes that may receive
@@ -70,8 +70,8 @@ Verdict Judge::cannot_tell() const {
 }
 
 bool Judge::satisfied(const Atom& atom) const {
-  const std::int64_t left = atom.left == 0 ? 0 : now_ - zero_[atom.left];
-  const std::int64_t right = atom.right == 0 ? 0 : now_ - zero_[atom.right];
+  const Wide left = atom.left == 0 ? 0 : now_ - zero_[atom.left];
+  const Wide right = atom.right == 0 ? 0 : now_ - zero_[atom.right];
   const Wide bound = Wide{raw_value(atom.raw)} * unit_;
   return (atom.raw & 1) == 0 ? left - right < bound : left - right <= bound;
 }
@@ -153,7 +153,8 @@ Verdict Judge::fire(Edges edges) {
   if (const Verdict wrong = synchronise(edges)) return wrong;
   resets_.clear();
   reading_.take(edges, resets_);
-  for (const ClockReset& reset : resets_) zero_[reset.clock] = now_ - std::int64_t{reset.value} * unit_;
+  for (const ClockReset& reset : resets_)
+    zero_[reset.clock] = (reset.source != 0 ? zero_[reset.source] : Wide{now_}) - Wide{reset.value} * unit_;
   return invariants() ? nullptr : "the transition violates an invariant";
 }
 

@@ -80,7 +80,10 @@ bool Schedule::collect(const Program& program, const Goal& goal) {
     if (!require(k + 1)) return false;
     resets.clear();
     reading_.take(path_[k], resets);
-    for (const ClockReset& reset : resets) set_[reset.clock] = {k + 1, reset.value};
+    for (const ClockReset& reset : resets) {
+      const Set copied = reset.source != 0 ? set_[reset.source] : Set{k + 1, 0};
+      set_[reset.clock] = {copied.moment, copied.value + reset.value};
+    }
   }
   const bool reached = std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(), [&](const Disjunct& disjunct) {
     asked_.clear();

@@ -8,6 +8,7 @@ namespace tachk {
 namespace {
 
 constexpr Raw largest_reset = INT32_MAX;
+constexpr Ticks latest_value = largest_reset * ticks_per_unit + latest_end;  // of a clock
 constexpr std::uint64_t most_idle_draws = 100'000;
 constexpr Ticks retry = ticks_per_unit / 4;  // of what only target invariants forbid, where no delay is drawn
 constexpr Ticks near = ticks_per_unit;       // how far hybrid clocks are followed before something happens
@@ -327,7 +328,10 @@ void Simulator::update() {
   for (const ClockReset& reset : change_.resets) {
     change_.values.emplace_back(reset.clock, state_.clocks.value(reset.clock, now_));
     change_.clocks |= clock_group(reset.clock);
-    state_.clocks.set(reset.clock, Ticks{reset.value} * ticks_per_unit, now_);
+    const Ticks copied = state_.clocks.value(reset.source, now_);
+    const Ticks advance = Ticks{reset.value} * ticks_per_unit;
+    if (copied > latest_value - advance) throw ModelFault(FaultKind::bound, no_code);
+    state_.clocks.set(reset.clock, copied + advance, now_);
   }
 }
 

@@ -23,11 +23,6 @@ enum class Extrapolation { none, max, lu };
 // Where the constants come from: the locations of a state, or the whole program.
 enum class BoundScope { local, global };
 
-// Without extrapolation: clock values beyond what a bound can hold.
-struct ConstantOverflow : std::exception {
-  const char* what() const noexcept override { return "clock values are too large"; }
-};
-
 class Abstraction final {
  public:
   Abstraction(const Program& program, const Semantics& semantics, const ZoneOperations& operations, Extrapolation kind,

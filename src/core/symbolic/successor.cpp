@@ -170,6 +170,7 @@ bool Semantics::apply(const Edges& edges, const std::int32_t* slots, Effect& eff
     effect.resets.insert(effect.resets.end(), update.resets.begin(), update.resets.end());
     if (update.code != no_code) machine_.update(update.code, effect.slots.data(), effect.written, effect.resets);
   }
+  if (program_.copies_clocks) check_advance(effect.resets);
   for (const std::uint32_t number : edges) {
     const Edge& edge = program_.edges[number];
     effect.slots[edge.process] = edge.target;
@@ -179,20 +180,30 @@ bool Semantics::apply(const Edges& edges, const std::int32_t* slots, Effect& eff
   return invariant(effect.slots.data(), effect.invariant);
 }
 
+void Semantics::check_advance(const std::vector<ClockReset>& resets) const {
+  Raw advance = 0;
+  for (const ClockReset& reset : resets)
+    if (reset.source != 0) advance += reset.value;
+  if (advance > operations_.largest_constant) throw ConstantOverflow{};
+}
+
 bool Semantics::weakest_precondition(const Effect& effect, std::vector<Atom>& atoms) const {
   if (effect.invariant.empty()) return true;
-  constexpr std::int32_t unset = -1;
-  std::vector<std::int32_t> value(static_cast<std::size_t>(program_.dimension()), unset);
-  for (const ClockReset& reset : effect.resets) value[reset.clock] = reset.value;
+  // What each clock is afterwards: one of before, and so much more.
+  struct After {
+    std::uint16_t source;
+    Raw value;
+  };
+  std::vector<After> after;
+  for (std::uint16_t clock = 0; clock < program_.dimension(); ++clock) after.push_back({clock, 0});
+  for (const ClockReset& reset : effect.resets) {
+    const After copied = after[reset.source];
+    after[reset.clock] = {copied.source, copied.value + reset.value};
+  }
   for (Atom atom : effect.invariant) {
-    if (value[atom.left] != unset) {
-      atom.raw -= 2 * Raw{value[atom.left]};
-      atom.left = 0;
-    }
-    if (value[atom.right] != unset) {
-      atom.raw += 2 * Raw{value[atom.right]};
-      atom.right = 0;
-    }
+    atom.raw -= 2 * (after[atom.left].value - after[atom.right].value);
+    atom.left = after[atom.left].source;
+    atom.right = after[atom.right].source;
     if (atom.left != atom.right)
       atoms.push_back(atom);
     else if (atom.raw < raw_zero)

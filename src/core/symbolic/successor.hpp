@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <exception>
 #include <span>
 #include <utility>
 #include <vector>
@@ -21,6 +22,11 @@ using Edges = std::vector<std::uint32_t>;
 
 // The actions that lead from one state to another one, in order.
 using Path = std::vector<Edges>;
+
+// Clock values beyond what a bound can hold: without extrapolation, or because clocks are advanced so far.
+struct ConstantOverflow : std::exception {
+  const char* what() const noexcept override { return "clock values are too large"; }
+};
 
 // An action of a discrete state: one internal edge; a sender and a receiver; or a broadcast sender and its receivers in
 // process order. `guard` is the conjunction of their clock guards in this discrete state.
@@ -56,7 +62,7 @@ class Semantics {
   void for_each_action(std::int32_t* slots, ConstZoneRef zone, Visit&& visit, Skips&& skips);
 
   // Runs the updates of an action. False if an integer condition of a target invariant is violated: then the action is
-  // not possible. Throws ModelFault.
+  // not possible. Throws ModelFault, ConstantOverflow.
   bool apply(const Edges& edges, const std::int32_t* slots, Effect& effect);
 
   // The constraints on the source valuation under which the effect's invariant holds after its resets, appended to
@@ -94,6 +100,9 @@ class Semantics {
   std::size_t location_count() const { return outgoing_.size(); }
 
  private:
+  // Throws ConstantOverflow where copies advance clocks by more than zones have room for.
+  void check_advance(const std::vector<ClockReset>& resets) const;
+
   struct Sender {
     std::uint32_t edge;
     std::vector<std::uint32_t> partners;  // the other processes with an edge that may receive what it sends

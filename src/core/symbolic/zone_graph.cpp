@@ -1,6 +1,9 @@
 #include "symbolic/zone_graph.hpp"
 
+#include <algorithm>
+#include <numeric>
 #include <stdexcept>
+#include <vector>
 
 namespace tachk {
 namespace {
@@ -12,10 +15,23 @@ Program prepared(Program program, const ZoneGraphOptions& options) {
   return program;
 }
 
+// By how much a transition may advance clocks, as far as code does not compute it: a clock at the edge of what is told
+// apart may still get larger by so much.
+Raw largest_advance(const Program& program) {
+  std::vector<Raw> of_process(program.processes.size(), 0);
+  for (const Edge& edge : program.edges) {
+    Raw whole = 0;
+    for (const ClockReset& reset : edge.update.resets)
+      if (reset.source != 0) whole += reset.value;
+    of_process[edge.process] = std::max(of_process[edge.process], whole);
+  }
+  return std::accumulate(of_process.begin(), of_process.end(), Raw{0});
+}
+
 Width choose_width(const Program& program, const ZoneGraphOptions& options) {
   // Without extrapolation entries grow with the depth.
   if (options.extrapolation == Extrapolation::none) return Width::widest;
-  const Raw largest = program.largest_constant;
+  const Raw largest = std::max(program.largest_constant * (program.copies_clocks ? 4 : 1), largest_advance(program));
   if (options.width == Width::narrow && largest <= BoundLimits<std::int16_t>::largest_constant) return Width::narrow;
   if (options.width != Width::widest && largest <= BoundLimits<std::int32_t>::largest_constant) return Width::wide;
   return Width::widest;

@@ -56,9 +56,11 @@ struct Atom {
 
 constexpr Atom negated(Atom atom) { return {atom.right, atom.left, raw_negated(atom.raw)}; }
 
+// Sets a clock to the value of `source`, which may be the clock itself, and so much more; 0 is the reference clock.
 struct ClockReset {
   std::uint16_t clock;
   std::int32_t value;
+  std::uint16_t source = 0;
 };
 
 }  // namespace tachk

@@ -50,7 +50,7 @@ struct ZoneOperations {
   bool (*intersect)(ZoneRef zone, int dimension, const Atom* atoms, std::size_t count);
   // Whether each atom by itself leaves something of the zone; cheap, and necessary for `intersect`.
   bool (*meets_each)(ConstZoneRef zone, int dimension, const Atom* atoms, std::size_t count);
-  // Assigns constants to clocks, in order.
+  // Sets clocks, in order. What copies add up to must be at most `largest_constant`.
   void (*reset)(ZoneRef zone, int dimension, const ClockReset* resets, std::size_t count);
   // All clocks run for any time, except where `stopped` (may be null) is nonzero. With stopped clocks the result is the
   // smallest zone that contains the reached valuations.

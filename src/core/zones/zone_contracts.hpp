@@ -66,7 +66,7 @@ struct CheckedKernel : Kernel<T, Stride> {
   }
   static bool proper(const ClockReset* resets, std::size_t count, int dimension) {
     for (std::size_t n = 0; n < count; ++n)
-      if (resets[n].clock < 1 || resets[n].clock >= dimension || resets[n].value < 0 ||
+      if (resets[n].clock < 1 || resets[n].clock >= dimension || resets[n].source >= dimension || resets[n].value < 0 ||
           resets[n].value > K::Limits::largest_constant)
         return false;
     return true;

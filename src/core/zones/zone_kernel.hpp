@@ -147,9 +147,12 @@ struct Kernel {
     return true;
   }
 
+  // After x := y + c, x differs by c from y, and from the others as y does ("copy" and "shift" of Bengtsson and Yi).
+  // The entries of y are read before they are written, also where y is x.
   static void reset(ZoneRef zone, int dimension, const ClockReset* resets, std::size_t count) {
     for (std::size_t n = 0; n < count; ++n) {
       const int clock = resets[n].clock;
+      const int source = resets[n].source;
       const T up = static_cast<T>(raw_bound(resets[n].value, false));
       const T down = static_cast<T>(raw_bound(-Raw{resets[n].value}, false));
       const int number = vectors(dimension);
@@ -158,11 +161,11 @@ struct Kernel {
         for (int r = 0; r < dimension; ++r) {
           if (r == clock) continue;
           T* row_r = row(zone, dimension, r);
-          vector(row_r, v) = here ? all(add(row_r[0], down)) : vector(row_r, v);
+          vector(row_r, v) = here ? all(add(row_r[source], down)) : vector(row_r, v);
         }
-        const Vector first = vector(row(zone, dimension, 0), v);
-        Vector sum = first + all(static_cast<T>(up - 1));
-        sum = first == all(infinity) ? first : sum;
+        const Vector same = vector(row(zone, dimension, source), v);
+        Vector sum = same + all(static_cast<T>(up - 1));
+        sum = same == all(infinity) ? same : sum;
         vector(row(zone, dimension, clock), v) = here ? all(zero) : sum;
       }
     }

@@ -28,7 +28,7 @@ from tachk.certify.certificate import CertificateReader, MalformedCertificateErr
 from tachk.certify.zone_arrays import Pieces, Truths, inside, joined, outside, released
 from tachk.model.expressions import Expression
 from tachk.model.traversal import asks_deadlock
-from tachk.semantics.dbm import INFINITY, LESS_EQUAL_ZERO, raw_bound
+from tachk.semantics.dbm import INFINITY, LESS_EQUAL_ZERO
 from tachk.semantics.discrete import PreparedNetwork, initial_discrete
 from tachk.semantics.many_states import ManyStates, Move
 from tachk.semantics.timed_trace import DiscreteState, Transition
@@ -166,8 +166,7 @@ class ClosedSet:
             if self.model.has_priorities:
                 higher = np.array([other.priority > move.priority for other in self.states.moves])
                 pieces = pieces.without(self.domains.take(higher[self.domains.origin]))
-            entries, values = self._setting(move)
-            pieces = pieces.become(released, entries).within(values)
+            pieces = pieces.assign(move.resets)
             target = move.targets[np.searchsorted(move.rows, pieces.row)]
             uncovered = self._uncovered(self._limited(replace(pieces, row=target)))
             self._object(uncovered, "a successor is not in the set", move.transition)
@@ -223,22 +222,14 @@ class ClosedSet:
         lower[0, 0, 1:] = True
         return joined([pieces.take(runs).become(released, lower), pieces.take(~runs)])
 
-    def _setting(self, move: Move) -> tuple[Truths, list[tuple[int, int, int]]]:
-        """The bounds that say something of clocks that a move sets, and constraints to their new values."""
-        clocks = [clock for clock, _ in move.resets]
-        entries = np.zeros((1, self.model.dimension, self.model.dimension), bool)
-        entries[0, clocks, :] = entries[0, :, clocks] = True
-        values = [(clock, 0, raw_bound(value, False)) for clock, value in move.resets]
-        return entries, values + [(0, clock, raw_bound(-value, False)) for clock, value in move.resets]
-
     def _domain(self, number: int) -> Pieces:
         """Where a move is possible."""
         move = self.states.moves[number]
         rows, targets = move.rows[: len(move.targets)], move.targets
-        entries, values = self._setting(move)
         pieces = replace(self._anything(rows), origin=rows * 0 + number)
-        pieces = pieces.become(inside, self.bounds, self.states.limits[targets]).within(values)
-        return joined([self._limited(pieces.become(released, entries).within(each)) for each in move.guard])
+        limits = zone_arrays.before_assigning(move.resets, self.bounds)
+        pieces = pieces.become(inside, limits, self.states.limits[targets])
+        return joined([self._limited(pieces.within(each)) for each in move.guard])
 
     def _where(self, pieces: Pieces, predicate: Expression, widely: bool) -> Pieces:
         """The parts where a predicate holds for certain, or (widely) where it may hold."""

@@ -8,6 +8,7 @@ the zone that it comes from, in ascending order.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from tachk.certify.certificate import Numbers
 from tachk.records import dataclass
-from tachk.semantics.dbm import INFINITY, LESS_EQUAL_ZERO, Constraint
+from tachk.semantics.dbm import INFINITY, LESS_EQUAL_ZERO, ClockValues, Constraint
 
 Truths = NDArray[np.bool_]
 Change = Callable[[Numbers, Any], tuple[Numbers, Numbers]]
@@ -79,6 +80,33 @@ def released(zones: Numbers, entries: Truths) -> tuple[Numbers, Numbers]:
     return np.arange(len(zones)), canonical(zones) if entries[:, :, 1:].any() else zones
 
 
+def assigned(zones: Numbers, values: ClockValues) -> Numbers:
+    """What becomes of zones when clocks are set."""
+    source, more = _become(values, zones.shape[1])
+    after = added(zones[:, source[:, None], source[None, :]], 2 * (more[:, None] - more[None, :]) + LESS_EQUAL_ZERO)
+    every = range(len(source))
+    after[:, every, every] = LESS_EQUAL_ZERO
+    return after
+
+
+def before_assigning(values: ClockValues, bounds: Numbers) -> Numbers:
+    """What matrices of bounds that must hold after clocks are set ask of the clocks before."""
+    source, more = _become(values, bounds.shape[1])
+    shifted = added(bounds, 2 * (more[None, :] - more[:, None]) + LESS_EQUAL_ZERO)
+    before = np.full_like(bounds, INFINITY)
+    for i, j in np.argwhere((shifted < INFINITY).any(axis=0)).tolist():
+        before[:, source[i], source[j]] = np.minimum(before[:, source[i], source[j]], shifted[:, i, j])
+    return before
+
+
+def _become(values: ClockValues, dimension: int) -> tuple[Numbers, Numbers]:
+    """What every clock is set to, if only to itself: a clock, and how much more."""
+    source, more = np.arange(dimension), np.zeros(dimension, np.int64)
+    for clock, of, by in values:
+        source[clock], more[clock] = of, by
+    return source, more
+
+
 def _cut(zones: Numbers, i: int, j: int, raw: Numbers) -> tuple[Numbers | slice, Numbers]:
     """The parts with ``x_i - x_j`` below a bound for each zone, and which zones have one."""
     if (zones[:, i, j] <= raw).all():
@@ -123,6 +151,10 @@ class Pieces:
     def within(self, constraints: Iterable[Constraint]) -> Pieces:
         """The parts within some constraints."""
         return self.become(inside, bounds_of(constraints, self.table.shape[1])[None])
+
+    def assign(self, values: ClockValues) -> Pieces:
+        """What becomes of them when clocks are set."""
+        return replace(self, table=assigned(self.table, values))
 
     def meeting(self, others: Pieces) -> Pieces:
         """What they have in common with others of their discrete states, which are in the order of these."""

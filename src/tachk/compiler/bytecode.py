@@ -41,6 +41,10 @@ class Opcode(IntEnum):
     """a b -- a b a"""
     TABLE = 14
     """TABLE position low size: i -- the word of the code at position + i - low; error INDEX as for INDEX"""
+    COPY_CLOCK = 15
+    """clock clock -- ; sets the first clock to the value of the second"""
+    ADVANCE_CLOCK = 16
+    """clock value -- ; adds to a clock; error NEGATIVE_CLOCK if value < 0"""
     ADD = 20
     SUBTRACT = 21
     MULTIPLY = 22

@@ -13,6 +13,7 @@ from collections.abc import Collection, Sequence
 
 from tachk.compiler.assembler import Assembler, Label
 from tachk.compiler.bytecode import Opcode
+from tachk.compiler.clock_code import set_clock
 from tachk.compiler.fold import Known, fold, fold_place, is_integer
 from tachk.compiler.functions import FunctionGenerator
 from tachk.compiler.refused_clocks import clock_comparison_unsupported, refuse_clock_cells
@@ -371,8 +372,7 @@ class CodeGenerator:
         emit = self.assembler.emit
         if isinstance(expression.target.type, ClockType):
             emit(Opcode.LOAD_INDIRECT)
-            self.value(expression.value)
-            emit(Opcode.RESET, span=expression.span)
+            set_clock(self, expression)
             return
         if expression.operator is not None:
             emit(Opcode.DUPLICATE)

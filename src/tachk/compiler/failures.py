@@ -10,6 +10,7 @@ from tachk.compiler.conditions import conjuncts
 from tachk.compiler.fold import Known, fold, fold_place, is_integer
 from tachk.compiler.intervals import Interval, arithmetic, interval
 from tachk.compiler.slot_layout import cell_range
+from tachk.model.clock_sums import clock_sum
 from tachk.model.expressions import (
     Aggregate,
     Assert,
@@ -192,7 +193,8 @@ class _Scope:
     def _stores_badly(self, assignment: Assign) -> bool:
         target, value, operator = assignment.target, assignment.value, assignment.operator
         if isinstance(target.type, ClockType):
-            return self._interval(value)[0] < 0
+            whole = clock_sum(value)
+            return whole is None or (whole.offset is not None and self._interval(whole.offset)[0] < 0)
         if operator is None:
             return not self._fits(value, target.type)
         if self._undefined(operator, value):

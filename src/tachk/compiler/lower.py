@@ -12,17 +12,17 @@ from tachk.compiler.bounds import (
     LocationBounds,
     collect,
     diagonal_bounds,
-    process_bounds,
+    joined_copies,
+    network_bounds,
 )
+from tachk.compiler.clock_updates import ClockUpdates
 from tachk.compiler.codegen import CodeGenerator
-from tachk.compiler.condition_code import ConditionCompiler, check_bound
+from tachk.compiler.condition_code import ConditionCompiler
 from tachk.compiler.conditions import Conjunction, split_conjunction
-from tachk.compiler.divisors import divisor
 from tachk.compiler.features import rate_of
-from tachk.compiler.fold import Known, fold, fold_place, is_integer, known_values, network_expressions
+from tachk.compiler.fold import Known, fold, fold_place, is_integer, known_values
 from tachk.compiler.goal import Observed, compile_goal
 from tachk.compiler.hybrid import hybrid_clocks, rate_of_computed_clock
-from tachk.compiler.intervals import interval
 from tachk.compiler.program import (
     NO_CODE,
     Chances,
@@ -43,7 +43,6 @@ from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, 
 from tachk.model.floating import DOUBLE
 from tachk.model.floating_calls import constant_number
 from tachk.model.network import Chance, Edge, Location, Network, Process
-from tachk.model.traversal import called_functions, statement_expressions, walk
 from tachk.model.types import ChannelType, ClockType, leaves
 from tachk.operators import BinaryOperator
 from tachk.records import dataclass
@@ -176,7 +175,7 @@ def _lowered(network: Network, known: Known, tables: Collection[Variable] = ()) 
     """The processes of a network, as far as no predicate counts."""
     layout = SlotLayout(network, known, tables)
     lowering = _Lowering(network, layout, CodeGenerator(layout, known, tables))
-    lowering.find_reset_values(known)
+    lowering.clocks.find(network, known)
     for number, process in enumerate(network.processes):
         lowering.add_process(number, process, known)
     return lowering
@@ -190,11 +189,10 @@ class _Lowering:
         self.layout = layout
         self.generator = generator
         self.compiler = ConditionCompiler(layout, generator, network.has_hybrid_clocks)
+        self.clocks = ClockUpdates(layout, self.compiler)
         self.locations: list[list[ProgramLocation]] = []
         self.invariants: list[list[tuple[ConstraintRange, ...]]] = []
         self.edges: list[ProgramEdge] = []
-        self.reset_values: dict[int, int] = {}
-        self.reset_unit = 0
         self.bound_edges: list[list[BoundEdge]] = []
 
     # ---- processes --------------------------------------------------------------------------------------------------
@@ -293,8 +291,9 @@ class _Lowering:
             BoundEdge(
                 edge.source,
                 edge.target,
-                frozenset(self._resets(updates)),
+                frozenset(self.clocks.always_set(updates)),
                 ranges,
+                joined_copies(self.clocks.copies_of(updates, known)),
                 both_directions=broadcast and not sends,
             )
         )
@@ -313,7 +312,7 @@ class _Lowering:
 
     def _update(self, updates: tuple[Expression, ...]) -> Update:
         stores: dict[int, int] = {}
-        resets: dict[int, int] = {}
+        resets: list[tuple[int, int, int]] = []
         for update in updates:
             match update:
                 case Assign(target, Constant(value), _, None) if is_integer(target.type):
@@ -321,36 +320,14 @@ class _Lowering:
                     if slot is None or not self.layout.slots[slot].low <= value <= self.layout.slots[slot].high:
                         return Update(code=self.generator.update_code(updates))
                     stores[slot] = value
-                case Assign(target, Constant(value), _, None) if isinstance(target.type, ClockType) and value >= 0:
-                    slot = self.layout.known_slot(target)
-                    if slot is None:
+                case Assign(target) if isinstance(target.type, ClockType):
+                    reset = self.clocks.reset(update)
+                    if reset is None:
                         return Update(code=self.generator.update_code(updates))
-                    resets[self.layout.slots[slot].initial] = value
+                    resets = [*_not_overwritten(resets, reset), reset]
                 case _:
                     return Update(code=self.generator.update_code(updates))
-        return Update(tuple(stores.items()), tuple(resets.items()))
-
-    def _resets(self, updates: tuple[Expression, ...]) -> Iterator[int]:
-        """The clocks that the updates set in every case; their new values depend on the discrete state only."""
-        for update in updates:
-            if isinstance(update, Assign) and isinstance(update.target.type, ClockType):
-                slot = self.layout.known_slot(update.target)
-                if slot is not None:
-                    yield self.layout.slots[slot].initial
-
-    def find_reset_values(self, known: Known) -> None:
-        """Notes what clocks may be set to: the largest value of each, and what divides all of them. Raises
-        UnsupportedError for one that is too large."""
-        expressions = list(network_expressions(self.network))
-        expressions += [e for f in called_functions(expressions) for e in statement_expressions(f.body)]
-        for expression in expressions:
-            for node in walk(expression):
-                if isinstance(node, Assign) and isinstance(node.target.type, ClockType):
-                    low, high = interval(fold(node.value, known), known)
-                    check_bound(max(low, 0), max(high, 0), node.span)
-                    self.reset_unit = gcd(self.reset_unit, divisor(fold(node.value, known), known))
-                    for clock in self.compiler.possible_clocks(fold_place(node.target, known), known):
-                        self.reset_values[clock] = max(self.reset_values.get(clock, 0), high)
+        return Update(tuple(stores.items()), tuple(resets))
 
     # ---- chances ----------------------------------------------------------------------------------------------------
 
@@ -397,7 +374,7 @@ class _Lowering:
         has_priorities = len(priorities) > 1 or len({p.priority for p in network.processes}) > 1
         model_ranges = [r for process in self.invariants for ranges in process for r in ranges]
         model_ranges += [r for process in self.bound_edges for edge in process for r in edge.constraints]
-        diagonals = _diagonals([*model_ranges, *(o.constraint for o in observed)])
+        diagonals = self._diagonals([*model_ranges, *(o.constraint for o in observed)])
         bounds = self._bounds(observed, diagonals, has_priorities)
         maximum = [-1] * (len(self.layout.clock_names) + 1)
         for process in bounds:
@@ -423,8 +400,9 @@ class _Lowering:
             diagonals=diagonals,
             has_priorities=has_priorities,
             has_stopwatches=any(l.stopped for process in self.locations for l in process),
-            largest_reset=max(self.reset_values.values(), default=0),
-            computed_unit=gcd(self.reset_unit, self.compiler.computed_unit),
+            copies_clocks=bool(self.clocks.copies),
+            largest_reset=self.clocks.largest,
+            computed_unit=gcd(self.clocks.unit, self.compiler.computed_unit),
         )
 
     def _bounds(
@@ -433,7 +411,7 @@ class _Lowering:
         diagonals: tuple[tuple[int, int, int], ...],
         has_priorities: bool,
     ) -> list[tuple[LocationBounds, ...]]:
-        of_diagonals = diagonal_bounds(diagonals, self.reset_values)
+        of_diagonals = diagonal_bounds(diagonals, self.clocks.values)
         lower, upper = dict(of_diagonals), dict(of_diagonals)
         at_location = [[list(ranges) for ranges in process] for process in self.invariants]
         for constraint, place in ((o.constraint, self._place(o)) for o in observed):
@@ -442,10 +420,13 @@ class _Lowering:
             else:
                 at_location[place[0]][place[1]].append(constraint)
         symmetric = None if has_priorities else frozenset(of_diagonals)
-        return [
-            process_bounds(invariants, edges, (lower, upper), symmetric)
-            for invariants, edges in zip(at_location, self.bound_edges, strict=True)
-        ]
+        return network_bounds(at_location, self.bound_edges, (lower, upper), symmetric)
+
+    def _diagonals(self, ranges: Sequence[ConstraintRange]) -> tuple[tuple[int, int, int], ...]:
+        """The difference constraints between clocks, and what copies make of them. Raises UnsupportedError where these
+        are too many, perhaps without end."""
+        written = _diagonals(ranges)
+        return self.clocks.carried(written, MAXIMAL_DIAGONALS)
 
     def _place(self, observed: Observed) -> tuple[int, int] | None:
         """A location where the constraint can be counted instead of everywhere: the predicate looks at it only there,
@@ -456,6 +437,13 @@ class _Lowering:
             if clocks <= {clock for edge in self.bound_edges[process] for clock in edge.resets}:
                 return process, location
         return None
+
+
+def _not_overwritten(resets: list[tuple[int, int, int]], then: tuple[int, int, int]) -> list[tuple[int, int, int]]:
+    """Without those of a clock that is set once more, if nothing reads it in between."""
+    clock, _, source = then
+    read = clock in (source, *(each for _, _, each in resets))
+    return resets if read else [each for each in resets if each[0] != clock]
 
 
 def _diagonals(ranges: Sequence[ConstraintRange]) -> tuple[tuple[int, int, int], ...]:

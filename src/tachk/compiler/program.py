@@ -97,10 +97,15 @@ class Condition:
 
 @dataclass(frozen=True, slots=True)
 class Update:
-    """Either only ``stores`` (slot, value) and ``resets`` (clock, value), or, where that cannot say it, ``code``."""
+    """Either only ``stores`` (slot, value) and ``resets``, or, where that cannot say it, ``code``.
+
+    Attributes:
+        resets: triples (clock, value, source), done in order: the clock gets the value of ``source``, which is 0 for
+            none, and so much more.
+    """
 
     stores: tuple[tuple[int, int], ...] = ()
-    resets: tuple[tuple[int, int], ...] = ()
+    resets: tuple[tuple[int, int, int], ...] = ()
     code: int = NO_CODE
 
 
@@ -201,7 +206,8 @@ class Program:
         raw = 2 * bound + (0 if strict else 1).
     has_priorities: some channel or process has a priority that differs from another.
     has_stopwatches: some location stops a clock.
-    largest_reset: the largest value a clock may be set to.
+    copies_clocks: some update sets a clock to the value of a clock.
+    largest_reset: the largest value a clock may be set to, or be advanced by.
     computed_unit: divides every time that code computes, the bounds of constraints and the values of clocks; 0 if they
         are all 0.
         interchangeable: groups of processes, whose states a search for the goals need not tell apart.
@@ -221,6 +227,7 @@ class Program:
     diagonals: tuple[tuple[int, int, int], ...] = ()
     has_priorities: bool = False
     has_stopwatches: bool = False
+    copies_clocks: bool = False
     largest_reset: int = 0
     computed_unit: int = 0
     interchangeable: tuple[Interchangeable, ...] = ()

@@ -21,7 +21,7 @@ from tachk.model.types import cell_count
 from tachk.records import dataclass
 from tachk.semantics import dbm, symbolic
 from tachk.semantics.dbm import INFINITY, Zone
-from tachk.semantics.discrete import PreparedNetwork, may_delay, prepare
+from tachk.semantics.discrete import PreparedNetwork, execute_updates, may_delay, prepare
 from tachk.semantics.timed_trace import DiscreteState, Transition
 
 _STATES = 200
@@ -163,9 +163,8 @@ def _end(model: PreparedNetwork, path: Sequence[Transition]) -> tuple[DiscreteSt
         guards = symbolic.guard_of(model, state, path[number])
         possible = (zone and dbm.constrain_all(zone, guard) for guard in guards)
         zone = next((narrowed for narrowed in possible if narrowed is not None), None)
-        for clock, (since, value) in enumerate(phases[number + 1].resets[: model.dimension]):
-            if zone is not None and clock > 0 and since == number + 1:
-                zone = dbm.reset(zone, clock, value)
+        if zone is not None:
+            zone = dbm.assign(zone, execute_updates(model, state, path[number])[1])
     return states[-1], [] if zone is None else [zone]
 
 

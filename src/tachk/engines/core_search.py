@@ -24,7 +24,7 @@ _REASONS = {
     _core.Status.MEMORY_LIMIT: "memory limit",
     _core.Status.DEPTH_LIMIT: "depth limit",
     _core.Status.FAULT: "run-time error",
-    _core.Status.CONSTANT_LIMIT: "clock values beyond 2**58 without extrapolation",
+    _core.Status.CONSTANT_LIMIT: "clock values that are too large",
 }
 _SLICE_SECONDS = 0.1
 

@@ -61,6 +61,8 @@ def _grows(model: PreparedNetwork, path: Sequence[Transition], where: Expression
     reached = walk.along(path)
     if reached is None or any(state.here.stopped for state in reached):
         return False
+    if any(source for state in reached if state.move is not None for _, source, _ in state.move.resets):
+        return False  # a clock that is set to another one does not begin anew
     x, y = numbers
     if any(zone[x, y] >= INFINITY for zone in walk.ending(reached[-1], where)):
         return True
@@ -185,7 +187,7 @@ def _last_reset(reached: Sequence[_Reached], clock: int) -> int:
     resets = (
         number
         for number, state in enumerate(reached)
-        if state.move is not None and any(clock == each for each, _ in state.move.resets)
+        if state.move is not None and any(clock == each for each, *_ in state.move.resets)
     )
     return max(resets, default=0)
 

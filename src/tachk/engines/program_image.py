@@ -37,7 +37,8 @@ def encode(program: Program, goals: Sequence[Goal], measures: Sequence[Measure] 
     image.append(program.default_priority)
     image += (len(program.maximum_constants), *program.maximum_constants)
     image += (len(program.diagonals), *(number for diagonal in program.diagonals for number in diagonal))
-    image += (int(program.has_priorities), int(program.has_stopwatches), program.largest_reset, program.computed_unit)
+    image += (int(program.has_priorities), int(program.has_stopwatches), int(program.copies_clocks))
+    image += (program.largest_reset, program.computed_unit)
     image.append(len(program.interchangeable))
     for group in program.interchangeable:
         for rows in (group.slots, group.clocks, group.tables, group.names):
@@ -82,8 +83,8 @@ def _constraint(c: ClockConstraint) -> tuple[int, ...]:
 
 
 def _update(update: Update) -> Iterator[int]:
-    for pairs in (update.stores, update.resets):
-        yield len(pairs)
-        for pair in pairs:
-            yield from pair
+    for entries in (update.stores, update.resets):
+        yield len(entries)
+        for entry in entries:
+            yield from entry
     yield update.code

@@ -1,8 +1,8 @@
 """Which clocks a simulation takes for hybrid ones: floating point variables that change with the rates of locations.
 
 Clocks that are declared so are, and plain ones that are used like them: with rates other than 0 and 1, with floating
-point numbers, or in arithmetic. Only names are looked at; a plain clock that is taken for a hybrid one needlessly has
-the same runs, but for the rounding of floating point numbers.
+point numbers, or in arithmetic other than `x = y + e`. Only names are looked at; a plain clock that is taken for a
+hybrid one needlessly has the same runs, but for the rounding of floating point numbers.
 """
 
 from __future__ import annotations
@@ -51,6 +51,10 @@ def _used(node: ast.Node, clocks: set[str], floating: set[str], numbers: set[str
                 yield from clocks.intersection(direct)
             if operator in COMPARISONS and not _is_exact(node, floating):
                 yield from _names(node, clocks)
+        case ast.AssignmentExpression(operator=None, target=target, value=value) if _is_copy(
+            target, value, clocks
+        ) and (_is_exact(node, floating)):
+            return
         case ast.AssignmentExpression(target=target, value=value):
             if not _is_exact(value, floating):
                 yield from _names(target, clocks)
@@ -61,6 +65,22 @@ def _used(node: ast.Node, clocks: set[str], floating: set[str], numbers: set[str
                 yield from _names(compared, clocks)
         case _:
             return
+
+
+def _is_copy(target: ast.Expression, value: ast.Expression, clocks: set[str]) -> bool:
+    """Whether an assignment looks like `x = y` or `x = y + e` with clocks x and y."""
+    if not _is_place(target, clocks):
+        return False
+    if isinstance(value, ast.BinaryExpression) and value.operator is BinaryOperator.ADD:
+        pairs = ((value.left, value.right), (value.right, value.left))
+        return any(_is_place(clock, clocks) and not any(_names(more, clocks)) for clock, more in pairs)
+    return _is_place(value, clocks)
+
+
+def _is_place(node: ast.Expression, clocks: set[str]) -> bool:
+    while isinstance(node, ast.IndexExpression | ast.MemberExpression):
+        node = node.base
+    return isinstance(node, ast.NameExpression) and node.name in clocks
 
 
 def _is(node: ast.VariableDeclaration, name: str) -> bool:

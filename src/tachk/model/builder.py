@@ -164,6 +164,8 @@ def expression_of(operand: Operand) -> Expression:
 def _binary(operator: BinaryOperator, left: Expression, right: Expression) -> Expression:
     if operator is BinaryOperator.SUBTRACT and isinstance(left.type, ClockType) and isinstance(right.type, ClockType):
         return Binary(operator, left, right, left.type)
+    if operator is BinaryOperator.ADD and (isinstance(left.type, ClockType) or isinstance(right.type, ClockType)):
+        return Binary(operator, left, right, ClockType())
     return Binary(operator, left, right, INT if operator.group is Group.ARITHMETIC else BOOL)
 
 

@@ -14,6 +14,7 @@ from typing import assert_never
 
 from tachk.diagnostics.span import Span
 from tachk.model.cell_layout import CellLayout, cell_bounds, default_cells
+from tachk.model.clock_sums import clock_sum
 from tachk.model.expressions import (
     Aggregate,
     Assert,
@@ -96,6 +97,19 @@ class Place:
         self.cells.values[self.offset : self.offset + len(values)] = values
 
 
+ClockChanges = dict[int, tuple[int, int]]
+"""What clocks are set to: the number of a clock (0: none), whose value before it is, and how much more."""
+
+
+def composed(first: ClockChanges, second: ClockChanges) -> ClockChanges:
+    """What clocks are set to by one after the other, as far as the second one sets them."""
+    after = {}
+    for clock, (source, more) in second.items():
+        before, advance = first.get(source, (source, 0))
+        after[clock] = before, advance + more
+    return after
+
+
 @dataclass(slots=True)
 class Environment:
     """Where an expression is evaluated.
@@ -106,7 +120,7 @@ class Environment:
         locations: the current location of every process; needed by location tests only.
         clocks: the value of every clock, entry i for clock number i + 1; needed by clock comparisons only. Updates
             do not change it.
-        resets: what updates assigned to clocks: clock number to new value.
+        resets: what updates assigned to clocks: clock number to new value, in terms of the values before all of them.
         deadlock: the answer to ``deadlock``; needed by that expression only.
         frame: the places of function parameters, local variables of functions and bound variables.
         steps: evaluated so far in the current piece of code.
@@ -116,7 +130,7 @@ class Environment:
     values: list[int]
     locations: Sequence[int] = ()
     clocks: Sequence[Fraction] | None = None
-    resets: dict[int, int] = field(default_factory=dict)
+    resets: ClockChanges = field(default_factory=dict)
     deadlock: Callable[[], bool] | None = None
     frame: dict[Variable, Place] = field(default_factory=dict)
     steps: int = 0
@@ -292,10 +306,14 @@ def _assign(expression: Assign, environment: Environment) -> tuple[int, ...]:
     target, value, span = expression.target, expression.value, expression.span
     place = _place(target, environment)
     if isinstance(target.type, ClockType):
-        number = _scalar(value, environment)
+        whole = clock_sum(value)
+        if whole is None:
+            raise ValueError(f"{span}: a clock is set to what is no sum with one clock")
+        source = 0 if whole.clock is None else _place(whole.clock, environment).read()[0]
+        number = 0 if whole.offset is None else _scalar(whole.offset, environment)
         if number < 0:
             raise EvaluationFault(RuntimeErrorKind.NEGATIVE_CLOCK, span, f"{number} is negative")
-        environment.resets[place.read()[0]] = number
+        environment.resets.update(composed(environment.resets, {place.read()[0]: (source, number)}))
         return (number,)
     if expression.operator is None:
         cells = _cells(value, environment)

@@ -169,7 +169,8 @@ class Quantifier:
 class Assign:
     """``target = value``; ``operator`` ADD means ``target += value`` and so on. Its value is the target's new value.
 
-    With a clock as the target, ``value`` is a non-negative integer expression. Aggregates are copied cell by cell.
+    With a clock as the target, ``value`` is a non-negative integer expression, the place of a clock, or a sum of both
+    (`tachk.model.clock_sums`). Aggregates are copied cell by cell.
     """
 
     target: Expression

@@ -108,7 +108,7 @@ def _before(here: Situation, transition: Transition, after: Federation, goal: Fe
     move = next((m for m in here.moves if m.transition == transition), None)
     if move is None or move.target is None:
         return []
-    landing = [z for z in (dbm.undo_reset(zone, move.resets) for zone in after) if z is not None]
+    landing = [z for z in (dbm.undo_assign(zone, move.resets) for zone in after) if z is not None]
     firing = dbm.subtract_all(symbolic.intersections(move.domain, landing), [*move.blockers, *goal])
     return _without_covered(reaching_before(here, firing, goal))
 

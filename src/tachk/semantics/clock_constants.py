@@ -6,13 +6,14 @@ from collections.abc import Iterator, Sequence
 from itertools import product
 
 from tachk.model.cell_layout import CellLayout, cell_layout
+from tachk.model.clock_sums import clock_assignments, clock_sum
 from tachk.model.expressions import Binary, Conditional, Constant, Expression, Field, Index, Reference, Unary, Variable
 from tachk.model.network import Network
-from tachk.model.traversal import walk
+from tachk.model.traversal import process_expressions, roots, walk
 from tachk.model.types import BoolType, ClockType, IntType, ScalarType, bounds, cell_count
 from tachk.operators import CONSTANT_HIGH, CONSTANT_LOW, BinaryOperator, UnaryOperator
 from tachk.records import dataclass
-from tachk.semantics.dbm import Constraint, raw_bound
+from tachk.semantics.dbm import Constraint, bound_value, raw_bound
 
 Interval = tuple[int, int]
 DIAGONAL_VALUES = 1000
@@ -35,7 +36,8 @@ class ClockConstants:
 def clock_constants(network: Network, predicates: Sequence[Expression]) -> ClockConstants:
     """Collects the constants of all guards and invariants and of the predicates.
 
-    Raises ValueError if the bound of a difference constraint has more than `DIAGONAL_VALUES` values.
+    Raises ValueError if the bound of a difference constraint has more than `DIAGONAL_VALUES` values, or copies make too
+    many of them count.
     """
     layout = cell_layout(network)
     maximum = [0] * (len(layout.clock_cells) + 1)
@@ -53,7 +55,62 @@ def clock_constants(network: Network, predicates: Sequence[Expression]) -> Clock
                 diagonals.update(_differences(comparison, low, high, layout))
             elif len(clocks) > 2:
                 raise ValueError(f"{comparison.span}: a comparison with more than two clocks")
+    _carry(clock_copies(network), maximum, diagonals, compared)
     return ClockConstants(tuple(maximum), tuple(sorted(diagonals)), frozenset(compared))
+
+
+@dataclass(frozen=True, slots=True)
+class Copies:
+    """Some assignment may set one of the clocks to one of the sources and so much more."""
+
+    clocks: frozenset[int]
+    sources: frozenset[int]
+    offsets: Interval
+
+
+def clock_copies(network: Network) -> list[Copies]:
+    """What sets clocks to the values of clocks. Offsets are not negative: that is a run-time error."""
+    layout = cell_layout(network)
+
+    def denoted(place: Expression) -> frozenset[int]:
+        variables = tuple(roots(place))
+        if any(variable not in layout.first for variable in variables):  # passed by reference
+            return frozenset(range(1, len(layout.clock_cells) + 1))
+        return frozenset(n for variable in variables for n in _numbers(Reference(variable), layout))
+
+    found = []
+    for assignment in clock_assignments(e for process in network.processes for e in process_expressions(process)):
+        whole = clock_sum(assignment.value)
+        if whole is not None and whole.clock is not None:
+            low, high = (0, 0) if whole.offset is None else interval(whole.offset)
+            found.append(Copies(denoted(assignment.target), denoted(whole.clock), (max(low, 0), max(high, 0))))
+    return found
+
+
+def _carry(copies: Sequence[Copies], maximum: list[int], diagonals: set[Constraint], compared: set[int]) -> None:
+    """What clocks are compared with counts for those that they are set to. Raises ValueError where that goes on without
+    end, which differences of clocks may do."""
+    changed = True
+    while changed:
+        before = sum(maximum), len(diagonals), len(compared)
+        for copy in copies:
+            largest = max((maximum[clock] for clock in copy.clocks), default=0)
+            for source in copy.sources:
+                maximum[source] = max(maximum[source], largest)
+            if compared & copy.clocks:
+                compared |= copy.sources
+            for i, j, raw in list(diagonals):
+                for source, offset in product(copy.sources, range(copy.offsets[0], copy.offsets[1] + 1)):
+                    if i in copy.clocks and source != j:
+                        diagonals.add((source, j, raw - 2 * offset))
+                    if j in copy.clocks and source != i:
+                        diagonals.add((i, source, raw + 2 * offset))
+                    if len(diagonals) > DIAGONAL_VALUES:
+                        raise ValueError("copies of clocks make too many differences of clocks count")
+        for i, j, raw in diagonals:
+            for clock in (i, j):
+                maximum[clock] = max(maximum[clock], abs(bound_value(raw)))
+        changed = before != (sum(maximum), len(diagonals), len(compared))
 
 
 def _differences(comparison: Binary, low: int, high: int, layout: CellLayout) -> Iterator[Constraint]:

@@ -171,20 +171,33 @@ def down(zone: Zone) -> Zone:
     return Zone(n, tuple(bounds))
 
 
+ClockValues = tuple[tuple[int, int, int], ...]
+"""Triples (clock, source, value): all at once, clocks are set to what other clocks (0: none) are, and so much more."""
+
+
 def reset(zone: Zone, clock: int, value: int) -> Zone:
     """The images of the zone's valuations when the clock is set to a constant."""
+    return assign(zone, ((clock, 0, value),))
+
+
+def assign(zone: Zone, values: ClockValues) -> Zone:
+    """The images of the zone's valuations when clocks are set."""
     n = zone.dimension
+    become = _become(n, values)
 
     def entry(i: int, j: int) -> int:
-        if i == j:
-            return LESS_EQUAL_ZERO
-        if i == clock:
-            return add(raw_bound(value, strict=False), zone[0, j])
-        if j == clock:
-            return add(zone[i, 0], raw_bound(-value, strict=False))
-        return zone[i, j]
+        (of_i, more), (of_j, less) = become[i], become[j]
+        return LESS_EQUAL_ZERO if i == j else add(zone[of_i, of_j], raw_bound(more - less, strict=False))
 
     return Zone(n, tuple(entry(i, j) for i in range(n) for j in range(n)))
+
+
+def _become(dimension: int, values: ClockValues) -> list[tuple[int, int]]:
+    """What every clock is set to, if only to itself."""
+    become = [(clock, 0) for clock in range(dimension)]
+    for clock, source, value in values:
+        become[clock] = source, value
+    return become
 
 
 def free(zone: Zone, clock: int) -> Zone:
@@ -203,22 +216,16 @@ def free(zone: Zone, clock: int) -> Zone:
     return Zone(n, tuple(entry(i, j) for i in range(n) for j in range(n)))
 
 
-def undo_reset(zone: Zone, resets: Sequence[tuple[int, int]]) -> Zone | None:
-    """The valuations that the resets, done in order, take into the zone; clock values are pairs (clock, value)."""
-    final = dict(resets)
-    result = constrain_all(
-        zone,
-        (
-            constraint
-            for clock, value in final.items()
-            for constraint in ((clock, 0, raw_bound(value, False)), (0, clock, raw_bound(-value, False)))
-        ),
-    )
-    for clock in final:
-        if result is None:
-            return None
-        result = free(result, clock)
-    return result
+def undo_assign(zone: Zone, values: ClockValues) -> Zone | None:
+    """The valuations that are in the zone after clocks are set."""
+    n = zone.dimension
+    become = _become(n, values)
+    bounds = list(universe(n).bounds)
+    for i, j, raw in zone.constraints():
+        (of_i, more), (of_j, less) = become[i], become[j]
+        here = of_i * n + of_j
+        bounds[here] = min(bounds[here], add(raw, raw_bound(less - more, strict=False)))
+    return close(n, bounds)
 
 
 def includes(outer: Zone, inner: Zone) -> bool:

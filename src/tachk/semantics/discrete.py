@@ -20,6 +20,7 @@ from tachk.model.network import Edge, Location, Network
 from tachk.model.traversal import children, process_expressions, written_variables
 from tachk.model.types import ChannelType, bounds, cell_count
 from tachk.records import dataclass
+from tachk.semantics.dbm import ClockValues
 from tachk.semantics.memory import Memory, by_state
 from tachk.semantics.timed_trace import DiscreteState, Participant, Transition
 from tachk.time_limit import check_time
@@ -277,8 +278,8 @@ def priority(model: PreparedNetwork, discrete: DiscreteState, transition: Transi
 @by_state
 def execute_updates(
     model: PreparedNetwork, discrete: DiscreteState, transition: Transition
-) -> tuple[DiscreteState, dict[int, int]]:
-    """The discrete state after a transition, and the clocks it sets with their new values. Raises EvaluationFault.
+) -> tuple[DiscreteState, ClockValues]:
+    """The discrete state after a transition, and what it sets clocks to, all at once. Raises EvaluationFault.
 
     Updates run sender first, then receivers in process order, each seeing the effects of those before. Meta variables
     start at their initial value, and are back at it in the resulting state.
@@ -294,7 +295,16 @@ def execute_updates(
         initial if meta else value
         for value, initial, meta in zip(scratch.values, model.layout.initial, model.layout.meta, strict=True)
     )
-    return DiscreteState(tuple(locations), tuple(values)), scratch.resets
+    resets = ((clock, source, more) for clock, (source, more) in scratch.resets.items())
+    return DiscreteState(tuple(locations), tuple(values)), tuple(sorted(resets))
+
+
+def clocks_after(clocks: Sequence[Fraction], resets: ClockValues) -> tuple[Fraction, ...]:
+    """The values of clocks after a transition that sets some of them."""
+    after = list(clocks)
+    for clock, source, more in resets:
+        after[clock - 1] = more + (clocks[source - 1] if source else Fraction(0))
+    return tuple(after)
 
 
 def meta_values(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> dict[int, int]:

@@ -14,7 +14,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tachk.model.evaluate import Environment, clock_number, evaluate, execute
+from tachk.model.evaluate import ClockChanges, Environment, clock_number, composed, evaluate, execute
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.records import dataclass
@@ -29,6 +29,7 @@ from tachk.semantics.constraints import (
     conditional_constraints,
     conjunction,
 )
+from tachk.semantics.dbm import ClockValues
 from tachk.semantics.discrete import PreparedNetwork, Priority, bind_selects, channel_named, may_hear
 from tachk.semantics.timed_trace import Participant, Transition
 from tachk.time_limit import check_time
@@ -38,13 +39,12 @@ T = TypeVar("T")
 States = NDArray[np.signedinteger]
 """Discrete states as rows: locations, then cells. What is behind these has no meaning."""
 Numbers = NDArray[np.int64]
-Resets = tuple[tuple[int, int], ...]
 Joint = tuple[Numbers, tuple[Participant, ...], Disjunction, int | None]
 """Rows, who acts together in them, the clock constraints of their guards, and the channel."""
 
 Offer = tuple[Disjunction, int | EvaluationFault | None]
 """The clock constraints of a guard, and the channel that the edge names."""
-Effect = tuple[dict[int, int], dict[int, int]]
+Effect = tuple[dict[int, int], ClockChanges]
 """The cells and clocks that updates write, with their new values."""
 Memory = dict[tuple[tuple[int, ...], tuple[int, ...]], tuple[T | EvaluationFault, tuple[int, ...]]]
 """Answers where some columns have some contents, and the columns that these depend on."""
@@ -60,7 +60,7 @@ class Move:
     Attributes:
         rows, targets: the numbers of the states, in ascending order, and of those after it.
         guard: the clock constraints of all guards, those that keep others out of a broadcast included.
-        resets: pairs (clock, new value).
+        resets: what it sets clocks to.
         fault: what cannot be evaluated where the guard holds; then there are no targets.
     """
 
@@ -68,7 +68,7 @@ class Move:
     targets: Numbers
     transition: Transition
     guard: Disjunction
-    resets: Resets = ()
+    resets: ClockValues = ()
     priority: Priority = (0, 0)
     fault: EvaluationFault | None = None
 
@@ -241,7 +241,7 @@ class ManyStates:
                 if type_.urgent and not type_.broadcast:
                     self._forbid_waiting(part, guard)
             of_process = max(self.model.network.processes[p.process].priority for p in participants)
-            pieces: dict[Resets, tuple[Numbers, States]] = {(): (part, self.states[part])}
+            pieces: dict[ClockValues, tuple[Numbers, States]] = {(): (part, self.states[part])}
             for participant in participants:
                 pieces = self._updated(pieces, participant, Transition(participants), guard)
             for resets, (some, targets) in pieces.items():
@@ -368,11 +368,11 @@ class ManyStates:
 
     def _updated(
         self,
-        pieces: dict[Resets, tuple[Numbers, States]],
+        pieces: dict[ClockValues, tuple[Numbers, States]],
         participant: Participant,
         transition: Transition,
         guard: Disjunction,
-    ) -> dict[Resets, tuple[Numbers, States]]:
+    ) -> dict[ClockValues, tuple[Numbers, States]]:
         """What the updates of a participant make of rows with their states, by what clocks have been set to."""
 
         def effect(scratch: Environment) -> Effect:
@@ -382,7 +382,7 @@ class ManyStates:
             execute(self.model.edge(participant).updates, scratch)
             return {n: list.__getitem__(cells, n) for n in cells.written}, dict(scratch.resets)
 
-        after: dict[Resets, list[tuple[Numbers, States]]] = {}
+        after: dict[ClockValues, list[tuple[Numbers, States]]] = {}
         for before, (rows, states) in pieces.items():
             memory = self._effects.setdefault(participant, {})
             for part, found in self._ask(states, np.arange(len(rows)), effect, memory):
@@ -393,7 +393,9 @@ class ManyStates:
                 changed = states[part]
                 for n, value in cells.items():
                     changed[:, self.processes + n] = value
-                key = tuple(sorted({**dict(before), **resets}.items()))
+                earlier = {clock: (source, more) for clock, source, more in before}
+                whole = {**earlier, **composed(earlier, resets)}
+                key = tuple(sorted((clock, source, more) for clock, (source, more) in whole.items()))
                 after.setdefault(key, []).append((rows[part], changed))
         return {
             key: (np.concatenate([r for r, _ in parts]), np.concatenate([s for _, s in parts]))

@@ -7,6 +7,7 @@ from fractions import Fraction
 
 from tachk.model.expressions import Expression
 from tachk.records import dataclass
+from tachk.semantics.clock_constants import clock_copies
 from tachk.semantics.dbm import INFINITY, bound_value
 from tachk.semantics.discrete import PreparedNetwork, stopped_clocks
 from tachk.semantics.step import constraints_in_sight
@@ -19,7 +20,7 @@ class Sight:
 
     Attributes:
         largest: for each clock that is compared with constants the largest of these.
-        related: the clocks that are compared with other clocks, or stop.
+        related: the clocks that are compared with other clocks, or stop, or that others may be set to.
     """
 
     largest: dict[int, int]
@@ -41,7 +42,7 @@ def sight(model: PreparedNetwork, states: Iterable[DiscreteState], predicates: S
     A clock that is set in one of these states has from then on the same value in both rounds of a loop.
     """
     largest: dict[int, int] = {}
-    related: set[int] = set()
+    related = {clock for copy in clock_copies(model.network) for clock in copy.sources}
     for state in set(states):
         related |= stopped_clocks(model, state)
         for i, j, raw in constraints_in_sight(model, state, tuple(predicates)):

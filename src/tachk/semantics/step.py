@@ -25,6 +25,7 @@ from tachk.semantics.discrete import (
     PreparedNetwork,
     bind_selects,
     channel_named,
+    clocks_after,
     environment,
     execute_updates,
     initial_discrete,
@@ -228,8 +229,7 @@ def _is_blocked(model: PreparedNetwork, state: TimedState, transition: Transitio
 
 def _successor(model: PreparedNetwork, state: TimedState, transition: Transition) -> TimedState:
     discrete, resets = execute_updates(model, state.discrete, transition)
-    clocks = tuple(Fraction(resets[n]) if n in resets else v for n, v in enumerate(state.clocks, start=1))
-    return TimedState(discrete, clocks, state.time)
+    return TimedState(discrete, clocks_after(state.clocks, resets), state.time)
 
 
 def delay(model: PreparedNetwork, state: TimedState, duration: Fraction) -> TimedState:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from contextlib import suppress
-from functools import reduce
 
 from tachk.model.evaluate import Environment
 from tachk.model.expressions import Expression
@@ -27,7 +26,7 @@ from tachk.semantics.constraints import (
     conditional_constraints,
     conjunction,
 )
-from tachk.semantics.dbm import Federation, Zone
+from tachk.semantics.dbm import ClockValues, Federation, Zone
 from tachk.semantics.discrete import (
     PreparedNetwork,
     bind_selects,
@@ -54,7 +53,7 @@ class Move:
 
     Attributes:
         domain: the clock valuations, among those that satisfy the invariants, where it is possible.
-        resets: pairs (clock, new value).
+        resets: what it sets clocks to.
         target: the discrete state after it; None if its updates or the invariants behind them go wrong.
         fault: what goes wrong then; the domain is then where the guards hold.
         blockers: the domains of the moves with a higher priority.
@@ -62,7 +61,7 @@ class Move:
 
     transition: Transition
     domain: Federation
-    resets: tuple[tuple[int, int], ...]
+    resets: ClockValues
     target: DiscreteState | None
     fault: EvaluationFault | None
     blockers: Federation
@@ -245,11 +244,10 @@ def _move(
         after = invariant_zone(model, target)
     except EvaluationFault as fault:
         return Move(transition, domain, (), None, fault, [])
-    pairs = tuple(sorted(resets.items()))
-    before = None if after is None else dbm.undo_reset(after, pairs)
+    before = None if after is None else dbm.undo_assign(after, resets)
     if before is None:
-        return Move(transition, [], pairs, target, None, [])
-    return Move(transition, intersections(domain, [before]), pairs, target, None, [])
+        return Move(transition, [], resets, target, None, [])
+    return Move(transition, intersections(domain, [before]), resets, target, None, [])
 
 
 def invariant_zone(model: PreparedNetwork, discrete: DiscreteState) -> Zone | None:
@@ -292,7 +290,7 @@ def initial_situation(model: PreparedNetwork) -> tuple[Situation, Federation]:
 def fire(here: Situation, zones: Iterable[Zone], move: Move) -> Federation:
     """The valuations right after a move that is not blocked, from any of the zones; exact."""
     sources = dbm.subtract_all(intersections(zones, move.domain), move.blockers)
-    return [reduce(lambda z, r: dbm.reset(z, *r), move.resets, source) for source in sources]
+    return [dbm.assign(source, move.resets) for source in sources]
 
 
 def elapse(here: Situation, zones: Iterable[Zone]) -> Federation:

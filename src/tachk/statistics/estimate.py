@@ -12,6 +12,7 @@ from tachk.compiler.fold import known_values
 from tachk.compiler.intervals import interval
 from tachk.diagnostics.diagnostic import UnsupportedError
 from tachk.engines.simulation.trials import Answered
+from tachk.model.clock_sums import advances_clocks
 from tachk.model.expressions import Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
@@ -332,7 +333,7 @@ def value_range(network: Network, asked: Expectation, largest_reset: int) -> tup
     if value.type == DOUBLE:
         return None
     if isinstance(value.type, ClockType):
-        if asked.bound.scale is not Scale.TIME or not _clocks_count_time(network):
+        if asked.bound.scale is not Scale.TIME or not _clocks_count_time(network) or advances_clocks(network):
             return None
         return 0.0, float(asked.bound.limit) + largest_reset
     low, high = interval(value, known_values(network, [value]))

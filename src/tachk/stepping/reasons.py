@@ -16,7 +16,7 @@ from tachk.operators import BinaryOperator
 from tachk.records import dataclass
 from tachk.report.quantity import decimal
 from tachk.report.run.trace_view import Names
-from tachk.semantics.discrete import bind_selects, environment, execute_updates, may_delay, stopped_clocks
+from tachk.semantics.discrete import bind_selects, clocks_after, environment, execute_updates, may_delay, stopped_clocks
 from tachk.semantics.step import StepError, begun_by, delay, fire, is_open
 from tachk.semantics.timed_trace import Participant, TimedState, Transition
 from tachk.stepping.claims import Claim, ClaimedMove
@@ -189,8 +189,7 @@ def _nobody(names: Names, state: TimedState, first: Participant) -> Reason:
 
 def _why_not_fired(names: Names, state: TimedState, transition: Transition, message: str) -> Reason:
     discrete, resets = execute_updates(names.model, state.discrete, transition)
-    clocks = tuple(Fraction(resets[n]) if n in resets else v for n, v in enumerate(state.clocks, start=1))
-    broken = tuple(_broken_invariants(names, TimedState(discrete, clocks, state.time)))
+    broken = tuple(_broken_invariants(names, TimedState(discrete, clocks_after(state.clocks, resets), state.time)))
     return Reason("the state after it would violate an invariant", broken) if broken else Reason(message)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from random import Random
 
@@ -26,7 +26,7 @@ from tachk.model.expressions import (
     VariableKind,
     While,
 )
-from tachk.model.types import ArrayType, IntType, RecordType, Type, VoidType
+from tachk.model.types import ArrayType, ClockType, IntType, RecordType, Type, VoidType
 from tachk.operators import BinaryOperator
 
 TOP = 2
@@ -239,6 +239,30 @@ def random_language(
     language = Language(random, integers, clocks, may_fail, cells, pair)
     language.add_functions()
     return language
+
+
+def random_copy(
+    random: Random, clocks: Sequence[Term], condition: Callable[[], Term], offset: Callable[[], Term | int]
+) -> Term:
+    """An assignment or a call, with a condition and an offset now and then."""
+    target, source = random.choice(clocks), random.choice(clocks)
+    kind = random.random()
+    if kind < 0.1:
+        source = conditional(condition(), source, random.choice(clocks))
+    elif kind < 0.2:
+        target = conditional(condition(), target, random.choice(clocks))
+    elif kind < 0.3:
+        return _through_function(target, source, offset())
+    return target.assign(source if random.random() < 0.4 else source + offset())
+
+
+def _through_function(target: Term, source: Term, offset: Term | int) -> Term:
+    """A call that sets one clock to another one, and that one to it."""
+    parameters = tuple(Variable(name, ClockType(), VariableKind.FRAME, reference=True) for name in ("a", "b"))
+    first, second = (Term(Reference(parameter)) for parameter in parameters)
+    body = Block((Evaluate(first.assign(second + offset).expression), Evaluate(second.assign(first).expression)))
+    function = Function("exchange", parameters, VoidType(), body)
+    return Term(Call(function, (target.expression, expression_of(source)), VoidType()))
 
 
 def _with(operator: BinaryOperator, left: Term, right: Term) -> Term:

@@ -31,7 +31,7 @@ _OPERANDS = {
 }
 _MEMORY = frozenset(
     {Opcode.LOAD, Opcode.LOAD_INDIRECT, Opcode.STORE, Opcode.STORE_INDIRECT}
-    | {Opcode.COPY, Opcode.EQUAL_CELLS, Opcode.RESET, Opcode.FLOATING}
+    | {Opcode.COPY, Opcode.EQUAL_CELLS, Opcode.RESET, Opcode.COPY_CLOCK, Opcode.ADVANCE_CLOCK, Opcode.FLOATING}
 )
 _BINARY = {Opcode[operator.name]: operator for operator in BinaryOperator if operator not in CONNECTIVES}
 
@@ -40,12 +40,13 @@ _BINARY = {Opcode[operator.name]: operator for operator in BinaryOperator if ope
 class Machine:
     """Attributes:
     slots: the content of every slot, frame slots included; code changes it in place.
-    resets: the clocks that code has set so far: clock number to value.
+    resets: the clocks that code has set so far: clock number to the clock whose value before the code it has (0 for
+        none), and how much more.
     """
 
     program: Program
     slots: list[int]
-    resets: dict[int, int] = field(default_factory=dict)
+    resets: dict[int, tuple[int, int]] = field(default_factory=dict)
 
     def run(self, position: int) -> int | None:
         """Runs a piece of code; its value, if it leaves one. Raises EvaluationFault."""
@@ -108,7 +109,17 @@ class Machine:
                 clock = stack.pop()
                 if value < 0:
                     raise self._fault(RuntimeErrorKind.NEGATIVE_CLOCK, position)
-                self.resets[clock] = value
+                self.resets[clock] = 0, value
+            case Opcode.COPY_CLOCK:
+                source = stack.pop()
+                self.resets[stack.pop()] = self.resets.get(source, (source, 0))
+            case Opcode.ADVANCE_CLOCK:
+                value = stack.pop()
+                clock = stack.pop()
+                if value < 0:
+                    raise self._fault(RuntimeErrorKind.NEGATIVE_CLOCK, position)
+                source, before = self.resets.get(clock, (clock, 0))
+                self.resets[clock] = source, before + value
             case Opcode.FLOATING:
                 operation = FloatingOperation(operands[0])
                 given = [stack.pop(), stack.pop()][::-1][: len(operation.parameters)]

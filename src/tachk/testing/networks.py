@@ -20,10 +20,10 @@ from tachk.model.builder import (
     conditional,
     deadlock,
 )
-from tachk.model.expressions import Expression
+from tachk.model.expressions import Constant, Expression
 from tachk.model.network import Network
 from tachk.model.types import IntType
-from tachk.testing.language import TOP, Language, random_language
+from tachk.testing.language import TOP, Language, random_copy, random_language
 
 if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
@@ -62,6 +62,8 @@ class Shape:
         groups: how many groups of processes there are with variables, clocks and channels of their own, which hardly
             touch those of the others; not with ``language``.
         language: arrays, records, functions with loops and early returns, computed channels, conditional updates.
+        copies: the share of updates that set a clock to the value of a clock.
+        advances: such updates add to the value.
         faults: in which share of the networks something can be a run-time error; needs ``language``.
     """
 
@@ -90,6 +92,8 @@ class Shape:
     exact: float = 0.0
     hurried: float = 0.2
     groups: int = 1
+    copies: float = 0.0
+    advances: bool = True
     language: bool = False
     faults: float = 0.0
 
@@ -437,6 +441,15 @@ def _clock_condition(random: Random, shape: Shape, parts: _Parts, language: Lang
 def _update(random: Random, shape: Shape, parts: _Parts, selects: Sequence[Term]) -> Term:
     if parts.language is not None and random.random() < 0.4:
         return parts.language.update()
+    if shape.copies and random.random() < shape.copies:
+
+        def offset() -> Term | int:
+            if parts.language is not None and random.random() < 0.5:
+                return parts.language.value(1) - (random.randint(0, 1) if parts.language.may_fail else 0)
+            number = random.choice(parts.integers) if random.random() < 0.3 else Term(Constant(random.randint(0, 2)))
+            return _computed(shape, number) if shape.advances else 0
+
+        return random_copy(random, parts.clocks, lambda: _integer_condition(random, parts.integers), offset)
     kind = random.random()
     clock, number = random.choice(parts.clocks), random.choice(parts.integers)
     if kind < 0.45:

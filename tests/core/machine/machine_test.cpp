@@ -3,6 +3,7 @@
 #include "machine/machine.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <random>
@@ -25,7 +26,7 @@ struct Result {
   std::int64_t value = 0;
   std::optional<std::pair<FaultKind, std::int32_t>> fault;
   std::vector<std::int32_t> memory;
-  std::vector<std::pair<int, int>> resets;
+  std::vector<std::array<int, 3>> resets;  // clock, value, source
 
   bool operator==(const Result&) const = default;
 };
@@ -167,7 +168,21 @@ Result interpret(const Program& program, std::int32_t code, std::vector<std::int
           const std::int64_t clock = pop();
           if (value < 0) throw Fault{FaultKind::negative_clock};
           if (value > largest_reset) throw Fault{FaultKind::bound};
-          result.resets.emplace_back(static_cast<int>(clock), static_cast<int>(value));
+          result.resets.push_back({static_cast<int>(clock), static_cast<int>(value), 0});
+          break;
+        }
+        case Opcode::copy_clock: {
+          const auto source = static_cast<int>(pop());
+          const auto clock = static_cast<int>(pop());
+          if (clock != source) result.resets.push_back({clock, 0, source});
+          break;
+        }
+        case Opcode::advance_clock: {
+          const std::int64_t value = pop();
+          const auto clock = static_cast<int>(pop());
+          if (value < 0) throw Fault{FaultKind::negative_clock};
+          if (value > largest_reset) throw Fault{FaultKind::bound};
+          result.resets.push_back({clock, static_cast<int>(value), clock});
           break;
         }
         case Opcode::duplicate:
@@ -362,8 +377,13 @@ class Writer {
           break;
         case 16:
           emit(Opcode::constant, {1 + pick(2)});
+          if (pick(3) == 0) {
+            emit(Opcode::constant, {1 + pick(2)});
+            emit(Opcode::copy_clock);
+            break;
+          }
           number();
-          emit(Opcode::reset);
+          emit(pick(2) == 0 ? Opcode::reset : Opcode::advance_clock);
           --depth_;
           break;
         default:
@@ -447,7 +467,7 @@ Result run(const Program& program, std::int32_t code, std::vector<std::int32_t> 
     CHECK(result.fault || memory[slot] == before[slot] || written.meets(single));
   }
   result.memory = memory;
-  for (const ClockReset& reset : resets) result.resets.emplace_back(reset.clock, reset.value);
+  for (const ClockReset& reset : resets) result.resets.push_back({reset.clock, reset.value, reset.source});
   return result;
 }
 

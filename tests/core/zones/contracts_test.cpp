@@ -113,7 +113,8 @@ void test_broken_arguments(bool vector) {
   ZoneBuffer part(ops);
   for (const Atom& atom : {Atom{3, 0, 1}, Atom{0, 3, 1}, Atom{1, 0, ops.legal}, Atom{1, 0, -ops.legal}})
     CHECK(broken_by([&] { ops.intersect(zone, dimension, &atom, 1); }) == "proper(atoms, count, dimension)");
-  for (const ClockReset& reset : {ClockReset{0, 1}, ClockReset{3, 1}, ClockReset{1, -1}, ClockReset{1, 801}})
+  for (const ClockReset& reset :
+       {ClockReset{0, 1}, ClockReset{3, 1}, ClockReset{1, -1}, ClockReset{1, 801}, ClockReset{1, 0, 3}})
     CHECK(broken_by([&] { ops.reset(zone, dimension, &reset, 1); }) == "proper(resets, count, dimension)");
   const Atom outside{1, 2, raw_bound(-1, false)};
   CHECK(broken_by([&] { ops.up_within(zone, dimension, nullptr, &outside, 1); }) ==

@@ -45,13 +45,14 @@ struct Matrix {
     for (const Atom& a : atoms) at(a.left, a.right) = std::min(at(a.left, a.right), std::int64_t{a.raw});
     return close();
   }
+  // Every clock is a clock of before and so much more: x_i - x_j of now is a difference of before.
   void reset(const ClockReset& r) {
-    for (int j = 0; j < n; ++j) {
-      if (j == r.clock) continue;
-      at(r.clock, j) = add(tachk::raw_bound(r.value, false), at(0, j));
-      at(j, r.clock) = add(at(j, 0), tachk::raw_bound(-Raw{r.value}, false));
-    }
-    at(r.clock, r.clock) = 1;
+    const Matrix before(*this);
+    const auto source = [&](int i) { return i == r.clock ? int{r.source} : i; };
+    const auto more = [&](int i) { return i == r.clock ? Raw{r.value} : 0; };
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j)
+        if (i != j) at(i, j) = add(before.at(source(i), source(j)), tachk::raw_bound(more(i) - more(j), false));
   }
   void up(const std::vector<std::uint8_t>& stopped) {
     for (int i = 1; i < n; ++i) {
@@ -204,7 +205,8 @@ void walk(int n, tachk::Width width, bool vector, std::uint32_t seed, int steps,
         break;
       }
       case 1: {
-        const ClockReset r{static_cast<std::uint16_t>(clock()), below(constant + 1)};
+        ClockReset r{static_cast<std::uint16_t>(clock()), below(constant + 1)};
+        if (below(2) == 0) r = {r.clock, below(constant / 4 + 1), static_cast<std::uint16_t>(clock())};
         ops.reset(zone.data, n, &r, 1);
         matrix.reset(r);
         break;

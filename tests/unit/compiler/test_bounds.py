@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tachk.compiler.bounds import BoundEdge, ConstraintRange, process_bounds
+from tachk.compiler.bounds import (
+    BoundEdge,
+    ClockCopy,
+    ConstraintRange,
+    carried_diagonals,
+    joined_copies,
+    network_bounds,
+    process_bounds,
+)
 from tachk.compiler.lower import lower
 from tachk.compiler.program import NO_CODE, Program
 from tachk.diagnostics.span import Source
@@ -112,6 +122,67 @@ def test_bounds_are_the_least_fixpoint(automaton: tuple[list[tuple[ConstraintRan
         upper_values = [dict(b.upper).get(clock, -1) for b in found]
         assert lower_values == by_definition(invariants, edges, clock, upper=False)
         assert upper_values == by_definition(invariants, edges, clock, upper=True)
+
+
+Automaton = tuple[list[tuple[ConstraintRange, ...]], list[BoundEdge]]
+
+
+@st.composite
+def automata_with_copies(draw: st.DrawFn) -> Automaton:
+    invariants, edges = draw(automata())
+    copies = st.lists(st.builds(ClockCopy, st.integers(1, 3), st.integers(1, 3), st.integers(0, 4)), max_size=2)
+    return invariants, [replace(edge, copies=joined_copies(draw(copies))) for edge in edges]
+
+
+def by_definition_with_copies(automata: list[Automaton], upper: bool) -> list[list[dict[int, int]]]:
+    """As above, with what copies pass on, from the target and from all locations of other processes."""
+    values = [[dict.fromkeys(range(1, 4), -1) for _ in invariants] for invariants, _ in automata]
+    before: object = None
+    while before != str(values):
+        before = str(values)
+        for number, (invariants, edges) in enumerate(automata):
+            for place, constraints in enumerate(invariants):
+                for clock in (X, Y):
+                    own = by_definition([constraints], [], clock, upper)[0]
+                    values[number][place][clock] = max(values[number][place][clock], own)
+            for edge in edges:
+                here, there = values[number][edge.source], values[number][edge.target]
+                for clock in here:
+                    own = by_definition([edge.constraints], [], clock, upper)[0]
+                    here[clock] = max(here[clock], own, -1 if clock in edge.resets else there[clock])
+                for copy in edge.copies:
+                    others = [place for other, of_other in enumerate(values) if other != number for place in of_other]
+                    compared = max(place[copy.clock] for place in (there, *others))
+                    if compared >= 0:
+                        here[copy.source] = max(here[copy.source], compared - copy.least, 0)
+    return values
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(st.lists(automata_with_copies(), min_size=1, max_size=2))
+def test_bounds_with_copies_are_the_least_fixpoint(automata: list[Automaton]) -> None:
+    found = network_bounds([invariants for invariants, _ in automata], [edges for _, edges in automata])
+    for upper in (False, True):
+        expected = by_definition_with_copies(automata, upper)
+        for process, locations in enumerate(found):
+            for place, bounds in enumerate(locations):
+                own = dict(bounds.upper if upper else bounds.lower)
+                assert own == {clock: v for clock, v in expected[process][place].items() if v >= 0}
+
+
+def test_copies_of_copies_count_in_one_step() -> None:
+    found = joined_copies([ClockCopy(2, 1, 3), ClockCopy(3, 2, 1), ClockCopy(3, 1, 9), ClockCopy(1, 1, -2)])
+    assert found == (ClockCopy(1, 1, 0), ClockCopy(2, 1, 3), ClockCopy(3, 1, 4), ClockCopy(3, 2, 1))
+
+
+def test_copies_carry_differences_of_clocks() -> None:
+    copies = [ClockCopy(1, 3, 0, 1), ClockCopy(2, 4, 2, 2)]
+    found = carried_diagonals([(1, 2, 7)], copies, 100)
+    assert found is not None
+    assert set(found) == {(1, 2, 7), (3, 2, 7), (3, 2, 5), (1, 4, 11), (3, 4, 11), (3, 4, 9)}
+    assert carried_diagonals([(1, 2, 7)], [ClockCopy(1, 2, 0, 5)], 100) == ((1, 2, 7),)
+    assert carried_diagonals([(1, 2, 7)], [ClockCopy(1, 1, 1, 1)], 100) is None
+    assert carried_diagonals([(1, 2, 7)], [ClockCopy(1, 1, 0, 0)], 100) == ((1, 2, 7),)
 
 
 # ---- bounds of whole programs ---------------------------------------------------------------------------------------

@@ -20,7 +20,7 @@ from tachk.diagnostics.span import Source, Span
 from tachk.engines.outcome import Status
 from tachk.engines.zone import explore
 from tachk.model.cell_layout import cell_layout
-from tachk.model.evaluate import Environment, evaluate, execute
+from tachk.model.evaluate import Environment, composed, evaluate, execute
 from tachk.model.expressions import (
     BOOL,
     INT,
@@ -143,7 +143,8 @@ def compare_updates(updates: Sequence[Expression]) -> None:
         for slot, value in update.stores:
             assert program.slots[slot].low <= value <= program.slots[slot].high
             machine.slots[slot] = value
-        machine.resets.update(update.resets)
+        for clock, value, source in update.resets:
+            machine.resets |= composed(machine.resets, {clock: (source, value)})
     assert outcome == fault
     if fault is None:
         assert machine.slots[1 : program.state_slots] == environment.values
@@ -315,7 +316,13 @@ class Drawer:
                 return Assign(self.record_place(depth - 1), self.record(depth - 1), RECORD, span=span())
             case "clock":
                 clock = Index(Reference(CLOCKS), self.read_only(depth - 1), ClockType(), span())
-                value = Binary(BinaryOperator.MINIMUM, self.integer(depth - 1), Constant(1000), INT, span())
+                value: Expression = Binary(BinaryOperator.MINIMUM, self.integer(depth - 1), Constant(1000), INT, span())
+                source = Index(Reference(CLOCKS), self.read_only(depth - 1), ClockType(), span())
+                match self.pick(["number", "clock", "sum"]):
+                    case "clock":
+                        value = source
+                    case "sum":
+                        value = Binary(BinaryOperator.ADD, source, value, ClockType(), span())
                 return Assign(clock, value, ClockType(), span=span())
             case "increment":
                 return Increment(self.place(depth - 1), 1, self.draw(st.booleans()), INT, span())
@@ -454,7 +461,7 @@ def compare_with_engine(updates: list[Expression]) -> None:
     places = [p for v in VARIABLES for p in leaf_places(Reference(v))]
     after: Expression = LocationTest(0, 1)
     for place, value in zip(places, environment.values, strict=True):
-        expected = environment.resets.get(value, 0) if isinstance(place.type, ClockType) else value
+        expected = environment.resets.get(value, (0, 0))[1] if isinstance(place.type, ClockType) else value
         equal = Binary(BinaryOperator.EQUAL, place, Constant(expected), BOOL)
         after = Binary(BinaryOperator.AND, after, equal, BOOL)
     outcome = explore(*lower(net, [after]))

@@ -27,6 +27,11 @@ def test_a_loop_that_takes_time_proves_it_for_the_clocks_that_it_does_not_set() 
     assert not grows(0, SLOW, SLOW)
 
 
+def test_nothing_is_proved_of_paths_that_copy_clocks() -> None:
+    text = TEXT.replace("x = 0", "x = 0, y = z")
+    assert not grows(2, SLOW, SLOW, text=text)
+
+
 def test_a_loop_that_need_not_take_time_proves_nothing() -> None:
     assert not grows(0, QUICK, QUICK)
     assert not grows(2, QUICK, QUICK)

@@ -123,7 +123,7 @@ def test_what_cannot_be_repeated_stays_a_comment_with_the_reason() -> None:
 
 
 def test_a_model_that_is_not_checked_whole_gets_no_observers() -> None:
-    text = MODEL + "clock h; process Q() { init location A { to A { assign h = h + 1; } } }\n"
+    text = MODEL + "clock h; process Q() { init location A { to A { assign h += 1; } } }\n"
     found = exported(text.replace("system left", "system Q, left"), ExportFormat.XML)
     assert found.text.count("UPPAAL does not check") == 4
     assert {step.text for step in found.steps if "stays a comment" in step.text} == {

@@ -98,6 +98,7 @@ def test_deadlock_where_uppaal_does_not_check_it() -> None:
         ("clock x; state a { x' == 0 }; init a;", "0"),
         ("clock x; state a { x < 3 }; init a;", "x < 3"),
         ("clock x; state a, b { x >= 3 }; init a; trans a -> b { guard x > 4; };", "x >= 3"),
+        ("clock x, y; state a; init a; trans a -> a { assign x = y + 1; };", "x = y + 1"),
     ],
 )
 def test_what_is_treated_otherwise(inside: str, place: str) -> None:

@@ -179,6 +179,20 @@ system P;
     assert written.count("edge:P:A:B:tau") == 2
 
 
+def test_copies_of_clocks_are_written_with_the_number_first() -> None:
+    written = assert_same_state_space("""\
+clock x, y, z[2];
+int[0, 3] n;
+process P() {
+    init location A { invariant x <= 3; to B { guard x >= 2; assign y = x, x = y + 1, z[1] = n; } }
+    location B { invariant y <= 5; to A { assign x = n + z[1] + 1, n = (n + 1) % 3, z[0] = y; } }
+}
+system P;
+""")
+    assert "do: y = x; x = 1 + y; z_1 = 0 + n" in written
+    assert "do: x = (n + 1) + z_1; n = ((n + 1) % 3); z_0 = y" in written
+
+
 def test_edges_without_a_partner_are_left_out() -> None:
     written = assert_same_state_space("""\
 chan c;

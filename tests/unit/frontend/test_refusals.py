@@ -149,7 +149,7 @@ def labels(text: str) -> str:
     [
         ("clock x;\nprocess P() { init location s { invariant x' == 2; } }\nsystem P;", "2"),
         ("clock x, y;\nprocess P() { init location s { invariant x' == y; } }\nsystem P;", "y"),
-        ("clock x, y;\n" + labels("assign x = y;"), "x = y"),
+        ("clock x, y;\n" + labels("assign x = y - 1;"), "x = y - 1"),
         ("clock x, y;\n" + labels("assign x = 2 * y;"), "2 * y"),
         ("chan c;\n" + labels("sync c;"), "c"),
         (

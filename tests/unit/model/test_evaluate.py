@@ -202,7 +202,16 @@ def test_resets_are_recorded_with_the_clock_number() -> None:
     env = environment()
     ev.execute([Assign(Index(Reference(clocks), Constant(1), ClockType()), Constant(5), ClockType())], env)
     ev.execute([Assign(Reference(local_clock), Constant(0), ClockType())], env)
-    assert env.resets == {2: 5, 3: 0}
+    assert env.resets == {2: (0, 5), 3: (0, 0)}
+
+
+def test_copies_of_clocks_are_recorded_in_terms_of_the_values_before() -> None:
+    env = environment()
+    x, y = Index(Reference(clocks), Constant(0), ClockType()), Index(Reference(clocks), Constant(1), ClockType())
+    local = Reference(local_clock)
+    updates = [(local, x), (x, y), (y, Binary(BinaryOperator.ADD, local, Constant(2), ClockType())), (local, y)]
+    ev.execute([Assign(target, value, ClockType()) for target, value in updates], env)
+    assert env.resets == {1: (2, 0), 2: (1, 2), 3: (1, 2)}
 
 
 def test_clock_differences_are_exact() -> None:

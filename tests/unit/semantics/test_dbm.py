@@ -114,7 +114,27 @@ def test_reset_and_its_undoing(zone: Zone, point: tuple[Fraction, ...], clock: i
     if dbm.contains(zone, point):
         assert dbm.contains(dbm.reset(zone, clock, value), after)
         assert dbm.contains(dbm.free(zone, clock), after)
-    before = dbm.undo_reset(zone, [(clock, value)])
+    before = dbm.undo_assign(zone, ((clock, 0, value),))
+    assert (before is not None and dbm.contains(before, point)) == dbm.contains(zone, after)
+
+
+changes = st.lists(st.tuples(clocks, st.integers(0, 3), st.integers(0, 4)), unique_by=lambda change: change[0]).map(
+    tuple
+)
+
+
+@given(zones, points, changes)
+def test_setting_clocks_to_others_and_its_undoing(
+    zone: Zone, point: tuple[Fraction, ...], values: tuple[tuple[int, int, int], ...]
+) -> None:
+    after = list(point)
+    for clock, source, value in values:
+        after[clock - 1] = value + (point[source - 1] if source else 0)
+    image = dbm.assign(zone, values)
+    assert dbm.close(image.dimension, image.bounds) == image
+    if dbm.contains(zone, point):
+        assert dbm.contains(image, after)
+    before = dbm.undo_assign(zone, values)
     assert (before is not None and dbm.contains(before, point)) == dbm.contains(zone, after)
 
 

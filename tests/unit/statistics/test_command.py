@@ -158,3 +158,16 @@ system P;""",
     assert probability["frequency"] == 1
     assert mean["mean"] == 12 and mean["low"] is None
     assert drawn["runs"][0]["lines"][0]["values"][-1] == 12
+
+
+@pytest.mark.parametrize(("update", "bounded"), [("x = 0", True), ("x = t", True), ("x = x + 5", False)])
+def test_a_clock_that_is_advanced_may_be_larger_than_the_time_that_passed(
+    tmp_path: Path, update: str, bounded: bool
+) -> None:
+    path = tmp_path / "advancing.ta"
+    location = f"location a {{ invariant t <= 1; to a {{ guard t >= 1; assign {update}, t = 0; }} }}"
+    path.write_text(f"clock x, t; process P() {{ init {location} }} system P;", encoding="utf-8")
+    _, output = _run(str(path), "E[<=3; 30](max: x)", "--format", "json", "--seed", "3")
+    (answer,) = json.loads(output)["answers"]
+    assert (answer["high"] is not None) == bounded
+    assert answer["mean"] <= 3 or update == "x = x + 5"

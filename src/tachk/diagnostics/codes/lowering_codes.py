@@ -67,6 +67,21 @@ LOWERING_CODES: dict[str, Explanation] = {
         "invariant x' == 2;",
         "invariant x' == 0;",
     ),
+    "E0711": Explanation(
+        "clock set to a clock where clocks stop",
+        "A clock can be set to the value of a clock, and a clock can be stopped, but a model cannot have both: when a "
+        "run could happen is told by when each clock was set, and a copy of a clock that stood still was never set.",
+        "location A { invariant x' == 0; to B { do y = x; } }",
+        "location A { to B { do y = x; } }",
+    ),
+    "E0712": Explanation(
+        "copies of clocks that are compared with each other",
+        "Where clocks are compared with each other, `x = y + 1` makes of a comparison with x one of y and another "
+        "number, and in a loop so on without end. What can be reached is undecidable then (Bouyer, Dufourd, Fleury and "
+        "Petit 2004). Copy clocks without adding to them, or compare clocks with numbers only.",
+        "guard x - z <= 3; do x = x + 1;",
+        "guard x <= 3; do x = x + 1;",
+    ),
     "E0720": Explanation(
         "deadlock in a query about runs, with stopwatches",
         "Where a clock may stand still, zones say of too many states that they may be stuck. For E<> and A[] the "

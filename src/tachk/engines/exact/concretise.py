@@ -16,6 +16,7 @@ from tachk.semantics.constraints import certain, conditional_constraints
 from tachk.semantics.dbm import LESS_EQUAL_ZERO, Constraint, Zone, complement, raw_bound
 from tachk.semantics.discrete import (
     PreparedNetwork,
+    clocks_after,
     environment,
     execute_updates,
     initial_discrete,
@@ -107,8 +108,10 @@ def discrete_run(model: PreparedNetwork, path: Sequence[Transition | None]) -> t
         if any(model.edge(p).source != states[-1].locations[p.process] for p in transition.participants):
             raise ValueError(f"transition {number} does not start in the state before it")
         state, assigned = execute_updates(model, states[-1], transition)
-        for clock, value in assigned.items():
-            resets[clock] = (number, value)
+        before = [(number, 0), *resets[1:]]
+        for clock, source, more in assigned:
+            since, value = before[source]
+            resets[clock] = since, value + more
         resets[model.dimension] = (number, 0)
         states.append(state)
         phases.append(Phase(tuple(resets), stopped_clocks(model, state)))
@@ -194,9 +197,7 @@ def reached(
                 return dbm.universe(model.dimension)
             zone = narrowed
         if number < len(path):
-            for clock, (since, value) in enumerate(phases[number + 1].resets[: model.dimension]):
-                if clock > 0 and since == number + 1:
-                    zone = dbm.reset(zone, clock, value)
+            zone = dbm.assign(zone, () if transition is None else execute_updates(model, state, transition)[1])
     return zone
 
 
@@ -236,11 +237,8 @@ def timed_trace(
         clocks = [v if n in stopped else v + wait for n, v in enumerate(state.clocks, start=1)]
         waited += wait
         if transition is not None:
-            for number in range(1, model.dimension):
-                since, value = phases[phase + 1].resets[number]
-                if since == phase + 1:
-                    clocks[number - 1] = Fraction(value)
-            state = TimedState(states[phase + 1], tuple(clocks), state.time + wait)
+            _, resets = execute_updates(model, states[phase], transition)
+            state = TimedState(states[phase + 1], clocks_after(clocks, resets), state.time + wait)
             steps.append(TimedStep(waited, transition, state))
             waited = zero
         else:

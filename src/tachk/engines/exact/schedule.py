@@ -46,7 +46,8 @@ Requirement = list[tuple[Moment, ...]]
 @dataclass(frozen=True, slots=True)
 class Phase:
     """Attributes:
-    resets: for each clock (entry 0 is unused) the phase at whose beginning it was set last, and the value it got.
+    resets: for each clock (entry 0 is unused) the phase at whose beginning it was set last, and the value it got. A
+        clock that was set to another one was set when that one was.
     stopped: the clocks that stand still in this phase.
     """
 

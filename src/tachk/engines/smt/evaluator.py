@@ -11,7 +11,7 @@ from typing import TypeVar, assert_never
 
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
-from tachk.engines.smt.storage import CLOCK_SET, CLOCK_VALUE, STATE, Place, Storage, either, place_at
+from tachk.engines.smt.storage import CLOCK_SOURCE, CLOCK_VALUE, STATE, Place, Storage, either, place_at
 from tachk.engines.smt.terms import (
     Formula,
     Number,
@@ -32,6 +32,7 @@ from tachk.engines.smt.terms import (
     undefined,
 )
 from tachk.model.cell_layout import CellLayout, cell_bounds
+from tachk.model.clock_sums import clock_sum
 from tachk.model.expressions import (
     Aggregate,
     Assign,
@@ -66,7 +67,7 @@ from tachk.model.types import (
     cell_count,
     leaves,
 )
-from tachk.operators import COMPARISONS, CONNECTIVES, BinaryOperator, UnaryOperator
+from tachk.operators import COMPARISONS, CONNECTIVES, CONSTANT_HIGH, BinaryOperator, UnaryOperator
 from tachk.semantics.constraints import compares_clocks
 from tachk.time_limit import check_time
 
@@ -415,13 +416,7 @@ class Evaluator:
         target, value, span = expression.target, expression.value, expression.span
         place = self.place(target)
         if isinstance(target.type, ClockType):
-            number = self.number(value)
-            self.goes_wrong(compare(BinaryOperator.LESS, number, constant(0)), RuntimeErrorKind.NEGATIVE_CLOCK, span)
-            for condition, clock in self._of_place(place):
-                set_, before = (CLOCK_SET, clock), (CLOCK_VALUE, clock)
-                self.storage.write(set_, choose(condition, constant(1), self.storage.cells[set_]))
-                self.storage.write(before, choose(condition, number, self.storage.cells[before]))
-            return (number,)
+            return (self._set_clock(place, value, span),)
         if expression.operator is None:
             cells = self.cells(value)
         else:
@@ -429,6 +424,27 @@ class Evaluator:
             cells = (self._computed(expression.operator, old, self.number(value), span),)
         self._write(place, cells, span)
         return cells
+
+    def _set_clock(self, target: Place, value: Expression, span: Span) -> Number:
+        whole = clock_sum(value)
+        if whole is None:
+            raise refused("a clock that is set to something else than a number, a clock, or a sum of both", span)
+        from_place = None if whole.clock is None else self.place(whole.clock)
+        offset = constant(0) if whole.offset is None else self.number(whole.offset)
+        self.goes_wrong(compare(BinaryOperator.LESS, offset, constant(0)), RuntimeErrorKind.NEGATIVE_CLOCK, span)
+        source, more = constant(0), offset
+        if from_place is not None:
+            cells = self.storage.cells
+            for condition, clock in self._of_place(from_place):
+                advanced = cells[CLOCK_VALUE, clock]
+                if advanced.high + offset.high > CONSTANT_HIGH:
+                    raise refused("a clock that may be advanced so far in one step", span)
+                source = choose(condition, cells[CLOCK_SOURCE, clock], source)
+                more = choose(condition, compute(BinaryOperator.ADD, advanced, offset), more)
+        for condition, clock in self._of_place(target):
+            for cell, number in (((CLOCK_SOURCE, clock), source), ((CLOCK_VALUE, clock), more)):
+                self.storage.write(cell, choose(condition, number, self.storage.cells[cell]))
+        return offset
 
     def call(self, expression: Call) -> tuple[Number, ...]:
         """Executes a function; the cells of its result."""

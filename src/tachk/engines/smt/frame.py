@@ -9,7 +9,7 @@ import z3
 
 from tachk.engines.smt.evaluator import Clocks
 from tachk.engines.smt.machine import Machine
-from tachk.engines.smt.storage import CLOCK_SET, CLOCK_VALUE, STATE, Storage
+from tachk.engines.smt.storage import CLOCK_SOURCE, CLOCK_VALUE, STATE, Storage
 from tachk.engines.smt.terms import Formula, Number, any_of, compare, conj, constant, of_each_value, real, unknown
 from tachk.model.cell_layout import CellLayout
 from tachk.model.network import Network
@@ -144,5 +144,5 @@ def _count(network: Network) -> int:
 def machine_of(layout: CellLayout, frame: Frame, clocks: ClocksOf) -> Machine:
     cells = {(STATE, position): number for position, number in enumerate(frame.cells)}
     for clock in range(1, len(layout.clock_cells) + 1):
-        cells[CLOCK_SET, clock] = cells[CLOCK_VALUE, clock] = constant(0)
+        cells[CLOCK_SOURCE, clock], cells[CLOCK_VALUE, clock] = constant(clock), constant(0)
     return Machine(layout, frame.locations, Storage(cells, {STATE: layout.ranges}), clocks.compare)

@@ -19,7 +19,7 @@ from tachk.engines.smt.conditions import certain, guard
 from tachk.engines.smt.evaluator import PossibleFault, refused
 from tachk.engines.smt.frame import ClocksOf, Frame, fresh_frame, machine_of, participants
 from tachk.engines.smt.machine import Machine
-from tachk.engines.smt.storage import CLOCK_SET, CLOCK_VALUE, STATE, Storage
+from tachk.engines.smt.storage import CLOCK_SOURCE, CLOCK_VALUE, STATE, Storage
 from tachk.engines.smt.terms import (
     Formula,
     all_of,
@@ -34,6 +34,7 @@ from tachk.engines.smt.terms import (
     real,
 )
 from tachk.model.cell_layout import CellLayout, cell_layout
+from tachk.model.clock_sums import clock_copy
 from tachk.model.expressions import Expression
 from tachk.model.network import Edge, Network
 from tachk.model.traversal import reads_clock
@@ -142,7 +143,7 @@ class _Encoder:
         waits = self.frame.left > self.frame.entered
         stay = all_of([invariant, on_entry, disj(neg(waits), self._time_may_pass())])
         chosen = self._chosen()
-        changed, step_faults = self._updated(after, stopped)
+        changed, step_faults = self._updated(after)
         first = unblocked(self._actions()) if self.network.has_priorities else True
         return Relation(
             self.network,
@@ -299,6 +300,8 @@ class _Encoder:
                         found[named] = disj(found.get(named, False), conj(stands, condition))
         if machine.faults:
             raise refused("a rate that may go wrong", machine.faults[0].span)
+        if found and (copy := clock_copy(self.network)) is not None:
+            raise refused("a clock that is set to the value of a clock in a model that stops clocks", copy.span)
         return {clock: formula for clock, formula in found.items() if formula is not False}
 
     # ---- single actions ----------------------------------------------------------------------------------------------
@@ -320,7 +323,7 @@ class _Encoder:
             for position, number in enumerate(self.frame.cells)
         ]
         clocks = range(1, len(self.frame.resets) + 1)
-        resets = [self._reset(machine.storage, clock, self.stopped.get(clock, False)) for clock in clocks]
+        resets = [self._reset(machine.storage, clock) for clock in clocks]
         there = _Encoder(self.network, self.layout, self.channels)
         there.frame = Frame(tuple(locations), tuple(cells), tuple(resets), self.frame.left, self.frame.left, ())
         invariant, wrong = there._invariant(ClocksOf(there.frame, {}, there.frame.entered))
@@ -393,8 +396,8 @@ class _Encoder:
                         parts.append(neg(all_of([sends[named], receiver.open, condition, neg(takes_part)])))
         return parts
 
-    def _updated(self, after: Frame, stopped: dict[int, Formula]) -> tuple[Formula, list[PossibleFault]]:
-        machine = machine_of(self.layout, self.frame, ClocksOf(self.frame, stopped, self.frame.left))
+    def _updated(self, after: Frame) -> tuple[Formula, list[PossibleFault]]:
+        machine = machine_of(self.layout, self.frame, ClocksOf(self.frame, self.stopped, self.frame.left))
         self._execute(machine, [instance for instance in self.instances if not instance.receives])
         for process in range(len(self.network.processes)):
             self._execute(machine, [i for i in self.instances if i.receives and i.process == process])
@@ -411,7 +414,7 @@ class _Encoder:
                         target = choose(instance.fires, constant(instance.edge.target), target)
                 parts.append(number.term == target.at_width(number.term.size()))
         for clock, reset in enumerate(after.resets, 1):
-            parts.append(reset == self._reset(machine.storage, clock, stopped.get(clock, False)))
+            parts.append(reset == self._reset(machine.storage, clock))
         return all_of([*parts, after.entered == self.frame.left]), machine.faults
 
     def _execute(self, machine: Machine, alternatives: Sequence[Instance]) -> None:
@@ -429,24 +432,35 @@ class _Encoder:
         for fires, changed in changes:
             machine.storage.apply(changed, fires)
 
-    def _reset(self, storage: Storage, clock: int, stopped: Formula) -> z3.ArithRef:
+    def _reset(self, storage: Storage, clock: int) -> z3.ArithRef:
         """When a clock would have been 0, as the next frame sees it."""
-        kept = self.frame.resets[clock - 1]
-        if stopped is not False:
-            later = kept + (self.frame.left - self.frame.entered)
-            kept = later if stopped is True else z3.If(stopped, later, kept)
-        is_set = storage.cells[CLOCK_SET, clock].is_value(1)
-        if is_set is False:
-            return kept
-        value = storage.cells[CLOCK_VALUE, clock]
+        source, value = storage.cells[CLOCK_SOURCE, clock], storage.cells[CLOCK_VALUE, clock]
+        if source.is_value(clock) is True and value.is_value(0) is True:
+            return self._kept(clock)
+        moment: z3.ArithRef | None = None
+        for number in source.values:
+            is_source = source.is_value(number)
+            if is_source is False:
+                continue
+            zero = self._kept(number) if number else self.frame.left
+            moment = zero if moment is None or is_source is True else z3.If(is_source, zero, moment)
+        assert moment is not None
         listed = of_each_value(value)
-        moment = self.frame.left - real(value)
-        if listed is not None:
-            moment = self.frame.left - listed[-1][1] if listed[-1][1] else self.frame.left
-            for condition, number in listed[:-1]:
-                if not isinstance(condition, bool):
-                    moment = z3.If(condition, self.frame.left - number if number else self.frame.left, moment)
-        return moment if is_set is True else z3.If(is_set, moment, kept)
+        if listed is None:
+            return moment - real(value)
+        earlier = moment - listed[-1][1] if listed[-1][1] else moment
+        for condition, number in listed[:-1]:
+            if not isinstance(condition, bool):
+                earlier = z3.If(condition, moment - number if number else moment, earlier)
+        return earlier
+
+    def _kept(self, clock: int) -> z3.ArithRef:
+        """When a clock that is not set would have been 0, as the next frame sees it."""
+        kept, stopped = self.frame.resets[clock - 1], self.stopped.get(clock, False)
+        if stopped is False:
+            return kept
+        later = kept + (self.frame.left - self.frame.entered)
+        return later if stopped is True else z3.If(stopped, later, kept)
 
 
 def _at_most_one(fires: Sequence[z3.BoolRef]) -> Formula:

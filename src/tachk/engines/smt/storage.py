@@ -13,10 +13,10 @@ Cell = tuple[int, int]
 
 STATE = 0
 """The segment of the variables of the network."""
-CLOCK_SET = 1
-"""At the number of a clock: whether it was set."""
+CLOCK_SOURCE = 1
+"""At the number of a clock: the clock whose value before all updates it has; 0 for none."""
 CLOCK_VALUE = 2
-"""At the number of a clock: what it was set to."""
+"""At the number of a clock: how much more it is."""
 
 _T = TypeVar("_T")
 

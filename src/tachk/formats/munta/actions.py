@@ -151,10 +151,11 @@ class ActionFinder:
     ) -> Effect:
         layout = self.model.layout
         writes = tuple((cell, list.__getitem__(contents, cell)) for cell in sorted(contents.written))
-        for clock, value in environment.resets.items():
-            if value:
+        for clock, (source, value) in environment.resets.items():
+            if source or value:
                 name = layout.names[layout.clock_cells[clock - 1]]
-                raise refused(f"clocks that are set to another value than 0, here `{name}` to {value}", span)
+                what = "the value of a clock" if source else value
+                raise refused(f"clocks that are set to another value than 0, here `{name}` to {what}", span)
         return Effect(guard, channel, writes, tuple(sorted(environment.resets)))
 
 

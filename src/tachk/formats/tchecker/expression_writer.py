@@ -16,6 +16,7 @@ from tachk.compiler.slot_layout import cell_range
 from tachk.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.diagnostics.span import Span
 from tachk.model.cell_layout import default_cells
+from tachk.model.clock_sums import clock_sum
 from tachk.model.expressions import (
     BOOL,
     INT,
@@ -266,10 +267,18 @@ class TermPrinter:
         if isinstance(target.type, BoolType) and not isinstance(value.type, BoolType):
             value = Binary(BinaryOperator.NOT_EQUAL, value, Constant(0), BOOL, value.span)
             value = fold(value, Known())
-        text = self.term(value)
-        if isinstance(target.type, ClockType) and not isinstance(value, Constant):
-            text = f"0 + {text}"
-        return f"{self.place(target)} = {text}"
+        if isinstance(target.type, ClockType):
+            return f"{self.place(target)} = {self._clock_value(value)}"
+        return f"{self.place(target)} = {self.term(value)}"
+
+    def _clock_value(self, value: Expression) -> str:
+        whole = clock_sum(value)
+        if whole is None:
+            raise refused("such value of a clock", value.span)
+        if whole.clock is None:
+            return self.term(value) if isinstance(value, Constant) else f"0 + {self.term(value)}"
+        clock = self.place(whole.clock)
+        return clock if whole.offset is None else f"{self.term(whole.offset)} + {clock}"
 
 
 def cell_name(name: str, indices: list[int]) -> str:

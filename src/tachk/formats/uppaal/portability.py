@@ -16,6 +16,7 @@ from tachk.formats.uppaal.portability_queries import floating_findings, query_fi
 from tachk.formats.uppaal.versions import Version
 from tachk.frontend.expressions.builtin_names import BUILTIN_CONSTANTS, BUILTIN_TYPES
 from tachk.frontend.loaded import LoadedModel
+from tachk.model.clock_sums import clock_copies
 from tachk.model.types import ArrayType, ClockType
 from tachk.operators import BinaryOperator
 from tachk.syntax import ast
@@ -185,6 +186,8 @@ def _other_treatment(model: LoadedModel, version: Version) -> Iterator[Diagnosti
             f"{version.full_name} {verb} a clock guard on an urgent channel",
             "wait for the clock in a location of its own",
         )
+    for copy in clock_copies(model.network):
+        yield _otherwise(copy.span, f"{version.full_name} copies clocks in statistical checking only", None)
     yield from floating_findings(model.network, version.full_name)
     for template in (item for item in model.items if isinstance(item, ast.Template)):
         for location in template.locations:

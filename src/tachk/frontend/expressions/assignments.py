@@ -6,10 +6,12 @@ from tachk.frontend.context import Context
 from tachk.frontend.expressions.operator_types import combine
 from tachk.frontend.expressions.places import converted
 from tachk.frontend.expressions.typing import CHANNEL_HELP, FINT_HELP, can_assign, describe, is_integral
+from tachk.model.clock_sums import clock_sum
 from tachk.model.expressions import Assign, Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.traversal import may_change, walk
 from tachk.model.types import ChannelType, ClockType, ScalarType, Type, element_type
+from tachk.operators import BinaryOperator
 from tachk.syntax import ast
 
 
@@ -26,12 +28,16 @@ def assignment(
         if not (is_integral(value.type) or isinstance(value.type, ClockType)):
             context.error("E0302", node.span, f"a clock cannot be set to {describe(value.type)}")
             return None
-        if operator is not None or isinstance(value.type, ClockType):
+        if operator is not None:
+            help = "write `x = x + e`" if operator is BinaryOperator.ADD else None
+            context.error("E0750", node.span, f"`{operator}=` on a clock is not supported", help)
+            return None
+        if clock_sum(value) is None:
             context.error(
                 "E0750",
                 node.span,
-                "setting a clock to the value of a clock is not supported",
-                "write `x = e` with an integer expression `e`; tachk cannot copy or advance clocks",
+                "setting a clock to this value of clocks is not supported",
+                "write `x = y` or `x = y + e` with a clock `y` and an integer expression `e` that is not negative",
             )
             return None
         return Assign(target, value, target.type, None, node.span)
