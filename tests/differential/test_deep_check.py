@@ -39,6 +39,7 @@ SHAPES = {
     "plain": Shape(),
     "small": Shape(processes=2, locations=3, clocks=2, constant=3),
     "priorities": Shape(priorities=True, clocks=2),
+    "copies": Shape(copies=0.5, clocks=2),
     "diagonals": Shape(diagonals=True, clocks=2, constant=3),
 }
 VARIANTS = (Options(), Options(order=SearchOrder.DFS), Options(extrapolation=Extrapolation.MAX), Options(passing=4))

@@ -21,6 +21,7 @@ SHAPES = {
     "diagonals": Shape(**SMALL, diagonals=True),
     "one process": Shape(**{**SMALL, "processes": 1, "locations": 4}),
     "stopwatches": Shape(**SMALL, stopwatches=True),
+    "copies": Shape(**SMALL, copies=0.5),
     "faults": Shape(**SMALL, language=True, faults=0.3),
 }
 VARIANTS = (Options(subsumption=False), Options(pack_clocks=0, chunk_words=1, rows_after=0))

@@ -27,6 +27,9 @@ SHAPES = {
     "diagonals": Shape(diagonals=True, clocks=2, constant=3),
     "everything": Shape(diagonals=True, priorities=True, clocks=2, constant=3),
     "stopwatches": Shape(stopwatches=True, clocks=2),
+    "copies": Shape(copies=0.5),
+    "copies and others": Shape(copies=0.4, apart=0.3, exact=0.4, priorities=True, spectators=1, bystanders=1),
+    "copies and diagonals": Shape(copies=0.4, advances=False, diagonals=True, constant=3),
 }
 
 APART = Shape(apart=0.9, committed=False, urgent_channels=False, broadcast=False, deadlocks=False, clocks=1)
@@ -35,6 +38,8 @@ APART = Shape(apart=0.9, committed=False, urgent_channels=False, broadcast=False
 LONG_TIMES = {
     "tens": Shape(unit=10),
     "hundreds": Shape(unit=200, uneven=True, diagonals=True, clocks=2, constant=3),
+    "copies of tens": Shape(unit=10, copies=0.5),
+    "copies of millions": Shape(unit=2**25, uneven=True, copies=0.5),
     "millions": Shape(unit=2**25, uneven=True),
     "all 31 bits": Shape(unit=2**29 - 1, uneven=True, diagonals=True, clocks=2, constant=3),
 }
@@ -92,6 +97,7 @@ FAULTS = {
     "left out": Shape(language=True, faults=0.5, spectators=1, bystanders=1, processes=2, locations=3, clocks=1),
     "stopwatches": Shape(language=True, faults=0.3, stopwatches=True, processes=2, locations=3, clocks=2),
     "diagonals": Shape(language=True, faults=0.3, exact=0.3, diagonals=True, processes=2, locations=3, clocks=2),
+    "copies": Shape(language=True, faults=0.5, copies=0.5, processes=2, locations=3, clocks=2),
 }
 FEW_VARIANTS = (Options(order=SearchOrder.DFS), Options(extrapolation=Extrapolation.MAX), Options(chunk_words=1))
 

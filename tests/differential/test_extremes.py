@@ -18,6 +18,7 @@ SHAPES = {
     "plain": Shape(),
     "closed": Shape(strict=False, deadlocks=False, clocks=2),
     "priorities": Shape(priorities=True, clocks=2),
+    "copies": Shape(copies=0.5, clocks=2),
     "diagonals": Shape(diagonals=True, clocks=2, constant=3, processes=2, locations=3),
 }
 

@@ -48,6 +48,8 @@ SHAPES = {
     "three processes": Shape(**{**SMALL, "processes": 3, "constant": 2}),
     "deadlocks": Shape(**{**SMALL, "deadlocks": True}),
     "stopwatches": Shape(**SMALL, stopwatches=True),
+    "copies": Shape(**SMALL, copies=0.5),
+    "copies and diagonals": Shape(**SMALL, copies=0.5, advances=False, diagonals=True),
     "faults": Shape(**SMALL, language=True, faults=0.3),
 }
 

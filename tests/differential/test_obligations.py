@@ -22,6 +22,7 @@ SHAPES = {
     "plain": Shape(),
     "small": Shape(processes=2, locations=3, clocks=2, constant=3),
     "priorities": Shape(priorities=True, clocks=2),
+    "copies": Shape(copies=0.5, clocks=2),
     "diagonals": Shape(diagonals=True, clocks=2, constant=3),
     "stopwatches": Shape(stopwatches=True, clocks=2, deadlocks=False),
     "language": Shape(language=True, faults=0.08, exact=0.3, processes=2, locations=3, clocks=2, deadlocks=False),

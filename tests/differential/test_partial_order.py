@@ -22,6 +22,8 @@ SHAPES = (
     Shape(groups=3, hurried=0.5, clocks=1, processes=2, locations=3, deadlocks=False, clocks_on_broadcast=False),
     Shape(hurried=0.6, clocks=2, deadlocks=False),
     Shape(hurried=0.6, language=True, faults=0.3, clocks=2),
+    Shape(hurried=0.6, language=True, faults=0.3, clocks=2, copies=0.5),
+    Shape(groups=2, hurried=0.6, clocks=2, processes=2, locations=3, deadlocks=False, copies=0.5),
     Shape(groups=2, hurried=0.4, clocks=2, processes=2, locations=3, diagonals=True),
 )
 VARIANTS = (ON, replace(ON, order=SearchOrder.DFS), replace(ON, order=SearchOrder.BFS, subsumption=False))

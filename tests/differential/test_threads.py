@@ -21,6 +21,7 @@ ONE = Options(threads=1, threads_after=0, local_times=LocalTimes.NEVER)
 SHAPES = (
     Shape(groups=2, clocks=2, processes=3, locations=4),
     Shape(groups=3, hurried=0.5, clocks=1, processes=2, locations=3),
+    Shape(groups=2, clocks=2, processes=2, locations=3, copies=0.5),
     Shape(language=True, faults=0.5, clocks=3, processes=4, locations=5),
     Shape(groups=2, clocks=2, processes=2, locations=4, diagonals=True),
     Shape(groups=2, priorities=True, clocks=2, processes=2, locations=4),

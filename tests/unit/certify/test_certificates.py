@@ -56,6 +56,7 @@ def tightened(random: Random, proof: Proof) -> Iterator[Block]:
 SHAPES = [
     Shape(),
     Shape(priorities=True, clocks=2),
+    Shape(copies=0.5, clocks=2),
     Shape(stopwatches=True, clocks=2),
     Shape(diagonals=True, exact=0.3, clocks=2),
     Shape(language=True, faults=0.3, clocks=2),
@@ -81,6 +82,7 @@ LIVE_SHAPES = [
     Shape(priorities=True, clocks=2),
     Shape(stopwatches=True, deadlocks=False, clocks=2),
     Shape(language=True, faults=0.3, clocks=2),
+    Shape(copies=0.5, processes=2, locations=3),
     Shape(processes=2, locations=3),
 ]
 

@@ -53,7 +53,7 @@ def accepted_by_reference(
     return True
 
 
-@pytest.mark.parametrize("shape", [SHAPE, replace(SHAPE, language=True)])
+@pytest.mark.parametrize("shape", [SHAPE, replace(SHAPE, language=True), replace(SHAPE, copies=0.5)])
 def test_judges_agree_on_runs_with_other_times(shape: Shape) -> None:
     random = Random(7)
     said = {True: 0, False: 0}

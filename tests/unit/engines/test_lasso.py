@@ -297,6 +297,7 @@ def test_the_judge_wants_the_clocks_that_count_to_return() -> None:
     "shape",
     [
         Shape(clocks=2),
+        Shape(clocks=2, copies=0.5),
         Shape(clocks=2, priorities=True, diagonals=True, constant=2),
         Shape(language=True, exact=0.3, processes=2, locations=3, clocks=2, constant=3),
     ],

@@ -168,6 +168,7 @@ SHAPES = {
     "plain": Shape(),
     "small": Shape(processes=2, locations=3, clocks=2, constant=3),
     "priorities": Shape(priorities=True, clocks=2, constant=2),
+    "copies": Shape(copies=0.5, clocks=2, constant=2),
     "diagonals": Shape(diagonals=True, clocks=2, constant=2, processes=2),
     "language": Shape(language=True, faults=0.1, exact=0.3, processes=2, locations=3, clocks=2, constant=3),
 }

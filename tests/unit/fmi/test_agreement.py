@@ -17,6 +17,7 @@ from tachk.testing.simulated.cosimulated import Driving, disagreements
 
 SHAPES = (
     Shape(clocks=2),
+    Shape(clocks=2, copies=0.5),
     Shape(exact=0.4, processes=3, clocks=2, constant=3),
     Shape(language=True, clocks_on_broadcast=True, locations=3, clocks=2),
     Shape(stopwatches=True),

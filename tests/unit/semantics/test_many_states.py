@@ -7,6 +7,7 @@ from random import Random
 import numpy as np
 import pytest
 
+from tachk.model.builder import NetworkBuilder
 from tachk.semantics import symbolic
 from tachk.semantics.dbm import constrain_all, universe
 from tachk.semantics.discrete import PreparedNetwork, initial_discrete, prepare, stopped_clocks
@@ -19,6 +20,8 @@ SHAPES = [
     Shape(language=True),
     Shape(urgent_channels=True, committed=True, broadcast=True),
     Shape(stopwatches=True),
+    Shape(copies=0.5),
+    Shape(copies=0.5, language=True),
     Shape(language=True, faults=0.5),
 ]
 
@@ -62,3 +65,18 @@ def test_moves_of_many_states_are_those_of_each(seed: int) -> None:
             if move.target is not None and move.fault is None
         }
         assert {t: together.get(t) for t in alone} == alone
+
+
+def test_a_receiver_copies_what_the_sender_has_set() -> None:
+    network = NetworkBuilder()
+    x, y, z = (network.clock(name) for name in "xyz")
+    channel = network.channel("c")
+    sender, receiver = network.process("S"), network.process("R")
+    a, b = sender.location("A"), receiver.location("B")
+    sender.edge(a, a, send=channel, updates=[x.assign(z + 1)])
+    receiver.edge(b, b, receive=channel, updates=[y.assign(x + 2), z.assign(0)])
+    model = prepare(network.build())
+    many, start = ManyStates(model), initial_discrete(model)
+    many.numbers(np.array([[*start.locations, *start.values, 0]]))
+    many.explore(many.settle())
+    assert [move.resets for move in many.moves] == [((1, 3, 1), (2, 3, 3), (3, 0, 0))]

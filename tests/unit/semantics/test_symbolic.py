@@ -17,6 +17,7 @@ SHAPES = [
     Shape(clocks_on_urgent=True),
     Shape(priorities=True, clocks_on_urgent=True),
     Shape(diagonals=True, clocks=2),
+    Shape(copies=0.5),
 ]
 DELAYS = [Fraction(n, 3) for n in range(10)]
 

@@ -151,7 +151,7 @@ def test_the_examples_of_the_explanations() -> None:
 
 
 def _networks(count: int, seed: int) -> list[Network]:
-    shapes = (Shape(), Shape(clocks=2), Shape(stopwatches=True), Shape(language=True, clocks=2, constant=3))
+    shapes = (Shape(), Shape(clocks=2), Shape(stopwatches=True), Shape(language=True, clocks=2, constant=3, copies=0.3))
     return [random_case(Random(seed + n), shapes[n % len(shapes)]).network for n in range(count)]
 
 

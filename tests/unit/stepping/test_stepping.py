@@ -29,7 +29,14 @@ LAMP = re.search(r"```ta lamp.ta\n(.*?)```", PAGE, re.DOTALL)[1]  # type: ignore
 
 
 def _network(seed: int) -> Network:
-    shapes = (Shape(), Shape(clocks=2), Shape(diagonals=True, clocks=2), Shape(stopwatches=True), Shape(language=True))
+    shapes = (
+        Shape(),
+        Shape(clocks=2),
+        Shape(diagonals=True, clocks=2),
+        Shape(stopwatches=True),
+        Shape(language=True),
+        Shape(copies=0.5),
+    )
     return random_case(Random(seed), shapes[seed % len(shapes)]).network
 
 
