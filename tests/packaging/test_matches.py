@@ -41,7 +41,7 @@ REASONS = {
     "Anything else goes to a function that names every member.": {
         "compiler/codegen.CodeGenerator.address",
         "compiler/codegen.CodeGenerator.effect",
-        "compiler/fold.fold_place",
+        "compiler/fold._fold_place",
         "engines/smt/evaluator.Evaluator.cells",
         "engines/smt/evaluator.Evaluator.place",
         "engines/smt/evaluator.Evaluator.truth",

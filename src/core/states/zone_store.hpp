@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "states/memory.hpp"
-#include "states/zone_shelf.hpp"
+#include "states/rows/zone_shelf.hpp"
 #include "zones/zone.hpp"
 
 namespace tachk {

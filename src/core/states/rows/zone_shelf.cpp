@@ -1,4 +1,4 @@
-#include "states/zone_shelf.hpp"
+#include "states/rows/zone_shelf.hpp"
 
 #include <cstring>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "states/row_store.hpp"
+#include "states/rows/row_store.hpp"
 
 #include <cstring>
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "states/memory.hpp"
-#include "states/row_store.hpp"
+#include "states/rows/row_store.hpp"
 #include "zones/zone.hpp"
 
 namespace tachk {
