@@ -272,11 +272,13 @@ class Automorphisms:
                 return False
         if {whole.clock(clock) for clock in effect.clocks} != set(its_image.clocks):
             return False
-        return all(
-            self._moved(value, None, whole, image)
-            == self._moved(its_image.clocks[whole.clock(clock)], None, _STAY, image)
-            for clock, value in effect.clocks.items()
-        )
+        for clock, (source, more) in effect.clocks.items():
+            its_source, its_more = its_image.clocks[whole.clock(clock)]
+            if whole.clock(source) != its_source:
+                return False
+            if self._moved(more, None, whole, image) != self._moved(its_more, None, _STAY, image):
+                return False
+        return True
 
     def _before(self, leaf: Leaf, slot: int) -> Any:
         return content(slot, leaf.case.get(slot, self.leaves.ranges[slot]))

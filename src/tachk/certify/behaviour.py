@@ -29,11 +29,11 @@ class Effect:
 
     Attributes:
         cells: by slot, the new number, known or not.
-        clocks: by clock.
+        clocks: by clock, the clock whose value it gets (0: none), and how much more.
     """
 
     cells: Mapping[int, Any]
-    clocks: Mapping[int, Any]
+    clocks: Mapping[int, tuple[int, Any]]
 
 
 class Behaviour:
@@ -151,8 +151,12 @@ class Behaviour:
             if leaf.answer is FAULT:
                 continue
             effect = leaf.answer
-            for place, value in (*effect.cells.items(), *((("clock", c), v) for c, v in effect.clocks.items())):
-                writes.setdefault(place, set()).add(name_of(value))
+            numbers = [(cell, 0, value) for cell, value in effect.cells.items()]
+            numbers += [(("clock", clock), source, more) for clock, (source, more) in effect.clocks.items()]
+            for place, source, value in numbers:
+                writes.setdefault(place, set()).add((source, name_of(value)))
+                if source != 0:
+                    reads.add(("clock", source))
                 if isinstance(value, Unknown):
                     reads.add(value.slot)
                     writes[place].add(("number of", participant))

@@ -106,7 +106,7 @@ def composed(first: ClockChanges, second: ClockChanges) -> ClockChanges:
     after = {}
     for clock, (source, more) in second.items():
         before, advance = first.get(source, (source, 0))
-        after[clock] = before, advance + more
+        after[clock] = before, advance + more if advance else more  # what is added may be unknown (`tachk.certify`)
     return after
 
 

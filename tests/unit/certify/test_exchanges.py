@@ -204,6 +204,30 @@ DIFFERENT = {
         {"of_a": "to M { sync all?; assign z = a; }", "of_b": "to M { sync all?; assign z = b; }"},
         "the order of those that hear a broadcast matters",
     ),
+    "a clock that gets the value of their own one": (
+        {"of_a": "to M { assign x = x + 2; }", "of_b": "to M { assign x = x + 2; }"},
+        None,
+    ),
+    "a clock that gets the value of the same one": (
+        {"of_a": "to M { assign x = z; }", "of_b": "to M { assign x = z; }"},
+        None,
+    ),
+    "a clock that gets the value of another one": (
+        {"of_a": "to M { assign x = x + 1; }", "of_b": "to M { assign x = z + 1; }"},
+        WITHIN + "M",
+    ),
+    "a clock that gets another value of it": (
+        {"of_a": "to M { assign x = z + 1; }", "of_b": "to M { assign x = z + 2; }"},
+        WITHIN + "M",
+    ),
+    "a clock that one receiver sets and another one reads": (
+        {
+            "channels": "chan ua, ub; clock y;",
+            "of_a": "to M { sync all?; assign y = z, z = 0; }",
+            "of_b": "to M { sync all?; assign y = z, z = 0; }",
+        },
+        "the order of those that hear a broadcast matters",
+    ),
     "an order of receivers that does not matter": (
         {
             "of_a": "to M { sync all?; assign owner = 0, a = 0; }",
