@@ -115,7 +115,9 @@ def _image(state: DiscreteState, given: Exchange) -> DiscreteState:
 def _exchanged(what: Hashable, given: Exchange) -> Hashable:
     match what:
         case (DiscreteState() as target, frozenset() as resets):
-            return _image(target, given), frozenset((given.clock(clock), value) for clock, value in resets)
+            return _image(target, given), frozenset(
+                (given.clock(clock), given.clock(source), more) for clock, source, more in resets
+            )
         case ("invariant", delays, frozenset() as stopped):
             return "invariant", delays, frozenset(map(given.clock, stopped))
         case _:
