@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
-#include <new>
 #include <vector>
 
 #include "check.hpp"
-#include "reachability/ahead/team.hpp"
 #include "reachability/explorer.hpp"
 #include "reachability/programs.hpp"
 
@@ -47,24 +45,6 @@ void check_alike(const Program& program, Options options, Status last, const Lim
       if (alone.reached(goal)) CHECK(alone.path(*alone.reached(goal)) == explorer.path(*explorer.reached(goal)));
     }
     CHECK(alone.fault().has_value() == explorer.fault().has_value());
-  }
-}
-
-void test_what_a_member_throws_comes_out() {
-  Team team(3);
-  for (unsigned throwing = 0; throwing < team.members(); ++throwing) {
-    bool thrown = false;
-    try {
-      team.share([&](unsigned member) {
-        if (member == throwing) throw std::bad_alloc();
-      });
-    } catch (const std::bad_alloc&) {
-      thrown = true;
-    }
-    CHECK(thrown);
-    std::vector<int> done(team.members());
-    team.share([&](unsigned member) { done[member] = 1; });
-    CHECK(std::count(done.begin(), done.end(), 1) == static_cast<int>(team.members()));
   }
 }
 
@@ -124,7 +104,6 @@ void test_packed_zones_and_chunks() {
 }  // namespace
 
 int main() {
-  test_what_a_member_throws_comes_out();
   test_all_states();
   test_a_goal();
   test_deadlock();

@@ -1,6 +1,7 @@
 #include "reachability/ahead/ahead.hpp"
 
 #include <algorithm>
+#include <new>
 
 namespace tachk {
 
@@ -10,9 +11,15 @@ Ahead::Ahead(const ZoneGraph& graph, PassedList& passed, unsigned threads)
 }
 
 void Ahead::make_finders() {
+  std::atomic<bool> failed{false};
   team_->share([&](unsigned member) {
-    if (!finders_[member]) finders_[member] = std::make_unique<Finder>(graph_, passed_, member);
+    try {
+      if (!finders_[member]) finders_[member] = std::make_unique<Finder>(graph_, passed_, member);
+    } catch (const std::bad_alloc&) {
+      failed = true;
+    }
   });
+  if (failed) throw std::bad_alloc();
 }
 
 std::size_t Ahead::find(std::span<const std::uint32_t> nodes, const GoalWatch& goals,

@@ -32,30 +32,29 @@ Team::Team(unsigned members) {
 }
 
 Team::~Team() {
+  finish();
   over_ = true;
   ++round_;
   round_.notify_all();
   for (std::thread& other : others_) other.join();
 }
 
-void Team::share(std::function<void(unsigned)> work) {
+void Team::begin(std::function<void(unsigned)> work) {
+  finish();
   work_ = std::move(work);
   busy_ = static_cast<std::uint32_t>(others_.size());
   ++round_;
   round_.notify_all();
-  perform(0);
-  for (std::uint32_t busy = busy_; busy != 0; busy = busy_) await_change(busy_, busy);
-  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
-// Memory may run out in any thread; that ends the search, not the program.
-void Team::perform(unsigned member) {
-  try {
-    work_(member);
-  } catch (...) {
-    const std::scoped_lock lock(failing_);
-    failure_ = std::current_exception();
-  }
+void Team::finish() {
+  for (std::uint32_t busy = busy_; busy != 0; busy = busy_) await_change(busy_, busy);
+}
+
+void Team::share(std::function<void(unsigned)> work) {
+  begin(std::move(work));
+  work_(0);
+  finish();
 }
 
 void Team::serve(unsigned member) {
@@ -63,7 +62,7 @@ void Team::serve(unsigned member) {
     await_change(round_, round);
     ++round;
     if (over_) return;
-    perform(member);
+    work_(member);
     if (--busy_ == 0) busy_.notify_one();
   }
 }

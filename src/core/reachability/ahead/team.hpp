@@ -5,9 +5,7 @@
 
 #include <atomic>
 #include <cstdint>
-#include <exception>
 #include <functional>
-#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -23,16 +21,16 @@ class Team final {
 
   unsigned members() const { return static_cast<unsigned>(others_.size()) + 1; }
 
-  // Calls work(n) for each member, by a thread each, and returns when all are done. Throws what one of them has thrown.
+  // Calls work(n) for each member, by a thread each, and returns when all are done. It must not throw.
   void share(std::function<void(unsigned)> work);
+  // Calls work(n) for each member but 0, and does not wait for them; `finish` does, and so does the next call.
+  void begin(std::function<void(unsigned)> work);
+  void finish();
 
  private:
   void serve(unsigned member);
-  void perform(unsigned member);
 
   std::function<void(unsigned)> work_;
-  std::mutex failing_;
-  std::exception_ptr failure_;
   std::atomic<std::uint32_t> round_{0};
   std::atomic<std::uint32_t> busy_{0};
   bool over_ = false;
